@@ -1,0 +1,27 @@
+/* The same demonstration as a program of the host, to compare its bits with the target's. */
+#include <stdio.h>
+#include "board.h"
+
+void board_start(void)
+{
+}
+
+void board_put(char c)
+{
+    putchar(c);
+}
+
+uint32_t board_count(void)
+{
+    return 0;
+}
+
+uint32_t board_stack_used(void)
+{
+    return 0;
+}
+
+uint32_t board_instructions(uint32_t from, uint32_t to)
+{
+    return to - from;
+}

@@ -1,0 +1,145 @@
+/* The fault drill: each fault must come back as its status, with the volts inside their limits. */
+#include <string.h>
+#include "demo.h"
+#include "print.h"
+
+int drill_line(const char *name, int ok, pzs_status status)
+{
+    print_text("drill ");
+    print_text(name);
+    if (ok) {
+        print_text(" ok\n");
+    } else {
+        print_text(" FAILED:");
+        print_count("status", status);
+        print_text("\n");
+    }
+    return !ok;
+}
+
+static int inside(const pzs_control *control)
+{
+    const pzs_problem *problem = control->problem;
+    for (int j = 0; j < problem->inputs; j++)
+        if (!(control->volt[j] >= problem->lower[j] && control->volt[j] <= problem->upper[j])) return 0;
+    return 1;
+}
+
+static pzs_real not_a_number(void)
+{
+    pzs_real x;
+    memset(&x, 0xFF, sizeof x);
+    return x;
+}
+
+int drill_model(const pzs_structure *structure, void *work, size_t bytes)
+{
+    pzs_model model = { 0 };
+    pzs_structure damaged = *structure;
+    pzs_status status;
+    int failed = 0;
+
+    status = pzs_factor(&model);
+    failed += drill_line("factor-before-init", status == PZS_E_STAGE, status);
+
+    damaged.crc ^= 1u;
+    status = pzs_model_init(&model, &damaged, work, bytes);
+    failed += drill_line("structure-damaged", status == PZS_E_CRC, status);
+
+    status = pzs_model_init(&model, structure, work, sizeof(pzs_real));
+    failed += drill_line("model-work-too-small",
+                         status == PZS_E_WORKSPACE && model.where > 0 && (size_t)model.where <= bytes, status);
+
+    status = pzs_model_init(&model, structure, work, bytes);
+    failed += drill_line("init", status == PZS_OK, status);
+    status = pzs_factor(&model);
+    failed += drill_line("factor-before-assemble", status == PZS_E_STAGE, status);
+    return failed;
+}
+
+/* Faults before a loop runs, on a controller of its own. */
+static int drill_init(const demo_image *image)
+{
+    pzs_control control = { 0 };
+    pzs_problem damaged = *image->problem;
+    pzs_status status;
+    int failed = 0;
+
+    status = pzs_tick(&control, image->wanted, image->measured);
+    failed += drill_line("tick-before-init", status == PZS_E_STAGE, status);
+
+    damaged.crc ^= 1u;
+    status = pzs_control_init(&control, &damaged, image->influence, image->work, image->bytes);
+    failed += drill_line("problem-damaged", status == PZS_E_CRC, status);
+
+    damaged = *image->problem;
+    damaged.format++;
+    status = pzs_control_init(&control, &damaged, image->influence, image->work, image->bytes);
+    failed += drill_line("format-unknown", status == PZS_E_FORMAT, status);
+
+    status = pzs_control_init(&control, image->problem, image->influence, image->work, sizeof(pzs_real));
+    failed += drill_line("control-work-too-small",
+                         status == PZS_E_WORKSPACE && control.where > 0 && (size_t)control.where <= image->bytes,
+                         status);
+    return failed;
+}
+
+static int drill_sensor(pzs_control *control, const demo_image *image)
+{
+    const pzs_real kept = image->measured[0];
+    pzs_status status;
+
+    image->measured[0] = not_a_number();
+    status = pzs_tick(control, image->wanted, image->measured);
+    image->measured[0] = kept;
+    return drill_line("measurement-not-a-number",
+                      status == PZS_W_SENSOR && control->where == 0 && inside(control), status);
+}
+
+static int drill_target(pzs_control *control, const demo_image *image)
+{
+    const pzs_real kept = image->wanted[0], volt = control->volt[0];
+    pzs_status status;
+
+    image->wanted[0] = not_a_number();
+    status = pzs_tick(control, image->wanted, image->measured);
+    image->wanted[0] = kept;
+    return drill_line("target-not-a-number",
+                      status == PZS_W_HELD && control->volt[0] == volt && inside(control), status);
+}
+
+/* All electrodes dead: their volts stay where they are held, and the loop goes on. */
+static int drill_dead(pzs_control *control, const demo_image *image)
+{
+    pzs_status status = PZS_OK;
+    int held = 1;
+
+    for (uint16_t j = 0; j < image->problem->inputs && status == PZS_OK; j++) status = pzs_hold(control, j, 0);
+    if (status == PZS_OK) status = pzs_tick(control, image->wanted, image->measured);
+    for (int j = 0; j < image->problem->inputs; j++)
+        held = held && control->volt[j] == control->lower[j] && control->volt[j] == control->upper[j];
+    return drill_line("all-dead", !PZS_IS_ERROR(status) && held && inside(control), status);
+}
+
+static int drill_recovery(pzs_control *control, const demo_image *image)
+{
+    pzs_status status = PZS_OK;
+    int moved = 0;
+
+    for (uint16_t j = 0; j < image->problem->inputs && status == PZS_OK; j++) status = pzs_release(control, j);
+    for (int tick = 0; tick < 3 && !PZS_IS_ERROR(status); tick++)
+        status = pzs_tick(control, image->wanted, NULL);
+    for (int j = 0; j < image->problem->inputs; j++) moved = moved || control->volt[j] < 0 || control->volt[j] > 0;
+    return drill_line("alive-again", status == PZS_OK && moved && inside(control), status);
+}
+
+int drill_control(pzs_control *control, const demo_image *image)
+{
+    int failed = 0;
+    failed += drill_sensor(control, image);
+    failed += drill_target(control, image);
+    failed += drill_dead(control, image);
+    failed += drill_recovery(control, image);
+    failed += drill_init(image); /* last: it may write into the controller's memory */
+    return failed;
+}

@@ -1,0 +1,14 @@
+/* Words and numbers on the board's serial line, without stdio. A field is " name=value". */
+#ifndef PRINT_H
+#define PRINT_H
+
+#include "pzs.h"
+
+void print_text(const char *text);
+void print_count(const char *name, uint32_t value);
+void print_hex(const char *name, uint32_t value);
+
+/* All bits in hexadecimal, then four decimal digits: 0x3c23d70a(9.999e-03). */
+void print_real(const char *name, pzs_real value);
+
+#endif

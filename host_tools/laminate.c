@@ -1,0 +1,312 @@
+/* Plies to resultants (laminate.h). */
+#include "laminate.h"
+#include <math.h>
+#include <string.h>
+
+enum { N = LAMINATE_STRAINS, D33 = 5 };
+
+/* Voigt component of each strain, and whether it is the difference of the faces. */
+static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
+static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
+
+/* ---- plies ------------------------------------------------------------ */
+
+/* Invert a positive definite a [n][stride] in place by Gauss-Jordan; returns -1 at a pivot that is not positive. */
+static int invert(double *a, int n, int stride)
+{
+    for (int p = 0; p < n; p++) {
+        const double pivot = a[p * stride + p];
+        if (!(pivot > 0) || !isfinite(pivot))
+            return -1;
+        a[p * stride + p] = 1;
+        for (int j = 0; j < n; j++)
+            a[p * stride + j] /= pivot;
+        for (int i = 0; i < n; i++) {
+            const double factor = a[i * stride + p];
+            if (i == p)
+                continue;
+            a[i * stride + p] = 0;
+            for (int j = 0; j < n; j++)
+                a[i * stride + j] -= factor * a[p * stride + j];
+        }
+    }
+    return 0;
+}
+
+/* Stiffness in the ply's own axes from its engineering constants. */
+static int ply_stiffness(const scene_material *m, double c[6][6])
+{
+    memset(c, 0, 36 * sizeof(double));
+    for (int i = 0; i < 3; i++)
+        c[i][i] = 1 / m->e[i];
+    c[0][1] = c[1][0] = -m->nu12 / m->e[0];
+    c[0][2] = c[2][0] = -m->nu13 / m->e[0];
+    c[1][2] = c[2][1] = -m->nu23 / m->e[1];
+    c[3][3] = m->g23;
+    c[4][4] = m->g13;
+    c[5][5] = m->g12;
+    return invert(&c[0][0], 3, 6);
+}
+
+/* Engineering strains in axes turned by an angle about e3: ply = t . shell. */
+static void turn(double degrees, double t[6][6])
+{
+    const double angle = degrees * 0.017453292519943295, c = cos(angle), s = sin(angle);
+    const double turned[6][6] = {
+        {c * c, s * s, 0, 0, 0, c * s},
+        {s * s, c * c, 0, 0, 0, -c * s},
+        {0, 0, 1, 0, 0, 0},
+        {0, 0, 0, c, -s, 0},
+        {0, 0, 0, s, c, 0},
+        {-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s},
+    };
+    memcpy(t, turned, sizeof turned);
+}
+
+/* y = t' x */
+static void turn_back(double t[6][6], const double x[6], double y[6])
+{
+    for (int i = 0; i < 6; i++) {
+        y[i] = 0;
+        for (int j = 0; j < 6; j++)
+            y[i] += t[j][i] * x[j];
+    }
+}
+
+/* Stress in the ply's axes of a held ply per unit of field along its poling: C d or e. */
+static void field_stress(const scene_material *m, double c[6][6], double stress[6])
+{
+    const double strain[3] = {m->d31, m->d32, m->d33};
+    memset(stress, 0, 6 * sizeof *stress);
+    for (int i = 0; i < 3; i++) {
+        stress[i] = m->has_e ? m->piezo_e[i] : 0;
+        for (int j = 0; m->has_d && j < 3; j++)
+            stress[i] += c[i][j] * strain[j];
+    }
+}
+
+static int build_ply(const scene_material *m, const scene_layer *layer, laminate_ply *ply)
+{
+    double c[6][6], t[6][6], half[6][6], stress[6];
+    if (ply_stiffness(m, c) < 0)
+        return -1;
+    turn(layer->angle, t);
+    for (int i = 0; i < 6; i++)
+        turn_back(t, c[i], half[i]); /* half = C t, row by row as C is symmetric */
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) {
+            ply->c[i][j] = 0;
+            for (int k = 0; k < 6; k++)
+                ply->c[i][j] += t[k][i] * half[k][j];
+        }
+    /* A volt across the ply is the field -1/h along e3; the free strain d E makes the given stress -C d E. */
+    field_stress(m, c, stress);
+    for (int i = 0; i < 6; i++)
+        stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
+    turn_back(t, stress, ply->volt);
+    for (int i = 0; i < 6; i++) {
+        stress[i] = 0;
+        for (int j = 0; j < 3; j++)
+            stress[i] -= c[i][j] * m->alpha[j];
+    }
+    turn_back(t, stress, ply->kelvin);
+    ply->weight = m->density;
+    return 0;
+}
+
+int laminate_build(const scene *s, laminate *l, char *error)
+{
+    memset(l, 0, sizeof *l);
+    if (s->layers > LAMINATE_LAYERS)
+        return scene_fault(s, s->at_layers, error, "%d layers; at most %d are possible", s->layers, LAMINATE_LAYERS);
+    for (int i = 0; i < s->layers; i++)
+        l->h += s->layer[i].thickness;
+    l->z[0] = s->reference_is_middle ? -l->h / 2 : -s->reference;
+    l->z[1] = l->z[0] + l->h;
+    l->plies = s->layers;
+    double z = l->z[0];
+    for (int i = 0; i < s->layers; i++) {
+        laminate_ply *ply = &l->ply[i];
+        const scene_material *material = &s->material[s->layer[i].material];
+        ply->z[0] = z;
+        ply->z[1] = z += s->layer[i].thickness;
+        if (build_ply(material, &s->layer[i], ply) < 0)
+            return scene_fault(s, material->at, error,
+                               "material '%s' has no positive definite stiffness; lower its Poisson's ratios", material->name);
+    }
+    return 0;
+}
+
+/* ---- integrals over the thickness ------------------------------------- */
+
+enum { POINTS = 6 };
+static const double gauss_x[POINTS] = {-0.9324695142031521, -0.6612093864662645, -0.2386191860831969,
+                                       0.2386191860831969, 0.6612093864662645, 0.9324695142031521};
+static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0.4679139345726910,
+                                       0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
+
+/* Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z, and c1 c2: all 1 where the metric is off. */
+static double metric_at(const scene_element *element, const laminate_place *place, double z, double share[6])
+{
+    const double c1 = element->metric ? 1 + place->k[0] * z : 1, c2 = element->metric ? 1 + place->k[1] * z : 1;
+    const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
+    memcpy(share, all, sizeof all);
+    return c1 * c2;
+}
+
+/* D(i,j) = sum over plies of integral of N_i N_j C c1 c2/(s_i s_j) dz; N = 1 for a mean, height over h for a difference. */
+static void integrate_stiffness(const laminate *l, const scene_element *element, const laminate_place *place, double d[N][N])
+{
+    const double middle = (l->z[0] + l->z[1]) / 2;
+    memset(d, 0, N * N * sizeof(double));
+    for (int p = 0; p < l->plies; p++) {
+        const laminate_ply *ply = &l->ply[p];
+        const double half = (ply->z[1] - ply->z[0]) / 2;
+        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+            const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
+            double share[6];
+            const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+            for (int i = 0; i < N; i++)
+                for (int j = 0; j < N; j++)
+                    d[i][j] += weight * (is_difference[i] ? (z - middle) / l->h : 1) * (is_difference[j] ? (z - middle) / l->h : 1)
+                             * ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
+        }
+    }
+}
+
+static void integrate_stress(const laminate *l, const scene_element *element, const laminate_place *place,
+                             const laminate_ply *ply, const double stress[6], double h0[N])
+{
+    const double half = (ply->z[1] - ply->z[0]) / 2, middle = (l->z[0] + l->z[1]) / 2;
+    for (int g = 0; g < POINTS; g++) {
+        const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
+        double share[6];
+        const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+        for (int i = 0; i < N; i++)
+            h0[i] += weight * (is_difference[i] ? (z - middle) / l->h : 1) * stress[voigt[i]] / share[voigt[i]];
+    }
+}
+
+/* ---- formulation ------------------------------------------------------ */
+
+static int inverse_of(double a[N][N], double inverse[N][N])
+{
+    memcpy(inverse, a, N * N * sizeof(double));
+    return invert(&inverse[0][0], N, N);
+}
+
+/*
+ * lin33: the part of e33 linear in z relaxes. With o the others and d the difference of 33:
+ * D_oo -= D_od D_do / D_dd, D_od = 0, D_dd = 1/(D^-1)_dd.
+ */
+static int relax_e33(double d[N][N])
+{
+    double inverse[N][N], row[N];
+    if (inverse_of(d, inverse) < 0)
+        return -1;
+    memcpy(row, d[D33], sizeof row);
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            d[i][j] = i == D33 || j == D33 ? 0 : d[i][j] - row[i] * row[j] / row[D33];
+    d[D33][D33] = 1 / inverse[D33][D33];
+    return 0;
+}
+
+/*
+ * Bending flexibility 12/(E h^3) that the transverse shear borrows on coarse meshes: the smaller
+ * of the two directions' difference compliances, in-plane strains free of 33, over h^2.
+ */
+static double bending_flexibility(double inverse[N][N], double h)
+{
+    const double f1 = inverse[1][1], f2 = inverse[3][3];
+    return (f1 < f2 ? f1 : f2) / (h * h);
+}
+
+/* Strains that a mode keeps: 00 all; 01 those of 11, 33, 13; 10 those of 22, 33, 23; 11 those of 33. */
+static int kept(int mode, int strain)
+{
+    static const int along[N] = {1, 1, 2, 2, 3, 3, 0, 0, 1, 2};
+    return mode == 0 || along[strain] == 3 || (mode < 3 && along[strain] == mode);
+}
+
+/* Matrix of a mode: Q' D Q, or [Q' D^-1 Q]^-1 (hr), zero outside the kept strains. */
+static int mode_matrix(double d[N][N], double inverse[N][N], int mode, int hr, double out[N][N])
+{
+    int index[N], n = 0;
+    double block[N][N];
+    for (int i = 0; i < N; i++)
+        if (kept(mode, i))
+            index[n++] = i;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            block[i][j] = (hr && mode ? inverse : d)[index[i]][index[j]];
+    if (hr && mode && invert(&block[0][0], n, N) < 0)
+        return -1;
+    memset(out, 0, N * N * sizeof(double));
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            out[index[i]][index[j]] = block[i][j];
+    return 0;
+}
+
+/* Add flexibility[a] to the transverse shear compliance of a mode, on the shears it keeps. */
+static int soften_shear(double m[N][N], int mode, const double flexibility[2])
+{
+    double s[2][2] = {{m[8][8], m[8][9]}, {m[9][8], m[9][9]}};
+    int first = kept(mode, 8) ? 0 : 1, last = kept(mode, 9) ? 1 : 0;
+    const int n = last - first + 1;
+    if (n <= 0)
+        return 0;
+    if (invert(&s[first][first], n, 2) < 0)
+        return -1;
+    for (int a = first; a <= last; a++)
+        s[a][a] += flexibility[a];
+    if (invert(&s[first][first], n, 2) < 0)
+        return -1;
+    for (int a = first; a <= last; a++)
+        for (int b = first; b <= last; b++)
+            m[8 + a][8 + b] = s[a][b];
+    return 0;
+}
+
+int laminate_modes(const laminate *l, const scene_element *element, const laminate_place *place, double packed[4][LAMINATE_PACKED])
+{
+    static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
+    double d[N][N], inverse[N][N], m[N][N], flexibility[2];
+    integrate_stiffness(l, element, place, d);
+    if (element->lin33 && relax_e33(d) < 0)
+        return -1;
+    if (inverse_of(d, inverse) < 0)
+        return -1;
+    for (int a = 0; a < 2; a++)
+        flexibility[a] = element->rho * bending_flexibility(inverse, l->h) * place->chord[a] * place->chord[a] / 12;
+    for (int mode = 0; mode < 4; mode++) {
+        if (mode_matrix(d, inverse, mode, element->hr, m) < 0 || soften_shear(m, mode, flexibility) < 0)
+            return -1;
+        double *entry = packed[mode];
+        for (int i = 0; i < N; i++)
+            for (int j = 0; j <= i; j++)
+                *entry++ = m[i][j] * place->area * mode_weight[mode];
+    }
+    return 0;
+}
+
+void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[N])
+{
+    memset(h0, 0, N * sizeof *h0);
+    for (int p = 0; p < l->plies; p++) {
+        if ((ply >= 0 && p != ply) || !(place->present >> p & 1u))
+            continue;
+        integrate_stress(l, element, place, &l->ply[p], ply < 0 ? l->ply[p].kelvin : l->ply[p].volt, h0);
+    }
+    if (element->lin33) {
+        double d[N][N];
+        integrate_stiffness(l, element, place, d);
+        const double share = h0[D33] / d[D33][D33];
+        for (int i = 0; i < N; i++)
+            h0[i] -= d[i][D33] * share;
+        h0[D33] = 0;
+    }
+    for (int i = 0; i < N; i++)
+        h0[i] *= place->area;
+}

@@ -1,0 +1,203 @@
+/*
+ * A scene: everything a user says about a structure, read from YAML and checked.
+ * Plain data in the units of the scene, angles of plies in degrees; nothing here is derived.
+ * All strings and arrays belong to the scene; scene_free releases them.
+ */
+#ifndef SCENE_H
+#define SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include "expr.h"
+
+enum { SCENE_NAME = 64, SCENE_ERROR = 400, SCENE_NODES = 60000 };
+
+/* Where a thing was said, for messages that come later than reading: line and column from 1.
+ * Line -(k+1) is the change set[k], line 0 the file as a whole. */
+typedef struct scene_at { int line, column; } scene_at;
+
+typedef enum scene_surface_type {
+    SURFACE_PLATE, SURFACE_POLAR, SURFACE_CYLINDER, SURFACE_CONE, SURFACE_SPHERE
+} scene_surface_type;
+
+typedef struct scene_surface {
+    scene_surface_type type;
+    double radius;       /* cylinder, sphere; cone: radius at theta1 = 0 */
+    double angle;        /* cone: half angle, degrees */
+    int axial;           /* cylinder: which theta runs along the axis, 1 or 2 */
+} scene_surface;
+
+/* The formulation of the element: `element: source`, `element: corrected`, or a map of these. */
+typedef struct scene_element {
+    int cartesian;       /* kinematics: cartesian (1) or local (0) */
+    double tau;          /* twist term */
+    double rho;          /* shear flexibility of coarse bending */
+    int hr, lin33;       /* modes 01 10 11 by stresses; linear e33 condensed */
+    int metric;          /* exact metric through the thickness */
+    int exact_area;      /* area: exact (1) or centre (0) */
+    int unknowns;        /* 7 or 6 */
+} scene_element;
+
+typedef struct scene_line {      /* mesh points along theta1 or theta2 */
+    int elements;
+    double *point;               /* [elements + 1] ascending */
+    scene_at at;
+} scene_line;
+
+typedef struct scene_material {
+    char name[SCENE_NAME];
+    double e[3], g23, g13, g12, nu12, nu13, nu23;  /* engineering constants; isotropic E, nu expanded */
+    double d31, d32, d33, d24, d15;                /* (m/V), strain per field along the poling */
+    double piezo_e[5];                             /* e31 e32 e33 e24 e15 (C/m2) when has_e */
+    int has_d, has_e;
+    double permittivity;                           /* at constant strain (F/m), 0 if not given */
+    double alpha[3];                               /* thermal expansion (1/K) */
+    double density;                                /* weight is force per volume = density * gravity */
+    double field_limit;                            /* depolarisation field (V/m), 0: none */
+    int poling;                                    /* +3 or -3 */
+    scene_at at;
+} scene_material;
+
+typedef struct scene_layer {
+    char name[SCENE_NAME];
+    int material;
+    double thickness, angle;
+    int patched;                 /* void where no patch lies */
+    int poling;                  /* +3, -3, from the layer or its material */
+    scene_at at;
+} scene_layer;
+
+typedef struct scene_patches {   /* a grid of rectangles on one layer */
+    char name[SCENE_NAME];
+    int layer;
+    double theta1[2], theta2[2]; /* the whole mesh if not given; exactly on mesh lines */
+    int grid[2];                 /* 1 x 1 if not given; every patch ends on mesh lines */
+    scene_at at;
+} scene_patches;
+
+typedef struct scene_drive { int patches; double factor; } scene_drive;
+
+/* One amplifier per patch of its grids, tied with signs, first index along theta1, second fastest; or a whole temperature. */
+typedef struct scene_actuator {
+    char name[SCENE_NAME];
+    int drives;
+    scene_drive *drive;
+    int is_temperature;
+    double applied;              /* V (K) on each of its amplifiers when the scene is simply solved */
+    int first, grid[2];          /* first amplifier; grid[0] * grid[1] of them */
+    scene_at at;
+} scene_actuator;
+
+typedef enum scene_edge { EDGE_NONE, EDGE_THETA1_MINUS, EDGE_THETA1_PLUS, EDGE_THETA2_MINUS, EDGE_THETA2_PLUS } scene_edge;
+
+/* A set of nodes: an edge, all nodes, or the node at (theta1, theta2). */
+typedef enum scene_where_type { WHERE_EDGE, WHERE_NODES, WHERE_POINT } scene_where_type;
+typedef struct scene_where {
+    scene_where_type type;
+    scene_edge edge;
+    double theta[2];             /* a point: exactly those of its mesh node */
+    int node[2];                 /* a point: its place in line[0].point and line[1].point */
+    scene_at at;
+} scene_where;
+
+typedef struct scene_support {
+    scene_where where;
+    unsigned fix;                /* bit i: unknown i of conventions order is zero */
+    scene_at at;
+} scene_support;
+
+typedef enum scene_load_type { LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE } scene_load_type;
+typedef enum scene_face { FACE_MIDDLE, FACE_INNER, FACE_OUTER, FACE_MEAN } scene_face; /* load on middle: half on each face */
+typedef enum scene_component { COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z } scene_component;
+
+typedef struct scene_load {
+    scene_load_type type;
+    scene_where where;           /* point and line loads */
+    scene_face face;
+    scene_component component;   /* direction; pressure is u3 */
+    expr *value;                 /* per point, length, area; K; weight: gravity */
+    int true_area;               /* face: per area of the loaded face, not of the reference surface */
+    scene_at at;
+} scene_load;
+
+typedef struct scene_output {
+    char name[SCENE_NAME];
+    scene_where where;
+    scene_component component;
+    scene_face face;
+    int face_is_average;         /* "mean": mean of the faces rather than the middle surface */
+    double reference;            /* printed beside, NAN if not given */
+    scene_at at;
+} scene_output;
+
+typedef struct scene_target {
+    int given;
+    scene_output what;           /* component, face, where */
+    expr *value;                 /* wanted displacement */
+    int weight_area;             /* weight: area (1) or equal (0) */
+} scene_target;
+
+typedef struct scene_compare {
+    char name[SCENE_NAME];
+    int count;
+    double *value;
+    scene_at at;
+} scene_compare;
+
+typedef struct scene_limit { int first, count; double lower, upper; scene_at at; } scene_limit; /* amplifiers; held if equal */
+
+typedef struct scene_limits {
+    double lower, upper, slew;   /* V, V, V per step; infinite if not given */
+    double effort;               /* absolute, or relative if effort_is_relative */
+    int effort_is_relative;
+    int each_count;
+    scene_limit *each;           /* narrower limits of some amplifiers */
+    scene_at at;
+} scene_limits;
+
+typedef struct scene {
+    char *path;                  /* file it was read from */
+    char **set;                  /* [sets] changes that were applied */
+    int sets;
+    char name[SCENE_NAME];
+    char *about;
+    char unit_length[SCENE_NAME], unit_force[SCENE_NAME], unit_voltage[SCENE_NAME], unit_temperature[SCENE_NAME];
+    uint32_t hash;               /* of the scene's text and its --set changes */
+    scene_element element;
+    scene_surface surface;
+    scene_line line[2];
+    int reference_is_middle;
+    double reference;            /* z of the reference surface above the inner face */
+    int materials, layers, patch_grids, actuators, supports, loads, outputs, compares;
+    scene_material *material;
+    scene_layer *layer;
+    scene_patches *patches;
+    scene_actuator *actuator;
+    scene_support *support;
+    scene_load *load;
+    scene_output *output;
+    scene_limits limits;
+    scene_target target;
+    scene_compare *compare;
+    int amplifiers;              /* of all actuators, in their order */
+    scene_at at_surface, at_layers;
+} scene;
+
+/*
+ * Read and check a scene.
+ *   path     in   YAML file
+ *   set      in   [sets] changes "a.b.c=value" applied before checking; list items by
+ *                number from 0 or by their name; the value is YAML; a last key may be new
+ *   error    out  [SCENE_ERROR] one line "file:line:column: what is wrong and the cure"
+ * Returns 0, or -1 with error filled and *s empty.
+ */
+int scene_read(scene *s, const char *path, const char *const *set, int sets, char *error);
+void scene_free(scene *s);
+
+/* Name of amplifier k: that of its actuator, with _i_j (from 1) where the grid has more than one patch. */
+void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24]);
+
+/* Fill error with "file:line:column: ..." for a fault found after reading; returns -1. */
+int scene_fault(const scene *s, scene_at at, char *error, const char *format, ...);
+
+#endif

@@ -1,0 +1,292 @@
+/*
+ * piezoshape: shape control of piezoelectric shells in static memory.
+ *
+ *   tables -> assemble -> factor -> influence -> control -> tick -> volts
+ *
+ * A control image starts at `control`: its tables hold the influence matrix.
+ * A linear image starts at `assemble`: its tables hold element matrices, and
+ * the device computes the influence itself. Tables are made by `pzs tables`.
+ *
+ * All memory is the caller's. Nothing here allocates, prints, recurses or
+ * keeps a global. Every function leaves its outputs untouched when it returns
+ * an error (PZS_E_...), except where it says so; a warning (PZS_W_...) comes
+ * with a usable answer. Arrays are row-major; units are those of the scene,
+ * written here as m, N, V, K.
+ */
+#ifndef PZS_H
+#define PZS_H
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "pzs_config.h"
+
+/* ---- numbers ---------------------------------------------------------- */
+
+#if PZS_REAL_BITS == 32
+typedef float pzs_real;
+#define pzs_model_init pzs_model_init_32
+#define pzs_control_init pzs_control_init_32
+#define PZS_BY_BITS(for32, for64) (for32)
+#define PZS_EPSILON 1.1920929e-7f
+#define PZS_SQRT(x) sqrtf(x)
+#else
+typedef double pzs_real;
+#define pzs_model_init pzs_model_init_64
+#define pzs_control_init pzs_control_init_64
+#define PZS_BY_BITS(for32, for64) (for64)
+#define PZS_EPSILON 2.2204460492503131e-16
+#define PZS_SQRT(x) sqrt(x)
+#endif
+
+/* A number of a generated table, rounded once from double. */
+#define PZS_R(x) ((pzs_real)(x))
+
+#if PZS_TILE == 4
+#define PZS_BY_TILE(for4, for8, for16) (for4)
+#elif PZS_TILE == 8
+#define PZS_BY_TILE(for4, for8, for16) (for8)
+#else
+#define PZS_BY_TILE(for4, for8, for16) (for16)
+#endif
+
+/* ---- statuses --------------------------------------------------------- */
+
+typedef enum pzs_status {
+    PZS_OK = 0,
+
+    /* Warnings: the answer stands, something is to be known. */
+    PZS_W_PASSES,    /* pass budget spent: volts allowed, no worse than the start, not yet optimal */
+    PZS_W_SLEW,      /* slew and limit do not meet at input `where`: the limit won */
+    PZS_W_SENSOR,    /* measurement `where` is not finite or frozen: its last disturbance is kept */
+    PZS_W_HELD,      /* no usable measurement or target: the last safe volts are held */
+
+    /* Errors: outputs untouched. */
+    PZS_E_ARGUMENT,  /* null pointer, or a size or index out of range */
+    PZS_E_FORMAT,    /* tables of another format number */
+    PZS_E_CRC,       /* tables damaged */
+    PZS_E_WORKSPACE, /* workspace too small or misaligned; `where` is the number of bytes needed */
+    PZS_E_STAGE,     /* called before the stage it builds on */
+    PZS_E_NONFINITE, /* NaN or infinity at index `where` of an input array */
+    PZS_E_LIMITS,    /* lower limit above upper, or not a number, at input `where` */
+    PZS_E_LOOSE,     /* no stiffness left at unknown `where`: a loose part, or a missing support */
+    PZS_E_NEGATIVE,  /* negative pivot at unknown `where` in a structure at rest */
+    PZS_E_CONDITION, /* condition estimate above what this precision carries */
+    PZS_E_RESIDUAL   /* refinement ended with an estimated error above the root of epsilon */
+} pzs_status;
+
+/* One line for a person; the text lives in flash and is linked only where it is called. */
+const char *pzs_status_text(pzs_status status);
+
+#define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)
+
+/* ---- tables ----------------------------------------------------------- */
+
+#define PZS_TABLE_FORMAT 1u
+#define PZS_FIXED 0xFFFFu /* in node_dof: an unknown held at zero by a support */
+
+/* Sparse rows over the free unknowns: one per input (a force) or output (a displacement). */
+typedef struct pzs_rows {
+    uint16_t count;        /* rows */
+    const uint32_t *start; /* [count + 1] */
+    const uint16_t *dof;   /* [start[count]] free unknown */
+    const pzs_real *value; /* [start[count]] */
+} pzs_rows;
+
+/*
+ * One element kind: all that the element kernel needs of geometry and material.
+ * Corner r = 0..3 is (-,-) (+,-) (+,+) (-,+); direction a = 0, 1 along theta1, theta2;
+ * r' is the neighbour of r along a. Displacement derivatives in the frame of corner r:
+ *   lam_a = S_a u_r + T_a u_r'
+ * Formulation (source or corrected) is nothing but the values in here.
+ */
+typedef struct pzs_kind {
+    pzs_real s[4][2][3][3];  /* (1/m) */
+    pzs_real t[4][2][3][3];  /* (1/m) */
+    pzs_real g_mean[4][2][3]; /* base vectors, mean of the two faces (1) */
+    pzs_real g_diff[4][2][3]; /* their difference over h (1/m) */
+    pzs_real d[4][55];       /* (N m) D of modes 00 01 10 11, packed lower triangle, times area/3^(r1+r2);
+                                order 11m 11d 22m 22d 33m 33d 12m 12d 13 23, m mean and d difference of the faces */
+    pzs_real thickness;      /* h (m) */
+    pzs_real twist;          /* share of the 12 difference added to the 12 mean, mode 00 (1) */
+} pzs_kind;
+
+/* A structure for the linear image. All arrays const, in flash. */
+typedef struct pzs_structure {
+    uint32_t format;                /* PZS_TABLE_FORMAT */
+    uint32_t scene;                 /* hash of the scene these tables were made from */
+    uint32_t crc;                   /* over every array below, in their order */
+    uint16_t nodes, elements, kinds;
+    uint16_t unknowns;              /* 7 or 6 a node: mean u1 u2 u3, differences/h, (u3M - mean u3)/h */
+    uint16_t dof;                   /* free unknowns */
+    const uint16_t (*element)[4];   /* [elements] nodes, corner order */
+    const uint16_t *element_kind;   /* [elements] */
+    const uint16_t *node_dof;       /* [nodes][unknowns] free unknown or PZS_FIXED */
+    const uint16_t *first;          /* [dof] first column of each row of the lower triangle */
+    const pzs_real *stiffness;      /* [kinds][4u(4u+1)/2] packed lower triangle, u = unknowns */
+    const pzs_kind *kind;           /* [kinds], or NULL: then no strain-based refinement */
+    pzs_rows input;                 /* force of one unit of each input (N/V, N/K, N/Pa, 1) */
+    pzs_rows output;                /* displacement per unknown (m) */
+} pzs_structure;
+
+/* ---- the linear image: structure to influence ------------------------- */
+
+/* A symmetric matrix in envelope storage: dense, band and skyline in one form (lib/linalg.h). */
+typedef struct pzs_envelope {
+    uint32_t n;            /* rows */
+    const uint16_t *first; /* [n] first column of each row */
+    uint32_t *start;       /* [panels + 1] where each panel of PZS_TILE rows begins in value */
+    pzs_real *value;       /* [start[panels]] */
+    pzs_real *inverse;     /* [n] inverse pivots, once factored */
+} pzs_envelope;
+
+typedef struct pzs_model {
+    const pzs_structure *structure;
+    pzs_envelope k;        /* scaled stiffness, then its factor */
+    pzs_real *scale;       /* [dof] powers of two: unit diagonal */
+    pzs_real *work;        /* [6][dof] */
+    const pzs_real *stiffness_factor; /* [kinds] of the last assembly, or NULL */
+    const uint8_t *held;   /* [dof] of the last assembly, or NULL */
+    pzs_real condition;    /* 1-norm condition estimate of the scaled stiffness */
+    pzs_real residual;     /* |K u - f| / |f| of the last solve, scaled rows, formed from strains; -1 without kinds */
+    pzs_real error;        /* estimated relative error of u in the energy norm; -1 without kinds */
+    int32_t where;         /* index that goes with the last status, or -1 */
+    uint16_t passes;       /* refinement passes of the last solve */
+    uint16_t negative;     /* negative pivots of the last factor */
+    uint8_t stage;         /* 1 ready, 2 assembled, 3 factored */
+} pzs_model;
+
+/* Bytes of workspace for a model; `envelope` is the padded number of factor entries
+ * (generated headers give it per tile, linalg_reals computes it). */
+#define PZS_MODEL_BYTES(dof, envelope) \
+    (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(dof)) + \
+     sizeof(uint32_t) * ((size_t)(dof) / PZS_TILE + 2u) + 2u * sizeof(pzs_real))
+
+/*
+ * Check the tables and lay a model out in the workspace.
+ *   model     out
+ *   structure in   must outlive the model
+ *   work      in   caller's memory, aligned for pzs_real
+ *   bytes     in   at least PZS_MODEL_BYTES
+ * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (where = bytes needed).
+ */
+pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work, size_t bytes);
+
+/*
+ * Sum the element matrices into the envelope: K = sum_e P_e^T K_kind(e) P_e.
+ *   stiffness_factor [kinds] in  multiplies each kind's matrix; NULL: 1
+ *   held             [dof]   in  nonzero: an unknown held at zero besides the supports; NULL: none
+ * Both arrays must outlive the following solves. Errors: ARGUMENT, STAGE, NONFINITE.
+ */
+pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, const uint8_t *held);
+
+/*
+ * Scale to unit diagonal by powers of two, factor L D L^T, estimate the condition.
+ * Errors: STAGE, LOOSE and NEGATIVE (where = unknown), CONDITION: the estimate exceeds
+ * 1.2/epsilon, or 600/epsilon where kinds are given and solves are refined.
+ */
+pzs_status pzs_factor(pzs_model *model);
+
+/*
+ * Displacement under the inputs: K u = sum_j amount_j f_j, refined from strains where kinds are given.
+ *   amount [inputs] in   V, K, Pa or load factors
+ *   u      [dof]    out  unknowns in their own units (m and 1)
+ * Errors: STAGE, NONFINITE, RESIDUAL (u then holds the best reached).
+ */
+pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u);
+
+/* Outputs of a displacement: y = output rows . u.  u [dof] in, y [outputs] out (m). */
+void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y);
+
+/*
+ * Influence matrix: outputs per unit of each input, one solve a column.
+ *   influence [outputs][inputs] out (m/V)
+ * Errors as pzs_solve (columns before the failing input `where` are written).
+ */
+pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
+
+/* ---- the control image: influence to volts ---------------------------- */
+
+/*
+ * The voltage problem  min |W (B v - e)|^2 + effort |v - prefer|^2,
+ * lower <= v <= upper, |v - v_last| <= slew. All arrays const, in flash.
+ */
+typedef struct pzs_problem {
+    uint32_t format;           /* PZS_TABLE_FORMAT */
+    uint32_t scene;            /* hash of the scene */
+    uint32_t crc;              /* over every array below that is not NULL, in their order */
+    uint16_t inputs, outputs;
+    const pzs_real *influence; /* B [outputs][inputs] (m/V), or NULL in a linear image */
+    const pzs_real *hessian;   /* B'W^2 B [inputs][inputs] (m2/V2), or NULL: formed at init */
+    const pzs_real *weight;    /* W [outputs] (1) */
+    const pzs_real *lower;     /* [inputs] (V) */
+    const pzs_real *upper;     /* [inputs] (V) */
+    const pzs_real *slew;      /* [inputs] most change a step (V) */
+    const pzs_real *prefer;    /* v0 [inputs] (V) */
+    pzs_real effort;           /* (m2/V2) */
+} pzs_problem;
+
+typedef struct pzs_control {
+    const pzs_problem *problem;
+    const pzs_real *influence; /* B in use */
+    pzs_real *hessian;         /* [inputs][inputs] B'W^2 B + effort */
+    pzs_real *tableau;         /* [inputs][inputs] the optimiser's own */
+    pzs_real *lower, *upper;   /* [inputs] limits in force (V): table, narrowed by pzs_hold */
+    pzs_real *volt;            /* [inputs] last safe volts (V) */
+    pzs_real *predicted;       /* [outputs] B volt (m) */
+    pzs_real *disturbance;     /* [outputs] measured - predicted (m) */
+    pzs_real *measured;        /* [outputs] last measurement (m) */
+    pzs_real *work;            /* the optimiser's own */
+    uint8_t *frozen;           /* [outputs] ticks a moving output has stood still */
+    uint8_t *state;            /* [inputs] 0 free, 1 at lower, 2 at upper, as at the end of the last step */
+    pzs_real optimality;       /* largest violated KKT condition / largest entry of |B'W^2 e| */
+    pzs_real error_before, error_after; /* |W (B v - e)| / |W e| at the start and end of the last step */
+    int32_t where;             /* index that goes with the last status, or -1 */
+    uint16_t passes_allowed;   /* budget of one step, at most PZS_STEP_PASSES */
+    uint16_t passes;           /* used by the last step */
+    uint16_t passes_most;      /* largest seen */
+    uint16_t active;           /* inputs at a limit after the last step */
+    uint8_t stage;
+} pzs_control;
+
+/* Bytes of workspace for a controller. */
+#define PZS_CONTROL_BYTES(inputs, outputs) \
+    (sizeof(pzs_real) * (2u * (size_t)(inputs) * (size_t)(inputs) + 12u * (size_t)(inputs) + 5u * (size_t)(outputs)) + \
+     (size_t)(inputs) + (size_t)(outputs) + sizeof(pzs_real))
+
+/*
+ * Check the problem and lay a controller out in the workspace; volts start at `prefer`, cut to the limits.
+ *   influence [outputs][inputs] in  computed on the device, or NULL: the problem's own
+ * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE, LIMITS, NONFINITE.
+ */
+pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, const pzs_real *influence,
+                            void *work, size_t bytes);
+
+/* Hold one input at a given voltage (dead: 0, stuck: its last), cut to its table limits; release it again. */
+pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real volt);
+pzs_status pzs_release(pzs_control *control, uint16_t input);
+
+/*
+ * One voltage step from the last volts.
+ *   error [outputs] in  wanted shape minus the shape without volts (m)
+ * control->volt holds the answer: inside every limit to the last bit, no worse than the
+ * last volts cut to the limits, optimal unless a warning says otherwise.
+ * Warnings: PASSES, SLEW. Errors: STAGE, NONFINITE (volts held).
+ */
+pzs_status pzs_step(pzs_control *control, const pzs_real *error);
+
+/*
+ * One control tick: disturbance = measured - predicted, step towards wanted - disturbance, predict.
+ *   wanted   [outputs] in  target shape (m)
+ *   measured [outputs] in  measured shape (m); NULL: trust the model
+ * A measurement that is not finite, or stands still while its output should move, keeps its
+ * last disturbance (SENSOR). A target that is not finite: volts held (HELD).
+ */
+pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
+
+/* For comparison only: the unlimited optimum for an error, and the same cut to the limits.
+ *   volt [inputs] out (V) */
+pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *volt);
+pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *volt);
+
+#endif

@@ -1,0 +1,19 @@
+/* What is checked before anything is used: table checksums and finite numbers. */
+#ifndef PZS_GUARD_H
+#define PZS_GUARD_H
+
+#include "pzs.h"
+
+#define GUARD_CRC_START 0xFFFFFFFFu
+
+/* CRC-32 (reflected, polynomial EDB88320) of `bytes` bytes, continued from crc; the final value is ~crc. */
+uint32_t guard_crc(uint32_t crc, const void *data, size_t bytes);
+
+/* Index of the first entry of x [n] that is NaN or infinite, or -1. */
+int32_t guard_nonfinite(const pzs_real *x, uint32_t n);
+
+/* CRC of a structure's or a problem's arrays, as stored in their crc fields. */
+uint32_t guard_structure_crc(const pzs_structure *structure);
+uint32_t guard_problem_crc(const pzs_problem *problem);
+
+#endif

@@ -1,0 +1,423 @@
+#include "linalg.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define REAL_MOST PZS_BY_BITS(FLT_MAX, DBL_MAX)
+
+/* Before a loop of a constant, small count: a tile is then held in registers. Only speed depends on it. */
+#if defined(__clang__)
+#define UNROLLED _Pragma("clang loop unroll(full)")
+#elif defined(__GNUC__)
+#define UNROLLED _Pragma("GCC unroll 16")
+#else
+#define UNROLLED
+#endif
+
+/* ---- storage ---------------------------------------------------------- */
+
+static pzs_real magnitude(pzs_real x)
+{
+    return PZS_BY_BITS(fabsf, fabs)(x);
+}
+
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint32_t larger(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+static pzs_real most(pzs_real a, pzs_real b)
+{
+    return a > b ? a : b;
+}
+
+static uint32_t panels_of(uint32_t n)
+{
+    return n / PZS_TILE + (n % PZS_TILE != 0u ? 1u : 0u);
+}
+
+/* Entries of one panel: from its leftmost column, rounded down to a tile, to the end of its diagonal tile. */
+static uint32_t panel_reals(const uint16_t *first, uint32_t n, uint32_t panel)
+{
+    const uint32_t end = smaller((panel + 1u) * PZS_TILE, n);
+    uint32_t left = panel * PZS_TILE;
+
+    for (uint32_t i = panel * PZS_TILE; i < end; i++)
+        left = smaller(left, first[i]);
+    return ((panel + 1u) * PZS_TILE - left / PZS_TILE * PZS_TILE) * PZS_TILE;
+}
+
+size_t linalg_reals(const uint16_t *first, uint32_t n)
+{
+    size_t reals = 0;
+
+    for (uint32_t p = 0; p < panels_of(n); p++)
+        reals += panel_reals(first, n, p);
+    return reals;
+}
+
+void linalg_layout(pzs_envelope *a)
+{
+    a->start[0] = 0;
+    for (uint32_t p = 0; p < panels_of(a->n); p++)
+        a->start[p + 1u] = a->start[p] + panel_reals(a->first, a->n, p);
+}
+
+/* Rows beyond n in the last panel stay zero through everything below, and no result depends on them. */
+void linalg_clear(pzs_envelope *a)
+{
+    memset(a->value, 0, a->start[panels_of(a->n)] * sizeof *a->value);
+}
+
+/* Leftmost column of a panel, read back from its size. */
+static uint32_t left_of(const pzs_envelope *a, uint32_t panel)
+{
+    return (panel + 1u) * PZS_TILE - (a->start[panel + 1u] - a->start[panel]) / PZS_TILE;
+}
+
+/* The PZS_TILE entries of column k in a panel; the following columns come right after them. */
+static pzs_real *column(const pzs_envelope *a, uint32_t panel, uint32_t k)
+{
+    return a->value + a->start[panel] + (size_t)(k - left_of(a, panel)) * PZS_TILE;
+}
+
+pzs_real *linalg_entry(const pzs_envelope *a, uint32_t i, uint32_t j)
+{
+    return column(a, i / PZS_TILE, j) + i % PZS_TILE;
+}
+
+/* ---- scale and norm --------------------------------------------------- */
+
+/* The power of two s with 1/2 <= s d s < 2, d positive and finite. At most 540 rounds, 2 or 3 for usual d. */
+static pzs_real unit_scale(pzs_real d)
+{
+    pzs_real s = 1;
+
+    for (; d >= 2; d *= (pzs_real)0.25)
+        s *= (pzs_real)0.5;
+    for (; d < (pzs_real)0.5; d *= 4)
+        s *= 2;
+    return s;
+}
+
+int32_t linalg_scale(pzs_envelope *a, pzs_real *scale)
+{
+    for (uint32_t i = 0; i < a->n; i++) {
+        const pzs_real d = *linalg_entry(a, i, i);
+        if (!(d > 0 && d <= REAL_MOST))
+            return (int32_t)i;
+        scale[i] = unit_scale(d);
+    }
+    for (uint32_t i = 0; i < a->n; i++) {
+        pzs_real *entry = linalg_entry(a, i, a->first[i]);
+        for (uint32_t j = a->first[i]; j <= i; j++, entry += PZS_TILE)
+            *entry = *entry * scale[i] * scale[j];
+    }
+    return -1;
+}
+
+pzs_real linalg_norm1(const pzs_envelope *a, pzs_real *sum)
+{
+    pzs_real norm = 0;
+
+    for (uint32_t i = 0; i < a->n; i++) {
+        const pzs_real *entry = linalg_entry(a, i, a->first[i]);
+        sum[i] = 0;
+        for (uint32_t j = a->first[i]; j < i; j++, entry += PZS_TILE) {
+            sum[i] += magnitude(*entry);
+            sum[j] += magnitude(*entry);
+        }
+        sum[i] += magnitude(*entry);
+    }
+    for (uint32_t i = 0; i < a->n; i++) {
+        if (!(sum[i] <= REAL_MOST))
+            return sum[i];
+        norm = most(norm, sum[i]);
+    }
+    return norm;
+}
+
+/* ---- factor ----------------------------------------------------------- */
+
+/*
+ * One tile left of the diagonal: W = A - sum_k w_k l_k^T over the columns before it, then W L^T = W
+ * with the unit lower triangle of the tile's own columns.
+ *   tile [T][T]         in A, out W: columns of PZS_TILE rows
+ *   w    [count][T]     in  columns of L D in the same rows, before the tile
+ *   l    [count + T][T] in  columns of L in the rows that carry the tile's columns as diagonal
+ * The triangle only goes on with the sum: its w_k are the columns just finished.
+ */
+static void eliminate(pzs_real *restrict tile, const pzs_real *restrict w, const pzs_real *restrict l, uint32_t count)
+{
+    pzs_real c[PZS_TILE][PZS_TILE];
+
+    memcpy(c, tile, sizeof c);
+    for (; count > 0; count--, w += PZS_TILE, l += PZS_TILE)
+        UNROLLED
+        for (int j = 0; j < PZS_TILE; j++)
+            UNROLLED
+            for (int i = 0; i < PZS_TILE; i++)
+                c[j][i] -= w[i] * l[j];
+    UNROLLED
+    for (int k = 0; k < PZS_TILE; k++, l += PZS_TILE)
+        UNROLLED
+        for (int j = k + 1; j < PZS_TILE; j++)
+            UNROLLED
+            for (int i = 0; i < PZS_TILE; i++)
+                c[j][i] -= c[k][i] * l[j];
+    memcpy(tile, c, sizeof c);
+}
+
+/*
+ * The diagonal tile of a panel before its own pivots: A - sum_k w_k l_k^T, l_k = w_k inverse_k.
+ *   tile    [T][T]     in A, out; above the diagonal no number means anything
+ *   w       [count][T] in columns of L D, out columns of L
+ *   inverse [count]    in inverse pivots of these columns
+ */
+static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict w, const pzs_real *restrict inverse,
+                               uint32_t count)
+{
+    pzs_real c[PZS_TILE][PZS_TILE];
+
+    memcpy(c, tile, sizeof c);
+    for (; count > 0; count--, w += PZS_TILE, inverse++) {
+        pzs_real l[PZS_TILE];
+        UNROLLED
+        for (int j = 0; j < PZS_TILE; j++)
+            l[j] = w[j] * *inverse;
+        UNROLLED
+        for (int j = 0; j < PZS_TILE; j++)
+            UNROLLED
+            for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* wide vectors: whole columns are quicker */
+                c[j][i] -= w[i] * l[j];
+        memcpy(w, l, sizeof l);
+    }
+    memcpy(tile, c, sizeof c);
+}
+
+/*
+ * Factor the diagonal tile itself, `rows` of its rows in use.
+ *   tile    [T][T] in  what eliminate_diagonal left; out L, and pivots on the diagonal
+ *   least   [rows] in  a pivot no larger than this counts as zero
+ *   inverse [rows] out inverse pivots
+ * Returns the number of usable pivots: rows, or the row of the first zero.
+ */
+static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict least, pzs_real *restrict inverse,
+                            uint32_t rows)
+{
+    for (uint32_t k = 0; k < rows; k++) {
+        pzs_real *w = tile + k * PZS_TILE;
+        inverse[k] = 1 / w[k];
+        if (!(magnitude(w[k]) > least[k] && magnitude(inverse[k]) > 0 && magnitude(inverse[k]) <= REAL_MOST))
+            return k;
+        for (uint32_t j = k + 1u; j < rows; j++) {
+            const pzs_real l = w[j] * inverse[k];
+            for (uint32_t i = j; i < PZS_TILE; i++)
+                tile[j * PZS_TILE + i] -= w[i] * l;
+            w[j] = l;
+        }
+    }
+    return rows;
+}
+
+/* All of a panel but the pivots of its diagonal tile: left-looking, tile by tile from its leftmost column. */
+static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
+{
+    const uint32_t left = left_of(a, panel);
+
+    for (uint32_t q = left / PZS_TILE; q < panel; q++) {
+        const uint32_t from = larger(left, left_of(a, q));
+        eliminate(column(a, panel, q * PZS_TILE), column(a, panel, from), column(a, q, from), q * PZS_TILE - from);
+    }
+    eliminate_diagonal(column(a, panel, panel * PZS_TILE), column(a, panel, left), a->inverse + left,
+                       panel * PZS_TILE - left);
+}
+
+linalg_inertia linalg_factor(pzs_envelope *a)
+{
+    const pzs_real tolerance = (pzs_real)a->n * PZS_EPSILON;
+    linalg_inertia found = {0, -1, -1, 0};
+    pzs_real diagonal = 0;
+    pzs_real pivot = 0;
+
+    for (uint32_t row = 0; row < a->n && found.zero < 0; row += PZS_TILE) {
+        const uint32_t rows = smaller(PZS_TILE, a->n - row);
+        pzs_real *tile = column(a, row / PZS_TILE, row);
+        pzs_real least[PZS_TILE];
+        uint32_t usable;
+
+        for (uint32_t r = 0; r < rows; r++) {
+            least[r] = tolerance * magnitude(tile[r * PZS_TILE + r]);
+            diagonal = most(diagonal, magnitude(tile[r * PZS_TILE + r]));
+        }
+        eliminate_panel(a, row / PZS_TILE);
+        usable = factor_tile(tile, least, a->inverse + row, rows);
+        for (uint32_t r = 0; r < usable; r++) {
+            pivot = most(pivot, magnitude(tile[r * PZS_TILE + r]));
+            if (tile[r * PZS_TILE + r] < 0 && found.negative++ == 0)
+                found.first_negative = (int32_t)(row + r);
+        }
+        if (usable < rows)
+            found.zero = (int32_t)(row + usable);
+    }
+    if (diagonal > 0)
+        found.growth = pivot / diagonal;
+    return found;
+}
+
+/* ---- solve ------------------------------------------------------------ */
+
+/* Rows of one panel of L x = b: columns in ascending order, the rows side by side. x [n] in b, out. */
+static void forward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+{
+    const uint32_t row = panel * PZS_TILE;
+    const uint32_t rows = smaller(PZS_TILE, a->n - row);
+    const uint32_t left = left_of(a, panel);
+    const pzs_real *restrict l = column(a, panel, left);
+    pzs_real y[PZS_TILE] = {0};
+
+    memcpy(y, x + row, rows * sizeof *y);
+    for (uint32_t k = left; k < row; k++, l += PZS_TILE)
+        UNROLLED
+        for (int i = 0; i < PZS_TILE; i++)
+            y[i] -= l[i] * x[k];
+    UNROLLED
+    for (int k = 0; k < PZS_TILE; k++, l += PZS_TILE)
+        UNROLLED
+        for (int i = k + 1; i < PZS_TILE; i++)
+            y[i] -= l[i] * y[k];
+    memcpy(x + row, y, rows * sizeof *y);
+}
+
+/* Columns of one panel of L^T x = b: its rows in descending order, so that every x_k meets them in one order. */
+static void backward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+{
+    const uint32_t row = panel * PZS_TILE;
+    const uint32_t rows = smaller(PZS_TILE, a->n - row);
+    const uint32_t left = left_of(a, panel);
+    const pzs_real *restrict l = column(a, panel, row);
+    pzs_real y[PZS_TILE] = {0};
+
+    memcpy(y, x + row, rows * sizeof *y);
+    UNROLLED
+    for (int i = PZS_TILE - 1; i > 0; i--)
+        UNROLLED
+        for (int k = 0; k < i; k++)
+            y[k] -= l[k * PZS_TILE + i] * y[i];
+    memcpy(x + row, y, rows * sizeof *y);
+    l = column(a, panel, left);
+    for (uint32_t k = left; k < row; k++, l += PZS_TILE)
+        UNROLLED
+        for (int i = PZS_TILE - 1; i >= 0; i--)
+            x[k] -= l[i] * y[i];
+}
+
+void linalg_solve_many(const pzs_envelope *a, pzs_real *x, uint32_t count, size_t stride)
+{
+    const uint32_t panels = panels_of(a->n);
+
+    for (uint32_t p = 0; p < panels; p++) /* a panel meets all right-hand sides while it is near */
+        for (uint32_t r = 0; r < count; r++)
+            forward(a, p, x + r * stride);
+    for (uint32_t r = 0; r < count; r++)
+        for (uint32_t i = 0; i < a->n; i++)
+            x[r * stride + i] *= a->inverse[i];
+    for (uint32_t p = panels; p-- > 0;)
+        for (uint32_t r = 0; r < count; r++)
+            backward(a, p, x + r * stride);
+}
+
+void linalg_solve(const pzs_envelope *a, pzs_real *x)
+{
+    linalg_solve_many(a, x, 1, 0);
+}
+
+/* ---- condition -------------------------------------------------------- */
+
+static pzs_real norm1(const pzs_real *x, uint32_t n)
+{
+    pzs_real sum = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        sum += magnitude(x[i]);
+    return sum;
+}
+
+/* Replace y by the signs of its entries; the signs seen before are in sign. Returns how many have changed. */
+static uint32_t take_signs(pzs_real *y, pzs_real *sign, uint32_t n)
+{
+    uint32_t changed = 0;
+
+    for (uint32_t i = 0; i < n; i++) {
+        y[i] = y[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
+        changed += y[i] * sign[i] > 0 ? 0u : 1u;
+        sign[i] = y[i];
+    }
+    return changed;
+}
+
+static uint32_t largest(const pzs_real *x, uint32_t n)
+{
+    uint32_t at = 0;
+
+    for (uint32_t i = 1; i < n; i++)
+        if (magnitude(x[i]) > magnitude(x[at]))
+            at = i;
+    return at;
+}
+
+/* |A^-1 b| / |b| for the b of alternating sign and growing size that defeats cancellation (Higham 1988, section 3). */
+static pzs_real alternating(const pzs_envelope *a, pzs_real *x)
+{
+    pzs_real size;
+
+    for (uint32_t i = 0; i < a->n; i++) {
+        const pzs_real b = 1 + (pzs_real)i / (pzs_real)a->n;
+        x[i] = i % 2u != 0u ? -b : b;
+    }
+    size = norm1(x, a->n);
+    linalg_solve(a, x);
+    return norm1(x, a->n) / size;
+}
+
+/*
+ * Climb on |A^-1 x| over the unit ball |x| = 1, whose corners are the unit vectors: the gradient
+ * z = A^-1 sign(A^-1 x) shows the best corner to go to. Any x gives a lower bound; five
+ * corners are enough in practice.
+ */
+pzs_real linalg_condition(const pzs_envelope *a, pzs_real norm_a, pzs_real *work)
+{
+    const uint32_t n = a->n;
+    pzs_real *x = work;
+    pzs_real *sign = work + n;
+    pzs_real inverse = 0;
+    pzs_real other;
+
+    for (uint32_t i = 0; i < n; i++) {
+        x[i] = 1 / (pzs_real)n;
+        sign[i] = 0;
+    }
+    for (int corner = 0; corner < 5; corner++) {
+        uint32_t best;
+        linalg_solve(a, x);
+        if (!(norm1(x, n) > inverse))
+            break;
+        inverse = norm1(x, n);
+        if (take_signs(x, sign, n) == 0)
+            break;
+        linalg_solve(a, x);
+        best = largest(x, n);
+        if (!(magnitude(x[best]) > inverse))
+            break;
+        memset(x, 0, n * sizeof *x);
+        x[best] = 1;
+    }
+    other = alternating(a, x);
+    return norm_a * (other <= inverse ? inverse : other);
+}

@@ -1,0 +1,354 @@
+/* The linear image: tables -> assemble -> factor -> solve, influence (pzs.h). */
+#include "guard.h"
+#include "linalg.h"
+#include "shell.h"
+#include <string.h>
+
+enum { STAGE_READY = 1, STAGE_ASSEMBLED = 2, STAGE_FACTORED = 3 };
+
+/* Most refinement passes of a solve; conjugate gradients preconditioned by the factor need 1 to 8. */
+enum { REFINE_PASSES = 16 };
+
+static pzs_status fail(pzs_model *model, pzs_status status, int32_t where)
+{
+    model->where = where;
+    return status;
+}
+
+/* ---- init ------------------------------------------------------------- */
+
+static int rows_complete(const pzs_rows *rows)
+{
+    return rows->count == 0 || (rows->start && rows->dof && rows->value);
+}
+
+static int structure_complete(const pzs_structure *s)
+{
+    return s->nodes > 0 && s->elements > 0 && s->kinds > 0 && s->dof > 0 && s->dof < PZS_FIXED
+        && (s->unknowns == 6 || s->unknowns == 7) && s->element && s->element_kind && s->node_dof
+        && s->first && s->stiffness && rows_complete(&s->input) && rows_complete(&s->output);
+}
+
+pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work, size_t bytes)
+{
+    if (!model || !structure || !work)
+        return PZS_E_ARGUMENT;
+    memset(model, 0, sizeof *model);
+    model->where = -1;
+    if (structure->format != PZS_TABLE_FORMAT)
+        return PZS_E_FORMAT;
+    if (!structure_complete(structure))
+        return PZS_E_ARGUMENT;
+    if (guard_structure_crc(structure) != structure->crc)
+        return PZS_E_CRC;
+
+    const uint32_t n = structure->dof;
+    const size_t entries = linalg_reals(structure->first, n);
+    const size_t need = PZS_MODEL_BYTES(n, entries);
+    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
+        return fail(model, PZS_E_WORKSPACE, need > INT32_MAX ? INT32_MAX : (int32_t)need);
+
+    pzs_real *real = work;
+    model->structure = structure;
+    model->k.n = n;
+    model->k.first = structure->first;
+    model->k.value = real;
+    model->k.inverse = real + entries;
+    model->scale = model->k.inverse + n;
+    model->work = model->scale + n;
+    model->k.start = (uint32_t *)(void *)(model->work + 6 * (size_t)n);
+    linalg_layout(&model->k);
+    model->residual = -1;
+    model->stage = STAGE_READY;
+    return PZS_OK;
+}
+
+/* ---- assemble --------------------------------------------------------- */
+
+/* Free unknown of local unknown i (0 .. 4 unknowns - 1) of an element, or PZS_FIXED where it is held. */
+static uint16_t local_dof(const pzs_model *model, uint32_t element, unsigned i)
+{
+    const pzs_structure *s = model->structure;
+    const uint16_t node = s->element[element][i / s->unknowns];
+    const uint16_t dof = s->node_dof[(size_t)node * s->unknowns + i % s->unknowns];
+    return dof == PZS_FIXED || (model->held && model->held[dof]) ? PZS_FIXED : dof;
+}
+
+static pzs_real kind_factor(const pzs_model *model, uint16_t kind)
+{
+    return model->stiffness_factor ? model->stiffness_factor[kind] : 1;
+}
+
+/* K += factor P' K_kind P for one element */
+static void add_element(pzs_model *model, uint32_t element)
+{
+    const pzs_structure *s = model->structure;
+    const unsigned n = SHELL_NODES * s->unknowns;
+    const uint16_t kind = s->element_kind[element];
+    const pzs_real factor = kind_factor(model, kind);
+    const pzs_real *entry = s->stiffness + (size_t)kind * SHELL_PACKED(n);
+    uint16_t dof[SHELL_MAX];
+    for (unsigned i = 0; i < n; i++)
+        dof[i] = local_dof(model, element, i);
+    for (unsigned i = 0; i < n; i++)
+        for (unsigned j = 0; j <= i; j++, entry++) {
+            if (dof[i] == PZS_FIXED || dof[j] == PZS_FIXED)
+                continue;
+            const uint16_t row = dof[i] > dof[j] ? dof[i] : dof[j];
+            const uint16_t column = dof[i] > dof[j] ? dof[j] : dof[i];
+            *linalg_entry(&model->k, row, column) += factor * *entry;
+        }
+}
+
+static pzs_status check_factors(pzs_model *model, const pzs_real *stiffness_factor)
+{
+    if (!stiffness_factor)
+        return PZS_OK;
+    const int32_t bad = guard_nonfinite(stiffness_factor, model->structure->kinds);
+    if (bad >= 0)
+        return fail(model, PZS_E_NONFINITE, bad);
+    for (int32_t k = 0; k < model->structure->kinds; k++)
+        if (stiffness_factor[k] < 0)
+            return fail(model, PZS_E_ARGUMENT, k);
+    return PZS_OK;
+}
+
+pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, const uint8_t *held)
+{
+    if (!model)
+        return PZS_E_ARGUMENT;
+    if (model->stage < STAGE_READY)
+        return fail(model, PZS_E_STAGE, -1);
+    const pzs_status status = check_factors(model, stiffness_factor);
+    if (status != PZS_OK)
+        return status;
+
+    model->stiffness_factor = stiffness_factor;
+    model->held = held;
+    linalg_clear(&model->k);
+    for (uint32_t e = 0; e < model->structure->elements; e++)
+        add_element(model, e);
+    for (uint32_t i = 0; held && i < model->k.n; i++)
+        if (held[i])
+            *linalg_entry(&model->k, i, i) = 1;
+    model->stage = STAGE_ASSEMBLED;
+    return PZS_OK;
+}
+
+/* ---- factor ----------------------------------------------------------- */
+
+/*
+ * The largest condition whose answers can be trusted: relative error is about condition times
+ * epsilon. With the strain-based operator behind it the factor is only a preconditioner.
+ */
+static pzs_real condition_limit(const pzs_model *model)
+{
+    return (model->structure->kind ? (pzs_real)600 : (pzs_real)1.2) / PZS_EPSILON;
+}
+
+pzs_status pzs_factor(pzs_model *model)
+{
+    if (!model)
+        return PZS_E_ARGUMENT;
+    if (model->stage != STAGE_ASSEMBLED)
+        return fail(model, PZS_E_STAGE, -1);
+    model->stage = STAGE_READY; /* the envelope is consumed, whatever follows */
+
+    const int32_t loose = linalg_scale(&model->k, model->scale);
+    if (loose >= 0)
+        return fail(model, PZS_E_LOOSE, loose);
+    const pzs_real norm = linalg_norm1(&model->k, model->work);
+    const linalg_inertia inertia = linalg_factor(&model->k);
+    model->negative = (uint16_t)inertia.negative;
+    if (inertia.zero >= 0)
+        return fail(model, PZS_E_LOOSE, inertia.zero);
+    if (inertia.negative > 0)
+        return fail(model, PZS_E_NEGATIVE, inertia.first_negative);
+    model->condition = linalg_condition(&model->k, norm, model->work);
+    if (!(model->condition <= condition_limit(model)))
+        return fail(model, PZS_E_CONDITION, -1);
+    model->stage = STAGE_FACTORED;
+    return fail(model, PZS_OK, -1);
+}
+
+/* ---- solve ------------------------------------------------------------ */
+
+/* f += K p, formed element by element from strains */
+static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
+{
+    const pzs_structure *s = model->structure;
+    const unsigned n = SHELL_NODES * s->unknowns;
+    for (uint32_t e = 0; e < s->elements; e++) {
+        const uint16_t kind = s->element_kind[e];
+        const pzs_real factor = kind_factor(model, kind);
+        pzs_real u[SHELL_MAX], force[SHELL_MAX];
+        uint16_t dof[SHELL_MAX];
+        for (unsigned i = 0; i < n; i++) {
+            dof[i] = local_dof(model, e, i);
+            u[i] = dof[i] == PZS_FIXED ? 0 : p[dof[i]];
+        }
+        shell_force(&s->kind[kind], s->unknowns, u, force);
+        for (unsigned i = 0; i < n; i++)
+            if (dof[i] != PZS_FIXED)
+                f[dof[i]] += factor * force[i];
+    }
+}
+
+/* z = S (L D L')^-1 S r: the factor as an approximate inverse of the unscaled K */
+static void precondition(const pzs_model *model, const pzs_real *r, pzs_real *z)
+{
+    for (uint32_t i = 0; i < model->k.n; i++)
+        z[i] = model->scale[i] * r[i];
+    linalg_solve(&model->k, z);
+    for (uint32_t i = 0; i < model->k.n; i++)
+        z[i] *= model->scale[i];
+}
+
+static pzs_real inner(const pzs_real *x, const pzs_real *y, uint32_t n)
+{
+    pzs_real sum = 0;
+    for (uint32_t i = 0; i < n; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+
+/* Norm of a force in the scaled unknowns, where every row weighs alike. */
+static pzs_real scaled_norm2(const pzs_model *model, const pzs_real *r)
+{
+    pzs_real sum = 0;
+    for (uint32_t i = 0; i < model->k.n; i++)
+        sum += model->scale[i] * r[i] * (model->scale[i] * r[i]);
+    return sum;
+}
+
+/*
+ * Conjugate gradients on the strain-based operator, preconditioned by the factor, from u = 0.
+ * The first pass is the plain solve; later ones are refinement. Ends when the correction
+ * r.z = |error|^2 in energy no longer falls or is below round-off of the answer's energy.
+ *   r [n] in force, out what is left of it; z, p, kp [n] work; u [n] out
+ */
+static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
+{
+    const uint32_t n = model->k.n;
+    pzs_real *z = model->work + 2 * (size_t)n, *p = z + n, *kp = p + n;
+    pzs_real energy = 0;
+    precondition(model, r, z);
+    memcpy(p, z, n * sizeof *p);
+    memset(u, 0, n * sizeof *u);
+    pzs_real left = inner(r, z, n);
+    for (model->passes = 0; model->passes < REFINE_PASSES && left > energy * PZS_EPSILON * PZS_EPSILON;) {
+        memset(kp, 0, n * sizeof *kp);
+        add_force(model, p, kp);
+        const pzs_real curvature = inner(p, kp, n);
+        if (!(curvature > 0))
+            return;
+        const pzs_real step = left / curvature;
+        for (uint32_t i = 0; i < n; i++) {
+            u[i] += step * p[i];
+            r[i] -= step * kp[i];
+        }
+        energy += step * left;
+        model->passes++;
+        precondition(model, r, z);
+        const pzs_real next = inner(r, z, n);
+        const pzs_real turn = next / left;
+        for (uint32_t i = 0; i < n; i++)
+            p[i] = z[i] + turn * p[i];
+        left = next;
+    }
+}
+
+/* f += amount f_j, nothing where held */
+static void add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_real *f)
+{
+    const pzs_rows *in = &model->structure->input;
+    for (uint32_t t = in->start[j]; t < in->start[j + 1]; t++)
+        if (!(model->held && model->held[in->dof[t]]))
+            f[in->dof[t]] += amount * in->value[t];
+}
+
+/* What was reached: residual f - K u recomputed from strains, and its energy against that of u. r, z [n] work. */
+static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r, pzs_real *z)
+{
+    const uint32_t n = model->k.n;
+    const pzs_real load = scaled_norm2(model, f), energy = inner(f, u, n);
+    memset(r, 0, n * sizeof *r);
+    add_force(model, u, r);
+    for (uint32_t i = 0; i < n; i++)
+        r[i] = f[i] - r[i];
+    precondition(model, r, z);
+    const pzs_real error = inner(r, z, n);
+    model->residual = load > 0 ? PZS_SQRT(scaled_norm2(model, r) / load) : 0;
+    model->error = load > 0 ? PZS_SQRT((error > 0 ? error : 0) / energy) : 0;
+}
+
+/* Solve for the force in work[0] into u. */
+static pzs_status solve_loaded(pzs_model *model, pzs_real *u)
+{
+    const uint32_t n = model->k.n;
+    pzs_real *f = model->work, *r = f + n;
+    model->passes = 0;
+    model->residual = model->error = -1;
+    if (!model->structure->kind) {
+        precondition(model, f, u);
+        return PZS_OK;
+    }
+    memcpy(r, f, n * sizeof *r);
+    refine(model, r, u);
+    judge(model, f, u, r, r + n);
+    /* Written so that a NaN fails too. */
+    return model->error < PZS_SQRT(PZS_EPSILON) ? PZS_OK : PZS_E_RESIDUAL;
+}
+
+pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u)
+{
+    if (!model || !amount || !u)
+        return PZS_E_ARGUMENT;
+    if (model->stage != STAGE_FACTORED)
+        return fail(model, PZS_E_STAGE, -1);
+    const uint32_t inputs = model->structure->input.count;
+    const int32_t bad = guard_nonfinite(amount, inputs);
+    if (bad >= 0)
+        return fail(model, PZS_E_NONFINITE, bad);
+    memset(model->work, 0, model->k.n * sizeof *model->work);
+    for (uint32_t j = 0; j < inputs; j++)
+        if (amount[j] != 0)
+            add_input(model, j, amount[j], model->work);
+    return fail(model, solve_loaded(model, u), -1);
+}
+
+/* ---- influence -------------------------------------------------------- */
+
+static pzs_real observe_row(const pzs_structure *s, const pzs_real *u, uint32_t row)
+{
+    pzs_real sum = 0;
+    for (uint32_t t = s->output.start[row]; t < s->output.start[row + 1]; t++)
+        sum += s->output.value[t] * u[s->output.dof[t]];
+    return sum;
+}
+
+void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y)
+{
+    for (uint32_t row = 0; row < structure->output.count; row++)
+        y[row] = observe_row(structure, u, row);
+}
+
+pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
+{
+    if (!model || !influence)
+        return PZS_E_ARGUMENT;
+    if (model->stage != STAGE_FACTORED)
+        return fail(model, PZS_E_STAGE, -1);
+    const pzs_structure *s = model->structure;
+    pzs_real *u = model->work + 5 * (size_t)model->k.n;
+    for (uint32_t j = 0; j < s->input.count; j++) {
+        memset(model->work, 0, model->k.n * sizeof *model->work);
+        add_input(model, j, 1, model->work);
+        const pzs_status status = solve_loaded(model, u);
+        if (status != PZS_OK)
+            return fail(model, status, (int32_t)j);
+        for (uint32_t i = 0; i < s->output.count; i++)
+            influence[(size_t)i * s->input.count + j] = observe_row(s, u, i);
+    }
+    return fail(model, PZS_OK, -1);
+}

@@ -1,0 +1,328 @@
+/* The GEX7P4 element (shell.h). */
+#include "shell.h"
+#include <string.h>
+
+enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
+
+/* Corner on the other side of r along theta1 and theta2. */
+static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
+
+/* xi1^r1 xi2^r2 at the corners, by mode 00 01 10 11. */
+static const pzs_real mode_sign[4][4] = {{1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
+
+/*
+ * What the strains at a corner depend on. Once it holds derivatives of a displacement
+ * (lam mean and difference/h, beta mean, q), once the shape they act at: base vectors
+ * plus such derivatives. At rest the shape is g_mean, g_diff, e3, 0.
+ */
+typedef struct corner {
+    pzs_real mean[2][3];
+    pzs_real diff[2][3];
+    pzs_real beta[3];
+    pzs_real q;
+} corner;
+
+static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* y += a M x, M [3][3] */
+static void add_product(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+{
+    for (int i = 0; i < 3; i++)
+        y[i] += m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2];
+}
+
+/* y += M' x */
+static void add_transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+{
+    for (int j = 0; j < 3; j++)
+        y[j] += m[0][j] * x[0] + m[1][j] * x[1] + m[2][j] * x[2];
+}
+
+/* y += factor x */
+static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
+{
+    for (int i = 0; i < 3; i++)
+        y[i] += factor * x[i];
+}
+
+static corner corner_at_rest(const pzs_kind *kind, int r)
+{
+    corner c;
+    memcpy(c.mean, kind->g_mean[r], sizeof c.mean);
+    memcpy(c.diff, kind->g_diff[r], sizeof c.diff);
+    c.beta[0] = 0;
+    c.beta[1] = 0;
+    c.beta[2] = 1;
+    c.q = 0;
+    return c;
+}
+
+/* Derivatives of a displacement at corner r: lam_a = S_a u_r + T_a u_r', of means and of differences. */
+static corner corner_derivatives(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, int r)
+{
+    corner c;
+    const pzs_real *own = u + (unsigned)r * unknowns;
+    memset(&c, 0, sizeof c);
+    for (int a = 0; a < 2; a++) {
+        const pzs_real *other = u + neighbour[r][a] * unknowns;
+        add_product(c.mean[a], kind->s[r][a], own);
+        add_product(c.mean[a], kind->t[r][a], other);
+        add_product(c.diff[a], kind->s[r][a], own + 3);
+        add_product(c.diff[a], kind->t[r][a], other + 3);
+    }
+    memcpy(c.beta, own + 3, sizeof c.beta);
+    c.q = unknowns == 7 ? own[6] : 0;
+    return c;
+}
+
+/* The transpose of corner_derivatives: forces on the nodes from forces on the derivatives. */
+static void corner_scatter(const pzs_kind *kind, unsigned unknowns, const corner *c, int r, pzs_real *f)
+{
+    pzs_real *own = f + (unsigned)r * unknowns;
+    for (int a = 0; a < 2; a++) {
+        pzs_real *other = f + neighbour[r][a] * unknowns;
+        add_transposed(own, kind->s[r][a], c->mean[a]);
+        add_transposed(other, kind->t[r][a], c->mean[a]);
+        add_transposed(own + 3, kind->s[r][a], c->diff[a]);
+        add_transposed(other + 3, kind->t[r][a], c->diff[a]);
+    }
+    add_scaled(own + 3, 1, c->beta);
+    if (unknowns == 7)
+        own[6] += c->q;
+}
+
+/*
+ * First variation of the ten strains at a corner of shape s in the direction d:
+ * e_aa = g.lam + lam.lam/2 and its like give  de = (g + lam).dlam  on each face,
+ * written in means and differences, where nothing cancels.
+ */
+static void corner_strains(const corner *s, const corner *d, pzs_real h, pzs_real e[10])
+{
+    const pzs_real hh4 = h * h / 4;
+    for (int a = 0; a < 2; a++) {
+        e[2 * a] = dot(s->mean[a], d->mean[a]) + hh4 * dot(s->diff[a], d->diff[a]);
+        e[2 * a + 1] = h * (dot(s->mean[a], d->diff[a]) + dot(s->diff[a], d->mean[a]));
+        e[E13 + a] = dot(s->mean[a], d->beta) + dot(s->beta, d->mean[a])
+                   - 2 * h * (s->diff[a][2] * d->q + s->q * d->diff[a][2]);
+    }
+    e[E33M] = dot(s->beta, d->beta) + 16 * s->q * d->q;
+    e[E33D] = -8 * (s->beta[2] * d->q + s->q * d->beta[2]);
+    e[E12M] = dot(s->mean[0], d->mean[1]) + dot(s->mean[1], d->mean[0])
+            + hh4 * (dot(s->diff[0], d->diff[1]) + dot(s->diff[1], d->diff[0]));
+    e[E12D] = h * (dot(s->mean[0], d->diff[1]) + dot(s->diff[0], d->mean[1])
+                 + dot(s->mean[1], d->diff[0]) + dot(s->diff[1], d->mean[0]));
+}
+
+/* The transpose of corner_strains: forces on the derivatives from stresses t on the strains. */
+static corner corner_stresses(const corner *s, const pzs_real t[10], pzs_real h)
+{
+    const pzs_real hh4 = h * h / 4;
+    corner f;
+    memset(&f, 0, sizeof f);
+    for (int a = 0; a < 2; a++) {
+        const pzs_real m = t[2 * a], d = h * t[2 * a + 1], q = t[E13 + a];
+        add_scaled(f.mean[a], m, s->mean[a]);
+        add_scaled(f.mean[a], d, s->diff[a]);
+        add_scaled(f.mean[a], q, s->beta);
+        add_scaled(f.mean[a], t[E12M], s->mean[1 - a]);
+        add_scaled(f.mean[a], h * t[E12D], s->diff[1 - a]);
+        add_scaled(f.diff[a], hh4 * m, s->diff[a]);
+        add_scaled(f.diff[a], d, s->mean[a]);
+        add_scaled(f.diff[a], hh4 * t[E12M], s->diff[1 - a]);
+        add_scaled(f.diff[a], h * t[E12D], s->mean[1 - a]);
+        f.diff[a][2] -= 2 * h * q * s->q;
+        add_scaled(f.beta, q, s->mean[a]);
+        f.q -= 2 * h * q * s->diff[a][2];
+    }
+    add_scaled(f.beta, t[E33M], s->beta);
+    f.beta[2] -= 8 * t[E33D] * s->q;
+    f.q += 16 * t[E33M] * s->q - 8 * t[E33D] * s->beta[2];
+    return f;
+}
+
+/* Turn strains at the corners into modes: e^m = 1/4 sum_r sign e_r, added corner by corner. */
+static void add_modes(pzs_real modes[4][10], const pzs_real e[10], int r)
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < SHELL_STRAINS; i++)
+            modes[m][i] += (pzs_real)0.25 * mode_sign[m][r] * e[i];
+}
+
+/* Stresses at corner r from the resultants of the modes, the transpose of add_modes. */
+static void corner_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
+{
+    for (int i = 0; i < SHELL_STRAINS; i++) {
+        t[i] = 0;
+        for (int m = 0; m < SHELL_MODES; m++)
+            t[i] += (pzs_real)0.25 * mode_sign[m][r] * h[m][i];
+    }
+}
+
+/* y = D x, D packed lower triangle of 10 rows. */
+static void multiply_packed(const pzs_real *d, const pzs_real x[10], pzs_real y[10])
+{
+    for (int i = 0; i < SHELL_STRAINS; i++) {
+        y[i] = 0;
+        for (int j = 0; j < i; j++, d++) {
+            y[i] += *d * x[j];
+            y[j] += *d * x[i];
+        }
+        y[i] += *d++ * x[i];
+    }
+}
+
+static void resultants(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
+{
+    e[0][E12M] += kind->twist * e[0][E12D];
+    for (int m = 0; m < SHELL_MODES; m++)
+        multiply_packed(kind->d[m], e[m], h[m]);
+    h[0][E12D] += kind->twist * h[0][E12M];
+}
+
+void shell_force(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real *f)
+{
+    pzs_real modes[4][10], h[4][10];
+    memset(modes, 0, sizeof modes);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner rest = corner_at_rest(kind, r);
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        pzs_real e[10];
+        corner_strains(&rest, &d, kind->thickness, e);
+        add_modes(modes, e, r);
+    }
+    resultants(kind, modes, h);
+    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner rest = corner_at_rest(kind, r);
+        pzs_real t[10];
+        corner_of_modes(h, r, t);
+        const corner force = corner_stresses(&rest, t, kind->thickness);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
+}
+
+void shell_stiffness(const pzs_kind *kind, unsigned unknowns, pzs_real *k)
+{
+    const unsigned n = SHELL_NODES * unknowns;
+    pzs_real u[SHELL_MAX] = {0}, f[SHELL_MAX];
+    for (unsigned i = 0; i < n; i++) {
+        u[i] = 1;
+        shell_force(kind, unknowns, u, f);
+        memcpy(k, f, (i + 1) * sizeof *k);
+        k += i + 1;
+        u[i] = 0;
+    }
+}
+
+void shell_given(const pzs_kind *kind, unsigned unknowns, const pzs_real *h0, pzs_real *f)
+{
+    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner rest = corner_at_rest(kind, r);
+        pzs_real t[10];
+        for (int i = 0; i < SHELL_STRAINS; i++)
+            t[i] = (pzs_real)-0.25 * h0[i];
+        t[E12D] += kind->twist * t[E12M];
+        const corner force = corner_stresses(&rest, t, kind->thickness);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
+}
+
+#if PZS_NONLINEAR
+
+/* Shape of a corner at `share` of the displacement derivatives d. */
+static corner corner_moved(const pzs_kind *kind, const corner *d, pzs_real share, int r)
+{
+    corner s = corner_at_rest(kind, r);
+    for (int a = 0; a < 2; a++) {
+        add_scaled(s.mean[a], share, d->mean[a]);
+        add_scaled(s.diff[a], share, d->diff[a]);
+    }
+    add_scaled(s.beta, share, d->beta);
+    s.q += share * d->q;
+    return s;
+}
+
+/* Strains are quadratic, so the variation at half the displacement, applied to all of it, is exact. */
+void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real e[4][10])
+{
+    memset(e, 0, sizeof(pzs_real[4][10]));
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        const corner half = corner_moved(kind, &d, (pzs_real)0.5, r);
+        pzs_real corner_e[10];
+        corner_strains(&half, &d, kind->thickness, corner_e);
+        add_modes(e, corner_e, r);
+    }
+    e[0][E12M] += kind->twist * e[0][E12D];
+}
+
+void shell_resultants(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        multiply_packed(kind->d[m], e[m], h[m]);
+}
+
+/* Stresses at corner r that go with resultants h by mode, twist term included. */
+static void corner_of_resultants(const pzs_kind *kind, pzs_real h[4][10], int r, pzs_real t[10])
+{
+    corner_of_modes(h, r, t);
+    t[E12D] += (pzs_real)0.25 * kind->twist * h[0][E12M];
+}
+
+void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *f)
+{
+    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        const corner shape = corner_moved(kind, &d, 1, r);
+        pzs_real t[10];
+        corner_of_resultants(kind, h, r, t);
+        const corner force = corner_stresses(&shape, t, kind->thickness);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
+}
+
+/* Column of the tangent in direction v: material part through the strains of v, geometric part of h. */
+static void tangent_times(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10],
+                          const pzs_real *v, pzs_real *f)
+{
+    pzs_real de[4][10], dh[4][10];
+    memset(de, 0, sizeof de);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        const corner shape = corner_moved(kind, &d, 1, r);
+        const corner dv = corner_derivatives(kind, unknowns, v, r);
+        pzs_real e[10];
+        corner_strains(&shape, &dv, kind->thickness, e);
+        add_modes(de, e, r);
+    }
+    de[0][E12M] += kind->twist * de[0][E12D];
+    shell_resultants(kind, de, dh);
+    shell_force_at(kind, unknowns, u, dh, f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner dv = corner_derivatives(kind, unknowns, v, r);
+        pzs_real t[10];
+        corner_of_resultants(kind, h, r, t);
+        const corner force = corner_stresses(&dv, t, kind->thickness);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
+}
+
+void shell_tangent(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *k)
+{
+    const unsigned n = SHELL_NODES * unknowns;
+    pzs_real v[SHELL_MAX] = {0}, f[SHELL_MAX];
+    for (unsigned i = 0; i < n; i++) {
+        v[i] = 1;
+        tangent_times(kind, unknowns, u, h, v, f);
+        memcpy(k, f, (i + 1) * sizeof *k);
+        k += i + 1;
+        v[i] = 0;
+    }
+}
+
+#endif

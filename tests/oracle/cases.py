@@ -1,0 +1,192 @@
+"""Linear structural cases; each function states its set-up and returns the printed ratio.
+
+Common to all: point loads are split half on each face (a force on the mean unknown),
+distributed loads are consistent and split half on each face unless said otherwise,
+`preset` is shellref.SOURCE or CORRECTED or a variation, displacements are of the
+middle surface (u3M = mean u3 + h * seventh unknown).
+"""
+
+import numpy as np
+
+from model import Model
+from shellref import Plate, Section, cylinder, isotropic, sphere
+
+
+def scordelis_lo(n, preset, unknowns=7):
+    """Roof under its weight, quarter, n x n uniform; vertical displacement / .3024.
+
+    Cylinder R = 25, theta1 axial from midspan 0 to 25, theta2 = angle from the crown 0 to
+    40 degrees; h = .25, E = 4.32e8, nu = 0.  theta1-, theta2-: symmetric (normal in-plane
+    component of both faces); theta1+: diaphragm (in-plane component along the edge, u3 of
+    both faces and middle); theta2+: free.  Load 90 per reference area, vertically down.
+    Output: downward displacement at (0, 40 degrees) from mean u2 and u3M.
+    """
+    m = Model(cylinder(25.0), np.linspace(0, 25, n + 1), np.radians(np.linspace(0, 40, n + 1)),
+              Section([(0.25, 0, isotropic(4.32e8, 0))]), preset, unknowns, uniform)
+    m.symmetric("theta1-")
+    m.symmetric("theta2-")
+    m.simple("theta1+")
+    down = np.array([-1.0, 0, 0])
+    u = m.solve(m.distributed(lambda t1, t2, triad: 90 * triad.T @ down))
+    return m.displacement(u, m.node(0, -1)) @ down / 0.3024
+
+
+def pinched_cylinder(n, preset, unknowns=7):
+    """Cylinder between diaphragms, two opposite forces, eighth, n x n; u / 1.8248e-5.
+
+    R = 300, h = 3, E = 3e6, nu = .3; theta1 axial from the loaded section 0 to 300, theta2
+    = angle from the load 0 to 90 degrees.  theta1-, theta2-, theta2+: symmetric; theta1+:
+    diaphragm.  Force 1/4 inwards at (0, 0); output -u3M there.
+    """
+    m = Model(cylinder(300.0), np.linspace(0, 300, n + 1), np.radians(np.linspace(0, 90, n + 1)),
+              Section([(3.0, 0, isotropic(3e6, 0.3))]), preset, unknowns, uniform)
+    for edge in ("theta1-", "theta2-", "theta2+"):
+        m.symmetric(edge)
+    m.simple("theta1+")
+    u = m.solve(m.point(m.node(0, 0), 2, -0.25))
+    return -m.middle(u, m.node(0, 0)) / 1.8248e-5
+
+
+def hemisphere(n, preset, unknowns=7):
+    """Hemisphere with an 18 degree hole, quarter, n x n; (-u3M(A)/.093, u3M(B)/.093).
+
+    R = 10, h = .04, E = 6.825e7, nu = .3; theta1 = polar angle 18 to 90 degrees, theta2 =
+    azimuth 0 to 90.  theta2-, theta2+: symmetric; theta1 edges free.  Force 1 inwards at
+    A (90, 0), 1 outwards at B (90, 90).  Axial motion held by mean u1 at (18, 45 degrees).
+    """
+    m = Model(sphere(10.0), np.radians(np.linspace(18, 90, n + 1)), np.radians(np.linspace(0, 90, n + 1)),
+              Section([(0.04, 0, isotropic(6.825e7, 0.3))]), preset, unknowns, ring)
+    m.symmetric("theta2-")
+    m.symmetric("theta2+")
+    m.fix([m.node(0, n // 2)], [0])
+    a, b = m.node(-1, 0), m.node(-1, -1)
+    u = m.solve(m.point(a, 2, -1) + m.point(b, 2, 1))
+    return -m.middle(u, a) / 0.093, m.middle(u, b) / 0.093
+
+
+def clamped_plate(n, preset, unknowns=7, nu=0.3):
+    """Square plate clamped all round, central force, quarter, n x n; w/(.0056 P L^2/D).
+
+    L = 1, h = .01, E = 1, D = E h^3/(12 (1 - nu^2)); theta1 = x, theta2 = y from the centre
+    0 to 1/2.  theta1-, theta2-: symmetric; theta1+, theta2+: all unknowns zero.  Force P/4
+    at the centre; output u3M there.
+    """
+    h = 0.01
+    m = Model(Plate(), np.linspace(0, 0.5, n + 1), np.linspace(0, 0.5, n + 1),
+              Section([(h, 0, isotropic(1.0, nu))]), preset, unknowns, uniform)
+    m.symmetric("theta1-")
+    m.symmetric("theta2-")
+    m.clamped("theta1+")
+    m.clamped("theta2+")
+    u = m.solve(m.point(m.node(0, 0), 2, 0.25))
+    return m.middle(u, m.node(0, 0)) * h**3 / (12 * (1 - nu**2)) / 0.0056
+
+
+def uniform(i, j):
+    """Every cell is the same element."""
+    return 0
+
+
+def ring(i, j):
+    """Cells of one ring of a surface of revolution are the same element."""
+    return i
+
+
+# ---------------------------------------------------------------- bimorphs
+
+PVDF = dict(E=2e9, d31=23e-12)
+
+
+def bimorph(nu, d32, d33, t):
+    """Two layers of thickness t poled oppositely (-3 below, +3 above).
+
+    One volt across both is half a volt on each; the poling of the lower layer is in the
+    sign of its piezo constants.
+    """
+    d = np.array([PVDF["d31"], d32, d33])
+    return Section([(t, 0, isotropic(PVDF["E"], nu, d=-d)), (t, 0, isotropic(PVDF["E"], nu, d=d))])
+
+
+def bimorph_cantilever(n, preset, unknowns=7, groups=1):
+    """Strip 100 x 5 x 1 mm, n x 1 elements; model, columns [size][groups] per volt across both.
+
+    theta1 = x along the strip, theta2 = y 0 to 5 mm; theta1-: all unknowns zero; nu = 0,
+    d32 = d33 = 0, layers .5 mm.  Electrode g covers the g-th n/groups elements.
+    """
+    m = Model(Plate(), np.linspace(0, 0.1, n + 1), [0, 0.005], bimorph(0, 0, 0, 0.5e-3),
+              preset, unknowns, uniform)
+    m.clamped("theta1-")
+
+    def columns(el, i, j):
+        out = np.zeros((el.size, groups))
+        out[:, i * groups // n] = el.given_force(el.volt.sum(axis=0) / 2)
+        return out
+    return m, m.gather(columns)
+
+
+def bimorph_tip(n, preset, unknowns=7):
+    """Magnitude of the tip deflection at 1 V across both layers (closed form 3.45e-7)."""
+    m, columns = bimorph_cantilever(n, preset, unknowns)
+    return m.middle(m.solve(columns[:, 0]), m.node(-1, 0))
+
+
+def equal_voltages(n, preset, unknowns=7, groups=5):
+    """Voltages [groups] for u3M = x^2/2, least squares over the nodes (14492.7536 each)."""
+    m, columns = bimorph_cantilever(n, preset, unknowns, groups)
+    u = m.solve(columns)
+    influence = np.array([m.middle(u, k) for k in range(m.n1 * m.n2)])
+    target = np.repeat(m.t1**2 / 2, 2)
+    return np.linalg.lstsq(influence, target, rcond=None)[0]
+
+
+def tip_force_voltages(n, preset, unknowns=7):
+    """Five voltages cancelling the deflection of a tip force of 1e-3 N, and the residual.
+
+    Force along +e3, half on each of the two tip nodes.  Least squares over u3M of all
+    nodes weighted by their area (half at the ends); residual = norm of what is left / norm
+    of the deflection without voltage, same weights.  Continuous least squares of beam
+    theory: -1615.397 -1186.347 -884.510 -512.281 -190.444, residual .000526.
+    """
+    m, columns = bimorph_cantilever(n, preset, unknowns, 5)
+    force = m.point(m.node(-1, 0), 2, 0.5e-3) + m.point(m.node(-1, 1), 2, 0.5e-3)
+    u = m.solve(np.column_stack([columns, force]))
+    shape = np.array([m.middle(u, k) for k in range(m.n1 * m.n2)])
+    shape[[0, 1, -2, -1]] *= np.sqrt(0.5)
+    volts = np.linalg.lstsq(shape[:, :5], -shape[:, 5], rcond=None)[0]
+    return volts, np.linalg.norm(shape @ np.append(volts, 1)) / np.linalg.norm(shape[:, 5])
+
+
+def open_electrodes(n, preset, unknowns=7, groups=5):
+    """Voltages [groups] of open electrodes when the tip is forced to u3M = 10 mm.
+
+    Charge of an electrode Q = f^T u + C V = 0 with f its force column at 1 V across both
+    layers and C = eps area/(2 t), eps = 1.062e-10 at constant strain.  Signs are those of
+    V = potential at e3 minus potential below: bending towards e3 gives negative voltages.
+    Beam theory with back-coupling: 292.351 227.384 162.417 97.450 32.483 in size (with d32
+    not zero the coupling through the width would take .7 % off).
+    """
+    m, columns = bimorph_cantilever(n, preset, unknowns, groups)
+    force = m.point(m.node(-1, 0), 2, 0.5) + m.point(m.node(-1, 1), 2, 0.5)
+    u = m.solve(np.column_stack([columns, force]))
+    capacity = 1.062e-10 * (0.1 / groups * 0.005) / 1e-3
+    system = np.zeros((groups + 1, groups + 1))
+    system[:groups] = columns.T @ u
+    system[:groups, :groups] += capacity * np.eye(groups)
+    system[groups] = m.middle(u, m.node(-1, 0))
+    return np.linalg.solve(system, np.append(np.zeros(groups), 0.01))[:groups]
+
+
+def free_bimorph_curvature(n, preset, unknowns=7, nu=0.3, d33=-33e-12):
+    """Curvatures (xx, yy) of a free square bimorph, times 4 t^2/(3 d31 V): exactly 1 for any nu, d33.
+
+    a = .1, t = .5 mm, n x n elements; rigid motion held at three corners only: all three
+    means and the two (u_a+ - u_a-)/h at (0, 0), u2 at (a, 0).
+    """
+    t = 0.5e-3
+    x = np.linspace(0, 0.1, n + 1)
+    m = Model(Plate(), x, x, bimorph(nu, PVDF["d31"], d33, t), preset, unknowns, uniform)
+    m.fix([m.node(0, 0)], [0, 1, 2, 3, 4])
+    m.fix([m.node(-1, 0)], [1])
+    u = m.solve(m.gather(lambda el, i, j: el.given_force(el.volt.sum(axis=0) / 2)))
+    origin, scale = m.middle(u, m.node(0, 0)), 4 * t**2 / (3 * PVDF["d31"])
+    return [2 * (m.middle(u, m.node(*far)) - origin) / 0.1**2 * scale for far in ((-1, 0), (0, -1))]
