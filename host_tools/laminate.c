@@ -291,21 +291,25 @@ int laminate_modes(const laminate *l, const scene_element *element, const lamina
     return 0;
 }
 
+/*
+ * A ply's given stress. With lin33 the normal stress it would raise is relaxed ply by ply,
+ * s_a - C_a3/C_33 s_33, because e33 linear through the package cannot follow one ply.
+ */
+static void ply_stress(const laminate_ply *ply, const scene_element *element, const double given[6], double stress[6])
+{
+    for (int i = 0; i < 6; i++)
+        stress[i] = given[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * given[2] : 0);
+}
+
 void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[N])
 {
     memset(h0, 0, N * sizeof *h0);
     for (int p = 0; p < l->plies; p++) {
+        double stress[6];
         if ((ply >= 0 && p != ply) || !(place->present >> p & 1u))
             continue;
-        integrate_stress(l, element, place, &l->ply[p], ply < 0 ? l->ply[p].kelvin : l->ply[p].volt, h0);
-    }
-    if (element->lin33) {
-        double d[N][N];
-        integrate_stiffness(l, element, place, d);
-        const double share = h0[D33] / d[D33][D33];
-        for (int i = 0; i < N; i++)
-            h0[i] -= d[i][D33] * share;
-        h0[D33] = 0;
+        ply_stress(&l->ply[p], element, ply < 0 ? l->ply[p].kelvin : l->ply[p].volt, stress);
+        integrate_stress(l, element, place, &l->ply[p], stress, h0);
     }
     for (int i = 0; i < N; i++)
         h0[i] *= place->area;

@@ -229,8 +229,8 @@ typedef struct pzs_problem {
 typedef struct pzs_control {
     const pzs_problem *problem;
     const pzs_real *influence; /* B in use */
-    pzs_real *hessian;         /* [inputs][inputs] B'W^2 B + effort */
-    pzs_real *tableau;         /* [inputs][inputs] the optimiser's own */
+    pzs_real *hessian;         /* [inputs][width] B'W^2 B + effort, rows padded to whole tiles */
+    pzs_real *tableau;         /* [inputs][width] the optimiser's own */
     pzs_real *lower, *upper;   /* [inputs] limits in force (V): table, narrowed by pzs_hold */
     pzs_real *volt;            /* [inputs] last safe volts (V) */
     pzs_real *predicted;       /* [outputs] B volt (m) */
@@ -249,10 +249,13 @@ typedef struct pzs_control {
     uint8_t stage;
 } pzs_control;
 
+/* Inputs rounded up to whole tiles: the length of a row of hessian and tableau. */
+#define PZS_CONTROL_WIDTH(inputs) (((size_t)(inputs) + PZS_TILE - 1u) / PZS_TILE * PZS_TILE)
+
 /* Bytes of workspace for a controller. */
 #define PZS_CONTROL_BYTES(inputs, outputs) \
-    (sizeof(pzs_real) * (2u * (size_t)(inputs) * (size_t)(inputs) + 12u * (size_t)(inputs) + 5u * (size_t)(outputs)) + \
-     (size_t)(inputs) + (size_t)(outputs) + sizeof(pzs_real))
+    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 15u) * PZS_CONTROL_WIDTH(inputs) + 5u * (size_t)(outputs)) + \
+     (size_t)(inputs) + (size_t)(outputs))
 
 /*
  * Check the problem and lay a controller out in the workspace; volts start at `prefer`, cut to the limits.

@@ -1,0 +1,517 @@
+/* Columns, rows and voltage problem of a scene (design.h). */
+#include "design.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "guard.h"
+#include "shell.h"
+
+/* ---- sparse rows under construction ----------------------------------- */
+
+typedef struct builder {
+    uint32_t *start;
+    uint16_t *dof;
+    double *value;
+    size_t rows, terms, room_rows, room_terms;
+    int full; /* memory ran out */
+} builder;
+
+static void *grown(builder *b, void *old, size_t count, size_t size)
+{
+    void *bigger = realloc(old, count * size);
+    if (!bigger)
+        b->full = 1;
+    return bigger ? bigger : old;
+}
+
+/* Append a dense row [dof]: its nonzero entries. */
+static void append_row(builder *b, const double *dense, int dof)
+{
+    if (b->rows + 2 > b->room_rows) {
+        b->room_rows = 2 * b->room_rows + 64;
+        b->start = grown(b, b->start, b->room_rows, sizeof *b->start);
+    }
+    if (b->terms + (size_t)dof > b->room_terms) {
+        b->room_terms = 2 * b->room_terms + (size_t)dof;
+        b->dof = grown(b, b->dof, b->room_terms, sizeof *b->dof);
+        b->value = grown(b, b->value, b->room_terms, sizeof *b->value);
+    }
+    if (b->full)
+        return;
+    b->start[b->rows++] = (uint32_t)b->terms;
+    for (int i = 0; i < dof; i++)
+        if (dense[i] != 0) {
+            b->dof[b->terms] = (uint16_t)i;
+            b->value[b->terms++] = dense[i];
+        }
+    b->start[b->rows] = (uint32_t)b->terms;
+}
+
+static void rows_of(const builder *b, pzs_rows *rows)
+{
+    rows->count = (uint16_t)b->rows;
+    rows->start = b->start;
+    rows->dof = b->dof;
+    rows->value = b->value;
+}
+
+/* ---- outputs ---------------------------------------------------------- */
+
+/* Unit direction of a component in the local triad of a node. */
+static void direction(const surface_point *p, scene_component component, double c[3])
+{
+    for (int a = 0; a < 3; a++)
+        c[a] = component <= COMPONENT_U3 ? component - COMPONENT_U1 == (unsigned)a : p->e[a][component - COMPONENT_X];
+}
+
+/* Mean and difference weights of a face; middle also has the seventh unknown along e3. */
+void design_output_weights(const mesh *m, int node, scene_component component, scene_face face, double weight[7])
+{
+    const double h = m->laminate.h, half = face == FACE_OUTER ? h / 2 : face == FACE_INNER ? -h / 2 : 0;
+    double c[3];
+    direction(&m->point[node], component, c);
+    for (int a = 0; a < 3; a++) {
+        weight[a] = c[a];
+        weight[3 + a] = half * c[a];
+    }
+    weight[6] = face == FACE_MIDDLE ? h * c[2] : 0;
+}
+
+/* dense += factor times weights on the free unknowns of a node */
+static void add_node(const mesh *m, int node, double factor, const double weight[7], double *dense)
+{
+    for (unsigned i = 0; i < m->unknowns; i++) {
+        const uint16_t dof = m->node_dof[(size_t)node * m->unknowns + i];
+        if (dof != PZS_FIXED)
+            dense[dof] += factor * weight[i];
+    }
+}
+
+static void append_output(const mesh *m, const scene_output *output, int node, builder *rows, double *dense)
+{
+    double weight[7];
+    memset(dense, 0, (size_t)m->dof * sizeof *dense);
+    design_output_weights(m, node, output->component, output->face, weight);
+    add_node(m, node, 1, weight, dense);
+    append_row(rows, dense, m->dof);
+}
+
+static expr_point point_of(const mesh *m, int node)
+{
+    const expr_point at = {m->point[node].x[0], m->point[node].x[1], m->point[node].x[2], m->theta[node][0], m->theta[node][1]};
+    return at;
+}
+
+/* Quarter areas of the elements at each node. area [nodes] out */
+static void node_areas(const mesh *m, double *area)
+{
+    memset(area, 0, (size_t)m->nodes * sizeof *area);
+    for (int e = 0; e < m->elements; e++)
+        for (int r = 0; r < 4; r++)
+            area[m->element[e][r]] += m->place[m->element_kind[e]].area / 4;
+}
+
+/* Target rows, wanted values and weights; weights by area have mean square 1. */
+static int build_targets(design *d, builder *rows, double *dense, int *node, char *error)
+{
+    const scene_target *target = &d->scene->target;
+    if (!target->given)
+        return 0;
+    const mesh *m = &d->mesh;
+    d->targets = mesh_select(m, &target->what.where, node);
+    d->target = calloc((size_t)d->targets, sizeof *d->target);
+    d->weight = calloc((size_t)d->targets, sizeof *d->weight);
+    d->target_node = calloc((size_t)d->targets, sizeof *d->target_node);
+    double *area = calloc((size_t)m->nodes, sizeof *area), sum = 0;
+    if (!d->target || !d->weight || !d->target_node || !area) {
+        free(area);
+        return scene_fault(d->scene, target->what.at, error, "%d target nodes do not fit into memory", d->targets);
+    }
+    node_areas(m, area);
+    for (int i = 0; i < d->targets; i++)
+        sum += area[node[i]];
+    for (int i = 0; i < d->targets; i++) {
+        const expr_point at = point_of(m, node[i]);
+        d->target_node[i] = node[i];
+        d->target[i] = expr_value(target->value, &at);
+        d->weight[i] = target->weight_area ? sqrt(area[node[i]] * d->targets / sum) : 1;
+        append_output(m, &target->what, node[i], rows, dense);
+    }
+    free(area);
+    for (int i = 0; i < d->targets; i++)
+        if (!isfinite(d->target[i]))
+            return scene_fault(d->scene, target->what.at, error, "target is not a finite number at theta1 = %g, theta2 = %g",
+                               m->theta[d->target_node[i]][0], m->theta[d->target_node[i]][1]);
+    return 0;
+}
+
+static int build_named(design *d, builder *rows, double *dense, int *node, char *error)
+{
+    d->named_first = calloc((size_t)d->scene->outputs + 1, sizeof *d->named_first);
+    if (!d->named_first)
+        return scene_fault(d->scene, d->scene->at_surface, error, "outputs do not fit into memory");
+    for (int k = 0; k < d->scene->outputs; k++) {
+        const scene_output *output = &d->scene->output[k];
+        const int count = mesh_select(&d->mesh, &output->where, node);
+        d->named_first[k] = (int)rows->rows;
+        for (int i = 0; i < count; i++)
+            append_output(&d->mesh, output, node[i], rows, dense);
+    }
+    d->named_first[d->scene->outputs] = (int)rows->rows;
+    return 0;
+}
+
+/* ---- inputs ----------------------------------------------------------- */
+
+static void scatter(const mesh *m, int element, double factor, const double *f, double *dense)
+{
+    for (int r = 0; r < 4; r++)
+        for (unsigned i = 0; i < m->unknowns; i++) {
+            const uint16_t dof = m->node_dof[m->element[element][r] * m->unknowns + i];
+            if (dof != PZS_FIXED)
+                dense[dof] += factor * f[(unsigned)r * m->unknowns + i];
+        }
+}
+
+/* Force of a unit on one element: a volt across ply, or a kelvin when ply < 0. */
+static void add_given(const mesh *m, int element, int ply, double factor, double *dense)
+{
+    const uint16_t kind = m->element_kind[element];
+    double h0[LAMINATE_STRAINS], f[SHELL_MAX];
+    laminate_given(&m->laminate, &m->scene->element, &m->place[kind], ply, h0);
+    shell_given(&m->kind[kind], m->unknowns, h0, f);
+    scatter(m, element, factor, f, dense);
+}
+
+/* Is the element's centre in patch (i, j) of a grid? */
+static int in_patch(const mesh *m, int element, const scene_patches *p, int i, int j)
+{
+    double t[2][2];
+    const double *range[2] = {p->theta1, p->theta2};
+    const int index[2] = {i, j};
+    mesh_cell(m, element, t[0], t[1]);
+    for (int a = 0; a < 2; a++) {
+        const double share = ((t[a][0] + t[a][1]) / 2 - range[a][0]) / (range[a][1] - range[a][0]) * p->grid[a];
+        if (!(share > index[a] && share < index[a] + 1))
+            return 0;
+    }
+    return 1;
+}
+
+/* Column of one amplifier: its patches, tied with their factors. */
+static void amplifier_column(const mesh *m, const scene_actuator *actuator, int i, int j, double *dense)
+{
+    for (int e = 0; e < m->elements; e++) {
+        if (actuator->is_temperature)
+            add_given(m, e, -1, 1, dense);
+        for (int k = 0; k < actuator->drives; k++) {
+            const scene_patches *patches = &m->scene->patches[actuator->drive[k].patches];
+            if (in_patch(m, e, patches, i, j))
+                add_given(m, e, patches->layer, actuator->drive[k].factor, dense);
+        }
+    }
+}
+
+/* Force per unit of load at a node, components in its triad; pressure acts along e3. */
+static void load_vector(const mesh *m, const scene_load *load, int node, double value, double c[3])
+{
+    const surface_point *p = &m->point[node];
+    const double z = m->laminate.z[load->face == FACE_OUTER];
+    const double stretch = load->true_area ? (1 + p->k[0] * z) * (1 + p->k[1] * z) : 1;
+    direction(p, load->component, c);
+    for (int a = 0; a < 3; a++)
+        c[a] *= value * stretch;
+}
+
+/* Nodal force of components c on the chosen face (half on each where it is the middle): virtual work of F.u. */
+static void add_force(const mesh *m, const scene_load *load, int node, double factor, const double c[3], double *dense)
+{
+    const double h = m->laminate.h, half = load->face == FACE_OUTER ? h / 2 : load->face == FACE_INNER ? -h / 2 : 0;
+    double weight[7] = {0};
+    for (int a = 0; a < 3; a++) {
+        weight[a] = c[a];
+        weight[3 + a] = half * c[a];
+    }
+    add_node(m, node, factor, weight, dense);
+}
+
+/* Components at node `to` of a vector given at node `from`: carried as components, or as a vector. */
+static void carry(const mesh *m, int from, int to, const double c[3], double out[3])
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = c[a];
+        if (!m->scene->element.cartesian)
+            continue;
+        out[a] = 0;
+        for (int b = 0; b < 3; b++)
+            for (int i = 0; i < 3; i++)
+                out[a] += m->point[to].e[a][i] * m->point[from].e[b][i] * c[b];
+    }
+}
+
+/* A distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r, s) p_s. */
+static void add_distributed(const mesh *m, const scene_load *load, const int *node, const double *value, int count, double size, double *dense)
+{
+    for (int r = 0; r < count; r++)
+        for (int s = 0; s < count; s++) {
+            const int apart = r == s ? 0 : count == 4 && (r ^ s) == 2 ? 2 : 1;
+            double c[3], carried[3];
+            load_vector(m, load, node[s], value[s], c);
+            carry(m, node[s], node[r], c, carried);
+            add_force(m, load, node[r], size * (count == 4 ? 4 >> apart : 2 >> apart) / (count == 4 ? 36 : 6), carried, dense);
+        }
+}
+
+static void face_column(const mesh *m, const scene_load *load, const double *value, double density, double *dense)
+{
+    for (int e = 0; e < m->elements; e++) {
+        const laminate_place *place = &m->place[m->element_kind[e]];
+        double weight = density;
+        int node[4];
+        double corner[4];
+        for (int p = 0; load->type == LOAD_WEIGHT && p < m->laminate.plies; p++)
+            if (place->present >> p & 1u)
+                weight += m->laminate.ply[p].weight * (m->laminate.ply[p].z[1] - m->laminate.ply[p].z[0]);
+        for (int r = 0; r < 4; r++) {
+            node[r] = m->element[e][r];
+            corner[r] = value[node[r]];
+        }
+        add_distributed(m, load, node, corner, 4, place->area * weight, dense);
+    }
+}
+
+static void line_column(const mesh *m, const scene_load *load, const double *value, double *dense)
+{
+    const scene_edge edge = load->where.edge;
+    const int along = edge == EDGE_THETA1_MINUS || edge == EDGE_THETA1_PLUS ? 1 : 0;
+    const scene_line *line = &m->scene->line[along];
+    const int across = edge == EDGE_THETA1_PLUS || edge == EDGE_THETA2_PLUS ? m->scene->line[1 - along].elements : 0;
+    for (int k = 0; k < line->elements; k++) {
+        int node[2];
+        for (int r = 0; r < 2; r++)
+            node[r] = along == 1 ? mesh_node(m, across, k + r) : mesh_node(m, k + r, across);
+        const double corner[2] = {value[node[0]], value[node[1]]};
+        const double length = m->point[node[0]].a[along] * (line->point[k + 1] - line->point[k]);
+        add_distributed(m, load, node, corner, 2, length, dense);
+    }
+}
+
+static void load_column(const mesh *m, const scene_load *load, const double *value, int *node, double *dense)
+{
+    double c[3];
+    switch (load->type) {
+    case LOAD_POINT:
+        mesh_select(m, &load->where, node);
+        load_vector(m, load, node[0], value[node[0]], c);
+        add_force(m, load, node[0], 1, c, dense);
+        break;
+    case LOAD_LINE:
+        line_column(m, load, value, dense);
+        break;
+    case LOAD_FACE:
+        face_column(m, load, value, 1, dense);
+        break;
+    case LOAD_WEIGHT:
+        face_column(m, load, value, 0, dense);
+        break;
+    case LOAD_TEMPERATURE:
+        for (int e = 0; e < m->elements; e++)
+            add_given(m, e, -1, value[m->element[e][0]], dense);
+        break;
+    }
+}
+
+static int build_inputs(design *d, builder *columns, double *dense, int *node, double *value, char *error)
+{
+    const scene *s = d->scene;
+    const mesh *m = &d->mesh;
+    for (int k = 0; k < s->actuators; k++)
+        for (int c = 0; c < s->actuator[k].grid[0] * s->actuator[k].grid[1]; c++) {
+            memset(dense, 0, (size_t)m->dof * sizeof *dense);
+            amplifier_column(m, &s->actuator[k], c / s->actuator[k].grid[1], c % s->actuator[k].grid[1], dense);
+            append_row(columns, dense, m->dof);
+        }
+    d->amplifiers = (int)columns->rows;
+    for (int k = 0; k < s->loads; k++) {
+        for (int n = 0; n < m->nodes; n++) {
+            const expr_point at = point_of(m, n);
+            value[n] = expr_value(s->load[k].value, &at);
+            if (!isfinite(value[n]))
+                return scene_fault(s, s->load[k].at, error, "load is not a finite number at theta1 = %g, theta2 = %g", m->theta[n][0], m->theta[n][1]);
+        }
+        memset(dense, 0, (size_t)m->dof * sizeof *dense);
+        load_column(m, &s->load[k], value, node, dense);
+        append_row(columns, dense, m->dof);
+    }
+    return 0;
+}
+
+/* ---- structure -------------------------------------------------------- */
+
+static void fill_structure(design *d, const builder *columns, const builder *rows)
+{
+    const mesh *m = &d->mesh;
+    pzs_structure *s = &d->structure;
+    s->format = PZS_TABLE_FORMAT;
+    s->scene = d->scene->hash;
+    s->nodes = (uint16_t)m->nodes;
+    s->elements = (uint16_t)m->elements;
+    s->kinds = (uint16_t)m->kinds;
+    s->unknowns = (uint16_t)m->unknowns;
+    s->dof = (uint16_t)m->dof;
+    s->element = (const uint16_t (*)[4])m->element;
+    s->element_kind = m->element_kind;
+    s->node_dof = m->node_dof;
+    s->first = m->first;
+    s->stiffness = m->stiffness;
+    s->kind = m->kind;
+    rows_of(columns, &s->input);
+    rows_of(rows, &s->output);
+    s->crc = guard_structure_crc(s);
+}
+
+static int build_rows(design *d, char *error)
+{
+    const size_t nodes = (size_t)d->mesh.nodes;
+    builder columns = {0}, rows = {0};
+    double *dense = calloc((size_t)d->mesh.dof, sizeof *dense), *value = calloc(nodes, sizeof *value);
+    int *node = calloc(nodes, sizeof *node), status = -1;
+    if (!dense || !value || !node)
+        scene_fault(d->scene, d->scene->at_surface, error, "columns do not fit into memory");
+    else
+        status = build_inputs(d, &columns, dense, node, value, error) < 0 || build_targets(d, &rows, dense, node, error) < 0
+              || build_named(d, &rows, dense, node, error) < 0 ? -1 : 0;
+    if (status == 0 && (columns.full || rows.full || columns.rows > UINT16_MAX || rows.rows > UINT16_MAX))
+        status = scene_fault(d->scene, d->scene->at_surface, error, "too many inputs or outputs (%zu, %zu); at most %u each",
+                             columns.rows, rows.rows, (unsigned)UINT16_MAX);
+    fill_structure(d, &columns, &rows);
+    free(dense);
+    free(value);
+    free(node);
+    return status;
+}
+
+int design_build(design *d, const scene *s, char *error)
+{
+    memset(d, 0, sizeof *d);
+    d->scene = s;
+    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0)
+        return 0;
+    design_free(d);
+    return -1;
+}
+
+/* ---- voltage problem -------------------------------------------------- */
+
+/* B'W^2 B, and the effort in m2/V2. */
+static double build_hessian(design *d)
+{
+    const size_t n = (size_t)d->amplifiers;
+    double trace = 0;
+    for (int i = 0; i < d->targets; i++)
+        for (size_t j = 0; j < n; j++)
+            for (size_t k = 0; k < n; k++)
+                d->hessian[j * n + k] += d->weight[i] * d->weight[i] * d->influence[(size_t)i * n + j] * d->influence[(size_t)i * n + k];
+    for (size_t j = 0; j < n; j++)
+        trace += d->hessian[j * n + j];
+    return d->scene->limits.effort_is_relative ? d->scene->limits.effort * trace / d->amplifiers : d->scene->limits.effort;
+}
+
+/* Narrow the limits of one amplifier by the depolarisation field of a patch it drives: a field against the poling. */
+static void narrow_by_field(design *d, int k, const scene_drive *drive)
+{
+    const scene_layer *layer = &d->scene->layer[d->scene->patches[drive->patches].layer];
+    const double field = d->scene->material[layer->material].field_limit;
+    if (field <= 0 || drive->factor == 0)
+        return;
+    /* E3 = -factor V / h opposes poling along +e3 when factor V > 0. */
+    const double volt = field * layer->thickness / fabs(drive->factor);
+    if ((drive->factor > 0) == (layer->poling > 0))
+        d->upper[k] = fmin(d->upper[k], volt);
+    else
+        d->lower[k] = fmax(d->lower[k], -volt);
+}
+
+static void build_limits(design *d)
+{
+    const scene_limits *limits = &d->scene->limits;
+    for (int k = 0; k < d->amplifiers; k++) {
+        d->lower[k] = limits->lower;
+        d->upper[k] = limits->upper;
+        d->slew[k] = limits->slew;
+    }
+    for (int i = 0; i < limits->each_count; i++)
+        for (int k = limits->each[i].first; k < limits->each[i].first + limits->each[i].count; k++) {
+            d->lower[k] = limits->each[i].lower;
+            d->upper[k] = limits->each[i].upper;
+        }
+    for (int a = 0; a < d->scene->actuators; a++) {
+        const scene_actuator *actuator = &d->scene->actuator[a];
+        for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++)
+            for (int k = 0; k < actuator->drives; k++)
+                narrow_by_field(d, actuator->first + c, &actuator->drive[k]);
+    }
+}
+
+static int allocate_control(design *d)
+{
+    const size_t n = (size_t)d->amplifiers;
+    d->influence = calloc((size_t)d->targets * n, sizeof *d->influence);
+    d->hessian = calloc(n * n, sizeof *d->hessian);
+    d->lower = calloc(n, sizeof *d->lower);
+    d->upper = calloc(n, sizeof *d->upper);
+    d->slew = calloc(n, sizeof *d->slew);
+    d->prefer = calloc(n, sizeof *d->prefer);
+    return d->influence && d->hessian && d->lower && d->upper && d->slew && d->prefer;
+}
+
+int design_control(design *d, const double *influence, char *error)
+{
+    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
+    pzs_problem *p = &d->problem;
+    if (!d->scene->target.given)
+        return scene_fault(d->scene, d->scene->limits.at, error, "no target: add `target: {u3: middle, at: nodes, value: ...}`");
+    if (n == 0)
+        return scene_fault(d->scene, d->scene->limits.at, error, "no amplifiers: add `actuators`");
+    if (!allocate_control(d))
+        return scene_fault(d->scene, d->scene->limits.at, error, "%d amplifiers do not fit into memory", d->amplifiers);
+    for (size_t i = 0; i < (size_t)d->targets; i++)
+        memcpy(d->influence + i * n, influence + i * inputs, n * sizeof *d->influence);
+    p->effort = build_hessian(d);
+    build_limits(d);
+    p->format = PZS_TABLE_FORMAT;
+    p->scene = d->scene->hash;
+    p->inputs = (uint16_t)n;
+    p->outputs = (uint16_t)d->targets;
+    p->influence = d->influence;
+    p->hessian = d->hessian;
+    p->weight = d->weight;
+    p->lower = d->lower;
+    p->upper = d->upper;
+    p->slew = d->slew;
+    p->prefer = d->prefer;
+    p->crc = guard_problem_crc(p);
+    return 0;
+}
+
+void design_free(design *d)
+{
+    free((void *)(uintptr_t)d->structure.input.start);
+    free((void *)(uintptr_t)d->structure.input.dof);
+    free((void *)(uintptr_t)d->structure.input.value);
+    free((void *)(uintptr_t)d->structure.output.start);
+    free((void *)(uintptr_t)d->structure.output.dof);
+    free((void *)(uintptr_t)d->structure.output.value);
+    free(d->target_node);
+    free(d->named_first);
+    free(d->target);
+    free(d->weight);
+    free(d->influence);
+    free(d->hessian);
+    free(d->lower);
+    free(d->upper);
+    free(d->slew);
+    free(d->prefer);
+    mesh_free(&d->mesh);
+    memset(d, 0, sizeof *d);
+}

@@ -1,0 +1,368 @@
+/* Mesh of a scene (mesh.h). */
+#include "mesh.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "shell.h"
+
+static const double full_turn = 6.283185307179586;
+
+/* ---- nodes and elements ----------------------------------------------- */
+
+static int is_closed(const scene *s, int direction)
+{
+    const scene_line *line = &s->line[direction];
+    const double range = line->point[line->elements] - line->point[0];
+    return surface_periodic(&s->surface) == direction + 1 && fabs(range - full_turn) < 1e-9;
+}
+
+int mesh_node(const mesh *m, int i, int j)
+{
+    return i % m->lines[0] * m->lines[1] + j % m->lines[1];
+}
+
+static void cell_lines(const mesh *m, int element, int *i, int *j)
+{
+    *i = element / m->scene->line[1].elements;
+    *j = element % m->scene->line[1].elements;
+}
+
+void mesh_cell(const mesh *m, int element, double theta1[2], double theta2[2])
+{
+    int i, j;
+    cell_lines(m, element, &i, &j);
+    for (int k = 0; k < 2; k++) {
+        theta1[k] = m->scene->line[0].point[i + k];
+        theta2[k] = m->scene->line[1].point[j + k];
+    }
+}
+
+static void place_nodes(mesh *m)
+{
+    for (int i = 0; i < m->lines[0]; i++)
+        for (int j = 0; j < m->lines[1]; j++) {
+            const int n = mesh_node(m, i, j);
+            m->theta[n][0] = m->scene->line[0].point[i];
+            m->theta[n][1] = m->scene->line[1].point[j];
+            m->point[n] = surface_at(&m->scene->surface, m->theta[n][0], m->theta[n][1]);
+        }
+    for (int e = 0; e < m->elements; e++) {
+        int i, j;
+        cell_lines(m, e, &i, &j);
+        m->element[e][0] = (uint16_t)mesh_node(m, i, j);
+        m->element[e][1] = (uint16_t)mesh_node(m, i + 1, j);
+        m->element[e][2] = (uint16_t)mesh_node(m, i + 1, j + 1);
+        m->element[e][3] = (uint16_t)mesh_node(m, i, j + 1);
+    }
+}
+
+int mesh_select(const mesh *m, const scene_where *where, int *node)
+{
+    int count = 0;
+    for (int i = 0; i < m->lines[0]; i++)
+        for (int j = 0; j < m->lines[1]; j++) {
+            const int chosen = where->type == WHERE_NODES
+                || (where->type == WHERE_POINT && mesh_node(m, where->node[0], where->node[1]) == mesh_node(m, i, j))
+                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_MINUS && i == 0)
+                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_PLUS && i == m->scene->line[0].elements)
+                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA2_MINUS && j == 0)
+                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA2_PLUS && j == m->scene->line[1].elements);
+            if (chosen)
+                node[count++] = mesh_node(m, i, j);
+        }
+    return count;
+}
+
+/* ---- element kinds ---------------------------------------------------- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double distance(const double a[3], const double b[3])
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(dot(d, d));
+}
+
+/* One corner of an element: its surface point, and the neighbour along a with the sign towards growing theta_a. */
+typedef struct corner_pair { const surface_point *own, *other; int a; double sign, length; } corner_pair;
+
+/* Local kinematics: components interpolated in the turning triad, derivatives with A, k, B of the corner. */
+static void local_tables(const corner_pair *c, const laminate *l, double s[3][3], double t[3][3], double g_mean[3], double g_diff[3])
+{
+    const double slope = c->sign / (c->own->a[c->a] * c->length), k = c->own->k[c->a];
+    const double turn = c->a == 0 ? c->own->b[1] : c->own->b[0];
+    const int a = c->a, b = 1 - a;
+    for (int i = 0; i < 3; i++) {
+        t[i][i] = slope;
+        s[i][i] = -slope;
+    }
+    s[a][b] += turn;
+    s[b][a] -= turn;
+    s[a][2] += k;
+    s[2][a] -= k;
+    g_mean[a] = 1 + k * (l->z[0] + l->z[1]) / 2;
+    g_diff[a] = k;
+}
+
+/* Cartesian kinematics: differences of vectors between the corners, in the own triad, over the chord. */
+static void cartesian_tables(const corner_pair *c, const laminate *l, double s[3][3], double t[3][3], double g_mean[3], double g_diff[3])
+{
+    const double slope = c->sign / distance(c->own->x, c->other->x), middle = (l->z[0] + l->z[1]) / 2;
+    double step[3], turn[3];
+    for (int i = 0; i < 3; i++) {
+        turn[i] = c->other->e[2][i] - c->own->e[2][i];
+        step[i] = c->other->x[i] - c->own->x[i] + middle * turn[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            t[i][j] = slope * dot(c->own->e[i], c->other->e[j]);
+        s[i][i] = -slope;
+        g_mean[i] = slope * dot(c->own->e[i], step);
+        g_diff[i] = slope * dot(c->own->e[i], turn);
+    }
+}
+
+static void corner_tables(const mesh *m, int element, pzs_kind *kind)
+{
+    static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
+    static const double sign[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+    double range[2][2];
+    mesh_cell(m, element, range[0], range[1]);
+    for (int r = 0; r < 4; r++)
+        for (int a = 0; a < 2; a++) {
+            const corner_pair pair = {&m->point[m->element[element][r]], &m->point[m->element[element][neighbour[r][a]]],
+                                      a, sign[r][a], range[a][1] - range[a][0]};
+            (m->scene->element.cartesian ? cartesian_tables : local_tables)(
+                &pair, &m->laminate, kind->s[r][a], kind->t[r][a], kind->g_mean[r][a], kind->g_diff[r][a]);
+        }
+}
+
+/* Area, curvatures and chords of an element at its centre, and the plies present in it. */
+static laminate_place element_place(const mesh *m, int element)
+{
+    const scene *s = m->scene;
+    double t[2][2], middle[2];
+    laminate_place place;
+    memset(&place, 0, sizeof place);
+    mesh_cell(m, element, t[0], t[1]);
+    for (int a = 0; a < 2; a++)
+        middle[a] = (t[a][0] + t[a][1]) / 2;
+    const surface_point centre = surface_at(&s->surface, middle[0], middle[1]);
+    for (int a = 0; a < 2; a++) {
+        const surface_point low = surface_at(&s->surface, a == 0 ? t[0][0] : middle[0], a == 1 ? t[1][0] : middle[1]);
+        const surface_point high = surface_at(&s->surface, a == 0 ? t[0][1] : middle[0], a == 1 ? t[1][1] : middle[1]);
+        place.k[a] = centre.k[a];
+        place.chord[a] = distance(low.x, high.x);
+    }
+    place.area = s->element.exact_area ? surface_area(&s->surface, t[0], t[1])
+                                       : centre.a[0] * centre.a[1] * (t[0][1] - t[0][0]) * (t[1][1] - t[1][0]);
+    for (int i = 0; i < s->layers; i++)
+        if (!s->layer[i].patched)
+            place.present |= 1u << i;
+    for (int p = 0; p < s->patch_grids; p++) {
+        const scene_patches *patches = &s->patches[p];
+        if (middle[0] > patches->theta1[0] && middle[0] < patches->theta1[1] && middle[1] > patches->theta2[0] && middle[1] < patches->theta2[1])
+            place.present |= 1u << patches->layer;
+    }
+    return place;
+}
+
+/* Equal up to the rounding of node positions: every array within 1e-12 of its largest entry. */
+static int alike(const double *x, const double *y, size_t n)
+{
+    double largest = 0, difference = 0;
+    for (size_t i = 0; i < n; i++) {
+        largest = fmax(largest, fabs(x[i]));
+        difference = fmax(difference, fabs(x[i] - y[i]));
+    }
+    return difference <= 1e-12 * largest;
+}
+
+static int same_kind(const pzs_kind *x, const laminate_place *at_x, const pzs_kind *y, const laminate_place *at_y)
+{
+    return at_x->present == at_y->present && alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72)
+        && alike(&x->t[0][0][0][0], &y->t[0][0][0][0], 72) && alike(&x->g_mean[0][0][0], &y->g_mean[0][0][0], 24)
+        && alike(&x->g_diff[0][0][0], &y->g_diff[0][0][0], 24) && alike(&at_x->area, &at_y->area, 1)
+        && alike(at_x->chord, at_y->chord, 2) && alike(at_x->k, at_y->k, 2) && alike(&x->twist, &y->twist, 1);
+}
+
+static int find_kind(const mesh *m, const pzs_kind *kind, const laminate_place *place)
+{
+    for (int k = m->kinds - 1; k >= 0; k--)
+        if (same_kind(kind, place, &m->kind[k], &m->place[k]))
+            return k;
+    return -1;
+}
+
+static int build_kinds(mesh *m, char *error)
+{
+    const scene *s = m->scene;
+    const double h = m->laminate.h;
+    for (int e = 0; e < m->elements; e++) {
+        pzs_kind kind;
+        memset(&kind, 0, sizeof kind);
+        corner_tables(m, e, &kind);
+        const laminate_place place = element_place(m, e);
+        kind.thickness = h;
+        kind.twist = s->element.tau * (place.chord[0] * place.chord[0] * place.k[0] + place.chord[1] * place.chord[1] * place.k[1]) / (12 * h);
+        int k = find_kind(m, &kind, &place);
+        if (k < 0) {
+            k = m->kinds++;
+            if (laminate_modes(&m->laminate, &s->element, &place, kind.d) < 0)
+                return scene_fault(s, s->at_layers, error, "no stiffness where no patch lies: add a layer that is not patched");
+            m->kind[k] = kind;
+            m->place[k] = place;
+        }
+        m->element_kind[e] = (uint16_t)k;
+    }
+    return 0;
+}
+
+/* ---- numbering -------------------------------------------------------- */
+
+/* Position p of a folded closed line of n: 0, n-1, 1, n-2, ... */
+static int folded(int p, int n)
+{
+    return p % 2 ? n - 1 - p / 2 : p / 2;
+}
+
+static void apply_supports(mesh *m, int *node)
+{
+    for (int k = 0; k < m->scene->supports; k++) {
+        const scene_support *support = &m->scene->support[k];
+        const int count = mesh_select(m, &support->where, node);
+        for (int c = 0; c < count; c++)
+            for (unsigned i = 0; i < m->unknowns; i++)
+                if (support->fix >> i & 1u)
+                    m->node_dof[(size_t)node[c] * m->unknowns + i] = PZS_FIXED;
+    }
+}
+
+static void number_unknowns(mesh *m)
+{
+    const int closed[2] = {is_closed(m->scene, 0), is_closed(m->scene, 1)};
+    const int width_2_fast = m->lines[1] * (1 + closed[0]), width_1_fast = m->lines[0] * (1 + closed[1]);
+    const int fast = width_2_fast <= width_1_fast ? 1 : 0, slow = 1 - fast;
+    m->dof = 0;
+    for (int p = 0; p < m->lines[slow]; p++)
+        for (int q = 0; q < m->lines[fast]; q++) {
+            const int line = closed[slow] ? folded(p, m->lines[slow]) : p;
+            const int node = fast == 1 ? mesh_node(m, line, q) : mesh_node(m, q, line);
+            uint16_t *dof = m->node_dof + (size_t)node * m->unknowns;
+            for (unsigned i = 0; i < m->unknowns; i++)
+                if (dof[i] != PZS_FIXED)
+                    dof[i] = (uint16_t)(m->dof++ & 0xFFFF);
+        }
+}
+
+static void find_envelope(mesh *m)
+{
+    for (int i = 0; i < m->dof; i++)
+        m->first[i] = (uint16_t)i;
+    for (int e = 0; e < m->elements; e++) {
+        uint16_t least = PZS_FIXED;
+        for (int pass = 0; pass < 2; pass++)
+            for (int r = 0; r < 4; r++)
+                for (unsigned i = 0; i < m->unknowns; i++) {
+                    const uint16_t dof = m->node_dof[m->element[e][r] * m->unknowns + i];
+                    if (dof == PZS_FIXED)
+                        continue;
+                    if (pass == 0 && dof < least)
+                        least = dof;
+                    if (pass == 1 && least < m->first[dof])
+                        m->first[dof] = least;
+                }
+    }
+}
+
+int mesh_half_bandwidth(const mesh *m)
+{
+    int widest = 0;
+    for (int i = 0; i < m->dof; i++)
+        if (i - m->first[i] > widest)
+            widest = i - m->first[i];
+    return widest;
+}
+
+/* ---- build ------------------------------------------------------------ */
+
+static int allocate(mesh *m)
+{
+    const size_t nodes = (size_t)m->nodes, elements = (size_t)m->elements;
+    m->point = calloc(nodes, sizeof *m->point);
+    m->theta = calloc(nodes, sizeof *m->theta);
+    m->element = calloc(elements, sizeof *m->element);
+    m->element_kind = calloc(elements, sizeof *m->element_kind);
+    m->kind = calloc(elements, sizeof *m->kind);
+    m->place = calloc(elements, sizeof *m->place);
+    m->node_dof = calloc(nodes * m->unknowns, sizeof *m->node_dof);
+    m->first = calloc(nodes * m->unknowns, sizeof *m->first);
+    return m->point && m->theta && m->element && m->element_kind && m->kind && m->place && m->node_dof && m->first;
+}
+
+static int build_stiffness(mesh *m)
+{
+    const size_t packed = SHELL_PACKED(4 * (size_t)m->unknowns);
+    m->stiffness = malloc((size_t)m->kinds * packed * sizeof *m->stiffness);
+    if (!m->stiffness)
+        return -1;
+    for (int k = 0; k < m->kinds; k++)
+        shell_stiffness(&m->kind[k], m->unknowns, m->stiffness + (size_t)k * packed);
+    return 0;
+}
+
+static int fill(mesh *m, char *error)
+{
+    const scene *s = m->scene;
+    int *node = NULL;
+    if (laminate_build(s, &m->laminate, error) < 0)
+        return -1;
+    if (!allocate(m) || !(node = calloc((size_t)m->nodes, sizeof *node)))
+        return scene_fault(s, s->line[0].at, error, "%d nodes do not fit into memory", m->nodes);
+    place_nodes(m);
+    apply_supports(m, node);
+    free(node);
+    number_unknowns(m);
+    if (m->dof == 0)
+        return scene_fault(s, s->at_surface, error, "the supports leave nothing free");
+    if (m->dof >= (int)PZS_FIXED)
+        return scene_fault(s, s->line[0].at, error, "%d free unknowns; tables hold at most %u: use fewer elements", m->dof, PZS_FIXED - 1u);
+    find_envelope(m);
+    if (build_kinds(m, error) < 0)
+        return -1;
+    if (build_stiffness(m) < 0)
+        return scene_fault(s, s->line[0].at, error, "%d element matrices do not fit into memory", m->kinds);
+    return 0;
+}
+
+int mesh_build(mesh *m, const scene *s, char *error)
+{
+    memset(m, 0, sizeof *m);
+    m->scene = s;
+    m->unknowns = (unsigned)s->element.unknowns;
+    for (int a = 0; a < 2; a++)
+        m->lines[a] = s->line[a].elements + (is_closed(s, a) ? 0 : 1);
+    m->nodes = m->lines[0] * m->lines[1];
+    m->elements = s->line[0].elements * s->line[1].elements;
+    if (fill(m, error) == 0)
+        return 0;
+    mesh_free(m);
+    return -1;
+}
+
+void mesh_free(mesh *m)
+{
+    free(m->point);
+    free(m->theta);
+    free(m->element);
+    free(m->element_kind);
+    free(m->kind);
+    free(m->place);
+    free(m->stiffness);
+    free(m->node_dof);
+    free(m->first);
+    memset(m, 0, sizeof *m);
+}
