@@ -7,9 +7,12 @@ middle surface (u3M = mean u3 + h * seventh unknown).
 """
 
 import numpy as np
+from scipy.linalg import expm
 
 from model import Model
-from shellref import Plate, Section, cylinder, isotropic, sphere
+from shellref import Plate, Section, cylinder, isotropic, ply, ply_stiffness, ply_turn, sphere
+
+GRAPHITE = ply([25, 1, 1, 0.5, 0.5, 0.2, 0.25, 0.25, 0.25])     # E_T = 1
 
 
 def scordelis_lo(n, preset, unknowns=7):
@@ -90,6 +93,121 @@ def uniform(i, j):
 def ring(i, j):
     """Cells of one ring of a surface of revolution are the same element."""
     return i
+
+
+# ---------------------------------------------------------------- against three-dimensional elasticity
+
+def plate_3d(side_to_h, material, angles):
+    """w at the middle of the simply supported unit square under sin(pi x) sin(pi y) on top.
+
+    Plies of equal thickness, 0 or 90 degrees.  State (U, V, W, s33, s13, s23)' = A state in
+    each half ply; plate in z from 0 to h, load 1 on the upper face.
+    """
+    p, h = np.pi, 1 / side_to_h
+    half, middle = np.eye(6), None
+    for layer, angle in enumerate(np.repeat(angles, 2)):
+        if layer == len(angles):
+            middle = half
+        turn = ply_turn(angle)
+        c = turn.T @ ply_stiffness(material["constants"]) @ turn
+        e11, e22 = np.array([-p, 0, 0, 0, 0, 0]), np.array([0, -p, 0, 0, 0, 0])
+        e33 = (np.eye(6)[3] - c[0, 2] * e11 - c[1, 2] * e22) / c[2, 2]
+        s12 = c[5, 5] * np.array([p, p, 0, 0, 0, 0])
+        a = np.array([
+            [0, 0, -p, 0, 1 / c[4, 4], 0],
+            [0, 0, -p, 0, 0, 1 / c[3, 3]],
+            e33,
+            [0, 0, 0, 0, p, p],
+            -p * (c[0, 0] * e11 + c[0, 1] * e22 + c[0, 2] * e33) + p * s12,
+            -p * (c[0, 1] * e11 + c[1, 1] * e22 + c[1, 2] * e33) + p * s12])
+        half = expm(a * h / len(angles) / 2) @ half
+    bottom = np.append(np.linalg.solve(half[3:, :3], [1, 0, 0]), [0, 0, 0])
+    return (middle @ bottom)[2]
+
+
+def sine_plate(n, preset, unknowns, side_to_h, material, angles):
+    """Simply supported unit square under a sinusoidal load, quarter, n x n; w / plate_3d.
+
+    theta1 = x, theta2 = y from the edges 0 to 1/2; theta1-, theta2-: simple (in-plane
+    component along the edge, u3 of both faces and middle); theta1+, theta2+: symmetric.
+    Load sin(pi x) sin(pi y) along e3 on the upper face, nodal values interpolated
+    bilinearly; output u3M at the centre.  Isotropic nu = .3 (Vlasov) or GRAPHITE
+    [0/90/0] of equal plies (Pagano).  The printed ratios are the limits of fine meshes,
+    (4 u_2n - u_n)/3 of n = 16 has them to 1e-5.
+    """
+    h = 1 / side_to_h
+    x = np.linspace(0, 0.5, n + 1)
+    m = Model(Plate(), x, x, Section([(h / len(angles), a, material) for a in angles]),
+              preset, unknowns, uniform)
+    for edge in ("theta1-", "theta2-"):
+        m.simple(edge)
+    for edge in ("theta1+", "theta2+"):
+        m.symmetric(edge)
+    load = m.distributed(lambda x, y, triad: np.array([0, 0, np.sin(np.pi * x) * np.sin(np.pi * y)]), 0.5)
+    return m.middle(m.solve(load), m.node(-1, -1)) / plate_3d(side_to_h, material, angles)
+
+
+def cylinder_3d(radius, h, length, waves, angles):
+    """w at the middle surface, crown of a simply supported cylinder, exact elasticity.
+
+    GRAPHITE plies, inner first, 90 degrees = around.  Pressure sin(pi x/L) cos(waves t) on
+    the TRUE inner face, outwards.  u = U cos px cos nt, v = V sin px sin nt, w = W sin px cos nt;
+    state (U, V, W, srr, sxr, str)' = A(r) state, stepped by the fourth-order Magnus formula.
+    """
+    p, n, steps = np.pi / length, waves, 40
+
+    def system(r, c):
+        exx, ett = np.array([-p, 0, 0, 0, 0, 0]), np.array([0, n / r, 1 / r, 0, 0, 0])
+        err = (np.eye(6)[3] - c[0, 2] * exx - c[1, 2] * ett) / c[2, 2]
+        sxx = c[0, 0] * exx + c[0, 1] * ett + c[0, 2] * err
+        stt = c[0, 1] * exx + c[1, 1] * ett + c[1, 2] * err
+        sxt = c[5, 5] * np.array([-n / r, p, 0, 0, 0, 0])
+        return np.array([
+            [0, 0, -p, 0, 1 / c[4, 4], 0],
+            [0, 1 / r, n / r, 0, 0, 1 / c[3, 3]],
+            err,
+            stt / r + np.array([0, 0, 0, -1 / r, p, -n / r]),
+            -p * sxx - n / r * sxt + np.array([0, 0, 0, 0, -1 / r, 0]),
+            p * sxt + n / r * stt + np.array([0, 0, 0, 0, 0, -2 / r])])
+
+    through, middle = np.eye(6), None
+    dr = h / len(angles) / steps
+    gauss = np.sqrt(3) / 6
+    for k in range(steps * len(angles)):
+        if 2 * k == steps * len(angles):
+            middle = through
+        turn = ply_turn(angles[k // steps])
+        c = turn.T @ ply_stiffness(GRAPHITE["constants"]) @ turn
+        r = radius - h / 2 + k * dr
+        a, b = system(r + dr * (0.5 - gauss), c), system(r + dr * (0.5 + gauss), c)
+        through = expm(dr / 2 * (a + b) + gauss / 2 * dr**2 * (b @ a - a @ b)) @ through
+    bottom = np.append(np.linalg.solve(through[3:, :3], through[3:, 3]), [-1, 0, 0])
+    return (middle @ bottom)[2]
+
+
+def sine_cylinder(n, preset, unknowns, angles):
+    """Simply supported laminated cylinder under sinusoidal inner pressure; w / cylinder_3d.
+
+    R = 1, h = .02, L = 4, GRAPHITE, plies of equal thickness listed from the inside, 90 =
+    around.  theta1 axial 0 to L/2, theta2 0 to pi/8, n x n; theta1-, theta2+: simple;
+    theta1+, theta2-: symmetric.  Load sin(pi x/L) cos(4 t) outwards on the inner face per
+    MIDDLE-surface area (per true area: times 1 - h/2R); output u3M at (L/2, 0).  The
+    printed ratios are the limits, (4 u_2n - u_n)/3.
+    """
+    h = 0.02
+    m = Model(cylinder(1.0), np.linspace(0, 2, n + 1), np.linspace(0, np.pi / 8, n + 1),
+              Section([(h / len(angles), a, GRAPHITE) for a in angles]), preset, unknowns, uniform)
+    m.simple("theta1-")
+    m.symmetric("theta1+")
+    m.symmetric("theta2-")
+    m.simple("theta2+")
+    load = m.distributed(lambda x, t, triad: np.array([0, 0, np.sin(np.pi * x / 4) * np.cos(4 * t)]), -0.5)
+    return m.middle(m.solve(load), m.node(-1, 0)) / cylinder_3d(1.0, h, 4.0, 4, angles)
+
+
+def limit(coarse, fine):
+    """Richardson extrapolation of second order, meshes n and 2 n."""
+    return (4 * fine - coarse) / 3
 
 
 # ---------------------------------------------------------------- bimorphs

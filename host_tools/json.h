@@ -1,0 +1,20 @@
+/* JSON output: objects, arrays, numbers and strings, commas in the right places. */
+#ifndef JSON_H
+#define JSON_H
+
+#include <stdio.h>
+
+typedef struct json {
+    FILE *file;
+    int depth;
+    int filled[16]; /* something was already written at this depth */
+} json;
+
+/* key is NULL inside arrays. A number that is not finite is written as null. */
+void json_open(json *j, const char *key, char bracket);
+void json_close(json *j, char bracket);
+void json_number(json *j, const char *key, double value);
+void json_string(json *j, const char *key, const char *text);
+void json_numbers(json *j, const char *key, const double *value, int count);
+
+#endif

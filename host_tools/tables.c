@@ -1,0 +1,255 @@
+/*
+ * Generated C tables (tables.h). Numbers have 17 significant digits and are rounded once, by
+ * the device's compiler, to its own real; the checksum is therefore given for both precisions.
+ */
+#include "tables.h"
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "guard.h"
+#include "shell.h"
+
+/* ---- checksums -------------------------------------------------------- */
+
+static uint32_t crc_reals_32(uint32_t crc, const double *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const float rounded = (float)x[i];
+        crc = guard_crc(crc, &rounded, sizeof rounded);
+    }
+    return crc;
+}
+
+/* ---- arrays ----------------------------------------------------------- */
+
+typedef struct writer {
+    FILE *file;
+    const char *prefix;
+    char upper[64];     /* the prefix in capitals, for macros */
+    uint32_t crc32; /* over what was written, reals rounded to float */
+} writer;
+
+static void write_real(FILE *file, double x)
+{
+    if (isinf(x))
+        fprintf(file, "%sHUGE_VAL", x < 0 ? "-" : "");
+    else
+        fprintf(file, "%.17g", x);
+}
+
+/* Values of an initialiser, `columns` a line. */
+static void list_reals(FILE *file, const double *x, size_t n, size_t columns)
+{
+    for (size_t i = 0; i < n; i++) {
+        fputs(i % columns == 0 ? "\n    PZS_R(" : " PZS_R(", file);
+        write_real(file, x[i]);
+        fputs("),", file);
+    }
+}
+
+static void write_reals(writer *w, const char *name, const double *x, size_t n, const char *meaning)
+{
+    fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning, w->prefix, name, n ? n : 1);
+    list_reals(w->file, x, n, 4);
+    fputs(n ? "\n};\n" : "0};\n", w->file);
+    w->crc32 = crc_reals_32(w->crc32, x, n);
+}
+
+static void write_shorts(writer *w, const char *name, const uint16_t *x, size_t n, const char *meaning)
+{
+    fprintf(w->file, "/* %s */\nstatic const uint16_t %s_%s[%zu] = {", meaning, w->prefix, name, n ? n : 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(w->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", x[i]);
+    fputs(n ? "\n};\n" : "0};\n", w->file);
+    w->crc32 = guard_crc(w->crc32, x, n * sizeof *x);
+}
+
+static void write_longs(writer *w, const char *name, const uint32_t *x, size_t n)
+{
+    fprintf(w->file, "static const uint32_t %s_%s[%zu] = {", w->prefix, name, n ? n : 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(w->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)x[i]);
+    fputs(n ? "\n};\n" : "0};\n", w->file);
+    w->crc32 = guard_crc(w->crc32, x, n * sizeof *x);
+}
+
+/* ---- structure -------------------------------------------------------- */
+
+static void write_elements(writer *w, const mesh *m)
+{
+    fprintf(w->file, "/* nodes of each element */\nstatic const uint16_t %s_element[%d][4] = {", w->prefix, m->elements);
+    for (int e = 0; e < m->elements; e++)
+        fprintf(w->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ",
+                m->element[e][0], m->element[e][1], m->element[e][2], m->element[e][3]);
+    fputs("\n};\n", w->file);
+    w->crc32 = guard_crc(w->crc32, m->element, (size_t)m->elements * sizeof *m->element);
+}
+
+/* Corner tables of every kind, member by member in the order of pzs_kind. */
+static void write_kinds(writer *w, const mesh *m)
+{
+    fprintf(w->file, "/* corner tables of each element kind */\nstatic const pzs_kind %s_kind[%d] = {", w->prefix, m->kinds);
+    for (int k = 0; k < m->kinds; k++) {
+        const pzs_kind *kind = &m->kind[k];
+        fputs("{\n", w->file);
+        for (int part = 0; part < 2; part++) {
+            const double *entry = part == 0 ? &kind->s[0][0][0][0] : &kind->t[0][0][0][0];
+            fputs("    {", w->file);
+            for (int i = 0; i < 72; i++) {
+                fputs(i % 18 == 0 ? (i ? "}}, {{{" : "{{{") : i % 9 == 0 ? "}, {{" : i % 3 == 0 ? "{" : "", w->file);
+                fputs("PZS_R(", w->file);
+                write_real(w->file, entry[i]);
+                fputs(i % 3 == 2 ? (i % 9 == 8 ? ")}}" : ")}, ") : "), ", w->file);
+            }
+            fputs("}},\n", w->file);
+        }
+        for (int part = 0; part < 2; part++) {
+            const double *entry = part == 0 ? &kind->g_mean[0][0][0] : &kind->g_diff[0][0][0];
+            fputs("    {", w->file);
+            for (int i = 0; i < 24; i++) {
+                fputs(i % 6 == 0 ? "{{" : i % 3 == 0 ? "{" : "", w->file);
+                fputs("PZS_R(", w->file);
+                write_real(w->file, entry[i]);
+                fputs(i % 6 == 5 ? ")}}, " : i % 3 == 2 ? ")}, " : "), ", w->file);
+            }
+            fputs("},\n", w->file);
+        }
+        fputs("    {", w->file);
+        for (int mode = 0; mode < 4; mode++) {
+            fputs("{", w->file);
+            list_reals(w->file, kind->d[mode], LAMINATE_PACKED, 5);
+            fputs("},\n    ", w->file);
+        }
+        fputs("}, PZS_R(", w->file);
+        write_real(w->file, kind->thickness);
+        fputs("), PZS_R(", w->file);
+        write_real(w->file, kind->twist);
+        fputs(")\n}, ", w->file);
+        w->crc32 = crc_reals_32(w->crc32, (const double *)kind, sizeof *kind / sizeof(double));
+    }
+    fputs("\n};\n", w->file);
+}
+
+static void write_rows(writer *w, const char *name, const pzs_rows *rows, uint16_t count, const char *meaning)
+{
+    char array[64];
+    const uint32_t terms = rows->count ? rows->start[count] : 0;
+    fprintf(w->file, "/* %s */\n", meaning);
+    snprintf(array, sizeof array, "%s_start", name);
+    write_longs(w, array, rows->start, rows->count ? count + 1u : 0);
+    snprintf(array, sizeof array, "%s_dof", name);
+    write_shorts(w, array, rows->dof, terms, "free unknowns");
+    snprintf(array, sizeof array, "%s_value", name);
+    write_reals(w, array, rows->value, terms, "their weights");
+}
+
+/* Padded entries of the factor for a tile of rows, the rule of linalg.h. */
+static size_t padded_entries(const mesh *m, int tile)
+{
+    size_t entries = 0;
+    for (int row = 0; row < m->dof; row += tile) {
+        int left = row;
+        for (int i = row; i < m->dof && i < row + tile; i++)
+            if (m->first[i] < left)
+                left = m->first[i];
+        entries += (size_t)(row + tile - left / tile * tile) * (size_t)tile;
+    }
+    return entries;
+}
+
+/* The structure with its control part only: amplifiers as inputs, target nodes as outputs. */
+static pzs_structure controlled(const analysis *a)
+{
+    pzs_structure s = a->design.structure;
+    s.input.count = (uint16_t)a->design.amplifiers;
+    s.output.count = (uint16_t)a->design.targets;
+    s.crc = guard_structure_crc(&s);
+    return s;
+}
+
+static void write_structure(writer *w, const analysis *a)
+{
+    const mesh *m = &a->design.mesh;
+    const pzs_structure s = controlled(a);
+    const size_t packed = SHELL_PACKED(4 * (size_t)m->unknowns);
+    w->crc32 = GUARD_CRC_START;
+    write_elements(w, m);
+    write_shorts(w, "element_kind", m->element_kind, (size_t)m->elements, "kind of each element");
+    write_shorts(w, "node_dof", m->node_dof, (size_t)m->nodes * m->unknowns, "free unknown of each nodal unknown, or PZS_FIXED");
+    write_shorts(w, "first", m->first, (size_t)m->dof, "first column of each row of the factor");
+    write_reals(w, "stiffness", m->stiffness, (size_t)m->kinds * packed, "element matrices, packed lower triangles (N/m, N)");
+    write_kinds(w, m);
+    write_rows(w, "input", &s.input, s.input.count, "force per volt of each amplifier");
+    write_rows(w, "output", &s.output, s.output.count, "displacement of each target node");
+    fprintf(w->file,
+            "#define %s_DOF %d\n"
+            "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n"
+            "static const pzs_structure %s_structure = {\n"
+            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, %u,\n"
+            "    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n"
+            "    {%u, %s_input_start, %s_input_dof, %s_input_value},\n"
+            "    {%u, %s_output_start, %s_output_dof, %s_output_value},\n};\n\n",
+            w->upper, m->dof, w->upper, m->dof, padded_entries(m, 4), padded_entries(m, 8), padded_entries(m, 16), w->prefix,
+            s.format, (unsigned)s.scene, (unsigned)~w->crc32, (unsigned)s.crc, s.nodes, s.elements, s.kinds, s.unknowns, s.dof,
+            w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, w->prefix,
+            s.input.count, w->prefix, w->prefix, w->prefix, s.output.count, w->prefix, w->prefix, w->prefix);
+}
+
+/* ---- voltage problem -------------------------------------------------- */
+
+static void write_problem(writer *w, const analysis *a, tables_image image)
+{
+    const design *d = &a->design;
+    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets;
+    const int influence = image == TABLES_CONTROL;
+    pzs_problem p = d->problem;
+    if (!influence) {
+        p.influence = NULL;
+        p.hessian = NULL;
+    }
+    w->crc32 = GUARD_CRC_START;
+    if (influence) {
+        write_reals(w, "influence", d->influence, m * n, "displacement of target node (row) per volt (column)");
+        write_reals(w, "hessian", d->hessian, n * n, "B'W^2 B");
+    }
+    write_reals(w, "weight", d->weight, m, "W");
+    write_reals(w, "lower", d->lower, n, "voltage limits (V)");
+    write_reals(w, "upper", d->upper, n, "(V)");
+    write_reals(w, "slew", d->slew, n, "most change a step (V)");
+    write_reals(w, "prefer", d->prefer, n, "voltages preferred by the effort term (V)");
+    fprintf(w->file,
+            "static const pzs_problem %s_problem = {\n"
+            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %zu, %zu,\n"
+            "    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_slew, %s_prefer, PZS_R(%.17g),\n};\n\n",
+            w->prefix, p.format, (unsigned)p.scene, (unsigned)~w->crc32, (unsigned)guard_problem_crc(&p), n, m,
+            influence ? w->prefix : "NULL", influence ? "_influence" : "", influence ? w->prefix : "NULL", influence ? "_hessian" : "",
+            w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, p.effort);
+    write_reals(w, "target", d->target, m, "wanted displacement of each target node");
+}
+
+/* ---- header ----------------------------------------------------------- */
+
+int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix)
+{
+    const scene *s = a->design.scene;
+    writer w = {file, prefix, "", 0};
+    for (size_t i = 0; prefix[i] && i + 1 < sizeof w.upper; i++)
+        w.upper[i] = (char)toupper((unsigned char)prefix[i]);
+    fprintf(file,
+            "/*\n * Tables of scene %s, %s image. Made by `pzs tables`; do not edit.\n * %s\n"
+            " * Lengths in %s, forces in %s, volts in %s.\n */\n"
+            "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
+            "#if PZS_TABLE_FORMAT != %u\n#error \"these tables were made for another version of the library: run `pzs tables` again\"\n#endif\n\n"
+            "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
+            s->name, image == TABLES_CONTROL ? "control" : "linear", s->about ? s->about : "", s->unit_length, s->unit_force, s->unit_voltage,
+            w.upper, w.upper, PZS_TABLE_FORMAT, w.upper, a->design.amplifiers, w.upper, a->design.targets, w.upper,
+            a->design.amplifiers, a->design.targets);
+    if (image == TABLES_LINEAR) {
+        write_structure(&w, a);
+        fprintf(file, "#define %s_LINEAR 1\n\n", w.upper);
+    }
+    write_problem(&w, a, image);
+    fputs("#endif\n", file);
+    return ferror(file) ? -1 : 0;
+}
