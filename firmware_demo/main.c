@@ -19,6 +19,7 @@ typedef struct loop_log {
     pzs_status worst;     /* largest status of any tick */
     uint32_t warnings;    /* ticks that ended with a warning */
     uint32_t outside;     /* volts seen outside their limits */
+    uint32_t active;      /* most inputs at a limit at once */
     uint32_t crc;         /* of the bits of all volts of all ticks */
     uint32_t total, most; /* instructions of all ticks, of the longest */
 } loop_log;
@@ -86,6 +87,7 @@ static loop_log run(pzs_control *control, const demo_image *image)
         measure(image, control->volt, bump * wave(tick + PERIOD / 4));
         timed_tick(control, image, &log);
         log.outside += count_outside(problem, control->volt);
+        if (control->active > log.active) log.active = control->active;
         log.crc = guard_crc(log.crc, control->volt, problem->inputs * sizeof *control->volt);
     }
     log.crc = ~log.crc;
@@ -100,7 +102,7 @@ static void report(const pzs_control *control, const loop_log *log)
     print_count("status", log->worst);
     print_count("warnings", log->warnings);
     print_count("ticks", TICKS);
-    print_count("active", control->active);
+    print_count("active", log->active);
     print_count("outside", log->outside);
     print_real("error", control->error_after);
     print_hex("volts", log->crc);

@@ -273,6 +273,15 @@ linalg_inertia linalg_factor(pzs_envelope *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
+static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
+{
+    if (rows == PZS_TILE)
+        memcpy(to, from, PZS_TILE * sizeof *to);
+    else
+        for (uint32_t i = 0; i < rows; i++)
+            to[i] = from[i];
+}
+
 /* Rows of one panel of L x = b: columns in ascending order, the rows side by side. x [n] in b, out. */
 static void forward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
 {
@@ -282,17 +291,29 @@ static void forward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
     const pzs_real *restrict l = column(a, panel, left);
     pzs_real y[PZS_TILE] = {0};
 
-    memcpy(y, x + row, rows * sizeof *y);
-    for (uint32_t k = left; k < row; k++, l += PZS_TILE)
+    copy_rows(y, x + row, rows);
+    for (uint32_t k = left; k < row; k += PZS_TILE)
+        UNROLLED
+        for (int j = 0; j < PZS_TILE; j++, l += PZS_TILE)
         UNROLLED
         for (int i = 0; i < PZS_TILE; i++)
-            y[i] -= l[i] * x[k];
+            y[i] -= l[i] * x[k+(uint32_t)j];
+    copy_rows(x + row, y, rows);
+}
+static void forward_triangle(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+{
+    const uint32_t row = panel * PZS_TILE;
+    const uint32_t rows = smaller(PZS_TILE, a->n - row);
+    const pzs_real *restrict l = column(a, panel, row);
+    pzs_real y[PZS_TILE] = {0};
+
+    copy_rows(y, x + row, rows);
     UNROLLED
     for (int k = 0; k < PZS_TILE; k++, l += PZS_TILE)
         UNROLLED
         for (int i = k + 1; i < PZS_TILE; i++)
             y[i] -= l[i] * y[k];
-    memcpy(x + row, y, rows * sizeof *y);
+    copy_rows(x + row, y, rows);
 }
 
 /* Columns of one panel of L^T x = b: its rows in descending order, so that every x_k meets them in one order. */
@@ -304,13 +325,13 @@ static void backward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
     const pzs_real *restrict l = column(a, panel, row);
     pzs_real y[PZS_TILE] = {0};
 
-    memcpy(y, x + row, rows * sizeof *y);
+    copy_rows(y, x + row, rows);
     UNROLLED
     for (int i = PZS_TILE - 1; i > 0; i--)
         UNROLLED
         for (int k = 0; k < i; k++)
             y[k] -= l[k * PZS_TILE + i] * y[i];
-    memcpy(x + row, y, rows * sizeof *y);
+    copy_rows(x + row, y, rows);
     l = column(a, panel, left);
     for (uint32_t k = left; k < row; k++, l += PZS_TILE)
         UNROLLED
@@ -322,9 +343,12 @@ void linalg_solve_many(const pzs_envelope *a, pzs_real *x, uint32_t count, size_
 {
     const uint32_t panels = panels_of(a->n);
 
-    for (uint32_t p = 0; p < panels; p++) /* a panel meets all right-hand sides while it is near */
+    for (uint32_t p = 0; p < panels; p++) { /* a panel meets all right-hand sides while it is near */
         for (uint32_t r = 0; r < count; r++)
             forward(a, p, x + r * stride);
+        for (uint32_t r = 0; r < count; r++)
+            forward_triangle(a, p, x + r * stride);
+    }
     for (uint32_t r = 0; r < count; r++)
         for (uint32_t i = 0; i < a->n; i++)
             x[r * stride + i] *= a->inverse[i];

@@ -1,0 +1,554 @@
+/* pzs: host simulation and precomputation. One executable, a function per subcommand. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "analysis.h"
+#include "json.h"
+#include "report.h"
+#include "tables.h"
+
+enum { EXIT_USAGE = 2, MOST_SETS = 64, MOST_LIMITS = 16, PATH_ROOM = 4096 };
+
+static const char *const help =
+    "pzs - shape control of piezoelectric shells: host simulation and precomputation\n"
+    "\n"
+    "  pzs list                         the scenes shipped, a line each\n"
+    "  pzs check  SCENE                 read a scene and say what is wrong with it\n"
+    "  pzs solve  SCENE                 displacement under the scene's loads and applied volts\n"
+    "  pzs shape  SCENE                 volts that bring the shape to the scene's target, and its error\n"
+    "  pzs tables SCENE -o FILE.h       C tables for a firmware\n"
+    "\n"
+    "SCENE is a file, or the name of a shipped scene. Options:\n"
+    "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
+    "  --limit V          shape: voltage limit instead of the scene's; repeat it for a comparison\n"
+    "  --json             numbers for machines on standard output\n"
+    "  --report FILE.html pictures and tables in one page\n"
+    "  --vtk FILE.vtk     deformed shape for ParaView\n"
+    "  --image IMAGE      tables: control (influence matrix) or linear (element matrices); default control\n"
+    "  --prefix NAME      tables: start of every name; default the scene's name\n"
+    "  -o FILE            tables: output file\n"
+    "\n"
+    "Examples:\n"
+    "  pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8\n"
+    "  pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html\n"
+    "  pzs tables plate-50-patches --image linear --prefix plate -o plate.h\n"
+    "\n"
+    "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.\n";
+
+typedef struct options {
+    const char *scene;
+    const char *set[MOST_SETS];
+    double limit[MOST_LIMITS];
+    int sets, limits, as_json;
+    const char *report, *vtk, *output, *prefix;
+    tables_image image;
+} options;
+
+/* ---- command line ----------------------------------------------------- */
+
+static int usage_error(const char *what, const char *value)
+{
+    fprintf(stderr, "pzs: %s '%s'; see pzs --help\n", what, value);
+    return EXIT_USAGE;
+}
+
+/* Take one option with a value. Returns 0, or an exit code. */
+static int take_value(options *o, const char *name, const char *value)
+{
+    char *end;
+    if (strcmp(name, "--set") == 0) {
+        if (o->sets == MOST_SETS)
+            return usage_error("too many changes at", value);
+        o->set[o->sets++] = value;
+    } else if (strcmp(name, "--limit") == 0) {
+        const double limit = strtod(value, &end);
+        if (o->limits == MOST_LIMITS || end == value || *end || !(limit > 0))
+            return usage_error("--limit wants a positive voltage, not", value);
+        o->limit[o->limits++] = limit;
+    } else if (strcmp(name, "--image") == 0) {
+        if (strcmp(value, "control") != 0 && strcmp(value, "linear") != 0)
+            return usage_error("--image is control or linear, not", value);
+        o->image = strcmp(value, "linear") == 0 ? TABLES_LINEAR : TABLES_CONTROL;
+    } else if (strcmp(name, "--report") == 0) {
+        o->report = value;
+    } else if (strcmp(name, "--vtk") == 0) {
+        o->vtk = value;
+    } else if (strcmp(name, "--prefix") == 0) {
+        o->prefix = value;
+    } else if (strcmp(name, "-o") == 0) {
+        o->output = value;
+    } else {
+        return usage_error("unknown option", name);
+    }
+    return 0;
+}
+
+static int parse(options *o, int argc, char **argv)
+{
+    memset(o, 0, sizeof *o);
+    for (int i = 2; i < argc; i++) {
+        if (strcmp(argv[i], "--json") == 0) {
+            o->as_json = 1;
+        } else if (argv[i][0] != '-') {
+            if (o->scene)
+                return usage_error("one scene at a time; unexpected", argv[i]);
+            o->scene = argv[i];
+        } else {
+            if (i + 1 == argc)
+                return usage_error("unknown option, or a value is missing after", argv[i]);
+            const int wrong = take_value(o, argv[i], argv[i + 1]);
+            if (wrong)
+                return wrong;
+            i++;
+        }
+    }
+    return o->scene ? 0 : usage_error("name a scene for", argv[1]);
+}
+
+/* ---- scenes ----------------------------------------------------------- */
+
+/* Folder of the shipped scenes: beside the source of this build, or PZS_SCENES of the environment. */
+static const char *scene_folder(void)
+{
+    const char *folder = getenv("PZS_SCENES");
+    return folder ? folder : SCENE_FOLDER;
+}
+
+static void find_scene(const char *name, char path[PATH_ROOM])
+{
+    const size_t length = strlen(name);
+    const int is_file = strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".yaml") == 0);
+    if (is_file)
+        snprintf(path, PATH_ROOM, "%s", name);
+    else
+        snprintf(path, PATH_ROOM, "%s/%s.yaml", scene_folder(), name);
+}
+
+static int open_scene(const options *o, scene *s)
+{
+    char path[PATH_ROOM], error[SCENE_ERROR];
+    find_scene(o->scene, path);
+    if (scene_read(s, path, o->set, o->sets, error) == 0)
+        return 0;
+    fprintf(stderr, "pzs: %s\n", error);
+    return EXIT_USAGE;
+}
+
+static int open_analysis(const options *o, scene *s, analysis *a)
+{
+    char error[SCENE_ERROR];
+    const int status = open_scene(o, s);
+    if (status)
+        return status;
+    if (analysis_prepare(a, s, error) == 0)
+        return 0;
+    fprintf(stderr, "pzs: %s\n", error);
+    scene_free(s);
+    return EXIT_USAGE;
+}
+
+/* ---- files ------------------------------------------------------------ */
+
+/* Files are written under a temporary name and take their own only when complete. */
+typedef struct output_file {
+    FILE *file;
+    char temporary[PATH_ROOM];
+    const char *path;
+} output_file;
+
+static int file_failed(const char *path)
+{
+    fprintf(stderr, "pzs: cannot write %s: %s\n", path, strerror(errno));
+    return 1;
+}
+
+static int output_begin(output_file *f, const char *path)
+{
+    f->path = path;
+    if (snprintf(f->temporary, sizeof f->temporary, "%s.part", path) >= PATH_ROOM)
+        return usage_error("path too long", path);
+    f->file = fopen(f->temporary, "w");
+    return f->file ? 0 : file_failed(path);
+}
+
+static int output_end(output_file *f, int failed)
+{
+    failed |= ferror(f->file);
+    failed |= fclose(f->file) != 0;
+    if (!failed && rename(f->temporary, f->path) == 0)
+        return 0;
+    const int status = file_failed(f->path);
+    remove(f->temporary);
+    return status;
+}
+
+/* ---- numbers for people ----------------------------------------------- */
+
+static void print_head(const analysis *a)
+{
+    const scene *s = a->design.scene;
+    const mesh *m = &a->design.mesh;
+    printf("%s: %s\n", s->name, s->about ? s->about : "");
+    printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", s->line[0].elements, s->line[1].elements,
+           m->kinds, m->kinds == 1 ? "" : "s", m->nodes, m->dof, mesh_half_bandwidth(m));
+    printf("  condition %.1e after scaling: %s\n", a->model.condition,
+           a->model.condition < 1e7 ? "a float device is safe" : "a float device needs refinement, or use double");
+}
+
+static const char *component_unit(const scene *s)
+{
+    return s->unit_length[0] ? s->unit_length : "length";
+}
+
+static void json_head(json *j, const analysis *a)
+{
+    const mesh *m = &a->design.mesh;
+    json_string(j, "scene", a->design.scene->name);
+    json_string(j, "unit_length", a->design.scene->unit_length);
+    json_number(j, "elements", m->elements);
+    json_number(j, "kinds", m->kinds);
+    json_number(j, "nodes", m->nodes);
+    json_number(j, "dof", m->dof);
+    json_number(j, "half_bandwidth", mesh_half_bandwidth(m));
+    json_number(j, "condition", a->model.condition);
+}
+
+/* ---- solve ------------------------------------------------------------ */
+
+static void print_outputs(const analysis *a, const double *value)
+{
+    const design *d = &a->design;
+    printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
+    for (int k = 0; k < d->scene->outputs; k++) {
+        const scene_output *output = &d->scene->output[k];
+        for (int i = d->named_first[k]; i < d->named_first[k + 1]; i++) {
+            printf("  %-20s %16.9e %s", output->name, value[i], component_unit(d->scene));
+            if (isfinite(output->reference))
+                printf("   reference %.6e, ratio %.4f", output->reference, value[i] / output->reference);
+            putchar('\n');
+        }
+    }
+}
+
+static void json_outputs(const analysis *a, const double *value)
+{
+    const design *d = &a->design;
+    json j = {stdout, 0, {0}};
+    json_open(&j, NULL, '{');
+    json_head(&j, a);
+    json_number(&j, "residual", a->model.residual);
+    json_number(&j, "error", a->model.error);
+    json_number(&j, "passes", a->model.passes);
+    json_open(&j, "outputs", '{');
+    for (int k = 0; k < d->scene->outputs; k++)
+        json_numbers(&j, d->scene->output[k].name, value + d->named_first[k], d->named_first[k + 1] - d->named_first[k]);
+    json_close(&j, '}');
+    json_open(&j, "ratios", '{');
+    for (int k = 0; k < d->scene->outputs; k++)
+        if (isfinite(d->scene->output[k].reference))
+            json_number(&j, d->scene->output[k].name, value[d->named_first[k]] / d->scene->output[k].reference);
+    json_close(&j, '}');
+    json_close(&j, '}');
+}
+
+static int write_vtk(const analysis *a, const double *u, const char *path)
+{
+    const mesh *m = &a->design.mesh;
+    double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector);
+    output_file f;
+    if (!vector || output_begin(&f, path)) {
+        free(vector);
+        return 1;
+    }
+    report_displacement(m, u, vector);
+    const report_field field = {"displacement", vector};
+    const int failed = report_vtk(f.file, m, &field, 1);
+    free(vector);
+    return output_end(&f, failed);
+}
+
+static int solved(const options *o, analysis *a, const double *u)
+{
+    const pzs_structure *s = &a->design.structure;
+    double *value = calloc((size_t)s->output.count + 1, sizeof *value);
+    output_file f;
+    int status = 0;
+    if (!value)
+        return 1;
+    pzs_observe(s, u, value);
+    if (o->as_json)
+        json_outputs(a, value);
+    else {
+        print_head(a);
+        print_outputs(a, value);
+    }
+    if (o->vtk)
+        status = write_vtk(a, u, o->vtk);
+    if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
+        status = output_end(&f, report_solve(f.file, a, u, value));
+    free(value);
+    return status;
+}
+
+static int command_solve(const options *o)
+{
+    scene s;
+    analysis a;
+    char error[SCENE_ERROR];
+    int status = open_analysis(o, &s, &a);
+    if (status)
+        return status;
+    double *u = calloc((size_t)a.design.mesh.dof, sizeof *u);
+    status = 1;
+    if (u && analysis_solve(&a, u, error) == 0)
+        status = solved(o, &a, u);
+    else
+        fprintf(stderr, "pzs: %s\n", u ? error : "out of memory");
+    free(u);
+    analysis_free(&a);
+    scene_free(&s);
+    return status;
+}
+
+/* ---- shape ------------------------------------------------------------ */
+
+enum { MOST_RESULTS = 2 * MOST_LIMITS + 32 };
+
+typedef struct shape_run {
+    scene scene;
+    analysis analysis;
+    analysis_volts volts[MOST_RESULTS];
+    int count;
+} shape_run;
+
+static double largest(const double *x, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* Optima without limits and within each limit, clipping beside, then the scene's volts to compare. */
+static int shape_results(shape_run *run, const options *o, char *error)
+{
+    const scene *s = &run->scene;
+    const double own[1] = {NAN};
+    const double *limit = o->limits ? o->limit : own;
+    if (analysis_optimum(&run->analysis, INFINITY, &run->volts[run->count++], error) < 0)
+        return -1;
+    for (int i = 0; i < (o->limits ? o->limits : 1); i++)
+        if (analysis_optimum(&run->analysis, limit[i], &run->volts[run->count++], error) < 0
+            || analysis_clipped(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
+            return -1;
+    for (int i = 0; i < s->compares && run->count < MOST_RESULTS; i++)
+        if (analysis_given(&run->analysis, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
+            return -1;
+    return 0;
+}
+
+static void limit_text(const analysis_volts *v, char text[32])
+{
+    if (isinf(v->limit[0]) && isinf(v->limit[1]))
+        snprintf(text, 32, "none");
+    else
+        snprintf(text, 32, "%g .. %g", v->limit[0], v->limit[1]);
+}
+
+/* Volts of each actuator as its grid lies on the surface: a row along theta2 for each step of theta1. */
+static void print_volts(const scene *s, const analysis_volts *v)
+{
+    printf("\n  %s, volts:\n", v->name);
+    for (int k = 0; k < s->actuators; k++) {
+        const scene_actuator *actuator = &s->actuator[k];
+        for (int i = 0; i < actuator->grid[0]; i++) {
+            printf("    %-12s", i == 0 ? actuator->name : "");
+            for (int j = 0; j < actuator->grid[1]; j++)
+                printf(" %9.2f", v->volt[actuator->first + i * actuator->grid[1] + j]);
+            putchar('\n');
+        }
+    }
+}
+
+static void print_shape(const shape_run *run)
+{
+    const design *d = &run->analysis.design;
+    print_head(&run->analysis);
+    printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, run->analysis.model.residual);
+    printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
+    for (int i = 0; i < run->count; i++) {
+        const analysis_volts *v = &run->volts[i];
+        char limits[32];
+        limit_text(v, limits);
+        printf("  %-26s %-16s %11.3f%% %7d %12.2f ", v->name, limits, 100 * v->error, v->active, largest(v->volt, d->amplifiers));
+        if (isfinite(v->optimality))
+            printf("%10.1e\n", v->optimality);
+        else
+            puts("         -");
+    }
+    print_volts(&run->scene, &run->volts[1]);
+    for (int i = 0; i < run->scene.compares; i++)
+        print_volts(&run->scene, &run->volts[run->count - run->scene.compares + i]);
+    const analysis_volts *best = &run->volts[1];
+    char limits[32];
+    limit_text(best, limits);
+    printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
+}
+
+static void json_shape(const shape_run *run)
+{
+    const design *d = &run->analysis.design;
+    json j = {stdout, 0, {0}};
+    json_open(&j, NULL, '{');
+    json_head(&j, &run->analysis);
+    json_number(&j, "amplifiers", d->amplifiers);
+    json_number(&j, "targets", d->targets);
+    json_open(&j, "results", '[');
+    for (int i = 0; i < run->count; i++) {
+        const analysis_volts *v = &run->volts[i];
+        json_open(&j, NULL, '{');
+        json_string(&j, "name", v->name);
+        json_numbers(&j, "limits", v->limit, 2);
+        json_number(&j, "shape_error", v->error);
+        json_number(&j, "active", v->active);
+        json_number(&j, "passes", v->passes);
+        json_number(&j, "kkt", v->optimality);
+        json_numbers(&j, "volts", v->volt, d->amplifiers);
+        json_close(&j, '}');
+    }
+    json_close(&j, ']');
+    json_close(&j, '}');
+}
+
+/* Displacement of the whole structure under volts on the amplifiers alone. */
+static int shape_vtk(shape_run *run, const char *path)
+{
+    analysis *a = &run->analysis;
+    double *amount = calloc((size_t)a->design.structure.input.count, sizeof *amount);
+    double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
+    int status = 1;
+    if (amount && u) {
+        memcpy(amount, run->volts[1].volt, (size_t)a->design.amplifiers * sizeof *amount);
+        status = pzs_solve(&a->model, amount, u) == PZS_OK ? write_vtk(a, u, path) : 1;
+    }
+    free(amount);
+    free(u);
+    return status;
+}
+
+static int command_shape(const options *o)
+{
+    static shape_run run;
+    char error[SCENE_ERROR];
+    output_file f;
+    int status = open_analysis(o, &run.scene, &run.analysis);
+    if (status)
+        return status;
+    status = EXIT_USAGE;
+    if (analysis_influence(&run.analysis, error) == 0 && shape_results(&run, o, error) == 0) {
+        (o->as_json ? json_shape : print_shape)(&run);
+        status = o->vtk ? shape_vtk(&run, o->vtk) : 0;
+        if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
+            status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count));
+    } else {
+        fprintf(stderr, "pzs: %s\n", error);
+    }
+    for (int i = 0; i < run.count; i++)
+        analysis_volts_free(&run.volts[i]);
+    analysis_free(&run.analysis);
+    scene_free(&run.scene);
+    return status;
+}
+
+/* ---- tables, check, list ---------------------------------------------- */
+
+/* A C identifier from the prefix given or the scene's name. */
+static void table_prefix(const options *o, const scene *s, char prefix[SCENE_NAME])
+{
+    snprintf(prefix, SCENE_NAME, "%s", o->prefix ? o->prefix : s->name);
+    for (char *c = prefix; *c; c++)
+        if (!((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || *c == '_' || (c > prefix && *c >= '0' && *c <= '9')))
+            *c = '_';
+}
+
+static int command_tables(const options *o)
+{
+    scene s;
+    analysis a;
+    output_file f;
+    char error[SCENE_ERROR], prefix[SCENE_NAME];
+    if (!o->output)
+        return usage_error("say where to write with -o FILE for", "tables");
+    int status = open_analysis(o, &s, &a);
+    if (status)
+        return status;
+    if (analysis_influence(&a, error) < 0) {
+        fprintf(stderr, "pzs: %s\n", error);
+        status = EXIT_USAGE;
+    } else if ((status = output_begin(&f, o->output)) == 0) {
+        table_prefix(o, &s, prefix);
+        status = output_end(&f, tables_write(f.file, &a, o->image, prefix));
+        if (status == 0)
+            printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", o->output,
+                   o->image == TABLES_LINEAR ? "linear" : "control", s.name, a.design.amplifiers, a.design.targets, a.design.mesh.dof);
+    }
+    analysis_free(&a);
+    scene_free(&s);
+    return status;
+}
+
+static int command_check(const options *o)
+{
+    scene s;
+    analysis a;
+    const int status = open_analysis(o, &s, &a);
+    if (status)
+        return status;
+    print_head(&a);
+    puts("  the scene is sound");
+    analysis_free(&a);
+    scene_free(&s);
+    return 0;
+}
+
+static const char *const shipped[] = {"plate-50-patches", "bimorph-actuator", "scordelis-lo",     "pinched-cylinder", "hemisphere-linear",
+                                      "clamped-plate",    "vlasov-plate",     "crossply", "varadan-cylinder"};
+
+static int command_list(void)
+{
+    for (size_t i = 0; i < sizeof shipped / sizeof *shipped; i++) {
+        const options o = {.scene = shipped[i]};
+        scene s;
+        if (open_scene(&o, &s))
+            return EXIT_USAGE;
+        printf("%-20s %s\n", s.name, s.about ? s.about : "");
+        scene_free(&s);
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct {
+        const char *name;
+        int (*run)(const options *);
+    } commands[] = {{"solve", command_solve}, {"shape", command_shape}, {"tables", command_tables}, {"check", command_check}};
+    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+        fputs(help, argc < 2 ? stderr : stdout);
+        return argc < 2 ? EXIT_USAGE : 0;
+    }
+    if (strcmp(argv[1], "list") == 0)
+        return command_list();
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        if (strcmp(argv[1], commands[i].name) == 0) {
+            options o;
+            for (int k = 2; k < argc; k++)
+                if (strcmp(argv[k], "--help") == 0)
+                    return fputs(help, stdout) < 0;
+            const int wrong = parse(&o, argc, argv);
+            return wrong ? wrong : commands[i].run(&o);
+        }
+    return usage_error("unknown command", argv[1]);
+}

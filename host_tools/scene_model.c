@@ -1,0 +1,426 @@
+/* Sections of a scene that say what there is: element, surface, mesh, materials, layers, patches. */
+#include "scene_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const range above_zero = {0, INFINITY, 1, "must be above 0"};
+static const range not_negative = {0, INFINITY, 0, "must not be below 0"};
+
+static scene_at node_at(const reader *r, int node)
+{
+    return r->t->node[node].at;
+}
+
+/* ---- element ---- */
+
+static const scene_element source = {0, 0, 0, 0, 0, 0, 0, 7}, corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
+
+int read_element(reader *r, int node, void *to, const void *rule)
+{
+    static const choice presets[] = {{"corrected", 0}, {"source", 1}, {NULL, 0}};
+    static const choice kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
+    static const choice area[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
+    static const field fields[] = {
+        {"kinematics", read_choice, offsetof(scene_element, cartesian), kinematics, 0},
+        {"tau", read_real, offsetof(scene_element, tau), &not_negative, 0},
+        {"rho", read_real, offsetof(scene_element, rho), &not_negative, 0},
+        {"hr", read_flag, offsetof(scene_element, hr), NULL, 0},
+        {"lin33", read_flag, offsetof(scene_element, lin33), NULL, 0},
+        {"metric", read_flag, offsetof(scene_element, metric), NULL, 0},
+        {"area", read_choice, offsetof(scene_element, exact_area), area, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene_element *element = &((scene *)to)->element;
+    int is_source = 0;
+    (void)rule;
+    *element = corrected;
+    if (r->t->node[node].kind == TREE_MAP) return read_map(r, node, fields, element);
+    if (read_choice(r, node, &is_source, presets) != 0) return -1;
+    if (is_source) *element = source;
+    return 0;
+}
+
+/* ---- surface ---- */
+
+
+int read_surface(reader *r, int node, void *to, const void *rule)
+{
+    static const choice types[] = {{"plate", SURFACE_PLATE}, {"polar", SURFACE_POLAR}, {"cylinder", SURFACE_CYLINDER},
+                                   {"cone", SURFACE_CONE}, {"sphere", SURFACE_SPHERE}, {NULL, 0}};
+    static const choice axes[] = {{"theta1", 1}, {"theta2", 2}, {NULL, 0}};
+    static const range acute = {-90, 90, 1, "must lie between -90 and 90 degrees, ends left out; use polar for a flat ring"};
+    typedef struct surface_text { int type; scene_surface s; } surface_text;
+    static const field any[] = {
+        {"type", read_choice, offsetof(surface_text, type), types, 1},
+        {"radius", read_real, offsetof(surface_text, s.radius), &above_zero, 0},
+        {"angle", read_real, offsetof(surface_text, s.angle), &acute, 0},
+        {"axial", read_choice, offsetof(surface_text, s.axial), axes, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    static const struct { scene_surface_type type; const char *key; } needed[] = {
+        {SURFACE_CYLINDER, "radius"}, {SURFACE_CYLINDER, "axial"},
+        {SURFACE_CONE, "radius"}, {SURFACE_CONE, "angle"}, {SURFACE_SPHERE, "radius"}};
+    enum { NEEDED = sizeof needed / sizeof *needed };
+    scene *s = to;
+    surface_text text = {0};
+    int i, k;
+    (void)rule;
+    s->at_surface = node_at(r, node);
+    if (read_map(r, node, any, &text) != 0) return -1;
+    s->surface = text.s;
+    s->surface.type = (scene_surface_type)text.type;
+    for (k = 0; k < NEEDED; k++)
+        if (needed[k].type == s->surface.type && !tree_find(r->t, node, needed[k].key))
+            return tree_fault(r->t, node, "'%s' is missing in surface; a %s needs it", needed[k].key, types[s->surface.type].word);
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
+        for (k = 0; k < NEEDED; k++)
+            if (needed[k].type == s->surface.type && strcmp(needed[k].key, r->t->node[i].key) == 0) break;
+        if (k == NEEDED && strcmp(r->t->node[i].key, "type") != 0)
+            return tree_fault_at(r->t, r->t->node[i].key_at, "'%s' has no meaning for a %s; remove it", r->t->node[i].key, types[s->surface.type].word);
+    }
+    return 0;
+}
+
+/* ---- mesh ---- */
+
+static int make_points(reader *r, int node, scene_line *line, int elements)
+{
+    line->point = calloc((size_t)elements + 1, sizeof *line->point);
+    if (!line->point) return tree_fault(r->t, node, "out of memory");
+    line->elements = elements;
+    return 0;
+}
+
+static int read_points(reader *r, int node, scene_line *line)
+{
+    int i, k = 0, list = tree_find(r->t, node, "points");
+    const tree_node *n = &r->t->node[list];
+    if (r->t->node[node].count > 1) return tree_fault(r->t, node, "'points' says all; remove from, to, elements and grading");
+    if (n->kind != TREE_LIST || n->count < 2) return tree_fault(r->t, list, "'points' must be a list of at least two, [0, 0.1, ...]");
+    if (n->count > SCENE_NODES) return tree_fault(r->t, list, "%d points; a mesh has at most %d nodes", n->count, SCENE_NODES);
+    if (make_points(r, list, line, n->count - 1) != 0) return -1;
+    for (i = n->first; i; i = r->t->node[i].next, k++) {
+        if (read_real(r, i, &line->point[k], NULL) != 0) return -1;
+        if (k > 0 && !(line->point[k] > line->point[k - 1]))
+            return tree_fault(r->t, i, "point %g does not ascend after %g; the mesh would fold, sort the points and drop repeated ones", line->point[k], line->point[k - 1]);
+    }
+    return 0;
+}
+
+/* Elements in geometric progression; grading is the last one's length over the first one's. */
+static int divide(reader *r, int node, scene_line *line, double from, double to, int elements, double grading)
+{
+    double step = 1, at = 0, ratio = elements > 1 ? pow(grading, 1.0 / (elements - 1)) : 1;
+    int i;
+    if (make_points(r, node, line, elements) != 0) return -1;
+    for (i = 1; i <= elements; i++) {
+        at += step;
+        line->point[i] = at;
+        step *= ratio;
+    }
+    for (i = 0; i <= elements; i++)
+        line->point[i] = grading == 1 ? from + (to - from) * i / elements : from + (to - from) * (line->point[i] / at);
+    line->point[elements] = to;
+    for (i = 1; i <= elements; i++)
+        if (!(line->point[i] > line->point[i - 1])) return tree_fault(r->t, node, "elements of %.60s shrink to nothing; use fewer", tree_name(r->t, node));
+    return 0;
+}
+
+static int read_line(reader *r, int node, void *to, const void *rule)
+{
+    typedef struct line_text { double from, to, grading; int elements; } line_text;
+    static const range counted = {1, SCENE_NODES, 0, "must be from 1 to 60000"};
+    static const range graded = {1e-3, 1e3, 0, "must lie between 0.001 and 1000"};
+    static const field fields[] = {
+        {"from", read_real, offsetof(line_text, from), NULL, 1},
+        {"to", read_real, offsetof(line_text, to), NULL, 1},
+        {"elements", read_int, offsetof(line_text, elements), &counted, 1},
+        {"grading", read_real, offsetof(line_text, grading), &graded, 0},
+        {"points", NULL, 0, NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene_line *line = to;
+    line_text text = {0, 0, 1, 0};
+    (void)rule;
+    line->at = node_at(r, node);
+    if (r->t->node[node].kind == TREE_MAP && tree_find(r->t, node, "points")) return read_points(r, node, line);
+    if (read_map(r, node, fields, &text) != 0) return -1;
+    if (!(text.to > text.from))
+        return tree_fault(r->t, node, "%.60s runs from %g to %g; 'to' must be above 'from'", tree_name(r->t, node), text.from, text.to);
+    return divide(r, node, line, text.from, text.to, text.elements, text.grading);
+}
+
+int read_mesh(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"theta1", read_line, offsetof(scene, line[0]), NULL, 1},
+        {"theta2", read_line, offsetof(scene, line[1]), NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    (void)rule;
+    return read_map(r, node, fields, to);
+}
+
+/* ---- materials ---- */
+
+int read_poling(reader *r, int node, void *to, const void *rule)
+{
+    static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
+    const char *text = node_text(r, node);
+    (void)rule;
+    if (text && strcmp(text, "-3") == 0) {       /* a choice's value is not negative */
+        *(int *)to = -3;
+        return 0;
+    }
+    return read_choice(r, node, to, polings);
+}
+
+static int read_alpha(reader *r, int node, void *to, const void *rule)
+{
+    double *alpha = to;
+    int i, k = 0;
+    (void)rule;
+    if (r->t->node[node].kind != TREE_LIST) {
+        if (read_real(r, node, alpha, NULL) != 0) return -1;
+        alpha[1] = alpha[2] = alpha[0];
+        return 0;
+    }
+    if (r->t->node[node].count != 3) return tree_fault(r->t, node, "'alpha' has %d values; give one, or three for 1, 2, 3", r->t->node[node].count);
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_real(r, i, &alpha[k++], NULL) != 0) return -1;
+    return 0;
+}
+
+/* E and nu stand for all; what is not given of the others follows from transverse isotropy in the plane 23. */
+typedef struct material_text { scene_material m; double e, nu; } material_text;
+
+static const char *const isotropic_keys[] = {"E", "nu", NULL};
+static const char *const orthotropic_keys[] = {"E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23", NULL};
+static const char *const d_keys[] = {"d31", "d32", "d33", "d24", "d15", NULL};
+static const char *const e_keys[] = {"e31", "e32", "e33", "e24", "e15", NULL};
+
+static const char *first_given(const reader *r, int node, const char *const *keys)
+{
+    for (; *keys; keys++)
+        if (tree_find(r->t, node, *keys)) return *keys;
+    return NULL;
+}
+
+static int require(reader *r, int node, const char *const *keys)
+{
+    for (; *keys; keys++)
+        if (!tree_find(r->t, node, *keys)) return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", *keys, tree_name(r->t, node));
+    return 0;
+}
+
+static void set_default(double *v, double value)
+{
+    if (isnan(*v)) *v = value;
+}
+
+static int elastic_isotropic(reader *r, int node, material_text *text)
+{
+    scene_material *m = &text->m;
+    if (require(r, node, isotropic_keys) != 0) return -1;
+    if (text->nu >= 0.5 || text->nu <= -1)
+        return tree_fault(r->t, tree_find(r->t, node, "nu"), "'nu: %g' of %.60s leaves no positive definite stiffness; use -1 < nu < 0.5, 0.4999 with element: corrected for rubber",
+                          text->nu, tree_name(r->t, node));
+    m->e[0] = m->e[1] = m->e[2] = text->e;
+    m->nu12 = m->nu13 = m->nu23 = text->nu;
+    m->g12 = m->g13 = m->g23 = text->e / (2 * (1 + text->nu));
+    return 0;
+}
+
+/* Pivots of the compliance scaled to unit diagonal: positive for a stable material. */
+static int is_stable(const scene_material *m)
+{
+    const double a = -m->nu12 * sqrt(m->e[1] / m->e[0]), b = -m->nu13 * sqrt(m->e[2] / m->e[0]), c = -m->nu23 * sqrt(m->e[2] / m->e[1]);
+    const double second = 1 - a * a, third = 1 - b * b - (c - a * b) * (c - a * b) / second;
+    return second > 1e-9 && third > 1e-9;
+}
+
+static int elastic_orthotropic(reader *r, int node, material_text *text)
+{
+    static const char *const needed[] = {"E1", "E2", "G12", "nu12", NULL};
+    scene_material *m = &text->m;
+    if (require(r, node, needed) != 0) return -1;
+    set_default(&m->e[2], m->e[1]);
+    set_default(&m->g13, m->g12);
+    set_default(&m->nu13, m->nu12);
+    set_default(&m->nu23, m->nu12);
+    if (isnan(m->g23) && m->nu23 <= -1)
+        return tree_fault(r->t, node, "'nu23: %g' of %.60s is not above -1; give G23 or another nu23", m->nu23, tree_name(r->t, node));
+    set_default(&m->g23, m->e[1] / (2 * (1 + m->nu23)));
+    if (is_stable(m)) return 0;
+    return tree_fault(r->t, node, "nu12 = %g, nu13 = %g, nu23 = %g of %.60s leave no positive definite stiffness; nu12 is -e2/e1 under a pull along 1: swap or lower them",
+                      m->nu12, m->nu13, m->nu23, tree_name(r->t, node));
+}
+
+static int check_material(reader *r, int node, material_text *text)
+{
+    const char *e = first_given(r, node, isotropic_keys), *e1 = first_given(r, node, orthotropic_keys);
+    const char *d = first_given(r, node, d_keys), *piezo_e = first_given(r, node, e_keys);
+    if (e && e1) return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give E, nu or E1, E2, G12, nu12 ...", tree_name(r->t, node), e, e1);
+    if (d && piezo_e) return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give strain constants d or stress constants e", tree_name(r->t, node), d, piezo_e);
+    text->m.has_d = d != NULL;
+    text->m.has_e = piezo_e != NULL;
+    return e1 ? elastic_orthotropic(r, node, text) : elastic_isotropic(r, node, text);
+}
+
+static int read_material(reader *r, int node, scene_material *to)
+{
+#define ELASTIC(key, member) {key, read_real, offsetof(material_text, member), &above_zero, 0}
+#define NUMBER(key, member) {key, read_real, offsetof(material_text, member), NULL, 0}
+    static const field fields[] = {
+        ELASTIC("E", e), NUMBER("nu", nu),
+        ELASTIC("E1", m.e[0]), ELASTIC("E2", m.e[1]), ELASTIC("E3", m.e[2]),
+        ELASTIC("G12", m.g12), ELASTIC("G13", m.g13), ELASTIC("G23", m.g23),
+        NUMBER("nu12", m.nu12), NUMBER("nu13", m.nu13), NUMBER("nu23", m.nu23),
+        NUMBER("d31", m.d31), NUMBER("d32", m.d32), NUMBER("d33", m.d33), NUMBER("d24", m.d24), NUMBER("d15", m.d15),
+        NUMBER("e31", m.piezo_e[0]), NUMBER("e32", m.piezo_e[1]), NUMBER("e33", m.piezo_e[2]),
+        NUMBER("e24", m.piezo_e[3]), NUMBER("e15", m.piezo_e[4]),
+        {"permittivity", read_real, offsetof(material_text, m.permittivity), &not_negative, 0},
+        {"poling", read_poling, offsetof(material_text, m.poling), NULL, 0},
+        {"alpha", read_alpha, offsetof(material_text, m.alpha), NULL, 0},
+        {"density", read_real, offsetof(material_text, m.density), &not_negative, 0},
+        {"field_limit", read_real, offsetof(material_text, m.field_limit), &not_negative, 0},
+        {NULL, NULL, 0, NULL, 0}};
+#undef ELASTIC
+#undef NUMBER
+    material_text text;
+    scene_material *m = &text.m;
+    memset(&text, 0, sizeof text);
+    m->e[2] = m->g13 = m->g23 = m->nu13 = m->nu23 = (double)NAN;
+    m->poling = 3;
+    if (check_name(r, r->t->node[node].key, r->t->node[node].key_at, m->name) != 0) return -1;
+    m->at = r->t->node[node].key_at;
+    if (read_map(r, node, fields, &text) != 0 || check_material(r, node, &text) != 0) return -1;
+    *to = text.m;
+    return 0;
+}
+
+int read_materials(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->material = new_items(r, node, TREE_MAP, sizeof *s->material, &s->materials);
+    if (!s->material) return -1;
+    if (s->materials == 0) return tree_fault(r->t, node, "no materials; add one, as {steel: {E: 210e9, nu: 0.3}}");
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_material(r, i, &s->material[k++]) != 0) return -1;
+    return 0;
+}
+
+/* ---- layers ---- */
+
+static int read_material_of(reader *r, int node, void *to, const void *rule)
+{
+    const scene *s = r->s;
+    char name[SCENE_NAME];
+    int i;
+    if (read_name(r, node, name, rule) != 0) return -1;
+    for (i = 0; i < s->materials; i++)
+        if (strcmp(s->material[i].name, name) == 0) break;
+    if (i == s->materials) return tree_fault(r->t, node, "there is no material '%s'; add it to materials, or use '%s'", name, s->material[0].name);
+    *(int *)to = i;
+    return 0;
+}
+
+static int read_layer(reader *r, int node, scene_layer *layer)
+{
+    static const range turn = {-360, 360, 0, "must lie between -360 and 360 degrees"};
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_layer, name), NULL, 0},
+        {"material", read_material_of, offsetof(scene_layer, material), NULL, 1},
+        {"thickness", read_real, offsetof(scene_layer, thickness), &above_zero, 1},
+        {"angle", read_real, offsetof(scene_layer, angle), &turn, 0},
+        {"patched", read_flag, offsetof(scene_layer, patched), NULL, 0},
+        {"poling", read_poling, offsetof(scene_layer, poling), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    layer->at = node_at(r, node);
+    if (read_map(r, node, fields, layer) != 0) return -1;
+    if (layer->poling == 0) layer->poling = r->s->material[layer->material].poling;
+    return 0;
+}
+
+int read_layers(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->at_layers = node_at(r, node);
+    s->layer = new_items(r, node, TREE_LIST, sizeof *s->layer, &s->layers);
+    if (!s->layer) return -1;
+    if (s->layers == 0) return tree_fault(r->t, node, "no layers; add one, as [{material: steel, thickness: 1e-3}]");
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_layer(r, i, &s->layer[k++]) != 0) return -1;
+    return 0;
+}
+
+int read_reference(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    const char *text = node_text(r, node);
+    (void)rule;
+    s->reference_is_middle = text && strcmp(text, "middle") == 0;
+    return s->reference_is_middle ? 0 : read_real(r, node, &s->reference, &not_negative);
+}
+
+/* ---- patches ---- */
+
+static int read_layer_of(reader *r, int node, void *to, const void *rule)
+{
+    const scene *s = r->s;
+    char name[SCENE_NAME];
+    int i;
+    if (read_name(r, node, name, rule) != 0) return -1;
+    for (i = 0; i < s->layers; i++)
+        if (strcmp(s->layer[i].name, name) == 0) break;
+    if (i == s->layers) return tree_fault(r->t, node, "there is no layer named '%s'; give one of the layers this name", name);
+    *(int *)to = i;
+    return 0;
+}
+
+static int read_grid(reader *r, int node, void *to, const void *rule)
+{
+    double pair[2];
+    int i, *grid = to;
+    if (read_pair(r, node, pair, rule) != 0) return -1;
+    for (i = 0; i < 2; i++) {
+        if (pair[i] != floor(pair[i])) return tree_fault(r->t, node, "'grid' must be two whole numbers, [along theta1, along theta2]");
+        grid[i] = (int)pair[i];
+    }
+    return 0;
+}
+
+static int read_patch(reader *r, int node, scene_patches *p)
+{
+    static const range counted = {1, 1000, 0, "must be from 1 to 1000"};
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_patches, name), NULL, 1},
+        {"layer", read_layer_of, offsetof(scene_patches, layer), NULL, 1},
+        {"theta1", read_pair, offsetof(scene_patches, theta1), NULL, 0},
+        {"theta2", read_pair, offsetof(scene_patches, theta2), NULL, 0},
+        {"grid", read_grid, offsetof(scene_patches, grid), &counted, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    const scene_line *line = r->s->line;
+    p->at = node_at(r, node);
+    p->grid[0] = p->grid[1] = 1;
+    p->theta1[0] = line[0].point[0];
+    p->theta1[1] = line[0].point[line[0].elements];
+    p->theta2[0] = line[1].point[0];
+    p->theta2[1] = line[1].point[line[1].elements];
+    return read_map(r, node, fields, p);
+}
+
+int read_patches(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->patches = new_items(r, node, TREE_LIST, sizeof *s->patches, &s->patch_grids);
+    if (!s->patches) return -1;
+    if (s->patch_grids > 1000) return tree_fault(r->t, node, "%d items; join them into grids, at most 1000", s->patch_grids);
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_patch(r, i, &s->patches[k++]) != 0) return -1;
+    return 0;
+}

@@ -1,0 +1,512 @@
+/* The element against an independent implementation, and the laws it must obey. Double; tables made by the host tools. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "mesh.h"
+#include "shell.h"
+#include "testdata.h"
+
+#ifndef DATA
+#define DATA "tests/data"
+#endif
+
+/* One element as a scene, made by hand. */
+typedef struct one {
+    scene scene;
+    mesh mesh;
+    double point[2][2];
+    scene_layer layer[8];
+    scene_material material[8];
+} one;
+
+static const scene_element source = {0, 0, 0, 0, 0, 0, 0, 7};
+static const scene_element corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
+
+static void set_surface(scene_surface *s, const char *name, const double *number)
+{
+    static const char *const names[] = {"plate", "polar", "cylinder", "ring", "cone", "sphere"};
+    static const scene_surface_type types[] = {SURFACE_PLATE, SURFACE_POLAR, SURFACE_CYLINDER, SURFACE_CYLINDER, SURFACE_CONE, SURFACE_SPHERE};
+    for (int i = 0; i < 6; i++)
+        if (strcmp(name, names[i]) == 0)
+            s->type = types[i];
+    s->axial = strcmp(name, "ring") == 0 ? 2 : 1;
+    s->radius = s->type == SURFACE_CONE ? 0 : number ? number[0] : 0;
+    s->angle = s->type == SURFACE_CONE ? number[0] * 180 / acos(-1) : 0;
+}
+
+static void set_layer(one *o, int i, const double *p)
+{
+    scene_material *m = &o->material[i];
+    memset(m, 0, sizeof *m);
+    memcpy(m->e, p + 2, sizeof m->e);
+    m->g12 = p[5];
+    m->g13 = p[6];
+    m->g23 = p[7];
+    m->nu12 = p[8];
+    m->nu13 = p[9];
+    m->nu23 = p[10];
+    m->has_d = 1;
+    m->d31 = p[11];
+    m->d32 = p[12];
+    m->d33 = p[13];
+    memcpy(m->alpha, p + 14, sizeof m->alpha);
+    memset(&o->layer[i], 0, sizeof o->layer[i]);
+    o->layer[i].material = i;
+    o->layer[i].thickness = p[0];
+    o->layer[i].angle = p[1];
+    o->layer[i].poling = 3;
+}
+
+static void build(one *o, const scene_element *element, const char *surface, const double *number, const double cell[4],
+                  const double *layers, int count, double z_inner)
+{
+    char error[SCENE_ERROR];
+    memset(&o->scene, 0, sizeof o->scene);
+    memcpy(o->point, cell, sizeof o->point);
+    for (int a = 0; a < 2; a++) {
+        o->scene.line[a].elements = 1;
+        o->scene.line[a].point = o->point[a];
+    }
+    for (int i = 0; i < count; i++)
+        set_layer(o, i, layers + 17 * i);
+    o->scene.element = *element;
+    set_surface(&o->scene.surface, surface, number);
+    o->scene.layers = o->scene.materials = count;
+    o->scene.layer = o->layer;
+    o->scene.material = o->material;
+    o->scene.reference = -z_inner;
+    o->scene.path = (char *)(uintptr_t)"one";
+    assert_int_equal(mesh_build(&o->mesh, &o->scene, error), 0);
+}
+
+/* The largest difference over the largest reference value. */
+static double apart(const double *x, const double *reference, int n)
+{
+    double largest = 0, difference = 0;
+    for (int i = 0; i < n; i++) {
+        largest = fmax(largest, fabs(reference[i]));
+        difference = fmax(difference, fabs(x[i] - reference[i]));
+    }
+    return largest > 0 ? difference / largest : difference;
+}
+
+#define ASSERT_CLOSE(name, what, x, reference, n, tolerance) do { \
+        const double gap = apart(x, reference, n); \
+        if (!(gap <= (tolerance))) \
+            fail_msg("%s: %s is %.2e apart, more than %.2e", name, what, gap, (double)(tolerance)); \
+    } while (0)
+
+static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
+
+/* Full 10 x 10 of a mode per unit of area. */
+static void unpack_mode(const one *o, int mode, double d[100])
+{
+    const double *entry = o->mesh.kind[0].d[mode];
+    for (int i = 0; i < 10; i++)
+        for (int j = 0; j <= i; j++)
+            d[10 * i + j] = d[10 * j + i] = *entry++ / (o->mesh.place[0].area * mode_weight[mode]);
+}
+
+static void check_modes(const testdata *t, const one *o)
+{
+    static const char *const key[4] = {"D00", "D01", "D10", "D11"};
+    for (int mode = 0; mode < 4; mode++) {
+        double d[100];
+        unpack_mode(o, mode, d);
+        ASSERT_CLOSE(t->name, key[mode], d, testdata_values(t, key[mode]), 100, 1e-12);
+    }
+}
+
+static void check_columns(const testdata *t, const one *o, int layers)
+{
+    const int n = 4 * (int)o->mesh.unknowns;
+    const testdata_array *volt = testdata_find(t, "volt");
+    double h0[10], f[28], reference[28];
+    for (int layer = 0; layer < layers; layer++) {
+        laminate_given(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], layer, h0);
+        shell_given(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
+        for (int i = 0; i < n; i++)
+            reference[i] = volt->value[i * layers + layer];
+        ASSERT_CLOSE(t->name, "force per volt", f, reference, n, 1e-12);
+    }
+    laminate_given(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], -1, h0);
+    shell_given(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
+    ASSERT_CLOSE(t->name, "force per kelvin", f, testdata_values(t, "kelvin"), n, 1e-12);
+}
+
+/* Internal force, energy and tangent at a displacement. */
+static void check_at_shape(const testdata *t, const one *o)
+{
+    const unsigned unknowns = o->mesh.unknowns;
+    const int n = 4 * (int)unknowns;
+    const double *u = testdata_values(t, "U");
+    double e[4][10], h[4][10], f[28], k[SHELL_PACKED(28)], energy = 0;
+    shell_strains_at(&o->mesh.kind[0], unknowns, u, e);
+    shell_resultants(&o->mesh.kind[0], e, h);
+    for (int m = 0; m < 4; m++)
+        for (int i = 0; i < 10; i++)
+            energy += e[m][i] * h[m][i] / 2;
+    shell_force_at(&o->mesh.kind[0], unknowns, u, h, f);
+    shell_tangent(&o->mesh.kind[0], unknowns, u, h, k);
+    ASSERT_CLOSE(t->name, "energy", &energy, testdata_values(t, "energy"), 1, 1e-10);
+    ASSERT_CLOSE(t->name, "internal force", f, testdata_values(t, "force"), n, 1e-10);
+    ASSERT_CLOSE(t->name, "tangent", k, testdata_values(t, "tangent"), SHELL_PACKED(n), 1e-10);
+}
+
+/* Element witnessed by another program: D is given, geometry is compared node by node. */
+static void check_witness(const testdata *t, one *o)
+{
+    static const double any[17] = {1, 0, 1, 1, 1, 1, 1, 1};
+    const double *z = testdata_values(t, "z"), *d = testdata_values(t, "D"), *nodes = testdata_values(t, "nodes");
+    const testdata_array *number = testdata_find(t, "surface");
+    double layer[17];
+    memcpy(layer, any, sizeof layer);
+    layer[0] = z[1] - z[0];
+    build(o, &source, testdata_word(t, "surface"), number ? number->value : NULL, testdata_values(t, "cell"), layer, 1, z[0]);
+    for (int r = 0; r < 4; r++) {
+        const surface_point *p = &o->mesh.point[o->mesh.element[0][r]];
+        const double here[6] = {p->a[0], p->a[1], p->k[0], p->k[1], p->b[0], p->b[1]};
+        ASSERT_CLOSE(t->name, "node geometry", here, nodes + 6 * r, 6, 1e-14);
+    }
+    for (int mode = 0; mode < 4; mode++) {
+        double *entry = o->mesh.kind[0].d[mode];
+        for (int i = 0; i < 10; i++)
+            for (int j = 0; j <= i; j++, entry++) /* kept strains are those the dummy material fills */
+                *entry = fabs(o->mesh.kind[0].d[mode][i * (i + 1) / 2 + i]) > 0 && fabs(o->mesh.kind[0].d[mode][j * (j + 1) / 2 + j]) > 0
+                       ? d[10 * i + j] * o->mesh.place[0].area * mode_weight[mode] : 0;
+    }
+    check_at_shape(t, o);
+}
+
+/* Law: element matrices, columns, forces and tangents equal those of an independent implementation of the theory. */
+static void test_oracle(void **state)
+{
+    (void)state;
+    FILE *file = fopen(DATA "/elements.txt", "r");
+    testdata t;
+    int cases = 0;
+    assert_non_null(file);
+    while (testdata_next(file, &t)) {
+        one o;
+        if (strncmp(t.name, "source-witness", 14) == 0) {
+            check_witness(&t, &o);
+        } else {
+            const testdata_array *layers = testdata_find(&t, "layers"), *number = testdata_find(&t, "surface");
+            scene_element element = strcmp(testdata_word(&t, "element"), "source") == 0 ? source : corrected;
+            element.unknowns = (int)testdata_values(&t, "unknowns")[0];
+            build(&o, &element, testdata_word(&t, "surface"), number ? number->value : NULL, testdata_values(&t, "cell"),
+                  layers->value, layers->rows, testdata_values(&t, "z")[0]);
+            ASSERT_CLOSE(t.name, "area", &o.mesh.place[0].area, testdata_values(&t, "area"), 1, 1e-14);
+            check_modes(&t, &o);
+            ASSERT_CLOSE(t.name, "stiffness", o.mesh.stiffness, testdata_values(&t, "K"), SHELL_PACKED(4 * element.unknowns), 1e-12);
+            check_columns(&t, &o, layers->rows);
+            check_at_shape(&t, &o);
+        }
+        mesh_free(&o.mesh);
+        testdata_free(&t);
+        cases++;
+    }
+    fclose(file);
+    assert_int_equal(cases, 46);
+}
+
+/* ---- laws ------------------------------------------------------------- */
+
+static const double steel[17] = {0.08, 0, 2.1, 2.1, 2.1, 0.8, 0.8, 0.8, 0.3125, 0.3125, 0.3125, 0, 0, 0, 0, 0, 0};
+static const double plies[34] = {0.05, 30, 25, 1, 1, 0.5, 0.5, 0.2, 0.25, 0.25, 0.25, 0, 0, 0, 0, 0, 0,
+                                 0.03, 80, 25, 1, 1, 0.5, 0.5, 0.2, 0.25, 0.25, 0.25, 0, 0, 0, 0, 0, 0};
+static const double radius[1] = {2}, half_angle[1] = {0.5};
+
+typedef struct sample { const char *surface; const double *number; double cell[4]; } sample;
+static const sample samples[] = {
+    {"plate", NULL, {0.1, 0.8, -0.2, 0.3}},  {"polar", NULL, {1, 1.6, 0.2, 0.7}},     {"cylinder", radius, {0, 0.8, 0.1, 0.6}},
+    {"ring", radius, {0.1, 0.6, 0, 0.8}},    {"cone", half_angle, {2, 2.7, 0.2, 0.8}}, {"sphere", radius, {0.6, 1.1, 0.2, 0.8}},
+};
+enum { SAMPLES = sizeof samples / sizeof *samples };
+
+static void build_sample(one *o, const sample *s, const scene_element *element)
+{
+    build(o, element, s->surface, s->number, s->cell, plies, 2, -0.03);
+}
+
+static double pseudo_random(unsigned *seed)
+{
+    *seed = *seed * 1664525u + 1013904223u;
+    return (*seed >> 8) / 8388608.0 - 1;
+}
+
+/* Eigenvalues of a symmetric matrix a [n][n] by Jacobi rotations, left on its diagonal. */
+static void eigenvalues(double *a, int n)
+{
+    for (int sweep = 0; sweep < 30; sweep++)
+        for (int p = 0; p < n; p++)
+            for (int q = p + 1; q < n; q++) {
+                if (fabs(a[p * n + q]) < 1e-300)
+                    continue;
+                const double t = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
+                const double tangent = (t >= 0 ? 1 : -1) / (fabs(t) + sqrt(t * t + 1)), c = 1 / sqrt(tangent * tangent + 1), s = tangent * c;
+                for (int k = 0; k < n; k++) {
+                    const double x = a[k * n + p], y = a[k * n + q];
+                    a[k * n + p] = c * x - s * y;
+                    a[k * n + q] = s * x + c * y;
+                }
+                for (int k = 0; k < n; k++) {
+                    const double x = a[p * n + k], y = a[q * n + k];
+                    a[p * n + k] = c * x - s * y;
+                    a[q * n + k] = s * x + c * y;
+                }
+            }
+}
+
+/* Law: a free element has exactly six motions without energy, on every surface, in every formulation. */
+static void test_six_zero_modes(void **state)
+{
+    (void)state;
+    scene_element formulations[3] = {source, corrected, corrected};
+    formulations[2].unknowns = 6;
+    for (int f = 0; f < 3; f++)
+        for (int i = 0; i < SAMPLES; i++) {
+            one o;
+            double a[28 * 28], largest = 0;
+            build_sample(&o, &samples[i], &formulations[f]);
+            const int n = 4 * formulations[f].unknowns;
+            const double *k = o.mesh.stiffness;
+            for (int r = 0; r < n; r++)
+                for (int c = 0; c < n; c++)
+                    a[r * n + c] = k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] / sqrt(k[r * (r + 3) / 2] * k[c * (c + 3) / 2]);
+            eigenvalues(a, n);
+            for (int r = 0; r < n; r++)
+                largest = fmax(largest, a[r * n + r]);
+            int zero = 0, positive = 0;
+            for (int r = 0; r < n; r++) {
+                zero += fabs(a[r * n + r]) < 1e-13 * largest * n;
+                positive += a[r * n + r] > 1e-7 * largest;
+            }
+            assert_int_equal(zero, 6);
+            assert_int_equal(positive, n - 6);
+            mesh_free(&o.mesh);
+        }
+}
+
+/* Law: the tangent is the derivative of the internal force; forces are cubic, so a four-point difference is exact. */
+static void test_tangent_is_derivative(void **state)
+{
+    (void)state;
+    static const double point[4] = {1, -1, 2, -2}, weight[4] = {8 / 12.0, -8 / 12.0, -1 / 12.0, 1 / 12.0};
+    for (int i = 0; i < SAMPLES; i++) {
+        one o;
+        unsigned seed = 7;
+        double u[28], v[28], derivative[28] = {0}, product[28] = {0}, e[4][10], h[4][10], f[28], k[SHELL_PACKED(28)];
+        build_sample(&o, &samples[i], i % 2 ? &source : &corrected);
+        const pzs_kind *kind = &o.mesh.kind[0];
+        for (int j = 0; j < 28; j++) {
+            u[j] = 0.2 * pseudo_random(&seed);
+            v[j] = 0.1 * pseudo_random(&seed);
+        }
+        for (int p = 0; p < 4; p++) {
+            double moved[28];
+            for (int j = 0; j < 28; j++)
+                moved[j] = u[j] + point[p] * v[j];
+            shell_strains_at(kind, 7, moved, e);
+            shell_resultants(kind, e, h);
+            shell_force_at(kind, 7, moved, h, f);
+            for (int j = 0; j < 28; j++)
+                derivative[j] += weight[p] * f[j];
+        }
+        shell_strains_at(kind, 7, u, e);
+        shell_resultants(kind, e, h);
+        shell_tangent(kind, 7, u, h, k);
+        for (int r = 0; r < 28; r++)
+            for (int c = 0; c < 28; c++)
+                product[r] += k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] * v[c];
+        ASSERT_CLOSE(samples[i].surface, "tangent times v", product, derivative, 28, 1e-13);
+        mesh_free(&o.mesh);
+    }
+}
+
+/* Law: the table matrix is the tangent at zero, and the strain-based force is that matrix times u. */
+static void test_table_is_tangent_at_zero(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SAMPLES; i++) {
+        one o;
+        unsigned seed = 3;
+        double zero[28] = {0}, none[4][10], k[SHELL_PACKED(28)], u[28], f[28], product[28] = {0};
+        memset(none, 0, sizeof none);
+        build_sample(&o, &samples[i], i % 2 ? &source : &corrected);
+        shell_tangent(&o.mesh.kind[0], 7, zero, none, k);
+        ASSERT_CLOSE(samples[i].surface, "table matrix", o.mesh.stiffness, k, SHELL_PACKED(28), 8 * 2.2e-16);
+        for (int j = 0; j < 28; j++)
+            u[j] = pseudo_random(&seed);
+        shell_force(&o.mesh.kind[0], 7, u, f);
+        for (int r = 0; r < 28; r++)
+            for (int c = 0; c < 28; c++)
+                product[r] += k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] * u[c];
+        ASSERT_CLOSE(samples[i].surface, "strain-based force", f, product, 28, 28 * 8 * 2.2e-16);
+        mesh_free(&o.mesh);
+    }
+}
+
+/* A finite rotation about a skew axis, and a shift. */
+static const double turn_axis[3] = {2 / 7.0, 3 / 7.0, 6 / 7.0}, turn_angle = 2.2, shift[3] = {0.3, -1.1, 0.7};
+
+/* (R - I) x by Rodrigues' formula. */
+static void turned(const double x[3], double out[3])
+{
+    const double along = turn_axis[0] * x[0] + turn_axis[1] * x[1] + turn_axis[2] * x[2];
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i] = sin(turn_angle) * (turn_axis[j] * x[k] - turn_axis[k] * x[j]) + (1 - cos(turn_angle)) * (turn_axis[i] * along - x[i]);
+    }
+}
+
+static void in_triad(const surface_point *p, const double v[3], double out[3])
+{
+    for (int a = 0; a < 3; a++)
+        out[a] = p->e[a][0] * v[0] + p->e[a][1] * v[1] + p->e[a][2] * v[2];
+}
+
+/* Unknowns of a node under the rigid motion. */
+static void rigid_node(const one *o, const surface_point *p, double u[7])
+{
+    const double middle = (o->mesh.laminate.z[0] + o->mesh.laminate.z[1]) / 2;
+    double x[3], v[3];
+    for (int i = 0; i < 3; i++)
+        x[i] = p->x[i] + middle * p->e[2][i];
+    turned(x, v);
+    for (int i = 0; i < 3; i++)
+        v[i] += shift[i];
+    in_triad(p, v, u);
+    turned(p->e[2], v);
+    in_triad(p, v, u + 3);
+    u[6] = 0;
+}
+
+/* Law: with exact derivatives the strains of any finite rigid motion vanish at a point, on every surface. */
+static void test_rigid_motion_at_a_point(void **state)
+{
+    (void)state;
+    static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
+    static const double sign[4][4] = {{1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
+    for (int i = 0; i < SAMPLES; i++)
+        for (int r = 0; r < 4; r++) {
+            one o;
+            double u[28] = {0}, e[4][10];
+            build_sample(&o, &samples[i], &source);
+            const pzs_kind *kind = &o.mesh.kind[0];
+            const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
+            rigid_node(&o, p, u + 7 * r);
+            for (int a = 0; a < 2; a++) { /* choose the neighbour so that the corner sees the exact derivative */
+                const double z = (o.mesh.laminate.z[0] + o.mesh.laminate.z[1]) / 2;
+                double v[3], lam[3];
+                turned(p->e[a], v);
+                in_triad(p, v, lam);
+                for (int part = 0; part < 2; part++)
+                    for (int row = 0; row < 3; row++) {
+                        double rest = lam[row] * (part == 0 ? 1 + p->k[a] * z : p->k[a]);
+                        for (int c = 0; c < 3; c++)
+                            rest -= kind->s[r][a][row][c] * u[7 * r + 3 * part + c];
+                        u[7 * neighbour[r][a] + 3 * part + row] = rest / kind->t[r][a][row][row];
+                    }
+            }
+            shell_strains_at(kind, 7, u, e);
+            for (int k = 0; k < 10; k++) {
+                double strain = 0;
+                for (int m = 0; m < 4; m++)
+                    strain += sign[m][r] * e[m][k];
+                assert_true(fabs(strain) < 500 * 2.2e-16);
+            }
+            mesh_free(&o.mesh);
+        }
+}
+
+/* Energy of the rigid motion of one element, over that of a strain of 1. */
+static double rigid_energy(const sample *s, const scene_element *element)
+{
+    one o;
+    double u[28], e[4][10], h[4][10], energy = 0, scale = 0;
+    build_sample(&o, s, element);
+    for (int r = 0; r < 4; r++)
+        rigid_node(&o, &o.mesh.point[o.mesh.element[0][r]], u + 7 * r);
+    shell_strains_at(&o.mesh.kind[0], 7, u, e);
+    shell_resultants(&o.mesh.kind[0], e, h);
+    for (int m = 0; m < 4; m++)
+        for (int i = 0; i < 10; i++)
+            energy += e[m][i] * h[m][i] / 2;
+    for (int i = 0; i < 10; i++)
+        scale += o.mesh.kind[0].d[0][i * (i + 3) / 2];
+    mesh_free(&o.mesh);
+    return energy / scale;
+}
+
+/* The same element over `share` of its parameter ranges. */
+static sample shrunk(const sample *s, double share)
+{
+    sample small = *s;
+    small.cell[1] = s->cell[0] + share * (s->cell[1] - s->cell[0]);
+    small.cell[3] = s->cell[2] + share * (s->cell[3] - s->cell[2]);
+    return small;
+}
+
+/* Law: a finite rigid motion of the mesh costs the corrected element nothing; the source's pays d^4 on curved meshes. */
+static void test_rigid_motion_of_the_mesh(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SAMPLES; i++) {
+        const sample *s = &samples[i], small = shrunk(s, 0.0625), smaller = shrunk(s, 0.03125);
+        assert_true(rigid_energy(s, &corrected) < 1e-28);
+        if (strcmp(s->surface, "plate") == 0) {
+            assert_true(rigid_energy(s, &source) < 1e-28);
+            continue;
+        }
+        const double order = log2(rigid_energy(&small, &source) / rigid_energy(&smaller, &source));
+        assert_true(rigid_energy(s, &source) > 1e-6);
+        if (!(order > 3.8 && order < 4.2))
+            fail_msg("%s: energy falls with power %.2f", s->surface, order);
+    }
+}
+
+/* Law: a free element strained by its actuation alone takes the free strain exactly (no stress is left). */
+static void test_free_expansion(void **state)
+{
+    (void)state;
+    double layer[17];
+    memcpy(layer, steel, sizeof layer);
+    layer[14] = layer[15] = layer[16] = 1e-3;
+    for (int f = 0; f < 2; f++) {
+        one o;
+        double u[28] = {0}, h0[10], given[28], force[28];
+        build(&o, f ? &corrected : &source, "plate", NULL, samples[0].cell, layer, 1, -0.04);
+        for (int r = 0; r < 4; r++) {
+            const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
+            u[7 * r] = 1e-3 * p->x[0];
+            u[7 * r + 1] = 1e-3 * p->x[1];
+            u[7 * r + 5] = 1e-3;
+        }
+        laminate_given(&o.mesh.laminate, &o.scene.element, &o.mesh.place[0], -1, h0);
+        shell_given(&o.mesh.kind[0], 7, h0, given);
+        if (f) /* the ply's normal stress is condensed, so the thickness stays: only its Poisson part is solved for */
+            for (int r = 0; r < 4; r++)
+                u[7 * r + 5] = -2 * 1e-3 * 0.3125 / (1 - 0.3125);
+        shell_force(&o.mesh.kind[0], 7, u, force);
+        ASSERT_CLOSE("plate", "force of free expansion", force, given, 28, 1e-13);
+        mesh_free(&o.mesh);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_oracle),
+        cmocka_unit_test(test_six_zero_modes),
+        cmocka_unit_test(test_tangent_is_derivative),
+        cmocka_unit_test(test_table_is_tangent_at_zero),
+        cmocka_unit_test(test_rigid_motion_at_a_point),
+        cmocka_unit_test(test_rigid_motion_of_the_mesh),
+        cmocka_unit_test(test_free_expansion),
+    };
+    return cmocka_run_group_tests_name("shell", tests, NULL, NULL);
+}
