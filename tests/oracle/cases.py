@@ -308,3 +308,34 @@ def free_bimorph_curvature(n, preset, unknowns=7, nu=0.3, d33=-33e-12):
     u = m.solve(m.gather(lambda el, i, j: el.given_force(el.volt.sum(axis=0) / 2)))
     origin, scale = m.middle(u, m.node(0, 0)), 4 * t**2 / (3 * PVDF["d31"])
     return [2 * (m.middle(u, m.node(*far)) - origin) / 0.1**2 * scale for far in ((-1, 0), (0, -1))]
+
+
+# ---------------------------------------------------------------- plate with pairs of patches
+
+def patch_plate(preset, unknowns=7):
+    """Influence [121][25] of 25 pairs of patches on a cantilever plate, m/V.
+
+    .2 x .2 m, theta1 = x, theta2 = y, 10 x 10 elements, theta1-: all unknowns zero.  Layers
+    from below: patch, AS4/3501 at 90 0 0 90 degrees of .125 mm each, patch; patches .25 mm of
+    E = 63 GPa, nu = .3, d31 = d32 = 254e-12, covering 2 x 2 elements each.  Column 5 i + j:
+    +1 V on the upper patch (i, j), -1 V on the lower.  Rows: u3M of the nodes 11 i + j.
+    """
+    composite = ply([144.23e9, 9.65e9, 9.65e9, 4.14e9, 4.14e9, 3.45e9, 0.3, 0.3, 0.3])
+    patch = isotropic(63e9, 0.3, d=(254e-12, 254e-12, 0))
+    layers = [(0.25e-3, 0, patch), *[(0.125e-3, a, composite) for a in (90, 0, 0, 90)], (0.25e-3, 0, patch)]
+    x = np.linspace(0, 0.2, 11)
+    m = Model(Plate(), x, x, Section(layers), preset, unknowns, uniform)
+    m.clamped("theta1-")
+
+    def columns(el, i, j):
+        out = np.zeros((el.size, 25))
+        out[:, 5 * (i // 2) + j // 2] = el.given_force(el.volt[5] - el.volt[0])
+        return out
+    u = m.solve(m.gather(columns))
+    return np.array([m.middle(u, n) for n in range(121)])
+
+
+def patch_target():
+    """.1 x (y - .1) at the 121 nodes of patch_plate."""
+    x = np.linspace(0, 0.2, 11)
+    return np.outer(0.1 * x, x - 0.1).ravel()

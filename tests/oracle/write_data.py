@@ -1,6 +1,6 @@
-"""Write tests/data: single elements and the plate with 25 pairs of patches.
+"""Write tests/data/elements.txt: single elements on six surfaces.
 
-    python3 write_data.py            rewrites elements.txt and plate_patches.txt
+    python3 write_data.py
 
 Deterministic: same files from the same numpy, bit for bit.
 Anchors that this code did not compute (witness.txt, table7.txt) are only read.
@@ -133,20 +133,20 @@ def witness_case(name, words, arrays):
 
 
 def witness_element(words, arrays):
-    """Our element on a witness's cell with its D; raw face unknowns stay in `arrays`."""
+    """Our element on the cell of a witness, with its D."""
     zlow, zhigh = arrays["z"][0]
     t = strain_map()
     section = GivenSection(zlow, zhigh, t.T @ arrays["D"] @ t)
     return Element(SURFACES[words["surface"]](*arrays["surface"][0]), arrays["cell"][0], section, SOURCE)
 
 
-def main():
+def blocks():
+    """All cases of elements.txt."""
     rng = np.random.default_rng(7)
-    blocks = [element_case(rng, name, layup, *preset)
-              for name in CELLS for layup in LAYUPS for preset in PRESETS]
-    blocks += [witness_case(*block) for block in textdata.read(os.path.join(DATA, "witness.txt"))]
-    textdata.write(os.path.join(DATA, "elements.txt"), ELEMENTS_HELP, blocks)
+    return [element_case(rng, name, layup, *preset)
+            for name in CELLS for layup in LAYUPS for preset in PRESETS] + [
+        witness_case(*block) for block in textdata.read(os.path.join(DATA, "witness.txt"))]
 
 
 if __name__ == "__main__":
-    main()
+    textdata.write(os.path.join(DATA, "elements.txt"), ELEMENTS_HELP, blocks())

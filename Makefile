@@ -1,0 +1,109 @@
+# piezoshape. `make demo` and `make test` do all of their set-up; `make help` lists the rest.
+
+B := build
+CC := gcc
+PYTHON := /usr/bin/python3
+WARN := -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Werror
+DEPEND := -MMD -MP
+INCLUDE := -Iinclude -Ilib -Ihost_tools -Itests
+
+LIB := $(sort $(wildcard lib/*.c))
+HOST := $(sort $(filter-out host_tools/main.c,$(wildcard host_tools/*.c)))
+
+.DELETE_ON_ERROR:
+.PHONY: all demo test bench check-long oracle tables setup-demo setup-test setup-bench unit san cli gates clean help
+all: $(B)/pzs
+
+help:
+	@echo 'make demo        shape a real plate with 25 pairs of piezo patches; pictures in $(B)/'
+	@echo 'make test        every test: unit, oracle, command line, sanitizers, gates, firmware under QEMU'
+	@echo 'make bench       speed against OpenBLAS and DAQP, and speed against error'
+	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
+	@echo 'make size        flash, RAM and stack against the committed budget'
+	@echo 'make tables      regenerate the firmware tables;  make oracle: the test data'
+	@echo 'make check-long  the checks that take too long for make test'
+
+# ---- libraries: one folder per variant -----------------------------------
+
+# variant: name, flags
+define variant
+$(B)/$(1)/%.o: %.c
+	@mkdir -p $$(@D)
+	$$(CC) $$(WARN) $$(DEPEND) $(2) -DPZS_NONLINEAR=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $$(INCLUDE) -c $$< -o $$@
+$(B)/$(1)/libpiezoshape.a: $$(LIB:%.c=$(B)/$(1)/%.o)
+	rm -f $$@ && ar rcs $$@ $$^
+$(B)/$(1)/host.a: $$(HOST:%.c=$(B)/$(1)/%.o)
+	rm -f $$@ && ar rcs $$@ $$^
+endef
+SANITIZE := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+$(eval $(call variant,64,-O2 -DPZS_REAL_BITS=64))
+$(eval $(call variant,32,-O2 -DPZS_REAL_BITS=32))
+$(eval $(call variant,32t8,-O2 -DPZS_REAL_BITS=32 -DPZS_TILE=8))
+$(eval $(call variant,64t16,-O2 -DPZS_REAL_BITS=64 -DPZS_TILE=16))
+$(eval $(call variant,san64,$(SANITIZE) -DPZS_REAL_BITS=64))
+$(eval $(call variant,san32,$(SANITIZE) -DPZS_REAL_BITS=32))
+
+$(B)/pzs: $(B)/64/host_tools/main.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	$(CC) $^ -lyaml -lm -o $@
+
+# The host tools in double as one object that shows only its bridge, so that a float program can hold both precisions.
+$(B)/%/bridge64.o: $(B)/64/tests/bridge.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	ld -r $< --whole-archive $(B)/64/host.a $(B)/64/libpiezoshape.a -o $@
+	objcopy -w --keep-global-symbol='bridge_*' $@
+
+# ---- the two commands ----------------------------------------------------
+
+setup-demo setup-test setup-bench: setup-%:
+	@sh tests/setup.sh $*
+
+demo: setup-demo
+	@$(MAKE) --no-print-directory -s $(B)/pzs
+	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html --vtk $(B)/plate-50-patches.vtk
+	@echo 'pictures: $(B)/plate-50-patches.html; for ParaView: $(B)/plate-50-patches.vtk'
+
+test: setup-test
+	@sh tests/run.sh
+
+# ---- unit tests ----------------------------------------------------------
+
+# program: name, variant, sources beside the library, libraries
+define program
+UNIT_$(2) += $(B)/test/$(1)-$(2)
+$(B)/test/$(1)-$(2): $(B)/$(2)/tests/test_$(1).o $(3) $(B)/$(2)/libpiezoshape.a
+	@mkdir -p $$(@D)
+	$$(CC) $(if $(filter san%,$(2)),-fsanitize=address$(comma)undefined) $$^ -lcmocka -lyaml -lm -o $$@
+endef
+comma := ,
+for_variants = $(foreach v,$(2),$(eval $(call program,$(1),$(v),$(3:@%=$(B)/$(v)/%))))
+ALL := 64 32 32t8 64t16 san64 san32
+$(call for_variants,linalg,$(ALL),)
+$(call for_variants,control,64 32 san64 san32,)
+$(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
+$(call for_variants,scene,64 san64,@host.a)
+$(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)
+$(call for_variants,cases,64,@tests/testdata.o @host.a)
+
+unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
+san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
+$(B)/pzs-san: $(B)/san64/host_tools/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
+	$(CC) -fsanitize=address,undefined $^ -lyaml -lm -o $@
+
+# ---- data made by programs of this project -------------------------------
+
+oracle:
+	cd tests/oracle && $(PYTHON) write_data.py
+
+tables: $(B)/pzs
+	$(B)/pzs tables plate-50-patches --set limits.slew=20 --image control --prefix demo -o firmware_demo/tables/plate_control.h
+	$(B)/pzs tables plate-50-patches --set limits.slew=20 --image linear --prefix demo -o firmware_demo/tables/plate_linear.h
+	$(B)/pzs tables plate-50-patches --set limits.slew=20 --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 \
+	    --image linear --prefix demo -o firmware_demo/tables/plate5_linear.h
+
+include firmware_demo/firmware.mk
+-include tests/bench/bench.mk
+
+clean:
+	rm -rf $(B)
+
+-include $(shell find $(B) -name '*.d' 2>/dev/null)

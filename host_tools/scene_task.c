@@ -1,0 +1,523 @@
+/* Sections of a scene that say what is done and asked: actuators, limits, supports, loads, outputs, target, compare. */
+#include "scene_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static scene_at node_at(const reader *r, int node)
+{
+    return r->t->node[node].at;
+}
+
+/* ---- actuators ---- */
+
+static int read_patches_of(reader *r, int node, void *to, const void *rule)
+{
+    const scene *s = r->s;
+    char name[SCENE_NAME];
+    int i;
+    if (read_name(r, node, name, rule) != 0) return -1;
+    for (i = 0; i < s->patch_grids; i++)
+        if (strcmp(s->patches[i].name, name) == 0) break;
+    if (i == s->patch_grids) return tree_fault(r->t, node, "there are no patches named '%s'; add them to patches", name);
+    *(int *)to = i;
+    return 0;
+}
+
+static const char *driven_by(const scene *s, int patches, int actuators, int drives)
+{
+    int a, d;
+    for (a = 0; a < actuators; a++)
+        for (d = 0; d < (a + 1 < actuators ? s->actuator[a].drives : drives); d++)
+            if (s->actuator[a].drive[d].patches == patches) return s->actuator[a].name;
+    return NULL;
+}
+
+/* Patches must be piezoelectric, driven once, and tied to grids of the same shape. */
+static int check_drive(reader *r, int node, const scene_actuator *a, int drive)
+{
+    const scene *s = r->s;
+    const scene_patches *p = &s->patches[a->drive[drive].patches], *first = &s->patches[a->drive[0].patches];
+    const scene_material *m = &s->material[s->layer[p->layer].material];
+    const char *other = driven_by(s, a->drive[drive].patches, (int)(a - s->actuator) + 1, drive);
+    if (other) return tree_fault(r->t, node, "patches '%s' are driven by '%s' already; an electrode has one amplifier", p->name, other);
+    if (!m->has_d && !m->has_e) return tree_fault(r->t, node, "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or e31", p->name, m->name);
+    if (p->grid[0] == first->grid[0] && p->grid[1] == first->grid[1]) return 0;
+    return tree_fault(r->t, node, "patches '%s' are %d x %d but '%s' %d x %d; grids tied to one actuator need the same shape",
+                      p->name, p->grid[0], p->grid[1], first->name, first->grid[0], first->grid[1]);
+}
+
+static int read_drives(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"patches", read_patches_of, offsetof(scene_drive, patches), NULL, 1},
+        {"factor", read_real, offsetof(scene_drive, factor), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene_actuator *a = to;
+    int i, k = 0, n;
+    (void)rule;
+    a->drive = new_items(r, node, TREE_LIST, sizeof *a->drive, &n);
+    if (!a->drive) return -1;
+    if (n == 0) return tree_fault(r->t, node, "'drives' is empty; name the patches, as [{patches: up}]");
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
+        a->drive[k].factor = 1;
+        if (read_map(r, i, fields, &a->drive[k]) != 0 || check_drive(r, i, a, k) != 0) return -1;
+    }
+    a->drives = n;
+    memcpy(a->grid, r->s->patches[a->drive[0].patches].grid, sizeof a->grid);
+    return 0;
+}
+
+static int read_uniform(reader *r, int node, void *to, const void *rule)
+{
+    static const choice only[] = {{"uniform", 1}, {NULL, 0}};
+    (void)rule;
+    return read_choice(r, node, to, only);
+}
+
+static int read_actuator(reader *r, int node, scene_actuator *a)
+{
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_actuator, name), NULL, 1},
+        {"drives", read_drives, 0, NULL, 0},
+        {"temperature", read_uniform, offsetof(scene_actuator, is_temperature), NULL, 0},
+        {"applied", read_real, offsetof(scene_actuator, applied), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    a->at = node_at(r, node);
+    a->grid[0] = a->grid[1] = 1;
+    if (read_map(r, node, fields, a) != 0) return -1;
+    if ((a->drives > 0) == a->is_temperature)
+        return tree_fault(r->t, node, "actuator '%s' needs either drives: [{patches: ...}] or temperature: uniform", a->name);
+    a->first = r->s->amplifiers;
+    r->s->amplifiers += a->grid[0] * a->grid[1];
+    return 0;
+}
+
+int read_actuators(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, n;
+    (void)rule;
+    s->actuator = new_items(r, node, TREE_LIST, sizeof *s->actuator, &n);
+    if (!s->actuator) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
+        s->actuators++;
+        if (read_actuator(r, i, &s->actuator[s->actuators - 1]) != 0) return -1;
+    }
+    return 0;
+}
+
+/* ---- limits ---- */
+
+static int read_voltage(reader *r, int node, void *to, const void *rule)
+{
+    double *pair = to;
+    if (read_pair(r, node, pair, rule) != 0) return -1;
+    if (pair[0] > pair[1]) return tree_fault(r->t, node, "voltage from %g to %g is empty; write [lowest, highest]", pair[0], pair[1]);
+    return 0;
+}
+
+static int read_effort(reader *r, int node, void *to, const void *rule)
+{
+    static const range not_negative = {0, INFINITY, 0, "must not be below 0"};
+    static const field fields[] = {{"relative", read_real, 0, &not_negative, 1}, {NULL, NULL, 0, NULL, 0}};
+    scene_limits *limits = to;
+    (void)rule;
+    limits->effort_is_relative = r->t->node[node].kind == TREE_MAP;
+    if (limits->effort_is_relative) return read_map(r, node, fields, &limits->effort);
+    return read_real(r, node, &limits->effort, &not_negative);
+}
+
+static int read_amplifier(reader *r, int node, void *to, const void *rule)
+{
+    scene_limit *limit = to;
+    char name[SCENE_NAME + 24];
+    if (read_choice == NULL || r->t->node[node].kind != TREE_SCALAR) return read_name(r, node, name, rule);
+    if (scene_find_amplifier(r->s, node_text(r, node), &limit->first, &limit->count)) return 0;
+    if (r->s->amplifiers == 0) return tree_fault(r->t, node, "there is no actuator '%.60s'; add actuators first", node_text(r, node));
+    scene_amplifier_name(r->s, 0, name);
+    return tree_fault(r->t, node, "there is no actuator '%.60s'; the first one is '%s'", node_text(r, node), name);
+}
+
+static int read_each_item(reader *r, int node, scene_limit *limit)
+{
+    typedef struct each_text { scene_limit limit; double voltage[2], hold; } each_text;
+    static const field fields[] = {
+        {"actuator", read_amplifier, offsetof(each_text, limit), NULL, 1},
+        {"voltage", read_voltage, offsetof(each_text, voltage), NULL, 0},
+        {"hold", read_real, offsetof(each_text, hold), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    each_text text;
+    memset(&text, 0, sizeof text);
+    if (read_map(r, node, fields, &text) != 0) return -1;
+    if (!tree_find(r->t, node, "voltage") == !tree_find(r->t, node, "hold"))
+        return tree_fault(r->t, node, "an item of 'each' needs either voltage: [lowest, highest] or hold: value");
+    *limit = text.limit;
+    limit->at = node_at(r, node);
+    limit->lower = limit->upper = text.hold;
+    if (!tree_find(r->t, node, "voltage")) return 0;
+    limit->lower = text.voltage[0];
+    limit->upper = text.voltage[1];
+    return 0;
+}
+
+static int read_each(reader *r, int node, void *to, const void *rule)
+{
+    scene_limits *limits = to;
+    int i, k = 0;
+    (void)rule;
+    limits->each = new_items(r, node, TREE_LIST, sizeof *limits->each, &limits->each_count);
+    if (!limits->each) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_each_item(r, i, &limits->each[k++]) != 0) return -1;
+    return 0;
+}
+
+int read_limits(reader *r, int node, void *to, const void *rule)
+{
+    static const range above_zero = {0, INFINITY, 1, "must be above 0; leave it out for none"};
+    static const field fields[] = {
+        {"voltage", read_voltage, offsetof(scene_limits, lower), NULL, 0},
+        {"slew", read_real, offsetof(scene_limits, slew), &above_zero, 0},
+        {"effort", read_effort, 0, NULL, 0},
+        {"each", read_each, 0, NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    (void)rule;
+    s->limits.at = node_at(r, node);
+    return read_map(r, node, fields, &s->limits);
+}
+
+/* ---- places ---- */
+
+static const choice edges[] = {{"theta1-", EDGE_THETA1_MINUS}, {"theta1+", EDGE_THETA1_PLUS},
+                               {"theta2-", EDGE_THETA2_MINUS}, {"theta2+", EDGE_THETA2_PLUS}, {NULL, 0}};
+
+static int start_where(reader *r, int node, scene_where *w, scene_where_type type)
+{
+    if (w->at.column) return tree_fault(r->t, node, "two places; give either 'edge' or 'at'");
+    w->at = node_at(r, node);
+    w->type = type;
+    return 0;
+}
+
+static int read_edge(reader *r, int node, void *to, const void *rule)
+{
+    scene_where *w = to;
+    int edge = 0;
+    (void)rule;
+    if (start_where(r, node, w, WHERE_EDGE) != 0 || read_choice(r, node, &edge, edges) != 0) return -1;
+    w->edge = (scene_edge)edge;
+    return 0;
+}
+
+static int read_point(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"theta1", read_real, offsetof(scene_where, theta[0]), NULL, 1},
+        {"theta2", read_real, offsetof(scene_where, theta[1]), NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    (void)rule;
+    if (start_where(r, node, to, WHERE_POINT) != 0) return -1;
+    return read_map(r, node, fields, to);
+}
+
+static int read_at(reader *r, int node, void *to, const void *rule)
+{
+    const char *text = node_text(r, node);
+    if (text && strcmp(text, "nodes") == 0) return start_where(r, node, to, WHERE_NODES);
+    if (r->t->node[node].kind != TREE_MAP)
+        return tree_fault(r->t, node, "'at: %.60s' is no place; write {theta1: ..., theta2: ...}, nodes, or edge: theta1+ instead", text ? text : "[...]");
+    return read_point(r, node, to, rule);
+}
+
+static int require_place(reader *r, int node, const scene_where *w)
+{
+    if (w->at.column) return 0;
+    return tree_fault(r->t, node, "no place in this item of %.60s; add at: {theta1: ..., theta2: ...}, at: nodes or edge: theta1+", tree_name(r->t, node));
+}
+
+/* ---- supports ---- */
+
+enum {
+    MEAN_1 = 1, MEAN_2 = 2, MEAN_3 = 4, DIFFERENCE_1 = 8, DIFFERENCE_2 = 16, DIFFERENCE_3 = 32, SEVENTH = 64,
+    U1 = MEAN_1 | DIFFERENCE_1, U2 = MEAN_2 | DIFFERENCE_2, U3 = MEAN_3 | DIFFERENCE_3 | SEVENTH,
+    SIMPLE = 128, SYMMETRIC = 256            /* depend on the edge */
+};
+
+static const choice fixes[] = {
+    {"clamped", U1 | U2 | U3}, {"simple", SIMPLE}, {"symmetric", SYMMETRIC}, {"free", 0},
+    {"u1", U1}, {"u2", U2}, {"u3", U3}, {"u1 mean", MEAN_1}, {"u2 mean", MEAN_2}, {"u3 mean", MEAN_3},
+    {"u1 difference", DIFFERENCE_1}, {"u2 difference", DIFFERENCE_2}, {"u3 difference", DIFFERENCE_3}, {"u3M", SEVENTH}, {NULL, 0}};
+
+static int read_fix_word(reader *r, int node, scene_support *support)
+{
+    const int across_1 = support->where.edge == EDGE_THETA1_MINUS || support->where.edge == EDGE_THETA1_PLUS;
+    int fix = 0;
+    if (read_choice(r, node, &fix, fixes) != 0) return -1;
+    if (fix & (SIMPLE | SYMMETRIC)) {
+        if (support->where.type != WHERE_EDGE) return tree_fault(r->t, node, "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, u3]", node_text(r, node));
+        fix = fix == SIMPLE ? (across_1 ? U2 : U1) | U3 : across_1 ? U1 : U2;
+    }
+    support->fix |= (unsigned)fix;
+    return 0;
+}
+
+static int read_fix(reader *r, int node, void *to, const void *rule)
+{
+    int i;
+    (void)rule;
+    if (r->t->node[node].kind != TREE_LIST) return read_fix_word(r, node, to);
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_fix_word(r, i, to) != 0) return -1;
+    return 0;
+}
+
+int read_supports(reader *r, int node, void *to, const void *rule)
+{
+    static const field place[] = {
+        {"edge", read_edge, offsetof(scene_support, where), NULL, 0},
+        {"at", read_at, offsetof(scene_support, where), NULL, 0},
+        {"fix", read_fix, 0, NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->support = new_items(r, node, TREE_LIST, sizeof *s->support, &s->supports);
+    if (!s->support) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
+        s->support[k].at = node_at(r, i);
+        if (read_map(r, i, place, &s->support[k]) != 0 || require_place(r, i, &s->support[k].where) != 0) return -1;
+    }
+    return 0;
+}
+
+/* ---- loads ---- */
+
+typedef struct load_text {
+    scene_load *load;
+    int types, directions, faces, areas;     /* how many were given */
+} load_text;
+
+static const int load_types[] = {LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE};
+static const int components[] = {COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z};
+static const choice axes[] = {{"x", COMPONENT_X}, {"y", COMPONENT_Y}, {"z", COMPONENT_Z}, {NULL, 0}};
+static const choice faces[] = {{"middle", FACE_MIDDLE}, {"inner", FACE_INNER}, {"outer", FACE_OUTER}, {"mean", FACE_MEAN}, {NULL, 0}};
+
+static int read_constant(reader *r, int node, void *to, const void *rule)
+{
+    expr **e = to;
+    if (read_expr(r, node, to, rule) != 0) return -1;
+    if (expr_is_constant(*e)) return 0;
+    return tree_fault(r->t, node, "'%.60s: %.60s' varies over the surface; a constant is wanted here", tree_name(r->t, node), node_text(r, node));
+}
+
+static int read_weight(reader *r, int node, scene_load *load)
+{
+    typedef struct weight_text { int axis; expr *gravity; } weight_text;
+    static const field fields[] = {
+        {"axis", read_choice, offsetof(weight_text, axis), axes, 1},
+        {"gravity", read_constant, offsetof(weight_text, gravity), NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    weight_text text = {0, NULL};
+    int status = read_map(r, node, fields, &text);
+    load->component = (scene_component)text.axis;
+    load->value = text.gravity;
+    return status;
+}
+
+static int read_load_type(reader *r, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    scene_load *load = text->load;
+    int face = 0;
+    if (text->types++) return tree_fault_at(r->t, r->t->node[node].key_at, "a load is one of point, line, face, weight, temperature; write a second item");
+    load->type = (scene_load_type)*(const int *)rule;
+    switch (load->type) {
+    case LOAD_POINT: return read_point(r, node, &load->where, NULL);
+    case LOAD_LINE: return read_edge(r, node, &load->where, NULL);
+    case LOAD_WEIGHT: return read_weight(r, node, load);
+    case LOAD_TEMPERATURE: return read_constant(r, node, &load->value, NULL);
+    default: break;
+    }
+    if (read_choice(r, node, &face, faces) != 0) return -1;
+    load->face = (scene_face)face;
+    return 0;
+}
+
+static int read_direction(reader *r, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    if (text->directions++) return tree_fault_at(r->t, r->t->node[node].key_at, "a load has one direction; write a second item for '%s'", r->t->node[node].key);
+    text->load->component = (scene_component)*(const int *)rule;
+    return read_expr(r, node, &text->load->value, NULL);
+}
+
+static int read_pressure(reader *r, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    (void)rule;
+    if (text->load->type != LOAD_FACE) return tree_fault_at(r->t, r->t->node[node].key_at, "'pressure' acts on a face; add face: outer, inner or middle");
+    return read_direction(r, node, to, &components[COMPONENT_U3]);
+}
+
+static int read_area(reader *r, int node, void *to, const void *rule)
+{
+    static const choice areas[] = {{"reference", 0}, {"true", 1}, {NULL, 0}};
+    load_text *text = to;
+    (void)rule;
+    if (text->load->type != LOAD_FACE) return tree_fault_at(r->t, r->t->node[node].key_at, "'area' belongs to a load on a face; remove it");
+    return read_choice(r, node, &text->load->true_area, areas);
+}
+
+#define DIRECTIONS(read) \
+    {"u1", read, 0, &components[0], 0}, {"u2", read, 0, &components[1], 0}, {"u3", read, 0, &components[2], 0}, \
+    {"x", read, 0, &components[3], 0}, {"y", read, 0, &components[4], 0}, {"z", read, 0, &components[5], 0}
+
+static int read_load(reader *r, int node, scene_load *load)
+{
+    static const field fields[] = {
+        {"point", read_load_type, 0, &load_types[0], 0}, {"line", read_load_type, 0, &load_types[1], 0},
+        {"face", read_load_type, 0, &load_types[2], 0}, {"weight", read_load_type, 0, &load_types[3], 0},
+        {"temperature", read_load_type, 0, &load_types[4], 0},
+        DIRECTIONS(read_direction), {"pressure", read_pressure, 0, NULL, 0}, {"area", read_area, 0, NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    load_text text = {0};
+    text.load = load;
+    load->at = node_at(r, node);
+    if (read_map(r, node, fields, &text) != 0) return -1;
+    if (text.types == 0) return tree_fault(r->t, node, "a load needs one of point: {theta1, theta2}, line: edge, face: outer, weight: {axis, gravity}, temperature: value");
+    if (load->type == LOAD_WEIGHT || load->type == LOAD_TEMPERATURE) {
+        if (text.directions) return tree_fault(r->t, node, "weight and temperature say all; remove the direction");
+        return 0;
+    }
+    if (text.directions == 0) return tree_fault(r->t, node, "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
+    return 0;
+}
+
+int read_loads(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->load = new_items(r, node, TREE_LIST, sizeof *s->load, &s->loads);
+    if (!s->load) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_load(r, i, &s->load[k++]) != 0) return -1;
+    return 0;
+}
+
+/* ---- outputs, target, compare ---- */
+
+typedef struct output_text {
+    scene_output output;
+    expr *value;
+    int weight_area, directions;
+} output_text;
+
+static int read_component(reader *r, int node, void *to, const void *rule)
+{
+    output_text *text = to;
+    int face = 0;
+    if (text->directions++) return tree_fault_at(r->t, r->t->node[node].key_at, "an output has one direction; write a second item for '%s'", r->t->node[node].key);
+    if (read_choice(r, node, &face, faces) != 0) return -1;
+    text->output.component = (scene_component)*(const int *)rule;
+    text->output.face = (scene_face)face;
+    text->output.face_is_average = face == FACE_MEAN;
+    return 0;
+}
+
+#define PLACE(member) {"edge", read_edge, offsetof(output_text, member), NULL, 0}, {"at", read_at, offsetof(output_text, member), NULL, 0}
+
+static int finish_output(reader *r, int node, output_text *text)
+{
+    text->output.at = node_at(r, node);
+    if (text->directions == 0) return tree_fault(r->t, node, "no direction in this item of %.60s; add one, as u3: middle or z: outer", tree_name(r->t, node));
+    return require_place(r, node, &text->output.where);
+}
+
+static int read_output(reader *r, int node, scene_output *to)
+{
+    static const field fields[] = {
+        {"name", read_name, offsetof(output_text, output.name), NULL, 1},
+        DIRECTIONS(read_component), PLACE(output.where),
+        {"reference", read_real, offsetof(output_text, output.reference), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    output_text text;
+    memset(&text, 0, sizeof text);
+    text.output.reference = (double)NAN;
+    if (read_map(r, node, fields, &text) != 0 || finish_output(r, node, &text) != 0) return -1;
+    *to = text.output;
+    return 0;
+}
+
+int read_outputs(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->output = new_items(r, node, TREE_LIST, sizeof *s->output, &s->outputs);
+    if (!s->output) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_output(r, i, &s->output[k++]) != 0) return -1;
+    return 0;
+}
+
+int read_target(reader *r, int node, void *to, const void *rule)
+{
+    static const choice weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
+    static const field fields[] = {
+        DIRECTIONS(read_component), PLACE(output.where),
+        {"value", read_expr, offsetof(output_text, value), NULL, 1},
+        {"weight", read_choice, offsetof(output_text, weight_area), weights, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    output_text text;
+    int status;
+    (void)rule;
+    memset(&text, 0, sizeof text);
+    status = read_map(r, node, fields, &text);
+    s->target.value = text.value;
+    if (status != 0 || finish_output(r, node, &text) != 0) return -1;
+    s->target.given = 1;
+    s->target.what = text.output;
+    s->target.what.reference = (double)NAN;
+    strcpy(s->target.what.name, "target");
+    s->target.weight_area = text.weight_area;
+    if (s->amplifiers == 0) return tree_fault(r->t, node, "a target needs actuators to reach it; add actuators");
+    return 0;
+}
+
+static int read_values(reader *r, int node, void *to, const void *rule)
+{
+    scene_compare *compare = to;
+    int i, k = 0;
+    (void)rule;
+    compare->value = new_items(r, node, TREE_LIST, sizeof *compare->value, &compare->count);
+    if (!compare->value) return -1;
+    if (compare->count != r->s->amplifiers)
+        return tree_fault(r->t, node, "%d values for %d amplifiers; give one for each, in the order of actuators, theta2 fastest", compare->count, r->s->amplifiers);
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_real(r, i, &compare->value[k++], NULL) != 0) return -1;
+    return 0;
+}
+
+int read_compare(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_compare, name), NULL, 1},
+        {"values", read_values, 0, NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    int i, k = 0;
+    (void)rule;
+    s->compare = new_items(r, node, TREE_LIST, sizeof *s->compare, &s->compares);
+    if (!s->compare) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
+        s->compare[k].at = node_at(r, i);
+        if (read_map(r, i, fields, &s->compare[k]) != 0) return -1;
+    }
+    return 0;
+}

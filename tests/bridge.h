@@ -1,0 +1,31 @@
+/*
+ * The tables and the double-precision answer of a scene as plain arrays, so that a test program
+ * in either precision can run the library on what the host tools made in double.
+ */
+#ifndef BRIDGE_H
+#define BRIDGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct bridge_rows { int count; const uint32_t *start; const uint16_t *dof; const double *value; } bridge_rows;
+
+typedef struct bridge {
+    int nodes, elements, kinds, unknowns, dof;
+    int amplifiers, targets;             /* the first inputs, the first outputs */
+    const uint16_t *element, *element_kind, *node_dof, *first;
+    const double *stiffness, *kind;      /* kind: the reals of pzs_kind, one after the other */
+    size_t kind_reals;                   /* per kind */
+    bridge_rows input, output;
+    const double *influence;             /* [outputs][inputs], refined, NULL without a target */
+    const double *target;                /* [targets] */
+    double *u;                           /* [dof] displacement under the scene's loads, refined in double */
+    double condition, error;
+    void *inside;
+} bridge;
+
+/* scene is the name of a shipped scene or a path. Returns 0, or -1 with error [400] filled. */
+int bridge_open(bridge *b, const char *scene, const char *const *set, int sets, char *error);
+void bridge_close(bridge *b);
+
+#endif

@@ -1,0 +1,48 @@
+#!/bin/sh
+# Rules of lib/ that no compiler warns of: no allocation, no stdio, no goto, no #if inside a function,
+# no array of variable length, no file name or configuration beyond pzs_config.h. Recursion: see stack.sh.
+. tests/gates/common.sh
+
+# check NAME: what the awk program in $2 prints about the library's files are faults.
+check() {
+    awk "$2" lib/*.[ch] include/*.h >"$scratch/found"
+    [ ! -s "$scratch/found" ]
+    tap $? "$1"
+}
+
+# Comments and strings are not code: strip them before looking for words.
+strip='
+    function code(line,    start) {
+        gsub(/"([^"\\]|\\.)*"/, "\"\"", line)
+        if (inside) { if (!match(line, /\*\//)) return ""; line = substr(line, RSTART + 2); inside = 0 }
+        gsub(/\/\*([^*]|\*[^\/])*\*\//, " ", line)
+        if (match(line, /\/\*/)) { line = substr(line, 1, RSTART - 1); inside = 1 }
+        sub(/\/\/.*/, "", line)
+        return line
+    }
+    FNR == 1 { inside = 0; depth = 0 }
+    { line = code($0); where = FILENAME ":" FNR ": " }'
+
+check 'no allocation, no stdio, no goto, no setjmp, no varargs' "$strip"'
+    line ~ /(^|[^A-Za-z0-9_])(malloc|calloc|realloc|free|alloca|printf|fprintf|snprintf|puts|goto|setjmp|longjmp|va_list|abort|exit|assert)([^A-Za-z0-9_]|$)/ { print where $0 }
+    $0 ~ /#[ \t]*include[ \t]*<(stdio|stdlib|stdarg|setjmp|time|errno|locale|signal|assert)[.]h>/ { print where $0 }'
+
+check 'no #if inside a function' "$strip"'
+    line ~ /^[ \t]*#/ { if (depth > 0 && line ~ /^[ \t]*#[ \t]*(if|ifdef|ifndef|else|elif)/) print where $0; next }
+    { opened = gsub(/\{/, "{", line); closed = gsub(/\}/, "}", line); depth += opened - closed }'
+
+check 'switches come from pzs_config.h alone' "$strip"'
+    line ~ /^[ \t]*#[ \t]*define[ \t]+PZS_(REAL_BITS|NONLINEAR|TILE|STEP_PASSES|FOLLOWER|CONTACT|ELECTRIC)/ && FILENAME !~ /pzs_config[.]h/ { print where $0 }'
+
+check 'lines of at most 125 characters, no tabs, no trailing blanks' '
+    length($0) > 125 { print FILENAME ":" FNR ": " length($0) " characters" }
+    /\t/ { print FILENAME ":" FNR ": tab" }
+    /[ ]$/ { print FILENAME ":" FNR ": trailing blank" }'
+
+if tap_needs "$CC" 'no array of variable length, no implicit declaration'; then
+    # shellcheck disable=SC2086,SC2046
+    "$CC" -std=c99 -fsyntax-only -Werror=vla -Werror=implicit-function-declaration $include $(sources 0) \
+        2>"$scratch/found"
+    tap $? 'no array of variable length, no implicit declaration'
+fi
+tap_end

@@ -1,0 +1,346 @@
+"""Anchors of the oracle: other programs' numbers, closed forms and laws.  Prints TAP.
+
+    python3 check_oracle.py          exit status 1 when a check fails
+"""
+
+import os
+import sys
+
+import numpy as np
+
+import cases
+import textdata
+import write_data
+from model import Model
+from shellref import (CORRECTED, SOURCE, SURFACES, Element, Plate, Ring, Section, cylinder,
+                      face_map, isotropic, rigid_motion, strain_map)
+
+NO_METRIC = {**CORRECTED, "metric": False}
+PRESETS = [(SOURCE, 7), (CORRECTED, 7), (CORRECTED, 6)]
+CHECKS = []
+
+CELLS = {**write_data.CELLS,
+         "torus": ((3.0, 1.0), (-0.3, 0.4, 0.2, 0.5)),
+         "hyperboloid": ((1.5, 0.6), (0.2, 0.7, 0.1, 0.4))}
+
+
+def check(function):
+    """Collect a check: it returns the pairs (what, error, bound)."""
+    CHECKS.append(function)
+    return function
+
+
+def relative(got, wanted):
+    """Largest difference over the largest wanted number."""
+    return np.abs(np.asarray(got) - wanted).max() / np.abs(wanted).max()
+
+
+def elements(layup):
+    """(name, element, surface, cell, section) of every surface and preset."""
+    section = Section(**write_data.LAYUPS[layup])
+    for name, (numbers, cell) in CELLS.items():
+        surface = SURFACES[name](*numbers)
+        for preset, unknowns in PRESETS:
+            yield name, Element(surface, cell, section, preset, unknowns), surface, cell, section
+
+
+# ---------------------------------------------------------------- another program
+
+@check
+def ten_elements_of_another_program():
+    keep = np.zeros((4, 10))
+    keep[[0] * 10, range(10)] = keep[1, [0, 1, 4, 5, 8]] = keep[2, [2, 3, 4, 5, 9]] = keep[3, 4:6] = 1
+    for name, words, a in textdata.read(os.path.join(write_data.DATA, "witness.txt")):
+        el = write_data.witness_element(words, a)
+        p, t = np.kron(np.eye(4), face_map(el.h)), strain_map()
+        u = np.linalg.solve(p, a["U"][:, 0])
+        inverse = np.linalg.inv(p)
+        yield f"{name} strains", relative(keep * (el.strains(u) @ t.T), a["strains"]), 1e-12
+        yield f"{name} resultants", relative(el.resultants(u) @ np.linalg.inv(t), a["resultants"]), 1e-12
+        yield f"{name} energy", relative(el.energy(u), a["energy"]), 1e-12
+        yield f"{name} force", relative(inverse.T @ el.force(u), a["force"][:, 0]), 1e-12
+        yield f"{name} tangent", relative(inverse.T @ el.tangent(u) @ inverse, a["K"]), 1e-12
+        nodes = [np.concatenate(c[2:]) for c in el.corners]
+        yield f"{name} geometry", relative([n for n in nodes], a["nodes"]), 1e-14
+
+
+@check
+def data_file_is_what_this_code_writes():
+    stored = textdata.read(os.path.join(write_data.DATA, "elements.txt"))
+    made = write_data.blocks()
+    yield "names", float([b[:2] for b in stored] != [b[:2] for b in made]), 0.5
+    for (name, _, old), (_, _, new) in zip(stored, made):
+        yield name, max(relative(new[k], old[k]) for k in old if np.size(old[k]) and np.abs(old[k]).max() > 0), 1e-10
+
+
+# ---------------------------------------------------------------- laws of one element
+
+@check
+def triad_follows_the_lines_of_curvature():
+    """x,a = A_a e_a and e3,a = A_a k_a e_a and e3 = e1 x e2, by central differences."""
+    for name, (numbers, cell) in CELLS.items():
+        surface, t, d = SURFACES[name](*numbers), np.array([cell[0], cell[2]]), 1e-5
+        _, triad, lame, k, _ = surface.at(*t)
+        yield f"{name} e3", np.abs(np.cross(triad[:, 0], triad[:, 1]) - triad[:, 2]).max(), 1e-14
+        for a in (0, 1):
+            step = d * np.eye(2)[a]
+            plus, minus = surface.at(*(t + step)), surface.at(*(t - step))
+            yield f"{name} x", np.abs((plus[0] - minus[0]) / (2 * d) - lame[a] * triad[:, a]).max(), 1e-8
+            turn = (plus[1][:, 2] - minus[1][:, 2]) / (2 * d)
+            yield f"{name} k", np.abs(turn - lame[a] * k[a] * triad[:, a]).max(), 1e-8
+
+
+@check
+def point_strain_of_a_finite_rigid_motion_is_zero():
+    """lam_a from exact derivatives of the components (central differences here)."""
+    turn, shift, d = write_data.rotation([0.9, -1.3, 0.7]), np.array([0.3, -0.2, 0.5]), 1e-5
+    for name, el, surface, cell, section in elements("laminate"):
+        if el.cartesian:
+            continue
+        params, faces = np.array([cell[1] - cell[0], cell[3] - cell[2]]), (section.zlow, section.zhigh)
+        here = np.array([cell[0], cell[2]])
+        lame = el.corners[0][2]
+
+        def faces_at(t):
+            q = rigid_motion(surface, [t], section, turn, shift)
+            return np.array([q[:3] - section.h / 2 * q[3:6], q[:3] + section.h / 2 * q[3:6]])
+        lam, g = [], []
+        for a in (0, 1):
+            s, t, base = el.coupling(0, a, params, faces)
+            step = d * np.eye(2)[a]
+            slope = (faces_at(here + step) - faces_at(here - step)) / (2 * d * lame[a])
+            lam.append(faces_at(here) @ (s + t).T + slope)
+            g.append(base)
+        beta = (faces_at(here)[1] - faces_at(here)[0]) / section.h
+        for face in (0, 1):
+            for a, b in ((0, 0), (1, 1), (0, 1)):
+                e = g[a][face] @ lam[b][face] + g[b][face] @ lam[a][face] + lam[a][face] @ lam[b][face]
+                yield f"{name} {a}{b}", abs(e), 1e-8
+        for a in (0, 1):
+            e = [beta @ g[a][f] + lam[a][f][2] + beta @ lam[a][f] for f in (0, 1)]
+            yield f"{name} {a}3", abs(sum(e)), 1e-8
+        yield f"{name} 33", abs(beta[2] + beta @ beta / 2), 1e-13
+
+
+def mesh_energy(name, n, preset, unknowns):
+    """Energy of a finite rigid motion of an n x n mesh / energy of stretching it by 1."""
+    numbers, cell = CELLS[name]
+    surface, section = SURFACES[name](*numbers), Section(**write_data.LAYUPS["laminate"])
+    turn, shift = write_data.rotation([0.9, -1.3, 0.7]), np.array([0.3, -0.2, 0.5])
+    t1, t2 = np.linspace(cell[0], cell[1], n + 1), np.linspace(cell[2], cell[3], n + 1)
+    m = Model(surface, t1, t2, section, preset, unknowns)
+    u = rigid_motion(surface, [(a, b) for a in t1 for b in t2], section, turn, shift, unknowns)
+    scale = sum(el.area * el.D[0][0, 0] for el in m.elements) / 2
+    return sum(el.energy(u[dof]) for el, dof in zip(m.elements, m.dofs)) / scale
+
+
+@check
+def finite_rigid_motion_of_the_mesh():
+    """Free in Cartesian differences; in the source's element it falls with the fourth power."""
+    for name in CELLS:
+        for preset, unknowns in PRESETS[1:]:
+            yield f"{name} corrected", abs(mesh_energy(name, 3, preset, unknowns)), 1e-25
+        if name == "plate":
+            yield "plate source", abs(mesh_energy(name, 3, SOURCE, 7)), 1e-27
+        else:
+            ratio = mesh_energy(name, 4, SOURCE, 7) / mesh_energy(name, 8, SOURCE, 7)
+            yield f"{name} source, order", abs(np.log2(ratio) - 4), 0.2
+
+
+@check
+def six_zero_eigenvalues():
+    """Of the stiffness scaled to unit diagonal, on every surface."""
+    for layup in write_data.LAYUPS:
+        for name, el, *_ in elements(layup):
+            k = el.stiffness()
+            root = np.sqrt(np.diag(k))
+            values = np.linalg.eigvalsh(k / np.outer(root, root))
+            yield f"{name} sixth", abs(values[5]), 1e-13
+            yield f"{name} seventh", 1e-7 / values[6], 1.0
+
+
+@check
+def force_and_tangent_are_derivatives():
+    """Complex steps of the energy and of the force."""
+    rng = np.random.default_rng(3)
+    for name, el, surface, cell, section in elements("laminate"):
+        u = write_data.moderate(rng, surface, cell, section, el.unknowns)
+        steps = 1e-30j * np.eye(el.size)
+        force = [el.energy(u + s).imag / 1e-30 for s in steps]
+        tangent = np.array([el.force(u + s).imag / 1e-30 for s in steps]).T
+        yield f"{name} force", relative(el.force(u), np.array(force)), 1e-12
+        yield f"{name} tangent", relative(el.tangent(u), tangent), 1e-12
+        yield f"{name} at rest", relative(el.stiffness(), el.tangent(np.zeros(el.size))), 1e-14
+
+
+# ---------------------------------------------------------------- patch tests and free expansion
+
+def interior_force(preset, unknowns, nu, field):
+    """Largest internal force at inner nodes / at the edge, non-uniform 3 x 3 plate."""
+    h = 0.1
+    x, y = [0, 0.5, 0.8, 1.6], [0, 0.2, 0.7, 1.0]
+    m = Model(Plate(), x, y, Section([(h, 0, isotropic(1.0, nu))]), preset, unknowns)
+    u = np.concatenate([field(a, b, h)[:unknowns] for a in x for b in y])
+    f = (m.matrix() @ u).reshape(m.n1, m.n2, unknowns)
+    return np.abs(f[1:-1, 1:-1]).max() / np.abs(f).max()
+
+
+@check
+def patch_tests():
+    nu = 0.3
+    squeeze = nu / (1 - nu)
+
+    def membrane(x, y, h):
+        return [0.3 * x + 0.2 * y, 0.1 * x - 0.4 * y, 0, 0, 0, -squeeze * (0.3 - 0.4), 0]
+
+    for preset, unknowns in PRESETS:
+        def bending(x, y, h):
+            bulge = -squeeze * (0.5 - 0.2) * h / 8 if not preset["lin33"] else 0
+            return [0, 0, 0.25 * x * x - 0.1 * y * y + 0.15 * x * y - h * bulge,
+                    -0.5 * x - 0.15 * y, 0.2 * y - 0.15 * x, 0, bulge]
+        yield "membrane", interior_force(preset, unknowns, nu, membrane), 1e-13
+        yield "bending", interior_force(preset, unknowns, nu, bending), 1e-12
+
+
+@check
+def free_thermal_expansion():
+    for preset, unknowns in PRESETS:
+        m = Model(Plate(), [0, 0.5, 0.8], [0, 0.2, 0.7],
+                  Section([(0.1, 0, isotropic(2.0, 0.3, alpha=[1e-3] * 3))]), preset, unknowns)
+        m.fix([0], [0, 1, 2, 3, 4])
+        m.fix([m.node(-1, 0)], [1])
+        u = m.solve(m.gather(lambda el, i, j: el.given_force(el.kelvin))).reshape(-1, unknowns)
+        grid = 1e-3 * np.array([(a, b) for a in m.t1 for b in m.t2])
+        yield "in plane", relative(u[:, :2], grid), 1e-10
+        if not preset["free33"]:
+            yield "thickness", relative(u[:, 5], np.full(len(u), 1e-3)), 1e-10
+
+
+@check
+def bimorph_closed_forms():
+    for preset, unknowns in PRESETS:
+        for n in (1, 40):
+            yield f"tip {n}", abs(cases.bimorph_tip(n, preset, unknowns) / 3.45e-7 - 1), 1e-8
+        yield "equal voltages", relative(cases.equal_voltages(10, preset, unknowns), np.full(5, 14492.753623)), 1e-8
+        for nu, d33 in ((0.3, -33e-12), (0.45, 0.0)):
+            got = cases.free_bimorph_curvature(3, preset, unknowns, nu, d33)
+            yield f"free plate nu={nu}", relative(got, np.ones(2)), 1e-9
+        volts, left = cases.tip_force_voltages(40, preset, unknowns)
+        yield "tip force volts", relative(volts, np.array([-1615.397, -1186.347, -884.510, -512.281, -190.444])), 2e-3
+        yield "tip force rest", abs(left - 5.25e-4), 1e-5
+        beam = -np.array([292.351, 227.384, 162.417, 97.450, 32.483])
+        yield "open electrodes", relative(cases.open_electrodes(40, preset, unknowns), beam), 1.3e-4
+
+
+@check
+def membrane_cylinders():
+    """Ring under a unit pressure, plane strain: u3 = p R^2 (1 - nu^2)/(E h), both directions agree.
+
+    The Cartesian load loses angle^2/6 of an element's angle here: interpolated vectors are shorter.
+    """
+    young, nu, radius, h, angle = 7.0, 0.3, 2.0, 0.02, 0.15
+    section = Section([(h, 0, isotropic(young, nu))])
+    wanted = radius**2 * (1 - nu**2) / (young * h)
+    for preset, unknowns in PRESETS:
+        got = []
+        for surface, around in ((cylinder(radius), 1), (Ring(radius), 0)):
+            grid = [np.linspace(0, 2 * angle, 3)] * 2
+            m = Model(surface, *grid, section, preset, unknowns)
+            for edge in ("theta1-", "theta1+", "theta2-", "theta2+"):
+                m.symmetric(edge)
+            u = m.solve(m.distributed(lambda a, b, t: np.array([0, 0, 1.0]), 0.0))
+            got.append(m.middle(u, m.node(1, 1)))
+        yield "both directions", abs(got[0] / got[1] - 1), 1e-12
+        lost = angle**2 / 6 if preset["kinematics"] == "cartesian" else 0
+        yield "closed form", abs(got[0] / wanted - 1 + lost), 1e-4
+
+
+# ---------------------------------------------------------------- structural cases, ratios known from another program
+
+LINEAR = [
+    (cases.scordelis_lo, {}, SOURCE, [0.8614, 0.9582, 0.9853, 0.9927]),
+    (cases.scordelis_lo, {}, NO_METRIC, [0.9280, 0.9757, 0.9902]),
+    (cases.pinched_cylinder, {}, SOURCE, [0.8485, 0.9158, 0.9757, 1.0000]),
+    (cases.pinched_cylinder, {}, NO_METRIC, [0.7075, 0.9169, 0.9862]),
+    (cases.pinched_cylinder, {}, CORRECTED, [0.7071, 0.9163, 0.9856]),
+    (cases.hemisphere, {}, SOURCE, [0.8764, 0.9591, 0.9899, 1.0012]),
+    (cases.hemisphere, {}, NO_METRIC, [1.0394, 1.0068, 1.0035]),
+    (cases.clamped_plate, dict(nu=0.3), SOURCE, [0.941, 0.981, 0.996]),
+    (cases.clamped_plate, dict(nu=0.49), SOURCE, [0.428, 0.705, 0.862]),
+    (cases.clamped_plate, dict(nu=0.4999), SOURCE, [0.011, 0.036, 0.119]),
+    (cases.clamped_plate, dict(nu=0.3), CORRECTED, [0.9909, 1.0020, 1.0049]),
+    (cases.clamped_plate, dict(nu=0.49), CORRECTED, [0.9976, 1.0049, 1.0068]),
+    (cases.clamped_plate, dict(nu=0.4999), CORRECTED, [0.9980, 1.0051, 1.0069]),
+]
+
+
+@check
+def shell_and_plate_rows():
+    """Known to the printed digits; six unknowns give the same as seven."""
+    for function, more, preset, wanted in LINEAR:
+        what = f"{function.__name__} {more}"
+        bound = 6e-4 if function is cases.clamped_plate and preset is SOURCE else 2e-4
+        for n, ratio in zip((4, 8, 16, 32), wanted):
+            yield f"{what} {n}", np.abs(np.subtract(function(n, preset, **more), ratio)).max(), bound
+        if preset["lin33"]:
+            pair = [np.array(function(4, preset, k, **more)) for k in (6, 7)]
+            yield f"{what} 6 = 7", np.abs(pair[0] - pair[1]).max(), 1e-7
+
+
+@check
+def three_dimensional_elasticity():
+    isotropic_plate = (isotropic(1.0, 0.3), [0, 0])
+    pagano = (cases.GRAPHITE, [0, 90, 0])
+    yield "published [0/90/0] S=4", abs(cases.plate_3d(4, *pagano) * 100 / 4**3 - 2.0059), 1e-4
+    yield "exact at S=500", abs(cases.plate_3d(500, *isotropic_plate) * 4 * np.pi**4 / 500**3
+                               / (12 * (1 - 0.09)) - 1), 1e-4
+    for (material, angles), table in ((isotropic_plate, {4: 1.0404, 10: 1.0073, 20: 1.0019, 50: 1.0003}),
+                                      (pagano, {4: 0.797, 10: 0.842, 20: 0.935, 50: 0.9875, 100: 0.9968})):
+        for ratio, wanted in table.items():
+            got = cases.limit(*[cases.sine_plate(n, SOURCE, 7, ratio, material, angles) for n in (16, 32)])
+            yield f"plate {angles} {ratio}", abs(got - wanted), 6e-4 if wanted < 0.95 else 6e-5
+    for angles, wanted in (([90], 1.0058), ([90, 0], 1.0059), ([90, 0, 90], 0.9899)):
+        got = cases.limit(*[cases.sine_cylinder(n, SOURCE, 7, angles) for n in (16, 32)])
+        yield f"cylinder {angles}", abs(got - wanted), 6e-5
+
+
+@check
+def plate_with_patches():
+    known = textdata.read(os.path.join(write_data.DATA, "table7.txt"))[0][2]
+    g, e = cases.patch_plate(SOURCE), cases.patch_target()
+    yield "influence", relative(g, known["influence"]), 2e-6
+    volts = np.linalg.lstsq(g, e, rcond=None)[0]
+    yield "least squares", relative(volts, known["least_squares"][0]), 1e-6
+    damping = 1e-3 * np.trace(g.T @ g) / 25 * np.eye(25)
+    yield "Tikhonov", relative(np.linalg.solve(g.T @ g + damping, g.T @ e), known["tikhonov"][0]), 1e-6
+    box = known["box_200"][0]
+    slope = g.T @ (e - g @ box)
+    push = np.where(np.abs(box) > 199.999, np.minimum(slope * np.sign(box), 0), slope)
+    yield "box optimality", np.abs(push).max() / np.abs(g.T @ e).max(), 1e-5
+
+    def shape_error(v):
+        return np.linalg.norm(g @ v - e) / np.linalg.norm(e)
+    yield "error", abs(shape_error(volts) - 0.0554), 6e-5
+    yield "error, 200 V", abs(shape_error(box) - 0.090), 6e-4
+    yield "error, published volts", abs(shape_error(known["published"][0]) - 0.0706), 6e-5
+    yield "condition", abs(np.linalg.cond(g) - 252), 1.0
+    pair = [cases.patch_plate(CORRECTED, k) for k in (6, 7)]
+    yield "corrected, 6 = 7", relative(*pair), 1e-7
+
+
+def main():
+    print(f"1..{len(CHECKS)}")
+    failed = 0
+    for number, function in enumerate(CHECKS, 1):
+        results = list(function())
+        bad = [r for r in results if not r[1] <= r[2]]
+        failed += bool(bad)
+        name = function.__name__.replace("_", " ")
+        print(f"{'not ok' if bad else 'ok'} {number} {name} ({len(results)} numbers)")
+        for what, error, bound in bad:
+            print(f"# {what}: {error:.3g}, allowed {bound:.3g}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+#!/bin/sh
+# Every test, one summary: N passed, N failed.
+# Each part prints TAP lines (ok ..., not ok ...) or CMocka's own; a part that dies counts as failed.
+set -u
+cd "$(dirname "$0")/.."
+B=${B:-build}
+log=$B/test-log
+mkdir -p "$log"
+passed=0
+failed=0
+
+# part NAME COMMAND...: run, count, show what failed
+part() {
+    name=$1
+    shift
+    began=$(date +%s)
+    CMOCKA_MESSAGE_OUTPUT=TAP "$@" >"$log/$name.txt" 2>&1
+    status=$?
+    good=$(grep -c '^ok ' "$log/$name.txt")
+    bad=$(grep -c '^not ok ' "$log/$name.txt")
+    if [ $status -ne 0 ] && [ "$bad" -eq 0 ]; then
+        bad=1
+        echo "--- $name ended with $status"
+        tail -n 30 "$log/$name.txt"
+    elif [ "$bad" -gt 0 ]; then
+        echo "--- $name"
+        grep -A 6 '^not ok ' "$log/$name.txt" | head -n 60
+    elif [ "$good" -eq 0 ]; then
+        bad=1
+        echo "--- $name ran no test"
+    fi
+    passed=$((passed + good))
+    failed=$((failed + bad))
+    printf '%-28s %4d passed %4d failed  %3d s\n' "$name" "$good" "$bad" $(($(date +%s) - began))
+}
+
+make_part() {
+    "${MAKE:-make}" --no-print-directory -s -j2 "$@"
+}
+
+part build sh -c '"${MAKE:-make}" --no-print-directory -s -j2 all unit san && echo "ok 1 - builds without warnings"'
+for program in "$B"/test/*; do
+    case $program in *.d|*.o) continue ;; esac
+    part "$(basename "$program")" "$program"
+done
+part oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
+part oracle-data sh tests/oracle/data_is_current.sh
+part cli sh tests/cli.sh
+for gate in tests/gates/*.sh; do
+    [ "$(basename "$gate")" = common.sh ] || part "gate-$(basename "$gate" .sh)" sh "$gate"
+done
+part qemu "${MAKE:-make}" --no-print-directory -s qemu
+part size "${MAKE:-make}" --no-print-directory -s size
+echo
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
