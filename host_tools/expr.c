@@ -263,7 +263,7 @@ static double apply1(operation op, double a)
 static double divide(double a, double b)
 {
     if (b != 0) return a / b;
-    return a == 0 ? (double)NAN : copysign((double)INFINITY, a);
+    return a == 0 ? (double)NAN : copysign(HUGE_VAL, a);
 }
 
 static double apply2(operation op, double a, double b)

@@ -151,7 +151,7 @@ typedef struct scene_limits {
     double effort;               /* absolute, or relative if effort_is_relative */
     int effort_is_relative;
     int each_count;
-    scene_limit *each;           /* narrower limits of some amplifiers */
+    scene_limit *each;           /* own limits of some amplifiers, the last word */
     scene_at at;
 } scene_limits;
 
@@ -196,6 +196,9 @@ void scene_free(scene *s);
 
 /* Name of amplifier k: that of its actuator, with _i_j (from 1) where the grid has more than one patch. */
 void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24]);
+
+/* The amplifiers [*first, *first + *count) of an actuator or of one amplifier's name; returns whether there are any. */
+int scene_find_amplifier(const scene *s, const char *name, int *first, int *count);
 
 /* Fill error with "file:line:column: ..." for a fault found after reading; returns -1. */
 int scene_fault(const scene *s, scene_at at, char *error, const char *format, ...);

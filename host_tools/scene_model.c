@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const range above_zero = {0, INFINITY, 1, "must be above 0"};
-static const range not_negative = {0, INFINITY, 0, "must not be below 0"};
+static const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
+static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
 
 static scene_at node_at(const reader *r, int node)
 {
@@ -155,8 +155,11 @@ int read_mesh(reader *r, int node, void *to, const void *rule)
         {"theta1", read_line, offsetof(scene, line[0]), NULL, 1},
         {"theta2", read_line, offsetof(scene, line[1]), NULL, 1},
         {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
     (void)rule;
-    return read_map(r, node, fields, to);
+    if (read_map(r, node, fields, to) != 0) return -1;
+    if ((s->line[0].elements + 1.0) * (s->line[1].elements + 1.0) <= SCENE_NODES) return 0;
+    return tree_fault(r->t, node, "a mesh of %d x %d elements has more than %d nodes; use fewer elements", s->line[0].elements, s->line[1].elements, SCENE_NODES);
 }
 
 /* ---- materials ---- */
@@ -409,7 +412,12 @@ static int read_patch(reader *r, int node, scene_patches *p)
     p->theta1[1] = line[0].point[line[0].elements];
     p->theta2[0] = line[1].point[0];
     p->theta2[1] = line[1].point[line[1].elements];
-    return read_map(r, node, fields, p);
+    if (read_map(r, node, fields, p) != 0) return -1;
+    for (int k = 0; k < 2; k++)
+        if (p->grid[k] > line[k].elements)
+            return tree_fault(r->t, node, "patches '%s': %d along theta%d, but the mesh has %d elements there; use fewer patches or more elements",
+                              p->name, p->grid[k], k + 1, line[k].elements);
+    return 0;
 }
 
 int read_patches(reader *r, int node, void *to, const void *rule)

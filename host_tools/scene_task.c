@@ -121,7 +121,7 @@ static int read_voltage(reader *r, int node, void *to, const void *rule)
 
 static int read_effort(reader *r, int node, void *to, const void *rule)
 {
-    static const range not_negative = {0, INFINITY, 0, "must not be below 0"};
+    static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
     static const field fields[] = {{"relative", read_real, 0, &not_negative, 1}, {NULL, NULL, 0, NULL, 0}};
     scene_limits *limits = to;
     (void)rule;
@@ -134,7 +134,7 @@ static int read_amplifier(reader *r, int node, void *to, const void *rule)
 {
     scene_limit *limit = to;
     char name[SCENE_NAME + 24];
-    if (read_choice == NULL || r->t->node[node].kind != TREE_SCALAR) return read_name(r, node, name, rule);
+    if (r->t->node[node].kind != TREE_SCALAR) return read_name(r, node, name, rule);
     if (scene_find_amplifier(r->s, node_text(r, node), &limit->first, &limit->count)) return 0;
     if (r->s->amplifiers == 0) return tree_fault(r->t, node, "there is no actuator '%.60s'; add actuators first", node_text(r, node));
     scene_amplifier_name(r->s, 0, name);
@@ -177,7 +177,7 @@ static int read_each(reader *r, int node, void *to, const void *rule)
 
 int read_limits(reader *r, int node, void *to, const void *rule)
 {
-    static const range above_zero = {0, INFINITY, 1, "must be above 0; leave it out for none"};
+    static const range above_zero = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
     static const field fields[] = {
         {"voltage", read_voltage, offsetof(scene_limits, lower), NULL, 0},
         {"slew", read_real, offsetof(scene_limits, slew), &above_zero, 0},
@@ -350,6 +350,7 @@ static int read_load_type(reader *r, int node, void *to, const void *rule)
 static int read_direction(reader *r, int node, void *to, const void *rule)
 {
     load_text *text = to;
+    if (text->load->value && !text->directions) return tree_fault_at(r->t, r->t->node[node].key_at, "weight and temperature say all; remove '%s'", r->t->node[node].key);
     if (text->directions++) return tree_fault_at(r->t, r->t->node[node].key_at, "a load has one direction; write a second item for '%s'", r->t->node[node].key);
     text->load->component = (scene_component)*(const int *)rule;
     return read_expr(r, node, &text->load->value, NULL);
@@ -389,11 +390,7 @@ static int read_load(reader *r, int node, scene_load *load)
     load->at = node_at(r, node);
     if (read_map(r, node, fields, &text) != 0) return -1;
     if (text.types == 0) return tree_fault(r->t, node, "a load needs one of point: {theta1, theta2}, line: edge, face: outer, weight: {axis, gravity}, temperature: value");
-    if (load->type == LOAD_WEIGHT || load->type == LOAD_TEMPERATURE) {
-        if (text.directions) return tree_fault(r->t, node, "weight and temperature say all; remove the direction");
-        return 0;
-    }
-    if (text.directions == 0) return tree_fault(r->t, node, "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
+    if (!load->value) return tree_fault(r->t, node, "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
     return 0;
 }
 

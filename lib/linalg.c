@@ -6,6 +6,11 @@
 
 #define REAL_MOST PZS_BY_BITS(FLT_MAX, DBL_MAX)
 
+/* Columns of a tile formed together: STRIP x PZS_TILE sums are what the registers hold. Only speed depends on it. */
+#ifndef STRIP
+#define STRIP PZS_BY_TILE(4, 8, 8)
+#endif
+
 /* Before a loop of a constant, small count: a tile is then held in registers. Only speed depends on it. */
 #if defined(__clang__)
 #define UNROLLED _Pragma("clang loop unroll(full)")
@@ -153,25 +158,33 @@ pzs_real linalg_norm1(const pzs_envelope *a, pzs_real *sum)
  *   l    [count + T][T] in  columns of L in the rows that carry the tile's columns as diagonal
  * The triangle only goes on with the sum: its w_k are the columns just finished.
  */
-static void eliminate(pzs_real *restrict tile, const pzs_real *restrict w, const pzs_real *restrict l, uint32_t count)
+static void eliminate(pzs_real *restrict strip, const pzs_real *restrict w, const pzs_real *restrict l, uint32_t count)
 {
-    pzs_real c[PZS_TILE][PZS_TILE];
+    pzs_real c[STRIP][PZS_TILE];
 
-    memcpy(c, tile, sizeof c);
+    UNROLLED
+    for (int j = 0; j < STRIP; j++)
+        UNROLLED
+        for (int i = 0; i < PZS_TILE; i++)
+            c[j][i] = strip[j * PZS_TILE + i];
     for (; count > 0; count--, w += PZS_TILE, l += PZS_TILE)
         UNROLLED
-        for (int j = 0; j < PZS_TILE; j++)
+        for (int j = 0; j < STRIP; j++)
             UNROLLED
             for (int i = 0; i < PZS_TILE; i++)
                 c[j][i] -= w[i] * l[j];
     UNROLLED
-    for (int k = 0; k < PZS_TILE; k++, l += PZS_TILE)
+    for (int k = 0; k < STRIP; k++, l += PZS_TILE)
         UNROLLED
-        for (int j = k + 1; j < PZS_TILE; j++)
+        for (int j = k + 1; j < STRIP; j++)
             UNROLLED
             for (int i = 0; i < PZS_TILE; i++)
                 c[j][i] -= c[k][i] * l[j];
-    memcpy(tile, c, sizeof c);
+    UNROLLED
+    for (int j = 0; j < STRIP; j++)
+        UNROLLED
+        for (int i = 0; i < PZS_TILE; i++)
+            strip[j * PZS_TILE + i] = c[j][i];
 }
 
 /*
@@ -185,7 +198,11 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict w, co
 {
     pzs_real c[PZS_TILE][PZS_TILE];
 
-    memcpy(c, tile, sizeof c);
+    UNROLLED
+    for (int j = 0; j < PZS_TILE; j++)
+        UNROLLED
+        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
+            c[j][i] = tile[j * PZS_TILE + i];
     for (; count > 0; count--, w += PZS_TILE, inverse++) {
         pzs_real l[PZS_TILE];
         UNROLLED
@@ -196,9 +213,15 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict w, co
             UNROLLED
             for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* wide vectors: whole columns are quicker */
                 c[j][i] -= w[i] * l[j];
-        memcpy(w, l, sizeof l);
+        UNROLLED
+        for (int j = 0; j < PZS_TILE; j++)
+            w[j] = l[j];
     }
-    memcpy(tile, c, sizeof c);
+    UNROLLED
+    for (int j = 0; j < PZS_TILE; j++)
+        UNROLLED
+        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
+            tile[j * PZS_TILE + i] = c[j][i];
 }
 
 /*
@@ -231,9 +254,9 @@ static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
 {
     const uint32_t left = left_of(a, panel);
 
-    for (uint32_t q = left / PZS_TILE; q < panel; q++) {
-        const uint32_t from = larger(left, left_of(a, q));
-        eliminate(column(a, panel, q * PZS_TILE), column(a, panel, from), column(a, q, from), q * PZS_TILE - from);
+    for (uint32_t q = left; q < panel * PZS_TILE; q += STRIP) {
+        const uint32_t from = larger(left, left_of(a, q / PZS_TILE));
+        eliminate(column(a, panel, q), column(a, panel, from), column(a, q / PZS_TILE, from) + q % PZS_TILE, q - from);
     }
     eliminate_diagonal(column(a, panel, panel * PZS_TILE), column(a, panel, left), a->inverse + left,
                        panel * PZS_TILE - left);

@@ -14,10 +14,14 @@ cat >"$scratch/floors" <<'EOF'
 7 host_tools/ firmware_demo/ tests/
 EOF
 
-# Lines "FILE INCLUDED" for one file.
+# Lines "FILE INCLUDED" for one file with PZS_NONLINEAR $2. Generated tables include pzs.h alone.
 includes() {
+    case $1 in
+    firmware_demo/*) own='-Ifirmware_demo' ;;
+    *) own='-Ihost_tools' ;;
+    esac
     # shellcheck disable=SC2086
-    "$CC" -std=c99 -MM -MG $include -Ihost_tools -Ifirmware_demo -DDEMO_TABLES='"tables.h"' \
+    "$CC" -std=c99 -MM -MG $include $own -DDEMO_TABLES='"pzs.h"' \
         -DPZS_NONLINEAR="$2" "$1" 2>/dev/null | tr -d '\\' | tr ' ' '\n' |
         grep '\.h$' | sed 's|[^/]*/\.\./||' | grep -vx "$1" | sed "s|^|$1 |"
 }

@@ -48,10 +48,10 @@ check() {
         /^node:/ {
             label = quoted($0, "label")
             if (match(label, /[0-9]+ bytes \([a-z,]*\)/)) {
+                frame = substr(label, RSTART, RLENGTH)
                 title = quoted($0, "title")
-                bytes = substr(label, RSTART, RLENGTH)
-                own[title] = bytes + 0
-                if (bytes !~ /\(static\)/ && bytes !~ /bounded/) fault("frame of unknown size in " short(title))
+                own[title] = frame + 0
+                if (frame !~ /static|bounded/) fault("frame of unknown size in " short(title))
             }
         }
         /^edge:/ { calls[quoted($0, "sourcename")] = calls[quoted($0, "sourcename")] "\n" quoted($0, "targetname") }

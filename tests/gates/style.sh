@@ -24,7 +24,8 @@ strip='
     { line = code($0); where = FILENAME ":" FNR ": " }'
 
 check 'no allocation, no stdio, no goto, no setjmp, no varargs' "$strip"'
-    line ~ /(^|[^A-Za-z0-9_])(malloc|calloc|realloc|free|alloca|printf|fprintf|snprintf|puts|goto|setjmp|longjmp|va_list|abort|exit|assert)([^A-Za-z0-9_]|$)/ { print where $0 }
+    line ~ /(^|[^A-Za-z0-9_])(malloc|calloc|realloc|free|alloca|printf|fprintf|snprintf|puts|setjmp|longjmp|abort|exit|assert)[ \t]*\(/ { print where $0 }
+    line ~ /(^|[^A-Za-z0-9_])(goto|va_list|jmp_buf)([^A-Za-z0-9_]|$)/ { print where $0 }
     $0 ~ /#[ \t]*include[ \t]*<(stdio|stdlib|stdarg|setjmp|time|errno|locale|signal|assert)[.]h>/ { print where $0 }'
 
 check 'no #if inside a function' "$strip"'

@@ -1,0 +1,231 @@
+/* What no single section of a scene can know: names, poles, thickness, mesh lines, overlaps, what loads need. */
+#include "scene_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Relative to the span of the mesh: a coordinate this near a mesh line lies on it. */
+static const double on_line = 1e-9;
+
+static const double full_turn = 6.283185307179586;
+
+/* ---- names ---- */
+
+/* Fault if two of count items [stride bytes] have the same name, which is their first member. */
+static int check_names(const scene *s, const char *what, const void *items, int count, size_t stride, size_t at_offset, char *error)
+{
+    const char *first = items;
+    int i, j;
+    for (i = 0; i < count; i++) {
+        const char *name = first + (size_t)i * stride;
+        scene_at at;
+        for (j = 0; j < i && *name; j++)
+            if (strcmp(name, first + (size_t)j * stride) == 0) break;
+        if (j == i || !*name) continue;
+        memcpy(&at, name + at_offset, sizeof at);
+        return scene_fault(s, at, error, "there are two %s named '%s'; rename one", what, name);
+    }
+    return 0;
+}
+
+#define CHECK_NAMES(what, items, count) \
+    check_names(s, what, s->items, s->count, sizeof *s->items, (size_t)((const char *)&s->items->at - (const char *)s->items), error)
+
+static int check_all_names(const scene *s, char *error)
+{
+    int i, first, count;
+    if ((s->layers && CHECK_NAMES("layers", layer, layers) != 0) ||
+        (s->patch_grids && CHECK_NAMES("patches", patches, patch_grids) != 0) ||
+        (s->actuators && CHECK_NAMES("actuators", actuator, actuators) != 0) ||
+        (s->outputs && CHECK_NAMES("outputs", output, outputs) != 0) ||
+        (s->compares && CHECK_NAMES("compares", compare, compares) != 0))
+        return -1;
+    for (i = 0; i < s->actuators; i++)
+        if (scene_find_amplifier(s, s->actuator[i].name, &first, &count) && first != s->actuator[i].first)
+            return scene_fault(s, s->actuator[i].at, error, "'%s' is also the name of an amplifier of another actuator; rename it", s->actuator[i].name);
+    return 0;
+}
+
+/* ---- surface and mesh ---- */
+
+/* Least radius of the reference surface about its axis, and the direction around it (0: no axis). */
+static double least_radius(const scene *s, int *around)
+{
+    const double slope = sin(s->surface.angle * full_turn / 360);
+    const double low = s->line[0].point[0], high = s->line[0].point[s->line[0].elements];
+    *around = 2;
+    switch (s->surface.type) {
+    case SURFACE_POLAR: return low;
+    case SURFACE_CONE: return s->surface.radius + fmin(low * slope, high * slope);
+    case SURFACE_SPHERE: return low > 0 && high < full_turn / 2 * (1 - 1e-12) ? s->surface.radius : 0;
+    case SURFACE_CYLINDER:
+        *around = 3 - s->surface.axial;
+        return s->surface.radius;
+    default:
+        *around = 0;
+        return 1;
+    }
+}
+
+static int check_radius(scene *s, double radius, char *error)
+{
+    static const char *const cures[] = {"", "let theta1 (the radius) start above 0", "", "keep radius + theta1 sin(angle) above 0",
+                                        "let theta1 run inside 0 and pi, leaving a small hole"};
+    const double lean = s->surface.type == SURFACE_CONE ? cos(s->surface.angle * full_turn / 360) : 1;
+    if (radius <= 0) return scene_fault(s, s->line[0].at, error, "the mesh reaches a pole, where A2 = 0; %s", cures[s->surface.type]);
+    if (s->surface.type != SURFACE_POLAR && s->reference * lean >= radius)
+        return scene_fault(s, s->at_layers, error, "the layers reach %g below the reference surface, past the axis at %g; use thinner layers or a larger radius", s->reference, radius / lean);
+    return 0;
+}
+
+static int check_surface(scene *s, char *error)
+{
+    int around;
+    const double radius = least_radius(s, &around);
+    const scene_line *line = around ? &s->line[around - 1] : NULL;
+    if (!around) return 0;
+    if (check_radius(s, radius, error) != 0) return -1;
+    if (line->point[line->elements] - line->point[0] <= full_turn * (1 + on_line)) return 0;
+    return scene_fault(s, line->at, error, "theta%d spans %g, more than a full turn; angles of a surface are radians: write 90*pi/180 for 90 degrees",
+                       around, line->point[line->elements] - line->point[0]);
+}
+
+/* The mesh line nearest to a coordinate; *coordinate becomes its own if it lies on it. */
+static int snap(const scene_line *line, double *coordinate, int *is_on)
+{
+    const double span = line->point[line->elements] - line->point[0];
+    int low = 0, high = line->elements;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (line->point[middle] <= *coordinate) low = middle;
+        else high = middle;
+    }
+    if (fabs(line->point[high] - *coordinate) < fabs(line->point[low] - *coordinate)) low = high;
+    *is_on = fabs(line->point[low] - *coordinate) <= on_line * span;
+    if (*is_on) *coordinate = line->point[low];
+    return low;
+}
+
+/* ---- places ---- */
+
+static int check_where(const scene *s, scene_where *w, char *error)
+{
+    const double wanted[2] = {w->theta[0], w->theta[1]};
+    int k, on[2];
+    if (w->type != WHERE_POINT) return 0;
+    for (k = 0; k < 2; k++) w->node[k] = snap(&s->line[k], &w->theta[k], &on[k]);
+    if (on[0] && on[1]) return 0;
+    return scene_fault(s, w->at, error, "(%g, %g) is no node of the mesh; the nearest is (%g, %g)", wanted[0], wanted[1],
+                       s->line[0].point[w->node[0]], s->line[1].point[w->node[1]]);
+}
+
+static int check_places(scene *s, char *error)
+{
+    int i;
+    for (i = 0; i < s->supports; i++)
+        if (check_where(s, &s->support[i].where, error) != 0) return -1;
+    for (i = 0; i < s->loads; i++)
+        if (s->load[i].type == LOAD_POINT && check_where(s, &s->load[i].where, error) != 0) return -1;
+    for (i = 0; i < s->outputs; i++)
+        if (check_where(s, &s->output[i].where, error) != 0) return -1;
+    return s->target.given ? check_where(s, &s->target.what.where, error) : 0;
+}
+
+/* ---- layers and patches ---- */
+
+static int check_layers(scene *s, char *error)
+{
+    double h = 0;
+    int i, p, whole = 0;
+    for (i = 0; i < s->layers; i++) {
+        h += s->layer[i].thickness;
+        whole += !s->layer[i].patched;
+        for (p = 0; p < s->patch_grids; p++)
+            if (s->patches[p].layer == i) break;
+        if (s->layer[i].patched && p == s->patch_grids)
+            return scene_fault(s, s->layer[i].at, error, "this layer is patched but no patches lie on it; add patches or remove 'patched'");
+    }
+    if (whole == 0) return scene_fault(s, s->at_layers, error, "every layer is patched; at least one must cover the whole surface");
+    if (s->reference_is_middle) s->reference = h / 2;
+    if (s->reference <= h * (1 + on_line)) return 0;
+    return scene_fault(s, s->at_layers, error, "'reference: %g' lies above the outer face at %g; use middle or a height within the layers", s->reference, h);
+}
+
+static int check_edges(const scene *s, const scene_patches *p, int direction, double theta[2], char *error)
+{
+    const scene_line *line = &s->line[direction];
+    int i, on;
+    if (!(theta[0] < theta[1]))
+        return scene_fault(s, p->at, error, "patches '%s': theta%d runs from %g to %g; write [from, to] ascending", p->name, direction + 1, theta[0], theta[1]);
+    for (i = 0; i <= p->grid[direction]; i++) {
+        double edge = theta[0] + (theta[1] - theta[0]) * i / p->grid[direction];
+        const double wanted = edge;
+        const int near = snap(line, &edge, &on);
+        if (!on)
+            return scene_fault(s, p->at, error, "patches '%s': the edge theta%d = %g is no mesh line, the nearest is %g; move it or choose elements to fit",
+                               p->name, direction + 1, wanted, line->point[near]);
+    }
+    for (i = 0; i < 2; i++) snap(line, &theta[i], &on);
+    return 0;
+}
+
+static int overlap(const scene_patches *p, const scene_patches *q)
+{
+    return p->layer == q->layer && p->theta1[0] < q->theta1[1] && q->theta1[0] < p->theta1[1] &&
+           p->theta2[0] < q->theta2[1] && q->theta2[0] < p->theta2[1];
+}
+
+static int check_patches(scene *s, char *error)
+{
+    int i, j;
+    for (i = 0; i < s->patch_grids; i++) {
+        scene_patches *p = &s->patches[i];
+        if (check_edges(s, p, 0, p->theta1, error) != 0 || check_edges(s, p, 1, p->theta2, error) != 0) return -1;
+        for (j = 0; j < i; j++)
+            if (overlap(p, &s->patches[j])) return scene_fault(s, p->at, error, "patches '%s' and '%s' overlap on one layer; move one", s->patches[j].name, p->name);
+    }
+    return 0;
+}
+
+/* ---- loads ---- */
+
+static int any_material(const scene *s, int (*has)(const scene_material *))
+{
+    int i;
+    for (i = 0; i < s->layers; i++)
+        if (has(&s->material[s->layer[i].material])) return 1;
+    return 0;
+}
+
+static int has_density(const scene_material *m)
+{
+    return m->density > 0;
+}
+
+static int expands(const scene_material *m)
+{
+    return m->alpha[0] != 0 || m->alpha[1] != 0 || m->alpha[2] != 0;
+}
+
+static int check_loads(const scene *s, char *error)
+{
+    int i;
+    for (i = 0; i < s->loads; i++) {
+        if (s->load[i].type == LOAD_WEIGHT && !any_material(s, has_density))
+            return scene_fault(s, s->load[i].at, error, "weight without density; give a layer's material 'density'");
+        if (s->load[i].type == LOAD_TEMPERATURE && !any_material(s, expands))
+            return scene_fault(s, s->load[i].at, error, "a temperature moves nothing; give a layer's material 'alpha'");
+    }
+    for (i = 0; i < s->actuators; i++)
+        if (s->actuator[i].is_temperature && !any_material(s, expands))
+            return scene_fault(s, s->actuator[i].at, error, "a temperature moves nothing; give a layer's material 'alpha'");
+    return 0;
+}
+
+int scene_check(scene *s, char *error)
+{
+    if (check_all_names(s, error) != 0 || check_layers(s, error) != 0 || check_surface(s, error) != 0 ||
+        check_patches(s, error) != 0 || check_places(s, error) != 0)
+        return -1;
+    return check_loads(s, error);
+}
