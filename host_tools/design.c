@@ -235,12 +235,16 @@ static void add_force(const mesh *m, const scene_load *load, int node, double fa
     add_node(m, node, factor, weight, dense);
 }
 
-/* Components at node `to` of a vector given at node `from`: carried as components, or as a vector. */
-static void carry(const mesh *m, int from, int to, const double c[3], double out[3])
+/*
+ * Components at node `to` of a load given at node `from`. A pressure keeps its components, because vectors
+ * interpolated along a chord lose angle^2/6 of it; a load of fixed direction is carried as a vector by the
+ * Cartesian element and by components in the source's.
+ */
+static void carry(const mesh *m, const scene_load *load, int from, int to, const double c[3], double out[3])
 {
     for (int a = 0; a < 3; a++) {
         out[a] = c[a];
-        if (!m->scene->element.cartesian)
+        if (!m->scene->element.cartesian || load->component <= COMPONENT_U3)
             continue;
         out[a] = 0;
         for (int b = 0; b < 3; b++)
@@ -257,7 +261,7 @@ static void add_distributed(const mesh *m, const scene_load *load, const int *no
             const int apart = r == s ? 0 : count == 4 && (r ^ s) == 2 ? 2 : 1;
             double c[3], carried[3];
             load_vector(m, load, node[s], value[s], c);
-            carry(m, node[s], node[r], c, carried);
+            carry(m, load, node[s], node[r], c, carried);
             add_force(m, load, node[r], size * (count == 4 ? 4 >> apart : 2 >> apart) / (count == 4 ? 36 : 6), carried, dense);
         }
 }

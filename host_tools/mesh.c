@@ -140,6 +140,20 @@ static void corner_tables(const mesh *m, int element, pzs_kind *kind)
         }
 }
 
+/* Distances between the midpoints of opposite straight sides. */
+static void centre_chords(const mesh *m, const uint16_t node[4], double chord[2])
+{
+    static const int high[2][2] = {{1, 2}, {2, 3}}, low[2][2] = {{0, 3}, {0, 1}};
+    for (int a = 0; a < 2; a++) {
+        double x[2][3];
+        for (int i = 0; i < 3; i++) {
+            x[0][i] = (m->point[node[low[a][0]]].x[i] + m->point[node[low[a][1]]].x[i]) / 2;
+            x[1][i] = (m->point[node[high[a][0]]].x[i] + m->point[node[high[a][1]]].x[i]) / 2;
+        }
+        chord[a] = distance(x[0], x[1]);
+    }
+}
+
 /* Area, curvatures and chords of an element at its centre, and the plies present in it. */
 static laminate_place element_place(const mesh *m, int element)
 {
@@ -151,12 +165,9 @@ static laminate_place element_place(const mesh *m, int element)
     for (int a = 0; a < 2; a++)
         middle[a] = (t[a][0] + t[a][1]) / 2;
     const surface_point centre = surface_at(&s->surface, middle[0], middle[1]);
-    for (int a = 0; a < 2; a++) {
-        const surface_point low = surface_at(&s->surface, a == 0 ? t[0][0] : middle[0], a == 1 ? t[1][0] : middle[1]);
-        const surface_point high = surface_at(&s->surface, a == 0 ? t[0][1] : middle[0], a == 1 ? t[1][1] : middle[1]);
+    for (int a = 0; a < 2; a++)
         place.k[a] = centre.k[a];
-        place.chord[a] = distance(low.x, high.x);
-    }
+    centre_chords(m, m->element[element], place.chord);
     place.area = s->element.exact_area ? surface_area(&s->surface, t[0], t[1])
                                        : centre.a[0] * centre.a[1] * (t[0][1] - t[0][0]) * (t[1][1] - t[1][0]);
     for (int i = 0; i < s->layers; i++)

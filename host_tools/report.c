@@ -1,5 +1,214 @@
+/* Page of `pzs solve`, and the VTK file (report.h); the page of `pzs shape` is report_shape.c. */
 #include "report.h"
-int report_solve(FILE *f, const analysis *a, const double *u, const double *o){(void)f;(void)a;(void)u;(void)o;return 0;}
-int report_shape(FILE *f, analysis *a, const analysis_volts *v, int c){(void)f;(void)a;(void)v;(void)c;return 0;}
-int report_vtk(FILE *f, const mesh *m, const report_field *q, int n){(void)f;(void)m;(void)q;(void)n;return 0;}
-void report_displacement(const mesh *m, const double *u, double *v){(void)m;(void)u;(void)v;}
+#include <math.h>
+#include <stdlib.h>
+#include "report_html.h"
+#include "report_parts.h"
+#include "report_plane.h"
+#include "report_space.h"
+
+void report_displacement(const mesh *m, const double *u, double *vector)
+{
+    for (int n = 0; n < m->nodes; n++)
+        for (int i = 0; i < 3; i++) {
+            double weight[7], sum = 0;
+            design_output_weights(m, n, (scene_component)((int)COMPONENT_X + i), FACE_MIDDLE, weight);
+            for (unsigned k = 0; k < m->unknowns; k++) {
+                const uint16_t dof = m->node_dof[(size_t)n * m->unknowns + k];
+                sum += dof == PZS_FIXED ? 0 : weight[k] * u[dof];
+            }
+            vector[3 * n + i] = sum;
+        }
+}
+
+/* ---- outputs ---------------------------------------------------------- */
+
+typedef struct spread { double low, high, mean; int count; } spread;
+
+/* Values of a named output: one of a point, many of an edge or of all nodes. */
+static spread spread_of(const design *d, const double *output, int k)
+{
+    spread s = {0, 0, 0, d->named_first[k + 1] - d->named_first[k]};
+    for (int i = 0; i < s.count; i++) {
+        const double value = output[d->named_first[k] + i];
+        s.low = i ? fmin(s.low, value) : value;
+        s.high = i ? fmax(s.high, value) : value;
+        s.mean += value / s.count;
+    }
+    return s;
+}
+
+static void write_output(FILE *file, const design *d, const double *output, int k)
+{
+    const scene_output *named = &d->scene->output[k];
+    const spread s = spread_of(d, output, k);
+    fputs("<tr><th scope=\"row\">", file);
+    html_text(file, named->name);
+    fputs("</th><td>", file);
+    if (s.count == 1) {
+        html_quantity(file, s.mean, d->scene->unit_length);
+    } else {
+        html_number(file, s.low);
+        fputs(" to ", file);
+        html_quantity(file, s.high, d->scene->unit_length);
+        fprintf(file, "<br><span class=\"soft\">%d nodes, mean ", s.count);
+        html_number(file, s.mean);
+        fputs("</span>", file);
+    }
+    fputs("</td><td>", file);
+    html_quantity(file, named->reference, d->scene->unit_length);
+    if (s.count > 0 && isfinite(named->reference) && named->reference != 0)
+        fprintf(file, "</td><td>%.4f</td></tr>\n", output[d->named_first[k]] / named->reference);
+    else
+        fputs("</td><td>&ndash;</td></tr>\n", file);
+}
+
+static void write_outputs(FILE *file, const design *d, const double *output)
+{
+    fputs("<div class=\"wide\"><table><caption>Outputs; the ratio is value over reference, of the first node where there are more</caption>"
+          "<thead><tr><th scope=\"col\">Output</th><th scope=\"col\">Value</th><th scope=\"col\">Reference</th><th scope=\"col\">Ratio</th></tr></thead><tbody>\n",
+          file);
+    for (int k = 0; k < d->scene->outputs; k++)
+        write_output(file, d, output, k);
+    fputs("</tbody></table></div>\n", file);
+}
+
+/* ---- drawings --------------------------------------------------------- */
+
+/* Length of each vector. size [nodes] out. Returns the largest. */
+static double sizes(const mesh *m, const double *vector, double *size)
+{
+    double most = 0;
+    for (int n = 0; n < m->nodes; n++) {
+        size[n] = sqrt(draw_dot3(vector + 3 * n, vector + 3 * n));
+        if (size[n] > most)
+            most = size[n];
+    }
+    return most;
+}
+
+static int draw_deformed(FILE *file, const mesh *m, const double *vector, const double *size, double most)
+{
+    const double factor = parts_magnification(m, most);
+    const draw_scale scale = {0, most, m->scene->unit_length};
+    draw_view view;
+    draw_view_begin(&view, m);
+    parts_include(&view, m, vector, factor);
+    draw_view_fit(&view);
+    const space rest = {file, &view, m, NULL, 0}, moved = {file, &view, m, vector, factor};
+    fputs("<figure>\n", file);
+    draw_begin(file, view.width, view.height, "Deformed shape in space, coloured by the size of the displacement, over the undeformed mesh");
+    space_wires(&rest, "rest");
+    const int failed = space_surface(&moved, size, &scale);
+    space_wires(&rest, "rest ghost");
+    space_supports(&rest);
+    space_loads(&moved);
+    space_outputs(&moved);
+    space_axes(&moved);
+    draw_end(file);
+    fputs("<figcaption>Size of the displacement, ", file);
+    parts_magnified(file, factor);
+    fputs("; largest ", file);
+    html_quantity(file, most, scale.unit);
+    draw_legend(file, &scale);
+    fputs("<p class=\"keys\"><span><i class=\"key gone\"></i>at rest</span><span><i class=\"key hold\"></i>support</span>"
+          "<span><i class=\"key load\"></i>point load</span></p></figcaption></figure>\n",
+          file);
+    return failed;
+}
+
+/* Maps of the components along the surface's own triad. size [nodes] is used as room */
+static void draw_components(FILE *file, const mesh *m, const double *vector, double *size)
+{
+    static const char *const name[3] = {"u1, along theta1", "u2, along theta2", "u3, outwards"};
+    static const char *const label[3] = {"u&#8321; along &theta;&#8321;", "u&#8322; along &theta;&#8322;", "u&#8323; outwards"};
+    fputs("<section>\n<h2>Displacement of the middle surface</h2>\n<p class=\"soft\">Each on a scale of its own.</p>\n<div class=\"row three\">\n", file);
+    for (int a = 0; a < 3; a++) {
+        draw_scale scale = {1, 0, m->scene->unit_length};
+        for (int n = 0; n < m->nodes; n++) {
+            size[n] = draw_dot3(m->point[n].e[a], vector + 3 * n);
+            if (fabs(size[n]) > scale.most)
+                scale.most = fabs(size[n]);
+        }
+        fprintf(file, "<figure><h3>%s</h3>\n", label[a]);
+        plane_map(file, m, size, &scale, name[a]);
+        draw_legend(file, &scale);
+        fputs("</figure>\n", file);
+    }
+    fputs("</div>\n</section>\n", file);
+}
+
+static int write_solve(FILE *file, const analysis *a, const double *output, const double *vector, double *size)
+{
+    const design *d = &a->design;
+    html_begin(file, d->scene->name);
+    parts_head(file, a, "Displacement under loads and applied volts");
+    fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", file);
+    const int failed = draw_deformed(file, &d->mesh, vector, size, sizes(&d->mesh, vector, size));
+    write_outputs(file, d, output);
+    fputs("</div>\n</section>\n", file);
+    draw_components(file, &d->mesh, vector, size);
+    parts_structure(file, d);
+    html_end(file);
+    return failed;
+}
+
+int report_solve(FILE *file, const analysis *a, const double *u, const double *output)
+{
+    const mesh *m = &a->design.mesh;
+    double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector), *size = calloc((size_t)m->nodes, sizeof *size);
+    int failed = -1;
+    if (vector && size) {
+        report_displacement(m, u, vector);
+        failed = write_solve(file, a, output, vector, size);
+    }
+    free(vector);
+    free(size);
+    return failed || ferror(file) ? -1 : 0;
+}
+
+/* ---- VTK -------------------------------------------------------------- */
+
+/* A name without spaces, as the format wants it. */
+static void vtk_name(FILE *file, const char *name)
+{
+    for (; *name; name++)
+        fputc((unsigned char)*name > ' ' && (unsigned char)*name < 127 ? *name : '_', file);
+}
+
+static void vtk_vectors(FILE *file, const double *x, int count)
+{
+    for (int n = 0; n < count; n++)
+        for (int i = 0; i < 3; i++)
+            fprintf(file, "%.9g%c", isfinite(x[3 * n + i]) ? x[3 * n + i] : 0, i < 2 ? ' ' : '\n');
+}
+
+static void vtk_mesh(FILE *file, const mesh *m)
+{
+    fprintf(file, "DATASET UNSTRUCTURED_GRID\nPOINTS %d double\n", m->nodes);
+    for (int n = 0; n < m->nodes; n++)
+        vtk_vectors(file, m->point[n].x, 1);
+    fprintf(file, "CELLS %d %d\n", m->elements, 5 * m->elements);
+    for (int e = 0; e < m->elements; e++)
+        fprintf(file, "4 %d %d %d %d\n", m->element[e][0], m->element[e][1], m->element[e][2], m->element[e][3]);
+    fprintf(file, "CELL_TYPES %d\n", m->elements);
+    for (int e = 0; e < m->elements; e++)
+        fputs("9\n", file);
+}
+
+int report_vtk(FILE *file, const mesh *m, const report_field *field, int fields)
+{
+    fputs("# vtk DataFile Version 3.0\n", file);
+    vtk_name(file, m->scene->name);
+    fputs("\nASCII\n", file);
+    vtk_mesh(file, m);
+    if (fields > 0)
+        fprintf(file, "POINT_DATA %d\n", m->nodes);
+    for (int k = 0; k < fields; k++) {
+        fputs("VECTORS ", file);
+        vtk_name(file, field[k].name);
+        fputs(" double\n", file);
+        vtk_vectors(file, field[k].u, m->nodes);
+    }
+    return ferror(file) ? -1 : 0;
+}

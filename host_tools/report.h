@@ -1,4 +1,7 @@
-/* Pictures of a result: an HTML page with SVG drawings, and a VTK file for ParaView. */
+/*
+ * Pictures of a result: an HTML page with SVG drawings, and a VTK file for ParaView.
+ * Each function returns 0, or -1 when memory runs out, a solve fails or the file cannot be written.
+ */
 #ifndef REPORT_H
 #define REPORT_H
 
@@ -23,7 +26,7 @@ int report_solve(FILE *file, const analysis *a, const double *u, const double *o
 
 /*
  * HTML page of `pzs shape`: target and reached shape, misfit maps, voltages on their patches, error table.
- *   volts [count] results, each drawn
+ *   volts [count] results, each drawn; one solve each
  */
 int report_shape(FILE *file, analysis *a, const analysis_volts *volts, int count);
 

@@ -60,6 +60,12 @@ void draw_path(FILE *file, const draw_scale *scale, int level)
         fprintf(file, "<path class=\"%c%d\" d=\"", scale->is_signed ? 's' : 'v', level);
 }
 
+void draw_disc(FILE *file, const draw_scale *scale, double value, const double at[2])
+{
+    draw_path(file, scale, draw_level(scale, value));
+    fprintf(file, "M%.1f %.1fm-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z\"/>", at[0], at[1]);
+}
+
 void draw_legend(FILE *file, const draw_scale *scale)
 {
     const double width = 330, bar = width / HTML_LEVELS;

@@ -22,6 +22,9 @@ int draw_level(const draw_scale *scale, double value);
 /* Start of a path of that level's colour, grey for -1; the caller goes on with its points and closes it. */
 void draw_path(FILE *file, const draw_scale *scale, int level);
 
+/* A disc in the colour of a value. */
+void draw_disc(FILE *file, const draw_scale *scale, double value, const double at[2]);
+
 /* A whole picture: the scale with its ends. */
 void draw_legend(FILE *file, const draw_scale *scale);
 

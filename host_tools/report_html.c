@@ -123,8 +123,8 @@ static const char *const style =
     ".bar{display:inline-block;width:90px;height:9px;margin-left:8px;border-radius:2px;background:var(--panel);vertical-align:middle}\n"
     ".bar i{display:block;height:9px;border-radius:2px;background:var(--accent)}\n"
     ".set{margin:14px 0 0;padding:14px 16px 12px;background:var(--panel);border:1px solid var(--rule);border-radius:8px}\n"
-    ".row{display:grid;gap:18px;grid-template-columns:1.25fr 1fr 1fr;align-items:start;margin-top:8px}.row.three{grid-template-columns:repeat(3,1fr)}\n"
-    "@media (max-width:860px){.row,.row.three{grid-template-columns:1fr}}\n"
+    ".row>*{min-width:0}.row{display:grid;gap:18px;grid-template-columns:1.25fr 1fr 1fr;align-items:start;margin-top:8px}.row.three{grid-template-columns:repeat(3,1fr)}.row.two{grid-template-columns:1fr 1fr}\n"
+    "@media (max-width:860px){.row,.row.two,.row.three{grid-template-columns:1fr}}\n"
     "figure{margin:0;min-width:0}figcaption{font-size:13px;line-height:1.4;margin-top:4px}figcaption b{color:var(--ink);font-weight:600}\n"
     "svg{display:block;width:100%;height:auto;overflow:visible}svg text{font:11px system-ui,-apple-system,'Segoe UI',Roboto,Arial,sans-serif;fill:var(--soft);stroke:none}\n"
     "svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}\n"
@@ -137,7 +137,7 @@ static const char *const style =
     ".force{fill:var(--force);stroke:var(--force);stroke-width:1.8}.axis{fill:none;stroke:var(--soft);stroke-width:1}\n"
     ".patch{stroke:var(--panel);stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{stroke-dasharray:5 3}\n"
     "svg .mild{fill:var(--ink)}svg .strong{fill:var(--inverse)}.key{display:inline-block;width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;margin-right:5px}\n"
-    ".key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
+    ".ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
     ".keys{margin:0;font-size:13px;color:var(--soft);max-width:none}.keys span{margin-right:18px;white-space:nowrap}\n"
     "@media print{main{max-width:none;padding:0}.set{break-inside:avoid}}\n";
 

@@ -145,6 +145,19 @@ static void map_row(FILE *file, const plane *p, const mesh *m, const double *val
     fputc('\n', file);
 }
 
+/* Nodes with a value where the map could not show it. */
+static void lone_values(FILE *file, const plane *p, const mesh *m, const double *value, const draw_scale *scale)
+{
+    int none = 0;
+    for (int n = 0; n < m->nodes; n++)
+        none += isnan(value[n]) != 0;
+    for (int n = 0; none > 0 && n < m->nodes; n++)
+        if (!isnan(value[n])) {
+            const double at[2] = {plane_x(p, m->theta[n][0]), plane_y(p, m->theta[n][1])};
+            draw_disc(file, scale, value[n], at);
+        }
+}
+
 void plane_map(FILE *file, const mesh *m, const double *value, const draw_scale *scale, const char *title)
 {
     const plane p = plane_of(m);
@@ -153,6 +166,7 @@ void plane_map(FILE *file, const mesh *m, const double *value, const draw_scale 
     fputs("<g class=\"flat\">\n", file);
     for (int row = 0; row < c[1].count; row++)
         map_row(file, &p, m, value, scale, c, row);
+    lone_values(file, &p, m, value, scale);
     fputs("</g>\n", file);
     plane_grid(file, &p, m);
     plane_end(file, &p);

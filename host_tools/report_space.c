@@ -84,6 +84,20 @@ static void cell_paint(const space *f, const cell *c, const double *given, const
     fputs("z\"/>\n", f->file);
 }
 
+/* Nodes with a value where the surface could not show it: some of their neighbours have none. */
+static void lone_values(const space *f, const double *value, const draw_scale *scale)
+{
+    int none = 0;
+    for (int n = 0; n < f->m->nodes; n++)
+        none += isnan(value[n]) != 0;
+    for (int n = 0; none > 0 && n < f->m->nodes; n++)
+        if (!isnan(value[n])) {
+            double at[2];
+            node_at(f, n, at);
+            draw_disc(f->file, scale, value[n], at);
+        }
+}
+
 int space_surface(const space *f, const double *value, const draw_scale *scale)
 {
     cell *cells = calloc((size_t)MOST_CELLS * MOST_CELLS, sizeof *cells);
@@ -96,6 +110,7 @@ int space_surface(const space *f, const double *value, const draw_scale *scale)
     fputs("<g class=\"cells\">\n", f->file);
     for (int k = 0; k < count; k++)
         cell_paint(f, &cells[k], value, scale, pieces);
+    lone_values(f, value, scale);
     fputs("</g>\n", f->file);
     free(cells);
     return 0;

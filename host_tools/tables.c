@@ -86,42 +86,45 @@ static void write_elements(writer *w, const mesh *m)
     w->crc32 = guard_crc(w->crc32, m->element, (size_t)m->elements * sizeof *m->element);
 }
 
+/*
+ * Nested initialiser of an array with up to four lengths: every value in braces of its place.
+ *   length [depth] in
+ */
+static const double *nested(FILE *file, const double *x, const int *length, int depth)
+{
+    fputs("{", file);
+    for (int i = 0; i < length[0]; i++) {
+        if (depth > 1) {
+            x = nested(file, x, length + 1, depth - 1);
+        } else {
+            fputs("PZS_R(", file);
+            write_real(file, *x++);
+            fputs(")", file);
+        }
+        fputs(i + 1 < length[0] ? depth > 2 ? ",\n     " : ", " : "", file);
+    }
+    fputs("}", file);
+    return x;
+}
+
 /* Corner tables of every kind, member by member in the order of pzs_kind. */
 static void write_kinds(writer *w, const mesh *m)
 {
+    static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3}, modes[2] = {4, LAMINATE_PACKED};
     fprintf(w->file, "/* corner tables of each element kind */\nstatic const pzs_kind %s_kind[%d] = {", w->prefix, m->kinds);
     for (int k = 0; k < m->kinds; k++) {
         const pzs_kind *kind = &m->kind[k];
-        fputs("{\n", w->file);
-        for (int part = 0; part < 2; part++) {
-            const double *entry = part == 0 ? &kind->s[0][0][0][0] : &kind->t[0][0][0][0];
-            fputs("    {", w->file);
-            for (int i = 0; i < 72; i++) {
-                fputs(i % 18 == 0 ? (i ? "}}, {{{" : "{{{") : i % 9 == 0 ? "}, {{" : i % 3 == 0 ? "{" : "", w->file);
-                fputs("PZS_R(", w->file);
-                write_real(w->file, entry[i]);
-                fputs(i % 3 == 2 ? (i % 9 == 8 ? ")}}" : ")}, ") : "), ", w->file);
-            }
-            fputs("}},\n", w->file);
-        }
-        for (int part = 0; part < 2; part++) {
-            const double *entry = part == 0 ? &kind->g_mean[0][0][0] : &kind->g_diff[0][0][0];
-            fputs("    {", w->file);
-            for (int i = 0; i < 24; i++) {
-                fputs(i % 6 == 0 ? "{{" : i % 3 == 0 ? "{" : "", w->file);
-                fputs("PZS_R(", w->file);
-                write_real(w->file, entry[i]);
-                fputs(i % 6 == 5 ? ")}}, " : i % 3 == 2 ? ")}, " : "), ", w->file);
-            }
-            fputs("},\n", w->file);
-        }
-        fputs("    {", w->file);
-        for (int mode = 0; mode < 4; mode++) {
-            fputs("{", w->file);
-            list_reals(w->file, kind->d[mode], LAMINATE_PACKED, 5);
-            fputs("},\n    ", w->file);
-        }
-        fputs("}, PZS_R(", w->file);
+        fputs("{\n    ", w->file);
+        nested(w->file, &kind->s[0][0][0][0], coupling, 4);
+        fputs(",\n    ", w->file);
+        nested(w->file, &kind->t[0][0][0][0], coupling, 4);
+        fputs(",\n    ", w->file);
+        nested(w->file, &kind->g_mean[0][0][0], base, 3);
+        fputs(",\n    ", w->file);
+        nested(w->file, &kind->g_diff[0][0][0], base, 3);
+        fputs(",\n    ", w->file);
+        nested(w->file, kind->d[0], modes, 2);
+        fputs(", PZS_R(", w->file);
         write_real(w->file, kind->thickness);
         fputs("), PZS_R(", w->file);
         write_real(w->file, kind->twist);

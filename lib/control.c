@@ -66,6 +66,7 @@ typedef struct desk {
     pzs_real *start;     /* volts at the start of the round */
     pzs_real *start_grad;
     pzs_real *spare;
+    pzs_real *floor;     /* [1] pivots below this part of their diagonal count as dependent */
 } desk;
 
 static uint32_t width_of(uint32_t n)
@@ -73,14 +74,14 @@ static uint32_t width_of(uint32_t n)
     return (n + PZS_TILE - 1u) & ~(PZS_TILE - 1u);
 }
 
-static desk desk_of(const pzs_control *c)
+static desk desk_of(pzs_control *c)
 {
     const uint32_t n = c->problem->inputs, width = width_of(n);
     pzs_real *w = c->work;
     const desk d = {
         n, width, c->hessian, c->tableau, c->volt, w, w + width, w + 2u * width, w + 3u * width,
         w + 4u * width, w + 5u * width, w + 6u * width, w + 7u * width, w + 8u * width,
-        w + 9u * width, w + 10u * width, w + 11u * width,
+        w + 9u * width, w + 10u * width, w + 11u * width, &c->dependence,
     };
     return d;
 }
@@ -199,9 +200,10 @@ static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs
 
 /* ---- tableau -------------------------------------------------------------- */
 
-static pzs_real pivot_floor(const desk *d, uint32_t k)
+/* Pivot of a standing input over its diagonal: what is left of it beside the swept ones, 0 to 1. */
+static pzs_real own_part(const desk *d, uint32_t k)
 {
-    return (pzs_real)d->n * PZS_EPSILON * d->diag[k];
+    return d->diag[k] > 0 ? d->m[(size_t)k * d->width + k] / d->diag[k] : 0;
 }
 
 /* a -= sign s s', all rows: symmetric to the last bit. */
@@ -234,17 +236,27 @@ static void sweep(const desk *d, uint32_t k)
     d->side[k] = -d->side[k];
 }
 
-/* Sweep anew from H every input marked as swept; those that depend on the ones before stand. */
+/* Sweep anew from H every input marked as swept, the most independent first; those that depend on them stand. */
 static void rebuild(const desk *d)
 {
     memcpy(d->m, d->h, (size_t)d->n * d->width * sizeof(pzs_real));
-    for (uint32_t k = 0; k < d->n; ++k) {
-        if (d->side[k] > 0) {
-            d->side[k] = -1;
-            if (d->m[(size_t)k * d->width + k] > pivot_floor(d, k)) {
-                sweep(d, k);
-            }
+    for (uint32_t i = 0; i < d->width; ++i) {
+        d->move[i] = d->side[i];
+        d->side[i] = -1;
+    }
+    for (uint32_t count = 0; count < d->n; ++count) {
+        uint32_t next = d->n;
+        pzs_real most = *d->floor;
+        for (uint32_t k = 0; k < d->n; ++k) {
+            const pzs_real part = d->move[k] > 0 ? own_part(d, k) : 0;
+            next = part > most ? k : next;
+            most = part > most ? part : most;
         }
+        if (next == d->n) {
+            return;
+        }
+        d->move[next] = -1;
+        sweep(d, next);
     }
 }
 
@@ -412,7 +424,7 @@ static void release(const desk *d, uint32_t k)
         d->v[k] = sign < 0 ? d->lo[k] : d->hi[k];
     } else {
         d->move[k] = 0;
-        if (pivot > pivot_floor(d, k)) {
+        if (own_part(d, k) > *d->floor) {
             sweep(d, k);
         }
     }
@@ -421,8 +433,10 @@ static void release(const desk *d, uint32_t k)
 /* Passes from the true gradient to where the tableau sees no violation; returns those used. */
 static uint32_t run_passes(const desk *d, pzs_real noise, uint32_t allowed)
 {
+    const uint32_t most = 2u * d->n + 8u;
     uint32_t used = 0, k = 0;
     int blocked = 1;
+    allowed = allowed < most ? allowed : most;
     aim(d);
     for (; blocked && used < allowed; ++used) {
         blocked = descend(d);
@@ -481,9 +495,7 @@ static pzs_real optimise(const desk *d, pzs_real noise, uint32_t allowed, uint32
         const pzs_real before = worst, after = run_round(d, noise, allowed, used);
         worst = after < 0 ? before : after;
         if (worst > noise && worst * POOR > before && *used < allowed) {
-            if (after < 0 && fresh) {
-                break;
-            }
+            *d->floor *= fresh ? 16 : 1;
             rebuild(d);
             fresh = 1;
         }
@@ -828,6 +840,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
     for (uint32_t k = 0; k < problem->inputs; ++k) {
         form_row(&c, influence == NULL ? problem->hessian : NULL, k);
     }
+    c.dependence = 4 * (pzs_real)problem->inputs * PZS_EPSILON;
     const desk d = desk_of(&c);
     const int32_t overflow = guard_nonfinite(c.hessian, d.n * d.width);
     if (overflow >= 0) {

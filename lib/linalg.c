@@ -264,7 +264,7 @@ static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
 
 linalg_inertia linalg_factor(pzs_envelope *a)
 {
-    const pzs_real tolerance = (pzs_real)a->n * PZS_EPSILON;
+    const pzs_real tolerance = PZS_EPSILON;
     linalg_inertia found = {0, -1, -1, 0};
     pzs_real diagonal = 0;
     pzs_real pivot = 0;

@@ -44,7 +44,7 @@ typedef struct linalg_inertia {
 
 /*
  * Factor a = L D L^T in place, L unit lower triangular, without pivoting.
- * A pivot of size at most n epsilon times its own diagonal entry before elimination is
+ * A pivot of size at most epsilon times its own diagonal entry before elimination is
  * reported as zero and ends the factorisation.
  */
 linalg_inertia linalg_factor(pzs_envelope *a);

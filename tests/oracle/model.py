@@ -12,14 +12,12 @@ CLAMPED = [0, 1, 2, 3, 4, 5, 6]
 class Model:
     """Mesh over the grid points t1 x t2; node = i n2 + j, theta2 fastest.
 
-    sections: one Section, or a function (element i, j) -> Section.
-    Equal cells of a surface are not searched for: `same` maps (i, j) to a key, cells of
-    one key share an element (default: every cell its own).
+    `same` maps a cell (i, j) to a key; cells of one key share an element (default: none do).
     """
 
     def __init__(self, surface, t1, t2, section, options, unknowns=7, same=None):
-        self.surface, self.t1, self.t2 = surface, np.asarray(t1, float), np.asarray(t2, float)
-        self.section, self.options, self.unknowns = section, options, unknowns
+        self.surface, self.unknowns = surface, unknowns
+        self.t1, self.t2 = np.asarray(t1, float), np.asarray(t2, float)
         self.n1, self.n2 = len(self.t1), len(self.t2)
         self.size = self.n1 * self.n2 * unknowns
         self.fixed = np.zeros(self.size, bool)
@@ -114,12 +112,8 @@ class Model:
         def element(el, i, j):
             t1a, t1b, t2a, t2b = self.cell(i, j)
             points = [((t1a, t1b)[x > 0], (t2a, t2b)[y > 0]) for x, y in XI]
-            return el.load(np.array([field(*p, t) for p, t in zip(points, self.triads(i, j))]), where)
+            return el.load(np.array([field(*p, self.surface.at(*p)[1]) for p in points]), where)
         return self.gather(element)
-
-    def triads(self, i, j):
-        t1a, t1b, t2a, t2b = self.cell(i, j)
-        return [self.surface.at((t1a, t1b)[x > 0], (t2a, t2b)[y > 0])[1] for x, y in XI]
 
     def point(self, node, direction, force):
         """Load vector of a force along e_(direction+1) of a node, half on each face."""

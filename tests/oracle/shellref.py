@@ -245,6 +245,7 @@ class GivenSection:
         self.zlow, self.zhigh, self.h, self.dmat = zlow, zhigh, zhigh - zlow, dmat
 
     def integrate(self, k, options):
+        """As Section.integrate, for any curvature and options."""
         return self.dmat, np.zeros((0, 10)), np.zeros(10)
 
 
@@ -327,6 +328,11 @@ class Element:
     """
 
     def __init__(self, surface, cell, section, options, unknowns=7):
+        """options: SOURCE, CORRECTED or a variation; unknowns 7, or 6 (needs lin33).
+
+        Twist (mode 00): 12m += tau (L1^2 k1 + L2^2 k2)/(12 h) 12d, L1 = |x2 + x3 - x1 - x4|/2 and
+        L2 = |x3 + x4 - x1 - x2|/2 of the corners, k at the parameter centre.
+        """
         self.h, self.unknowns, self.size = section.h, unknowns, 4 * unknowns
         t1a, t1b, t2a, t2b = cell
         corners = [(t1a, t2a), (t1b, t2a), (t1b, t2b), (t1a, t2b)]
@@ -334,8 +340,9 @@ class Element:
         self.triads = [c[1] for c in self.corners]
         _, _, lame, k, _ = surface.at((t1a + t1b) / 2, (t2a + t2b) / 2)
         params = np.array([t1b - t1a, t2b - t2a])
-        chords = [np.linalg.norm(surface.at(t1b, (t2a + t2b) / 2)[0] - surface.at(t1a, (t2a + t2b) / 2)[0]),
-                  np.linalg.norm(surface.at((t1a + t1b) / 2, t2b)[0] - surface.at((t1a + t1b) / 2, t2a)[0])]
+        x = [c[0] for c in self.corners]
+        chords = [np.linalg.norm(x[1] + x[2] - x[0] - x[3]) / 2,
+                  np.linalg.norm(x[2] + x[3] - x[0] - x[1]) / 2]
         self.cartesian = options["kinematics"] == "cartesian"
         self.area = surface.area(cell) if options["area"] == "exact" else lame.prod() * params.prod()
         self.weights = self.area * WEIGHT

@@ -39,7 +39,8 @@ Keys with n = 4 x unknowns (7 or 6 a node), corners (-,-) (+,-) (+,+) (-,+):
                               faces, d outer minus inner), zero where a mode keeps no strain
     array volt n L            nodal force at rest per volt of each layer (E3 = -V/thickness)
     array kelvin n 1          nodal force at rest per kelvin
-    array pressure n 1        nodal force of a unit pressure along +e3 on the outer face
+    array pressure n 1        nodal force of a unit pressure along +e3 on the outer face, per reference area, weights
+                              area/36 [4 2 1 2]; source by components, corrected as vectors E_r^T E_s e3
     array K 1 n(n+1)/2        stiffness at rest, lower triangle row by row
     array U n 1               a displacement;  array energy 1 1, array force n 1: strain energy and internal
                               force there;  array tangent 1 n(n+1)/2

@@ -1,0 +1,273 @@
+/* Parts that the report pages share (report_parts.h). */
+#include "report_parts.h"
+#include <math.h>
+#include "report_html.h"
+
+/* ---- head ------------------------------------------------------------- */
+
+static void fact(FILE *file, const char *name)
+{
+    fprintf(file, "<div><dt>%s</dt><dd>", name);
+}
+
+static void fact_end(FILE *file)
+{
+    fputs("</dd></div>\n", file);
+}
+
+static void fact_number(FILE *file, const char *name, double value, const char *unit)
+{
+    fact(file, name);
+    html_quantity(file, value, unit);
+    fact_end(file);
+}
+
+/* A check of the solution that is negative where it was not made. */
+static void fact_check(FILE *file, const char *name, double value)
+{
+    fact(file, name);
+    if (value < 0)
+        fputs("not checked", file);
+    else
+        html_number(file, value);
+    fact_end(file);
+}
+
+static void facts(FILE *file, const analysis *a)
+{
+    const mesh *m = &a->design.mesh;
+    const scene *s = a->design.scene;
+    fputs("<dl>\n", file);
+    fact(file, "Mesh");
+    fprintf(file, "%d &times; %d elements of %d kind%s, %d nodes", s->line[0].elements, s->line[1].elements, m->kinds, m->kinds == 1 ? "" : "s", m->nodes);
+    fact_end(file);
+    fact(file, "Free unknowns");
+    fprintf(file, "%d, half bandwidth %d", m->dof, mesh_half_bandwidth(m));
+    fact_end(file);
+    fact(file, "Element");
+    fprintf(file, "%s kinematics, %u unknowns a node", s->element.cartesian ? "Cartesian" : "local", m->unknowns);
+    fact_end(file);
+    fact_number(file, "Thickness", m->laminate.h, s->unit_length);
+    fact_number(file, "Condition after scaling", a->model.condition, "");
+    fact_check(file, "Residual of forces", a->model.residual);
+    fact_check(file, "Estimated error in energy", a->model.error);
+    fact(file, "Scene");
+    fprintf(file, "%08lx", (unsigned long)s->hash);
+    fact_end(file);
+    fputs("</dl>\n", file);
+}
+
+void parts_head(FILE *file, const analysis *a, const char *kind)
+{
+    const scene *s = a->design.scene;
+    fprintf(file, "<header>\n<p class=\"kicker\">%s</p>\n<h1>", kind);
+    html_text(file, s->name);
+    fputs("</h1>\n<p>", file);
+    html_text(file, s->about ? s->about : "");
+    fputs("</p>\n", file);
+    for (int k = 0; k < s->sets; k++) {
+        fputs(k ? ", <code>" : "<p class=\"soft\">Changed: <code>", file);
+        html_text(file, s->set[k]);
+        fputs(k + 1 == s->sets ? "</code></p>\n" : "</code>", file);
+    }
+    facts(file, a);
+    fputs("</header>\n", file);
+}
+
+/* ---- structure -------------------------------------------------------- */
+
+static const char *const component_word[] = {"u1", "u2", "u3", "x", "y", "z"};
+static const char *const face_word[] = {"middle", "inner face", "outer face", "mean of the faces"};
+
+static void write_where(FILE *file, const scene_where *where)
+{
+    static const char *const edge[] = {"", "edge &theta;&#8321;&minus;", "edge &theta;&#8321;+", "edge &theta;&#8322;&minus;", "edge &theta;&#8322;+"};
+    if (where->type == WHERE_NODES)
+        fputs("all nodes", file);
+    else if (where->type == WHERE_EDGE)
+        fputs(edge[where->edge], file);
+    else {
+        fputs("point &theta;&#8321; = ", file);
+        html_number(file, where->theta[0]);
+        fputs(", &theta;&#8322; = ", file);
+        html_number(file, where->theta[1]);
+    }
+}
+
+static void write_layers(FILE *file, const scene *s)
+{
+    fputs("<div class=\"wide\"><table><caption>Layers from the inner face to the outer face</caption><thead><tr><th scope=\"col\">Layer</th>"
+          "<th scope=\"col\" class=\"word\">Material</th><th scope=\"col\">Thickness</th><th scope=\"col\">Angle</th>"
+          "<th scope=\"col\" class=\"word\">Where</th></tr></thead><tbody>\n",
+          file);
+    for (int k = 0; k < s->layers; k++) {
+        const scene_layer *layer = &s->layer[k];
+        fprintf(file, "<tr><th scope=\"row\">%d ", k + 1);
+        html_text(file, layer->name);
+        fputs("</th><td class=\"word\">", file);
+        html_text(file, s->material[layer->material].name);
+        fputs("</td><td>", file);
+        html_quantity(file, layer->thickness, s->unit_length);
+        fputs("</td><td>", file);
+        html_number(file, layer->angle);
+        fprintf(file, "&deg;</td><td class=\"word\">%s</td></tr>\n", layer->patched ? "in patches" : "everywhere");
+    }
+    fputs("</tbody></table></div>\n", file);
+}
+
+/* The unknowns a support holds: both u+ and u- of a component as one word. */
+static void write_fix(FILE *file, const scene_support *support, unsigned unknowns)
+{
+    static const struct { unsigned bits; const char *word; } held[] = {
+        {0x09, "u1"}, {0x12, "u2"}, {0x64, "u3"}, {0x01, "u1 mean"}, {0x02, "u2 mean"}, {0x04, "u3 mean"},
+        {0x08, "u1 difference"}, {0x10, "u2 difference"}, {0x20, "u3 difference"}, {0x40, "u3M"}};
+    const unsigned all = (1u << unknowns) - 1;
+    unsigned left = support->fix & all;
+    const char *comma = "";
+    if (left == all) {
+        fputs("clamped", file);
+        return;
+    }
+    for (size_t k = 0; k < sizeof held / sizeof *held; k++)
+        if ((held[k].bits & all) != 0 && (left & held[k].bits & all) == (held[k].bits & all)) {
+            fprintf(file, "%s%s", comma, held[k].word);
+            left &= ~held[k].bits;
+            comma = ", ";
+        }
+    fputs(*comma ? " held" : "free", file);
+}
+
+/* The value of a load at its nodes: one number, or its range. */
+static void write_value(FILE *file, const mesh *m, const scene_load *load)
+{
+    double low = 0, high = 0;
+    int first = 1;
+    for (int n = 0; n < m->nodes; n++) {
+        const surface_point *p = &m->point[n];
+        const expr_point at = {p->x[0], p->x[1], p->x[2], m->theta[n][0], m->theta[n][1]};
+        const scene_where *where = &load->where;
+        if (load->type == LOAD_POINT && n != mesh_node(m, where->node[0], where->node[1]))
+            continue;
+        const double value = expr_value(load->value, &at);
+        low = first ? value : fmin(low, value);
+        high = first ? value : fmax(high, value);
+        first = 0;
+    }
+    html_number(file, low);
+    if (low != high) {
+        fputs(" to ", file);
+        html_number(file, high);
+    }
+}
+
+static void write_load(FILE *file, const mesh *m, const scene_load *load)
+{
+    static const char *const type[] = {"point", "line", "face", "weight", "temperature"};
+    static const char *const per[] = {"", " per length", " per area", " as gravity", ""};
+    fprintf(file, "<tr><th scope=\"row\">Load: %s</th><td class=\"note\">", type[load->type]);
+    write_value(file, m, load);
+    if (load->type == LOAD_TEMPERATURE) {
+        fputc(' ', file);
+        html_text(file, m->scene->unit_temperature);
+    } else {
+        fprintf(file, "%s along %s", per[load->type], component_word[load->component]);
+    }
+    if (load->type == LOAD_POINT || load->type == LOAD_LINE) {
+        fputs(", ", file);
+        write_where(file, &load->where);
+    }
+    if (load->type == LOAD_FACE || load->type == LOAD_POINT || load->type == LOAD_LINE)
+        fprintf(file, ", %s", face_word[load->face]);
+    fputs("</td></tr>\n", file);
+}
+
+static void write_actuator(FILE *file, const scene *s, const scene_actuator *actuator)
+{
+    const int count = actuator->grid[0] * actuator->grid[1];
+    fputs("<tr><th scope=\"row\">Actuator: ", file);
+    html_text(file, actuator->name);
+    fputs("</th><td class=\"note\">", file);
+    if (actuator->is_temperature)
+        fputs("temperature of the whole", file);
+    else
+        fprintf(file, "%d amplifier%s on ", count, count == 1 ? "" : "s");
+    for (int k = 0; k < actuator->drives; k++) {
+        fputs(k ? ", " : "patches ", file);
+        html_text(file, s->patches[actuator->drive[k].patches].name);
+        fputs(" &times; ", file);
+        html_number(file, actuator->drive[k].factor);
+    }
+    if (actuator->applied != 0) {
+        fputs("; applied ", file);
+        html_quantity(file, actuator->applied, actuator->is_temperature ? s->unit_temperature : s->unit_voltage);
+    }
+    fputs("</td></tr>\n", file);
+}
+
+void parts_structure(FILE *file, const design *d)
+{
+    const scene *s = d->scene;
+    fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", file);
+    write_layers(file, s);
+    fputs("<div class=\"wide\"><table><caption>Supports, loads and actuators</caption><tbody>\n", file);
+    for (int k = 0; k < s->supports; k++) {
+        fputs("<tr><th scope=\"row\">Support</th><td class=\"note\">", file);
+        write_where(file, &s->support[k].where);
+        fputs(": ", file);
+        write_fix(file, &s->support[k], d->mesh.unknowns);
+        fputs("</td></tr>\n", file);
+    }
+    for (int k = 0; k < s->loads; k++)
+        write_load(file, &d->mesh, &s->load[k]);
+    for (int k = 0; k < s->actuators; k++)
+        write_actuator(file, s, &s->actuator[k]);
+    fputs("</tbody></table></div>\n</div>\n</section>\n", file);
+}
+
+/* ---- magnification ---------------------------------------------------- */
+
+/* Largest side of the box around the structure. */
+static double box_size(const mesh *m)
+{
+    double size = 0;
+    for (int i = 0; i < 3; i++) {
+        double low = m->point[0].x[i], high = low;
+        for (int n = 1; n < m->nodes; n++) {
+            low = fmin(low, m->point[n].x[i]);
+            high = fmax(high, m->point[n].x[i]);
+        }
+        size = fmax(size, high - low);
+    }
+    return size;
+}
+
+double parts_magnification(const mesh *m, double most)
+{
+    const double wanted = 0.1 * box_size(m) / most;
+    if (!(most > 0) || !isfinite(wanted) || wanted <= 0)
+        return 1;
+    const double power = pow(10, floor(log10(wanted))), lead = wanted / power;
+    return power * (lead < 1.42 ? 1 : lead < 3.17 ? 2 : lead < 7.08 ? 5 : 10);
+}
+
+void parts_include(draw_view *view, const mesh *m, const double *vector, double factor)
+{
+    double x[3];
+    for (int n = 0; n < m->nodes; n++) {
+        draw_place(m, n, NULL, 0, x);
+        draw_view_include(view, x);
+        draw_place(m, n, vector, factor, x);
+        draw_view_include(view, x);
+    }
+}
+
+void parts_magnified(FILE *file, double factor)
+{
+    if (factor == 1) {
+        fputs("displacement to scale", file);
+        return;
+    }
+    fputs("displacement <b>&times;&nbsp;", file);
+    html_number(file, factor);
+    fputs("</b>", file);
+}

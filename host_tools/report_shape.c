@@ -1,0 +1,394 @@
+/* Page of `pzs shape` (report.h). */
+#include "report.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "report_html.h"
+#include "report_parts.h"
+#include "report_plane.h"
+#include "report_space.h"
+
+/* One set of volts with all that is drawn of it. */
+typedef struct result {
+    const analysis_volts *volts;
+    double *vector;          /* [nodes][3] displacement reached */
+    double *wanted;          /* [nodes][3] the same with the target's component as wanted; NaN elsewhere */
+    double *misfit;          /* [nodes] reached minus wanted; NaN where nothing is wanted */
+    plane_outline *outline;  /* [amplifiers] */
+    double worst, rms, volt; /* largest and root mean square misfit, largest volt */
+    int beyond;              /* amplifiers beyond the limits of the scene */
+} result;
+
+typedef struct page {
+    FILE *file;
+    analysis *a;
+    const design *d;
+    result *result;
+    int results, plans;
+    int *plan;               /* [actuators] */
+    draw_view view;
+    double factor;           /* magnification of every drawing */
+    double target;           /* largest wanted displacement */
+    draw_scale misfit, volt; /* shared by every set */
+} page;
+
+/* ---- results ---------------------------------------------------------- */
+
+static void result_free(result *r)
+{
+    free(r->vector);
+    free(r->wanted);
+    free(r->misfit);
+    free(r->outline);
+}
+
+static int result_room(result *r, const design *d)
+{
+    const size_t nodes = (size_t)d->mesh.nodes;
+    r->vector = calloc(3 * nodes, sizeof *r->vector);
+    r->wanted = calloc(3 * nodes, sizeof *r->wanted);
+    r->misfit = calloc(nodes, sizeof *r->misfit);
+    r->outline = calloc((size_t)d->amplifiers + 1, sizeof *r->outline);
+    return r->vector && r->wanted && r->misfit && r->outline ? 0 : -1;
+}
+
+/* Displacement under the volts alone. vector [nodes][3] out */
+static int result_solve(analysis *a, const analysis_volts *volts, double *vector)
+{
+    const design *d = &a->design;
+    double *amount = calloc((size_t)d->structure.input.count + 1, sizeof *amount);
+    double *u = calloc((size_t)d->mesh.dof, sizeof *u);
+    int failed = -1;
+    if (amount && u) {
+        memcpy(amount, volts->volt, (size_t)d->amplifiers * sizeof *amount);
+        failed = pzs_solve(&a->model, amount, u) == PZS_OK ? 0 : -1;
+        report_displacement(&d->mesh, u, vector);
+    }
+    free(amount);
+    free(u);
+    return failed;
+}
+
+static void result_misfit(const design *d, result *r)
+{
+    const scene_component c = d->scene->target.what.component;
+    for (int n = 0; n < d->mesh.nodes; n++) {
+        r->misfit[n] = (double)NAN;
+        for (int i = 0; i < 3; i++)
+            r->wanted[3 * n + i] = (double)NAN;
+    }
+    for (int t = 0; t < d->targets; t++) {
+        const int n = d->target_node[t];
+        const double miss = r->volts->shape[t] - d->target[t];
+        for (int i = 0; i < 3; i++) {
+            const double along = c <= COMPONENT_U3 ? d->mesh.point[n].e[c - COMPONENT_U1][i] : (unsigned)i == c - COMPONENT_X;
+            r->wanted[3 * n + i] = r->vector[3 * n + i] - miss * along;
+        }
+        r->misfit[n] = miss;
+        r->worst = fmax(r->worst, fabs(miss));
+        r->rms += miss * miss / d->targets;
+    }
+    r->rms = sqrt(r->rms);
+}
+
+/* At one of the limits this set obeyed, or beyond those of the scene. */
+static void result_outline(const design *d, result *r)
+{
+    const analysis_volts *v = r->volts;
+    for (int k = 0; k < d->amplifiers; k++) {
+        const double volt = v->volt[k];
+        const int at = volt == v->limit[0] || volt == v->limit[1] || volt == d->lower[k] || volt == d->upper[k];
+        const int beyond = volt < d->lower[k] || volt > d->upper[k];
+        r->outline[k] = v->active > 0 && at ? OUTLINE_LIMIT : beyond ? OUTLINE_BEYOND : OUTLINE_NONE;
+        r->beyond += beyond;
+        r->volt = fmax(r->volt, fabs(volt));
+    }
+}
+
+static int result_fill(analysis *a, const analysis_volts *volts, result *r)
+{
+    r->volts = volts;
+    if (result_room(r, &a->design) < 0 || result_solve(a, volts, r->vector) < 0)
+        return -1;
+    result_misfit(&a->design, r);
+    result_outline(&a->design, r);
+    return 0;
+}
+
+/* ---- scales shared by all sets ---------------------------------------- */
+
+static double largest_vector(const mesh *m, const double *vector)
+{
+    double most = 0;
+    for (int n = 0; n < m->nodes; n++)
+        most = fmax(most, draw_dot3(vector + 3 * n, vector + 3 * n));
+    return sqrt(most);
+}
+
+static void page_scales(page *p)
+{
+    const mesh *m = &p->d->mesh;
+    double most = 0;
+    p->misfit.is_signed = p->volt.is_signed = 1;
+    p->misfit.unit = p->d->scene->unit_length;
+    p->volt.unit = p->d->scene->unit_voltage;
+    for (int t = 0; t < p->d->targets; t++)
+        p->target = fmax(p->target, fabs(p->d->target[t]));
+    for (int k = 0; k < p->results; k++) {
+        p->misfit.most = fmax(p->misfit.most, p->result[k].worst);
+        p->volt.most = fmax(p->volt.most, p->result[k].volt);
+        most = fmax(most, largest_vector(m, p->result[k].vector));
+    }
+    p->factor = parts_magnification(m, fmax(most, p->target));
+    draw_view_begin(&p->view, m);
+    for (int k = 0; k < p->results; k++) {
+        parts_include(&p->view, m, p->result[k].vector, p->factor);
+        parts_include(&p->view, m, p->result[k].wanted, p->factor);
+    }
+    draw_view_fit(&p->view);
+}
+
+/* ---- words ------------------------------------------------------------ */
+
+static int is_limited(const analysis_volts *v)
+{
+    return isfinite(v->limit[0]) || isfinite(v->limit[1]);
+}
+
+static void write_limits(const page *p, const analysis_volts *v)
+{
+    if (!is_limited(v)) {
+        fputs("&ndash;", p->file);
+        return;
+    }
+    if (v->limit[0] == -v->limit[1]) {
+        fputs("&plusmn;&nbsp;", p->file);
+        html_quantity(p->file, v->limit[1], p->volt.unit);
+        return;
+    }
+    html_number(p->file, v->limit[0]);
+    fputs(" to ", p->file);
+    html_quantity(p->file, v->limit[1], p->volt.unit);
+}
+
+static void write_name(const page *p, const analysis_volts *v)
+{
+    html_text(p->file, v->name);
+    if (is_limited(v)) {
+        fputs(", ", p->file);
+        write_limits(p, v);
+    }
+}
+
+/* The smallest error among the sets within finite limits, and among all. */
+static void write_verdict(const page *p)
+{
+    const analysis_volts *within = NULL, *any = NULL;
+    for (int k = 0; k < p->results; k++) {
+        const analysis_volts *v = p->result[k].volts;
+        if (is_limited(v) && (!within || v->error < within->error))
+            within = v;
+        if (!any || v->error < any->error)
+            any = v;
+    }
+    const analysis_volts *best = within ? within : any;
+    if (!best)
+        return;
+    fputs("<p class=\"verdict\"><b>Shape error ", p->file);
+    html_percent(p->file, best->error);
+    fputs(" of the target</b> by &ldquo;", p->file);
+    write_name(p, best);
+    fprintf(p->file, "&rdquo;, %d of %d amplifiers at a limit", best->active, p->d->amplifiers);
+    if (any != best) {
+        fputs("; ", p->file);
+        html_percent(p->file, any->error);
+        fputs(" remain by &ldquo;", p->file);
+        write_name(p, any);
+        fputs("&rdquo;", p->file);
+    }
+    fputs(".</p>\n", p->file);
+}
+
+static void write_row(const page *p, const result *r, double worst_error)
+{
+    FILE *file = p->file;
+    fputs("<tr><th scope=\"row\">", file);
+    html_text(file, r->volts->name);
+    fputs("</th><td>", file);
+    write_limits(p, r->volts);
+    fputs("</td><td>", file);
+    html_percent(file, r->volts->error);
+    fprintf(file, "<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%.1f%%\"></i></span></td><td>",
+            worst_error > 0 ? fmin(100 * r->volts->error / worst_error, 100) : 0);
+    html_quantity(file, r->worst, p->misfit.unit);
+    fputs("</td><td>", file);
+    if (is_limited(r->volts))
+        fprintf(file, "%d of %d", r->volts->active, p->d->amplifiers);
+    else
+        fputs("&ndash;", file);
+    fputs("</td><td>", file);
+    html_quantity(file, r->volt, p->volt.unit);
+    fprintf(file, "</td><td>%s%d%s</td><td>", r->beyond ? "<b>" : "", r->beyond, r->beyond ? "</b>" : "");
+    html_number(file, r->volts->optimality);
+    fputs("</td></tr>\n", file);
+}
+
+static void write_table(const page *p)
+{
+    double worst = 0;
+    for (int k = 0; k < p->results; k++)
+        worst = fmax(worst, p->result[k].volts->error);
+    fputs("<div class=\"wide\"><table><caption>Shape error: root of the weighted squares of the misfit over those of the target. "
+          "KKT: largest violated optimality condition, relative.</caption>\n<thead><tr><th scope=\"col\">Volts</th><th scope=\"col\">Limits</th>"
+          "<th scope=\"col\">Shape error</th><th scope=\"col\">Largest misfit</th><th scope=\"col\">At a limit</th><th scope=\"col\">Largest volt</th>"
+          "<th scope=\"col\">Beyond the<br>scene&rsquo;s limits</th><th scope=\"col\">KKT</th></tr></thead><tbody>\n",
+          p->file);
+    for (int k = 0; k < p->results; k++)
+        write_row(p, &p->result[k], worst);
+    fputs("</tbody></table></div>\n", p->file);
+}
+
+/* ---- pictures of one set ---------------------------------------------- */
+
+static int draw_reached(const page *p, const result *r)
+{
+    const mesh *m = &p->d->mesh;
+    const space reached = {p->file, &p->view, m, r->vector, p->factor}, wanted = {p->file, &p->view, m, r->wanted, p->factor};
+    fputs("<figure>\n", p->file);
+    draw_begin(p->file, p->view.width, p->view.height, "Reached shape in space, coloured by its misfit, with the target as lines over it");
+    const int failed = space_surface(&reached, r->misfit, &p->misfit);
+    space_wires(&wanted, "wire");
+    for (int t = 0; p->d->targets < m->nodes && t < p->d->targets; t++)
+        space_dot(&wanted, p->d->target_node[t]);
+    space_supports(&reached);
+    space_axes(&reached);
+    draw_end(p->file);
+    fputs("<figcaption>Reached shape and <b>target</b> as lines, ", p->file);
+    parts_magnified(p->file, p->factor);
+    fputs(". Misfit on one scale for all sets:", p->file);
+    draw_legend(p->file, &p->misfit);
+    fputs("</figcaption></figure>\n", p->file);
+    return failed;
+}
+
+static void draw_misfit(const page *p, const result *r)
+{
+    const draw_scale own = {1, r->worst, p->misfit.unit};
+    fputs("<figure>\n", p->file);
+    plane_map(p->file, &p->d->mesh, r->misfit, &own, "Misfit, reached minus target, over theta1 and theta2");
+    fputs("<figcaption>Misfit, reached minus target: largest <b>", p->file);
+    html_quantity(p->file, r->worst, own.unit);
+    fputs("</b>", p->file);
+    if (p->target > 0) {
+        fputs(" (", p->file);
+        html_percent(p->file, r->worst / p->target);
+        fputs(" of the largest target)", p->file);
+    }
+    fputs(", rms ", p->file);
+    html_quantity(p->file, r->rms, own.unit);
+    fputs(". Scale of this set:", p->file);
+    draw_legend(p->file, &own);
+    fputs("</figcaption></figure>\n", p->file);
+}
+
+/* Names of the actuators of a plan, and the kelvins of whole temperatures. */
+static void write_plan(const page *p, int which)
+{
+    const char *comma = "";
+    for (int k = 0; k < p->d->scene->actuators; k++)
+        if (p->plan[k] == which) {
+            fputs(comma, p->file);
+            html_text(p->file, p->d->scene->actuator[k].name);
+            comma = ", ";
+        }
+}
+
+static void draw_volts(const page *p, const result *r)
+{
+    const scene *s = p->d->scene;
+    fputs("<figure>\n", p->file);
+    for (int which = 0; which < p->plans; which++) {
+        if (p->plans > 1) {
+            fputs("<h3>", p->file);
+            write_plan(p, which);
+            fputs("</h3>\n", p->file);
+        }
+        plane_volts(p->file, &p->d->mesh, p->plan, which, r->volts->volt, r->outline, &p->volt, "Volts of the amplifiers, written in their patches");
+    }
+    fputs("<figcaption>Volts in their patches: largest <b>", p->file);
+    html_quantity(p->file, r->volt, p->volt.unit);
+    fputs("</b>", p->file);
+    for (int k = 0; k < s->actuators; k++)
+        if (p->plan[k] < 0) {
+            fputs(", ", p->file);
+            html_text(p->file, s->actuator[k].name);
+            fputc(' ', p->file);
+            html_quantity(p->file, r->volts->volt[s->actuator[k].first], s->unit_temperature);
+        }
+    fputs(". One scale for all sets:", p->file);
+    draw_legend(p->file, &p->volt);
+    fputs("</figcaption></figure>\n", p->file);
+}
+
+static int draw_set(const page *p, const result *r)
+{
+    fputs("<article class=\"set\">\n<h3>", p->file);
+    write_name(p, r->volts);
+    fputs(" &mdash; shape error ", p->file);
+    html_percent(p->file, r->volts->error);
+    fputs("</h3>\n<div class=\"row\">\n", p->file);
+    const int failed = draw_reached(p, r);
+    draw_misfit(p, r);
+    draw_volts(p, r);
+    fputs("</div>\n</article>\n", p->file);
+    return failed;
+}
+
+/* ---- page ------------------------------------------------------------- */
+
+/* The head comes before the solves of the drawings, so that its residual is that of the influence. */
+static int page_fill(page *p, const analysis_volts *volts)
+{
+    p->plan = calloc((size_t)p->d->scene->actuators + 1, sizeof *p->plan);
+    p->result = calloc((size_t)p->results + 1, sizeof *p->result);
+    if (!p->plan || !p->result)
+        return -1;
+    p->plans = plane_plans(p->d->scene, p->plan);
+    for (int k = 0; k < p->results; k++)
+        if (result_fill(p->a, &volts[k], &p->result[k]) < 0)
+            return -1;
+    page_scales(p);
+    return 0;
+}
+
+static int page_write(const page *p)
+{
+    int failed = 0;
+    write_verdict(p);
+    fputs("<section>\n<h2>Sets of volts</h2>\n", p->file);
+    write_table(p);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key hold\"></i>support</span>"
+          "<span><i class=\"key stop\"></i> amplifier at its limit</span><span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span></p>\n",
+          p->file);
+    for (int k = 0; k < p->results; k++)
+        failed |= draw_set(p, &p->result[k]);
+    fputs("</section>\n", p->file);
+    parts_structure(p->file, p->d);
+    return failed;
+}
+
+int report_shape(FILE *file, analysis *a, const analysis_volts *volts, int count)
+{
+    page p = {.file = file, .a = a, .d = &a->design, .results = count};
+    html_begin(file, a->design.scene->name);
+    parts_head(file, a, "Volts for a wanted shape");
+    int failed = page_fill(&p, volts);
+    if (!failed)
+        failed = page_write(&p);
+    html_end(file);
+    for (int k = 0; p.result && k < count; k++)
+        result_free(&p.result[k]);
+    free(p.result);
+    free(p.plan);
+    return failed || ferror(file) ? -1 : 0;
+}

@@ -1,0 +1,46 @@
+/*
+ * Programs that a start-up must carry or end properly; PROGRAM chooses one.
+ *   1  data copied, bss cleared, FPU on, stack painted: exit 0
+ *   2  an exit code of main reaches the shell: 3
+ *   3  a read from nowhere ends in the fault handler
+ *   4  a stack overflow ends the run too, and not in someone's data
+ */
+#include "board.h"
+
+int main(void);
+
+static volatile uint32_t copied = 0x12345678u;
+static volatile uint32_t cleared;
+static volatile float factor = 1.5f;
+
+static int carried(void)
+{
+    const float product = factor * factor;
+    return copied != 0x12345678u || cleared != 0 || !(product > 2.2f && product < 2.3f)
+        || board_stack_used() == 0 || board_stack_used() > 1024u;
+}
+
+static int read_nowhere(void)
+{
+    return (int)*(volatile uint32_t *)0xF0000000u;
+}
+
+/* Deeper than any stack; the volatile array keeps it from becoming a loop. */
+static uint32_t overflow(uint32_t depth)
+{
+    volatile uint32_t frame[16];
+    frame[0] = depth;
+    if (depth == 0) return 0;
+    return overflow(depth - 1u) + frame[0];
+}
+
+int main(void)
+{
+    board_start();
+    switch (PROGRAM) {
+    case 1: return carried();
+    case 2: return 3;
+    case 3: return read_nowhere();
+    default: return (int)overflow(10000000u);
+    }
+}
