@@ -56,7 +56,7 @@ $(call fw_part,host-$(1),$(2),$(3),$(FW_HOST_CC),-DPZS_REAL_BITS=$(1))
 $(F)/host-$(1)-$(3): $(FW_DEMO:%=$(F)/host-$(1)/demo/%.o) $(F)/host-$(1)/demo/board_host.o $(F)/host-$(1)/$(3).o $(F)/host-$(1)/libpzs.a
 	$(FW_HOST_CC) $$^ -lm -o $$@
 $(F)/host-$(1)-$(3).out: $(F)/host-$(1)-$(3)
-	{ timeout $(FW_SECONDS) ./$$<; echo "exit $$$$?"; } > $$@
+	{ timeout $(FW_SECONDS) $$(abspath $$<); echo "exit $$$$?"; } > $$@
 endef
 
 $(eval $(call fw_host,32,control,plate_control))
@@ -95,7 +95,5 @@ size: $(FW_IMAGES:%=$(F)/%.elf) $(FW_IMAGES:%=$(F)/%.out) $(FW_LIBRARIES:%=$(F)/
 	sh firmware_demo/size.sh $(F) firmware_demo/size.budget $(FW_IMAGES)
 
 test-target:
-	CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/start.sh
-	CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/units.sh
-
--include $(wildcard $(F)/*/*.d $(F)/*/demo/*.d)
+	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/start.sh
+	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/units.sh

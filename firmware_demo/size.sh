@@ -24,10 +24,16 @@ shift 2
             NR > 1 { print "object", library "/" $6, $1 + $2, $2 + $3 }'
     done
 } | awk -v budget="$budget" '
-    function check(kind, name, column, value, limit) {
-        if (limit == "") { printf "not ok %s %s: no budget for %s %d\n", kind, name, column, value; failed++ }
-        else if (value > limit) { printf "not ok %s %s: %s %d exceeds %d\n", kind, name, column, value, limit; failed++ }
-        else passed++
+    # One fault for each column above its budget, or without one.
+    function check(column, value, limit) {
+        if (limit == "") faults = faults sprintf(": no budget for %s %d", column, value)
+        else if (value > limit) faults = faults sprintf(": %s %d exceeds %d", column, value, limit)
+    }
+    function verdict() {
+        if (faults == "") passed++
+        else failed++
+        verdicts = verdicts (faults == "" ? "ok " : "not ok ") $1 " " $2 faults "\n"
+        faults = ""
     }
     BEGIN {
         while ((getline line < budget) > 0) {
@@ -39,16 +45,18 @@ shift 2
     }
     $1 == "stack" { stack = $3; next }
     $1 == "image" {
-        if (stack == "") { printf "not ok image %s: it reported no stack\n", $2; failed++ }
+        if (stack == "") faults = ": it reported no stack"
         printf "%-30s %8d %8d %8d %8d\n", $2, $3, $4 + stack, $5, stack
-        check("image", $2, "flash", $3, limit["image", $2, 3])
-        check("image", $2, "ram", $4 + stack, limit["image", $2, 4])
-        check("image", $2, "large", $5, limit["image", $2, 5])
-        check("image", $2, "stack", stack + 0, limit["image", $2, 6])
+        check("flash", $3, limit["image", $2, 3])
+        check("ram", $4 + stack, limit["image", $2, 4])
+        check("large", $5, limit["image", $2, 5])
+        check("stack", stack + 0, limit["image", $2, 6])
+        verdict()
     }
     $1 == "object" {
         printf "%-30s %8d %8d\n", $2, $3, $4
-        check("object", $2, "flash", $3, limit["object", $2, 3])
-        check("object", $2, "ram", $4, 0)
+        check("flash", $3, limit["object", $2, 3])
+        check("ram", $4, 0)
+        verdict()
     }
-    END { printf "%d passed, %d failed\n", passed, failed; exit failed > 0 }'
+    END { printf "\n%s%d passed, %d failed\n", verdicts, passed, failed; exit failed > 0 }'

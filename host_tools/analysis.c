@@ -140,11 +140,11 @@ static void volts_finish(const analysis *a, analysis_volts *v)
     const design *d = &a->design;
     double missed = 0, wanted = 0;
     for (int i = 0; i < d->targets; i++) {
-        v->shape[i] = 0;
+        v->shape[i] = d->target[i] - d->wanted[i];
         for (int k = 0; k < d->amplifiers; k++)
             v->shape[i] += d->influence[(size_t)i * (size_t)d->amplifiers + (size_t)k] * v->volt[k];
         missed += pow(d->weight[i] * (v->shape[i] - d->target[i]), 2);
-        wanted += pow(d->weight[i] * d->target[i], 2);
+        wanted += pow(d->weight[i] * d->wanted[i], 2);
     }
     v->error = wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
 }
@@ -171,7 +171,7 @@ int analysis_optimum(analysis *a, double limit, analysis_volts *v, char *error)
     if (status != PZS_OK || volts_start(a, v, isinf(limit) ? "optimum, no limits" : "optimum within limits") < 0)
         return volts_failed(a, &t, status, error);
     for (int again = 0; again < 10; again++) {
-        status = pzs_step(&t.control, a->design.target);
+        status = pzs_step(&t.control, a->design.wanted);
         v->passes += t.control.passes;
         if (status != PZS_W_PASSES)
             break;
@@ -192,7 +192,7 @@ int analysis_clipped(analysis *a, double limit, analysis_volts *v, char *error)
     trial t;
     pzs_status status = trial_start(&t, &a->design, limit);
     if (status == PZS_OK && volts_start(a, v, "no limits, then clipped") == 0)
-        status = pzs_clipped(&t.control, a->design.target, v->volt);
+        status = pzs_clipped(&t.control, a->design.wanted, v->volt);
     if (status != PZS_OK)
         return volts_failed(a, &t, status, error);
     for (int k = 0; k < a->design.amplifiers; k++)

@@ -29,9 +29,9 @@ void analysis_free(analysis *a);
 typedef struct analysis_volts {
     char name[SCENE_NAME + 32]; /* what these volts are */
     double *volt;               /* [amplifiers] */
-    double *shape;              /* [targets] B v */
-    double error;               /* |W (B v - target)| / |W target| */
-    double optimality;          /* KKT violation / largest |B'W^2 target|; NAN where none is claimed */
+    double *shape;              /* [targets] B v and the displacement under the loads */
+    double error;               /* |W (B v - wanted)| / |W wanted| */
+    double optimality;          /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
     double limit[2];            /* the tightest limits of any amplifier */
     int active, passes;
 } analysis_volts;

@@ -460,13 +460,14 @@ static void build_limits(design *d)
 static int allocate_control(design *d)
 {
     const size_t n = (size_t)d->amplifiers;
+    d->wanted = calloc((size_t)d->targets, sizeof *d->wanted);
     d->influence = calloc((size_t)d->targets * n, sizeof *d->influence);
     d->hessian = calloc(n * n, sizeof *d->hessian);
     d->lower = calloc(n, sizeof *d->lower);
     d->upper = calloc(n, sizeof *d->upper);
     d->slew = calloc(n, sizeof *d->slew);
     d->prefer = calloc(n, sizeof *d->prefer);
-    return d->influence && d->hessian && d->lower && d->upper && d->slew && d->prefer;
+    return d->wanted && d->influence && d->hessian && d->lower && d->upper && d->slew && d->prefer;
 }
 
 int design_control(design *d, const double *influence, char *error)
@@ -479,8 +480,12 @@ int design_control(design *d, const double *influence, char *error)
         return scene_fault(d->scene, d->scene->limits.at, error, "no amplifiers: add `actuators`");
     if (!allocate_control(d))
         return scene_fault(d->scene, d->scene->limits.at, error, "%d amplifiers do not fit into memory", d->amplifiers);
-    for (size_t i = 0; i < (size_t)d->targets; i++)
+    for (size_t i = 0; i < (size_t)d->targets; i++) {
         memcpy(d->influence + i * n, influence + i * inputs, n * sizeof *d->influence);
+        d->wanted[i] = d->target[i];
+        for (size_t load = n; load < inputs; load++)
+            d->wanted[i] -= influence[i * inputs + load];
+    }
     p->effort = build_hessian(d);
     build_limits(d);
     p->format = PZS_TABLE_FORMAT;
@@ -509,6 +514,7 @@ void design_free(design *d)
     free(d->target_node);
     free(d->named_first);
     free(d->target);
+    free(d->wanted);
     free(d->weight);
     free(d->influence);
     free(d->hessian);

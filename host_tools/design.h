@@ -16,6 +16,7 @@ typedef struct design {
     int *target_node;        /* [targets] node of each */
     int *named_first;        /* [scene outputs + 1] first row of each named output */
     double *target;          /* [targets] wanted displacement */
+    double *wanted;          /* [targets] the same less the displacement under the scene's loads: what the volts must do */
     double *weight;          /* [targets] */
     double *influence;       /* [targets][amplifiers] after design_control */
     double *hessian;         /* [amplifiers][amplifiers] */

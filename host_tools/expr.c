@@ -140,7 +140,9 @@ static int take_word(parser *p)
     const word *w;
     while (isalnum((unsigned char)*end) || *end == '_') end++;
     w = find_word(start, (size_t)(end - start));
-    if (!w) return fault(p, "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin acos atan sqrt exp log abs min max atan2 pow hypot");
+    if (!w)
+        return fault(p, "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin acos atan sqrt exp log "
+                     "abs min max atan2 pow hypot");
     p->at = end;
     if (w->arguments == 0) {
         if (w->op != OP_NUMBER) p->constant = 0;
@@ -158,7 +160,8 @@ static int take_value(parser *p)
     char c = *p->at;
     if (isdigit((unsigned char)c) || c == '.') return take_number(p);
     if (isalpha((unsigned char)c)) return take_word(p);
-    if (c != '(' && c != '-' && c != '+') return fault(p, c ? "a number, a name or '(' is wanted here" : "the expression ends where a number is wanted");
+    if (c == 0) return fault(p, "the expression ends where a number is wanted");
+    if (c != '(' && c != '-' && c != '+') return fault(p, "a number, a name or '(' is wanted here");
     p->at++;
     if (c == '(') return push(p, OP_OPEN, NULL);
     if (c == '-') return push(p, OP_NEGATE, NULL);
@@ -178,7 +181,8 @@ static int take_bracket(parser *p)
         p->at++;
         return 0;
     }
-    if (open->function && open->commas + 1 != open->function->arguments) return fault(p, "this function needs two arguments");
+    if (open->function && open->commas + 1 != open->function->arguments)
+        return fault(p, "this function needs two arguments");
     p->at++;
     p->waiting--;
     return open->function ? emit(p, open->function->op, 0) : 0;

@@ -57,14 +57,18 @@ static void write_output(FILE *file, const design *d, const double *output, int 
     }
     fputs("</td><td>", file);
     html_quantity(file, named->reference, d->scene->unit_length);
-    if (s.count > 0 && isfinite(named->reference) && named->reference != 0)
-        fprintf(file, "</td><td>%.4f</td></tr>\n", output[d->named_first[k]] / named->reference);
+    fputs("</td><td>", file);
+    if (s.count > 0 && isfinite(output[d->named_first[k]] / named->reference))
+        fprintf(file, "%.4f", output[d->named_first[k]] / named->reference);
     else
-        fputs("</td><td>&ndash;</td></tr>\n", file);
+        fputs("&ndash;", file);
+    fputs("</td></tr>\n", file);
 }
 
 static void write_outputs(FILE *file, const design *d, const double *output)
 {
+    if (d->scene->outputs == 0)
+        return;
     fputs("<div class=\"wide\"><table><caption>Outputs; the ratio is value over reference, of the first node where there are more</caption>"
           "<thead><tr><th scope=\"col\">Output</th><th scope=\"col\">Value</th><th scope=\"col\">Reference</th><th scope=\"col\">Ratio</th></tr></thead><tbody>\n",
           file);
@@ -89,12 +93,12 @@ static double sizes(const mesh *m, const double *vector, double *size)
 
 static int draw_deformed(FILE *file, const mesh *m, const double *vector, const double *size, double most)
 {
-    const double factor = parts_magnification(m, most);
+    const double factor = parts_magnification(m, most, 0.1);
     const draw_scale scale = {0, most, m->scene->unit_length};
     draw_view view;
     draw_view_begin(&view, m);
     parts_include(&view, m, vector, factor);
-    draw_view_fit(&view);
+    draw_view_fit(&view, 600, 560);
     const space rest = {file, &view, m, NULL, 0}, moved = {file, &view, m, vector, factor};
     fputs("<figure>\n", file);
     draw_begin(file, view.width, view.height, "Deformed shape in space, coloured by the size of the displacement, over the undeformed mesh");
@@ -111,9 +115,11 @@ static int draw_deformed(FILE *file, const mesh *m, const double *vector, const 
     fputs("; largest ", file);
     html_quantity(file, most, scale.unit);
     draw_legend(file, &scale);
-    fputs("<p class=\"keys\"><span><i class=\"key gone\"></i>at rest</span><span><i class=\"key hold\"></i>support</span>"
-          "<span><i class=\"key load\"></i>point load</span></p></figcaption></figure>\n",
-          file);
+    fputs("<p class=\"keys\"><span><i class=\"key gone\"></i>at rest</span><span><i class=\"key hold\"></i>support</span>", file);
+    for (int k = 0, said = 0; k < m->scene->loads && !said; k++)
+        if (m->scene->load[k].type == LOAD_POINT)
+            said = fputs("<span><i class=\"key load\"></i>point load</span>", file) != EOF;
+    fputs("</p></figcaption></figure>\n", file);
     return failed;
 }
 
@@ -142,13 +148,15 @@ static int write_solve(FILE *file, const analysis *a, const double *output, cons
 {
     const design *d = &a->design;
     html_begin(file, d->scene->name);
-    parts_head(file, a, "Displacement under loads and applied volts");
+    parts_head(file, a, "Displacement under loads and applied volts", a->model.residual, a->model.error);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", file);
     const int failed = draw_deformed(file, &d->mesh, vector, size, sizes(&d->mesh, vector, size));
+    fputs("<div>\n", file);
     write_outputs(file, d, output);
-    fputs("</div>\n</section>\n", file);
+    parts_conditions(file, d);
+    parts_layers(file, d->scene);
+    fputs("</div>\n</div>\n</section>\n", file);
     draw_components(file, &d->mesh, vector, size);
-    parts_structure(file, d);
     html_end(file);
     return failed;
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include "report_html.h"
 
-static const double picture_width = 420, picture_height = 400, edge_room = 18;
+static const double edge_room = 18;
 
 double draw_dot3(const double a[3], const double b[3])
 {
@@ -69,6 +69,7 @@ void draw_disc(FILE *file, const draw_scale *scale, double value, const double a
 void draw_legend(FILE *file, const draw_scale *scale)
 {
     const double width = 330, bar = width / HTML_LEVELS;
+    fputs("<div class=\"scale\">", file);
     draw_begin(file, width, 32, "Colour scale");
     fputs("<g class=\"flat\">", file);
     for (int i = 0; i < HTML_LEVELS; i++) {
@@ -83,6 +84,7 @@ void draw_legend(FILE *file, const draw_scale *scale)
     html_quantity(file, scale->most, scale->unit);
     fputs("</text>\n", file);
     draw_end(file);
+    fputs("</div>\n", file);
 }
 
 /* ---- projection ------------------------------------------------------- */
@@ -132,11 +134,11 @@ void draw_view_include(draw_view *view, const double x[3])
     }
 }
 
-void draw_view_fit(draw_view *view)
+void draw_view_fit(draw_view *view, double width, double height)
 {
     const double wide = fmax(view->high[0] - view->low[0], 1e-300), tall = fmax(view->high[1] - view->low[1], 1e-300);
-    view->zoom = fmin((picture_width - 2 * edge_room) / wide, (picture_height - 2 * edge_room) / tall);
-    view->width = picture_width;
+    view->zoom = fmin((width - 2 * edge_room) / wide, (height - 2 * edge_room) / tall);
+    view->width = width;
     view->height = fmax(view->zoom * tall + 2 * edge_room, 180);
 }
 

@@ -25,7 +25,7 @@ void draw_path(FILE *file, const draw_scale *scale, int level);
 /* A disc in the colour of a value. */
 void draw_disc(FILE *file, const draw_scale *scale, double value, const double at[2]);
 
-/* A whole picture: the scale with its ends. */
+/* A block of the page: the scale with its ends. */
 void draw_legend(FILE *file, const draw_scale *scale);
 
 /* A parallel projection of space, z up, fitted to points. */
@@ -35,10 +35,10 @@ typedef struct draw_view {
     double zoom, width, height;
 } draw_view;
 
-/* Look down from where the outer side shows most; include every point to be seen; fit. */
+/* Look down from where the outer side shows most; include every point to be seen; fit into a picture of a width and a largest height. */
 void draw_view_begin(draw_view *view, const mesh *m);
 void draw_view_include(draw_view *view, const double x[3]);
-void draw_view_fit(draw_view *view);
+void draw_view_fit(draw_view *view, double width, double height);
 
 /* Place in the picture of a point in space. */
 void draw_project(const draw_view *view, const double x[3], double at[2]);

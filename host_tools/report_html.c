@@ -105,7 +105,7 @@ static void colour_classes(FILE *file, char letter, const unsigned *stop, int st
 
 /* ---- page ------------------------------------------------------------- */
 
-static const char *const style =
+static const char *const page_style =
     "*{box-sizing:border-box}\n"
     "body{margin:0;background:var(--page);color:var(--ink);font:15px/1.5 system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-serif}\n"
     "main{max-width:1240px;margin:0 auto;padding:28px 24px 40px}\n"
@@ -117,27 +117,29 @@ static const char *const style =
     ".verdict{font-size:17px;margin:18px 0 0}\n"
     ".wide{overflow-x:auto}table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}\n"
     "caption{text-align:left;color:var(--soft);font-size:13px;padding-bottom:6px}\n"
-    "th,td{padding:6px 12px 6px 0;border-bottom:1px solid var(--rule);text-align:right;white-space:nowrap}\n"
+    ".wide+.wide{margin-top:20px}th,td{padding:6px 12px 6px 0;border-bottom:1px solid var(--rule);text-align:right;white-space:nowrap}\n"
     "thead th{font-size:12px;font-weight:600;color:var(--soft);vertical-align:bottom}tbody th{font-weight:600}\n"
-    "th:first-child,td.word,th.word{text-align:left}td.note{text-align:left;white-space:normal}\n"
-    ".bar{display:inline-block;width:90px;height:9px;margin-left:8px;border-radius:2px;background:var(--panel);vertical-align:middle}\n"
+    "th:first-child,td.word,th.word{text-align:left}td.word,th.word{padding-left:12px}td.note{text-align:left;white-space:normal}\n"
+    ".bar{display:inline-block;width:90px;height:9px;margin-left:8px;border-radius:2px;background:var(--rule);vertical-align:middle}\n"
     ".bar i{display:block;height:9px;border-radius:2px;background:var(--accent)}\n"
     ".set{margin:14px 0 0;padding:14px 16px 12px;background:var(--panel);border:1px solid var(--rule);border-radius:8px}\n"
     ".row>*{min-width:0}.row{display:grid;gap:18px;grid-template-columns:1.25fr 1fr 1fr;align-items:start;margin-top:8px}.row.three{grid-template-columns:repeat(3,1fr)}.row.two{grid-template-columns:1fr 1fr}\n"
     "@media (max-width:860px){.row,.row.two,.row.three{grid-template-columns:1fr}}\n"
-    "figure{margin:0;min-width:0}figcaption{font-size:13px;line-height:1.4;margin-top:4px}figcaption b{color:var(--ink);font-weight:600}\n"
+    "figure{margin:0;min-width:0}figcaption{font-size:13px;line-height:1.4;margin-top:4px}.scale{max-width:340px;margin-top:3px}figcaption b{color:var(--ink);font-weight:600}\n";
+
+static const char *const picture_style =
     "svg{display:block;width:100%;height:auto;overflow:visible}svg text{font:11px system-ui,-apple-system,'Segoe UI',Roboto,Arial,sans-serif;fill:var(--soft);stroke:none}\n"
     "svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}\n"
     ".cells path,.legend path{stroke-width:.6;stroke-linejoin:round}.cells .edge{fill:none;stroke:var(--ink);stroke-opacity:.34;stroke-width:.5}\n"
     ".flat path{stroke:none;shape-rendering:crispEdges}.cells .none,.flat .none{fill:var(--none);stroke:var(--none)}\n"
     ".frame,.grid,.wire,.rest{fill:none;stroke-linejoin:round}.frame{stroke:var(--soft);stroke-width:1}.grid{stroke:var(--ink);stroke-opacity:.16;stroke-width:.5}\n"
-    ".wire{stroke:var(--wire);stroke-width:1;stroke-opacity:.9}.rest{stroke:var(--soft);stroke-width:.7;stroke-opacity:.75}\n"
+    ".wire{stroke:var(--wire);stroke-width:.8;stroke-opacity:.85}.outline{fill:none;stroke:var(--soft);stroke-width:.9;stroke-dasharray:4 3}.rest{stroke:var(--soft);stroke-width:.7;stroke-opacity:.75}\n"
     ".dot{fill:var(--wire);stroke:var(--page);stroke-width:1}svg .tag{fill:var(--ink);font-weight:600;paint-order:stroke;stroke:var(--panel);stroke-width:3px;stroke-linejoin:round}\n"
-    ".held{fill:none;stroke:var(--ink);stroke-width:3.4;stroke-linecap:round;stroke-opacity:.85}.pin{fill:var(--ink)}\n"
+    ".held{fill:none;stroke:var(--ink);stroke-width:3;stroke-linecap:round;stroke-opacity:.85}.pin{fill:var(--ink)}\n"
     ".force{fill:var(--force);stroke:var(--force);stroke-width:1.8}.axis{fill:none;stroke:var(--soft);stroke-width:1}\n"
     ".patch{stroke:var(--panel);stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{stroke-dasharray:5 3}\n"
     "svg .mild{fill:var(--ink)}svg .strong{fill:var(--inverse)}.key{display:inline-block;width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;margin-right:5px}\n"
-    ".ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
+    ".ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.dash{border-top:1px dashed var(--soft)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
     ".keys{margin:0;font-size:13px;color:var(--soft);max-width:none}.keys span{margin-right:18px;white-space:nowrap}\n"
     "@media print{main{max-width:none;padding:0}.set{break-inside:avoid}}\n";
 
@@ -157,7 +159,7 @@ void html_begin(FILE *file, const char *title)
     colour_classes(file, 'v', viridis, 9);
     fprintf(file, "@media screen and (prefers-color-scheme:dark){\n%s", dark);
     colour_classes(file, 's', signed_dark, 7);
-    fprintf(file, "}\n%s</style>\n</head>\n<body>\n<main>\n", style);
+    fprintf(file, "}\n%s%s</style>\n</head>\n<body>\n<main>\n", page_style, picture_style);
 }
 
 void html_end(FILE *file)

@@ -33,7 +33,7 @@ static void fact_check(FILE *file, const char *name, double value)
     fact_end(file);
 }
 
-static void facts(FILE *file, const analysis *a)
+static void facts(FILE *file, const analysis *a, double residual, double error)
 {
     const mesh *m = &a->design.mesh;
     const scene *s = a->design.scene;
@@ -49,15 +49,15 @@ static void facts(FILE *file, const analysis *a)
     fact_end(file);
     fact_number(file, "Thickness", m->laminate.h, s->unit_length);
     fact_number(file, "Condition after scaling", a->model.condition, "");
-    fact_check(file, "Residual of forces", a->model.residual);
-    fact_check(file, "Estimated error in energy", a->model.error);
+    fact_check(file, "Residual of forces", residual);
+    fact_check(file, "Estimated error in energy", error);
     fact(file, "Scene");
     fprintf(file, "%08lx", (unsigned long)s->hash);
     fact_end(file);
     fputs("</dl>\n", file);
 }
 
-void parts_head(FILE *file, const analysis *a, const char *kind)
+void parts_head(FILE *file, const analysis *a, const char *kind, double residual, double error)
 {
     const scene *s = a->design.scene;
     fprintf(file, "<header>\n<p class=\"kicker\">%s</p>\n<h1>", kind);
@@ -70,7 +70,7 @@ void parts_head(FILE *file, const analysis *a, const char *kind)
         html_text(file, s->set[k]);
         fputs(k + 1 == s->sets ? "</code></p>\n" : "</code>", file);
     }
-    facts(file, a);
+    facts(file, a, residual, error);
     fputs("</header>\n", file);
 }
 
@@ -94,7 +94,7 @@ static void write_where(FILE *file, const scene_where *where)
     }
 }
 
-static void write_layers(FILE *file, const scene *s)
+void parts_layers(FILE *file, const scene *s)
 {
     fputs("<div class=\"wide\"><table><caption>Layers from the inner face to the outer face</caption><thead><tr><th scope=\"col\">Layer</th>"
           "<th scope=\"col\" class=\"word\">Material</th><th scope=\"col\">Thickness</th><th scope=\"col\">Angle</th>"
@@ -204,11 +204,9 @@ static void write_actuator(FILE *file, const scene *s, const scene_actuator *act
     fputs("</td></tr>\n", file);
 }
 
-void parts_structure(FILE *file, const design *d)
+void parts_conditions(FILE *file, const design *d)
 {
     const scene *s = d->scene;
-    fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", file);
-    write_layers(file, s);
     fputs("<div class=\"wide\"><table><caption>Supports, loads and actuators</caption><tbody>\n", file);
     for (int k = 0; k < s->supports; k++) {
         fputs("<tr><th scope=\"row\">Support</th><td class=\"note\">", file);
@@ -221,7 +219,7 @@ void parts_structure(FILE *file, const design *d)
         write_load(file, &d->mesh, &s->load[k]);
     for (int k = 0; k < s->actuators; k++)
         write_actuator(file, s, &s->actuator[k]);
-    fputs("</tbody></table></div>\n</div>\n</section>\n", file);
+    fputs("</tbody></table></div>\n", file);
 }
 
 /* ---- magnification ---------------------------------------------------- */
@@ -241,9 +239,9 @@ static double box_size(const mesh *m)
     return size;
 }
 
-double parts_magnification(const mesh *m, double most)
+double parts_magnification(const mesh *m, double most, double share)
 {
-    const double wanted = 0.1 * box_size(m) / most;
+    const double wanted = share * box_size(m) / most;
     if (!(most > 0) || !isfinite(wanted) || wanted <= 0)
         return 1;
     const double power = pow(10, floor(log10(wanted))), lead = wanted / power;

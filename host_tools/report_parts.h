@@ -5,14 +5,15 @@
 #include "analysis.h"
 #include "report_draw.h"
 
-/* Name, purpose, changes, mesh and numerics. */
-void parts_head(FILE *file, const analysis *a, const char *kind);
+/* Name, purpose, changes, mesh and numerics. residual and error (pzs_model) of the solves of this page; negative: not checked. */
+void parts_head(FILE *file, const analysis *a, const char *kind, double residual, double error);
 
-/* Layers, supports, loads and applied volts. */
-void parts_structure(FILE *file, const design *d);
+/* Tables: the layers; supports, loads and actuators. */
+void parts_layers(FILE *file, const scene *s);
+void parts_conditions(FILE *file, const design *d);
 
-/* Displacement to be drawn at about a tenth of the structure: 1, 2 or 5 times a power of ten. most in (length) */
-double parts_magnification(const mesh *m, double most);
+/* Factor that draws the largest displacement at about a share of the structure: 1, 2 or 5 times a power of ten. most (length) in */
+double parts_magnification(const mesh *m, double most, double share);
 
 /* Include the structure at rest and moved by factor times vector [nodes][3]. */
 void parts_include(draw_view *view, const mesh *m, const double *vector, double factor);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "report_html.h"
 
-enum { MOST_LINES = 24, MAP_CELLS = 96, MAP_FINE = 48 };
+enum { MOST_LINES = 24, MAP_CELLS = 96, MAP_FINE = 64 };
 
 static const double plane_width = 320;
 
@@ -37,7 +37,7 @@ static plane plane_of(const mesh *m)
 
 static void plane_begin(FILE *file, const plane *p, const char *title)
 {
-    draw_begin(file, plane_width, p->y0 + p->height + 30, title);
+    draw_begin(file, plane_width, p->y0 + p->height + 20, title);
 }
 
 static double plane_x(const plane *p, double theta1)
@@ -61,8 +61,8 @@ static void plane_end(FILE *file, const plane *p)
     html_number(file, p->low[0] + p->range[0]);
     fprintf(file, "</text>\n<g text-anchor=\"end\" transform=\"translate(%.1f 0) rotate(-90)\"><text x=\"%.1f\" y=\"0\" text-anchor=\"start\">", p->x0 - 6, -bottom);
     html_number(file, p->low[1]);
-    fprintf(file, "</text><text x=\"%.1f\" y=\"0\" text-anchor=\"middle\">&theta;&#8322;</text><text x=\"%.1f\" y=\"0\">",
-            -(p->y0 + p->height / 2), -p->y0);
+    fprintf(file, "</text><text x=\"%.1f\" y=\"%.0f\" text-anchor=\"middle\">&theta;&#8322;</text><text x=\"%.1f\" y=\"0\">",
+            -(p->y0 + p->height / 2), p->height < 110 ? -12.0 : 0.0, -p->y0);
     html_number(file, p->low[1] + p->range[1]);
     fputs("</text></g>\n", file);
     draw_end(file);

@@ -30,6 +30,7 @@ typedef struct page {
     double factor;           /* magnification of every drawing */
     double target;           /* largest wanted displacement */
     draw_scale misfit, volt; /* shared by every set */
+    double residual, error;  /* largest of the drawn solves */
 } page;
 
 /* ---- results ---------------------------------------------------------- */
@@ -139,13 +140,13 @@ static void page_scales(page *p)
         p->volt.most = fmax(p->volt.most, p->result[k].volt);
         most = fmax(most, largest_vector(m, p->result[k].vector));
     }
-    p->factor = parts_magnification(m, fmax(most, p->target));
+    p->factor = parts_magnification(m, fmax(most, p->target), 0.2);
     draw_view_begin(&p->view, m);
     for (int k = 0; k < p->results; k++) {
         parts_include(&p->view, m, p->result[k].vector, p->factor);
         parts_include(&p->view, m, p->result[k].wanted, p->factor);
     }
-    draw_view_fit(&p->view);
+    draw_view_fit(&p->view, 420, 420);
 }
 
 /* ---- words ------------------------------------------------------------ */
@@ -180,33 +181,31 @@ static void write_name(const page *p, const analysis_volts *v)
     }
 }
 
-/* The smallest error among the sets within finite limits, and among all. */
+/* The first set within limits, as asked for, and what the best without limits would leave. */
 static void write_verdict(const page *p)
 {
-    const analysis_volts *within = NULL, *any = NULL;
+    const analysis_volts *asked = NULL, *unlimited = NULL;
     for (int k = 0; k < p->results; k++) {
         const analysis_volts *v = p->result[k].volts;
-        if (is_limited(v) && (!within || v->error < within->error))
-            within = v;
-        if (!any || v->error < any->error)
-            any = v;
+        if (is_limited(v) && !asked)
+            asked = v;
+        if (!is_limited(v) && (!unlimited || v->error < unlimited->error))
+            unlimited = v;
     }
-    const analysis_volts *best = within ? within : any;
+    const analysis_volts *best = asked ? asked : unlimited;
     if (!best)
         return;
     fputs("<p class=\"verdict\"><b>Shape error ", p->file);
     html_percent(p->file, best->error);
-    fputs(" of the target</b> by &ldquo;", p->file);
+    fputs(" of the target</b>: ", p->file);
     write_name(p, best);
-    fprintf(p->file, "&rdquo;, %d of %d amplifiers at a limit", best->active, p->d->amplifiers);
-    if (any != best) {
-        fputs("; ", p->file);
-        html_percent(p->file, any->error);
-        fputs(" remain by &ldquo;", p->file);
-        write_name(p, any);
-        fputs("&rdquo;", p->file);
+    fprintf(p->file, ", %d of %d amplifiers at a limit.", best->active, p->d->amplifiers);
+    if (asked && unlimited) {
+        fputs(" Without limits ", p->file);
+        html_percent(p->file, unlimited->error);
+        fputs(" would remain.", p->file);
     }
-    fputs(".</p>\n", p->file);
+    fputs("</p>\n", p->file);
 }
 
 static void write_row(const page *p, const result *r, double worst_error)
@@ -254,8 +253,10 @@ static int draw_reached(const page *p, const result *r)
 {
     const mesh *m = &p->d->mesh;
     const space reached = {p->file, &p->view, m, r->vector, p->factor}, wanted = {p->file, &p->view, m, r->wanted, p->factor};
+    const space rest = {p->file, &p->view, m, NULL, 0};
     fputs("<figure>\n", p->file);
     draw_begin(p->file, p->view.width, p->view.height, "Reached shape in space, coloured by its misfit, with the target as lines over it");
+    space_outline(&rest);
     const int failed = space_surface(&reached, r->misfit, &p->misfit);
     space_wires(&wanted, "wire");
     for (int t = 0; p->d->targets < m->nodes && t < p->d->targets; t++)
@@ -346,7 +347,6 @@ static int draw_set(const page *p, const result *r)
 
 /* ---- page ------------------------------------------------------------- */
 
-/* The head comes before the solves of the drawings, so that its residual is that of the influence. */
 static int page_fill(page *p, const analysis_volts *volts)
 {
     p->plan = calloc((size_t)p->d->scene->actuators + 1, sizeof *p->plan);
@@ -354,9 +354,12 @@ static int page_fill(page *p, const analysis_volts *volts)
     if (!p->plan || !p->result)
         return -1;
     p->plans = plane_plans(p->d->scene, p->plan);
-    for (int k = 0; k < p->results; k++)
+    for (int k = 0; k < p->results; k++) {
         if (result_fill(p->a, &volts[k], &p->result[k]) < 0)
             return -1;
+        p->residual = k ? fmax(p->residual, p->a->model.residual) : p->a->model.residual;
+        p->error = k ? fmax(p->error, p->a->model.error) : p->a->model.error;
+    }
     page_scales(p);
     return 0;
 }
@@ -364,28 +367,31 @@ static int page_fill(page *p, const analysis_volts *volts)
 static int page_write(const page *p)
 {
     int failed = 0;
+    html_begin(p->file, p->d->scene->name);
+    parts_head(p->file, p->a, "Volts for a wanted shape", p->residual, p->error);
     write_verdict(p);
     fputs("<section>\n<h2>Sets of volts</h2>\n", p->file);
     write_table(p);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key hold\"></i>support</span>"
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>edges at rest</span><span><i class=\"key hold\"></i>support</span>"
           "<span><i class=\"key stop\"></i> amplifier at its limit</span><span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span></p>\n",
           p->file);
     for (int k = 0; k < p->results; k++)
         failed |= draw_set(p, &p->result[k]);
     fputs("</section>\n", p->file);
-    parts_structure(p->file, p->d);
+    fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", p->file);
+    parts_layers(p->file, p->d->scene);
+    parts_conditions(p->file, p->d);
+    fputs("</div>\n</section>\n", p->file);
+    html_end(p->file);
     return failed;
 }
 
 int report_shape(FILE *file, analysis *a, const analysis_volts *volts, int count)
 {
     page p = {.file = file, .a = a, .d = &a->design, .results = count};
-    html_begin(file, a->design.scene->name);
-    parts_head(file, a, "Volts for a wanted shape");
     int failed = page_fill(&p, volts);
     if (!failed)
         failed = page_write(&p);
-    html_end(file);
     for (int k = 0; p.result && k < count; k++)
         result_free(&p.result[k]);
     free(p.result);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "report_html.h"
 
-enum { MOST_CELLS = 40, MOST_PIECES = 1600, MOST_WIRES = 24, MOST_BENDS = 80 };
+enum { MOST_CELLS = 32, MOST_PIECES = 1100, MOST_WIRES = 24, MOST_BENDS = 80 };
 
 static void node_at(const space *f, int node, double at[2])
 {
@@ -145,6 +145,16 @@ void space_wires(const space *f, const char *style)
             if (at == across)
                 break;
         }
+    }
+    fputs("\"/>\n", f->file);
+}
+
+void space_outline(const space *f)
+{
+    fputs("<path class=\"outline\" d=\"", f->file);
+    for (int a = 0; a < 2; a++) {
+        trace(f, a, 0);
+        trace(f, a, f->m->scene->line[1 - a].elements);
     }
     fputs("\"/>\n", f->file);
 }

@@ -22,6 +22,9 @@ int space_surface(const space *f, const double *value, const draw_scale *scale);
 /* Mesh lines of a style class; broken where the displacement is NaN. */
 void space_wires(const space *f, const char *style);
 
+/* The four edges, dashed. */
+void space_outline(const space *f);
+
 /* A dot at a node. */
 void space_dot(const space *f, int node);
 

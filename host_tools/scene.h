@@ -77,7 +77,10 @@ typedef struct scene_patches {   /* a grid of rectangles on one layer */
 
 typedef struct scene_drive { int patches; double factor; } scene_drive;
 
-/* One amplifier per patch of its grids, tied with signs, first index along theta1, second fastest; or a whole temperature. */
+/*
+ * One amplifier per patch of its grids, tied with signs, first index along theta1, second fastest;
+ * or a whole temperature.
+ */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
     int drives;
@@ -107,8 +110,10 @@ typedef struct scene_support {
 } scene_support;
 
 typedef enum scene_load_type { LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE } scene_load_type;
-typedef enum scene_face { FACE_MIDDLE, FACE_INNER, FACE_OUTER, FACE_MEAN } scene_face; /* load on middle: half on each face */
-typedef enum scene_component { COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z } scene_component;
+typedef enum scene_face { FACE_MIDDLE, FACE_INNER, FACE_OUTER, FACE_MEAN } scene_face; /* load on middle: half each */
+typedef enum scene_component {
+    COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z
+} scene_component;
 
 typedef struct scene_load {
     scene_load_type type;
@@ -144,7 +149,11 @@ typedef struct scene_compare {
     scene_at at;
 } scene_compare;
 
-typedef struct scene_limit { int first, count; double lower, upper; scene_at at; } scene_limit; /* amplifiers; held if equal */
+typedef struct scene_limit {    /* of some amplifiers; held where equal */
+    int first, count;
+    double lower, upper;
+    scene_at at;
+} scene_limit;
 
 typedef struct scene_limits {
     double lower, upper, slew;   /* V, V, V per step; infinite if not given */

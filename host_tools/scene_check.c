@@ -12,7 +12,8 @@ static const double full_turn = 6.283185307179586;
 /* ---- names ---- */
 
 /* Fault if two of count items [stride bytes] have the same name, which is their first member. */
-static int check_names(const scene *s, const char *what, const void *items, int count, size_t stride, size_t at_offset, char *error)
+static int check_names(const scene *s, const char *what, const void *items, int count, size_t stride, size_t at_offset,
+                       char *error)
 {
     const char *first = items;
     int i, j;
@@ -29,7 +30,8 @@ static int check_names(const scene *s, const char *what, const void *items, int 
 }
 
 #define CHECK_NAMES(what, items, count) \
-    check_names(s, what, s->items, s->count, sizeof *s->items, (size_t)((const char *)&s->items->at - (const char *)s->items), error)
+    check_names(s, what, s->items, s->count, sizeof *s->items,
+                (size_t)((const char *)&s->items->at - (const char *)s->items), error)
 
 static int check_all_names(const scene *s, char *error)
 {
@@ -42,7 +44,8 @@ static int check_all_names(const scene *s, char *error)
         return -1;
     for (i = 0; i < s->actuators; i++)
         if (scene_find_amplifier(s, s->actuator[i].name, &first, &count) && first != s->actuator[i].first)
-            return scene_fault(s, s->actuator[i].at, error, "'%s' is also the name of an amplifier of another actuator; rename it", s->actuator[i].name);
+            return scene_fault(s, s->actuator[i].at, error, "'%s' is also the name of an amplifier of another "
+                               "actuator; rename it", s->actuator[i].name);
     return 0;
 }
 
@@ -69,12 +72,15 @@ static double least_radius(const scene *s, int *around)
 
 static int check_radius(scene *s, double radius, char *error)
 {
-    static const char *const cures[] = {"", "let theta1 (the radius) start above 0", "", "keep radius + theta1 sin(angle) above 0",
+    static const char *const cures[] = {"", "let theta1 (the radius) start above 0", "",
+                                        "keep radius + theta1 sin(angle) above 0",
                                         "let theta1 run inside 0 and pi, leaving a small hole"};
     const double lean = s->surface.type == SURFACE_CONE ? cos(s->surface.angle * full_turn / 360) : 1;
-    if (radius <= 0) return scene_fault(s, s->line[0].at, error, "the mesh reaches a pole, where A2 = 0; %s", cures[s->surface.type]);
+    if (radius <= 0)
+        return scene_fault(s, s->line[0].at, error, "the mesh reaches a pole, where A2 = 0; %s", cures[s->surface.type]);
     if (s->surface.type != SURFACE_POLAR && s->reference * lean >= radius)
-        return scene_fault(s, s->at_layers, error, "the layers reach %g below the reference surface, past the axis at %g; use thinner layers or a larger radius", s->reference, radius / lean);
+        return scene_fault(s, s->at_layers, error, "the layers reach %g below the reference surface, past the axis at "
+                           "%g; use thinner layers or a larger radius", s->reference, radius / lean);
     return 0;
 }
 
@@ -86,7 +92,8 @@ static int check_surface(scene *s, char *error)
     if (!around) return 0;
     if (check_radius(s, radius, error) != 0) return -1;
     if (line->point[line->elements] - line->point[0] <= full_turn * (1 + on_line)) return 0;
-    return scene_fault(s, line->at, error, "theta%d spans %g, more than a full turn; angles of a surface are radians: write 90*pi/180 for 90 degrees",
+    return scene_fault(s, line->at, error, "theta%d spans %g, more than a full turn; angles of a surface are radians: "
+                       "write 90*pi/180 for 90 degrees",
                        around, line->point[line->elements] - line->point[0]);
 }
 
@@ -143,12 +150,15 @@ static int check_layers(scene *s, char *error)
         for (p = 0; p < s->patch_grids; p++)
             if (s->patches[p].layer == i) break;
         if (s->layer[i].patched && p == s->patch_grids)
-            return scene_fault(s, s->layer[i].at, error, "this layer is patched but no patches lie on it; add patches or remove 'patched'");
+            return scene_fault(s, s->layer[i].at, error, "this layer is patched but no patches lie on it; add patches "
+                               "or remove 'patched'");
     }
-    if (whole == 0) return scene_fault(s, s->at_layers, error, "every layer is patched; at least one must cover the whole surface");
+    if (whole == 0)
+        return scene_fault(s, s->at_layers, error, "every layer is patched; at least one must cover the whole surface");
     if (s->reference_is_middle) s->reference = h / 2;
     if (s->reference <= h * (1 + on_line)) return 0;
-    return scene_fault(s, s->at_layers, error, "'reference: %g' lies above the outer face at %g; use middle or a height within the layers", s->reference, h);
+    return scene_fault(s, s->at_layers, error, "'reference: %g' lies above the outer face at %g; use middle or a "
+                       "height within the layers", s->reference, h);
 }
 
 static int check_edges(const scene *s, const scene_patches *p, int direction, double theta[2], char *error)
@@ -156,13 +166,15 @@ static int check_edges(const scene *s, const scene_patches *p, int direction, do
     const scene_line *line = &s->line[direction];
     int i, on;
     if (!(theta[0] < theta[1]))
-        return scene_fault(s, p->at, error, "patches '%s': theta%d runs from %g to %g; write [from, to] ascending", p->name, direction + 1, theta[0], theta[1]);
+        return scene_fault(s, p->at, error, "patches '%s': theta%d runs from %g to %g; write [from, to] ascending",
+                           p->name, direction + 1, theta[0], theta[1]);
     for (i = 0; i <= p->grid[direction]; i++) {
         double edge = theta[0] + (theta[1] - theta[0]) * i / p->grid[direction];
         const double wanted = edge;
         const int near = snap(line, &edge, &on);
         if (!on)
-            return scene_fault(s, p->at, error, "patches '%s': the edge theta%d = %g is no mesh line, the nearest is %g; move it or choose elements to fit",
+            return scene_fault(s, p->at, error, "patches '%s': the edge theta%d = %g is no mesh line, the nearest is "
+                               "%g; move it or choose elements to fit",
                                p->name, direction + 1, wanted, line->point[near]);
     }
     for (i = 0; i < 2; i++) snap(line, &theta[i], &on);
@@ -182,7 +194,9 @@ static int check_patches(scene *s, char *error)
         scene_patches *p = &s->patches[i];
         if (check_edges(s, p, 0, p->theta1, error) != 0 || check_edges(s, p, 1, p->theta2, error) != 0) return -1;
         for (j = 0; j < i; j++)
-            if (overlap(p, &s->patches[j])) return scene_fault(s, p->at, error, "patches '%s' and '%s' overlap on one layer; move one", s->patches[j].name, p->name);
+            if (overlap(p, &s->patches[j]))
+                return scene_fault(s, p->at, error, "patches '%s' and '%s' overlap on one layer; move one",
+                                   s->patches[j].name, p->name);
     }
     return 0;
 }

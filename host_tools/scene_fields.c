@@ -40,8 +40,7 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
 {
     const char *const *word;
     const char *nearest = NULL;
-    int least = (int)strlen(text) / 3 + 1, n = 0;
-    if (least > 3) least = 3;
+    int length = (int)strlen(text), least = length < 3 ? 0 : length < 9 ? length / 3 + 1 : 3, n = 0;
     for (word = first; *word; word = (const char *const *)(const void *)((const char *)word + stride)) {
         int d = distance(text, *word);
         if (d <= least) {
@@ -109,7 +108,8 @@ static int compile(reader *r, int node, expr **e)
     if (!*text) return tree_fault(r->t, node, "'%.60s' is empty; give a number", tree_name(r->t, node));
     *e = expr_compile(text, &column, &why);
     if (*e) return 0;
-    return tree_fault(r->t, node, "'%.60s: %.60s' is no number or formula, at its character %d: %s", tree_name(r->t, node), text, column, why);
+    return tree_fault(r->t, node, "'%.60s: %.60s' is no number or formula, at its character %d: %s",
+                          tree_name(r->t, node), text, column, why);
 }
 
 static int check_range(reader *r, int node, double v, const range *rule)
@@ -117,7 +117,8 @@ static int check_range(reader *r, int node, double v, const range *rule)
     const char *name = tree_name(r->t, node), *text = node_text(r, node);
     if (!isfinite(v)) return tree_fault(r->t, node, "'%.60s: %.60s' is not finite; give a number", name, text);
     if (fabs(v) > largest || (v != 0 && fabs(v) < smallest))
-        return tree_fault(r->t, node, "'%.60s: %.60s' is out of range; magnitudes run from %g to %g, choose other units", name, text, smallest, largest);
+        return tree_fault(r->t, node, "'%.60s: %.60s' is out of range; magnitudes run from %g to %g, choose other units",
+                          name, text, smallest, largest);
     if (!rule) return 0;
     if (rule->strict ? v > rule->low && v < rule->high : v >= rule->low && v <= rule->high) return 0;
     return tree_fault(r->t, node, "'%.60s: %.60s' %s", name, text, rule->must);
@@ -133,7 +134,9 @@ int read_real(reader *r, int node, void *to, const void *rule)
     v = expr_value(e, &origin);
     constant = expr_is_constant(e);
     expr_free(e);
-    if (!constant) return tree_fault(r->t, node, "'%.60s: %.60s' varies over the surface; a constant is wanted here", tree_name(r->t, node), node_text(r, node));
+    if (!constant)
+        return tree_fault(r->t, node, "'%.60s: %.60s' varies over the surface; a constant is wanted here",
+                          tree_name(r->t, node), node_text(r, node));
     if (check_range(r, node, v, rule) != 0) return -1;
     *(double *)to = v;
     return 0;
@@ -143,7 +146,8 @@ int read_int(reader *r, int node, void *to, const void *rule)
 {
     double v = 0;
     if (read_real(r, node, &v, rule) != 0) return -1;
-    if (v != floor(v) || fabs(v) > 1e9) return tree_fault(r->t, node, "'%.60s: %.60s' must be a whole number", tree_name(r->t, node), node_text(r, node));
+    if (v != floor(v) || fabs(v) > 1e9)
+        return tree_fault(r->t, node, "'%.60s: %.60s' must be a whole number", tree_name(r->t, node), node_text(r, node));
     *(int *)to = (int)v;
     return 0;
 }
@@ -154,17 +158,26 @@ int read_pair(reader *r, int node, void *to, const void *rule)
     int first;
     if (require_kind(r, node, TREE_LIST) != 0) return -1;
     if (r->t->node[node].count != 2)
-        return tree_fault(r->t, node, "'%.60s' has %d values; give two, [from, to]", tree_name(r->t, node), r->t->node[node].count);
+        return tree_fault(r->t, node, "'%.60s' has %d values; give two, [from, to]", tree_name(r->t, node),
+                          r->t->node[node].count);
     first = r->t->node[node].first;
     if (read_real(r, first, &pair[0], rule) != 0) return -1;
     return read_real(r, r->t->node[first].next, &pair[1], rule);
 }
 
+/* Would end or open a comment in generated C tables. */
+static int is_comment(const char *text)
+{
+    return strstr(text, "*/") != NULL || strstr(text, "/*") != NULL;
+}
+
 int check_name(reader *r, const char *name, scene_at at, char *to)
 {
     if (!*name) return tree_fault_at(r->t, at, "an empty name; give one");
-    if (strlen(name) >= SCENE_NAME) return tree_fault_at(r->t, at, "the name '%.30s...' is too long; use at most %d bytes", name, SCENE_NAME - 1);
-    if (strpbrk(name, "\n\r\t\"\\")) return tree_fault_at(r->t, at, "the name '%.60s' holds a quote, backslash or line break; leave them out", name);
+    if (strlen(name) >= SCENE_NAME)
+        return tree_fault_at(r->t, at, "the name '%.30s...' is too long; use at most %d bytes", name, SCENE_NAME - 1);
+    if (strpbrk(name, "\n\r\t\"\\") || is_comment(name))
+        return tree_fault_at(r->t, at, "the name '%.60s' holds a quote, backslash, comment or line break; leave them out", name);
     strcpy(to, name);
     return 0;
 }
@@ -181,6 +194,8 @@ int read_text(reader *r, int node, void *to, const void *rule)
     char **text = to;
     (void)rule;
     if (require_kind(r, node, TREE_SCALAR) != 0) return -1;
+    if (is_comment(node_text(r, node)))
+        return tree_fault(r->t, node, "'%.60s' holds /* or */; leave them out", tree_name(r->t, node));
     *text = malloc(strlen(node_text(r, node)) + 1);
     if (!*text) return tree_fault(r->t, node, "out of memory");
     strcpy(*text, node_text(r, node));

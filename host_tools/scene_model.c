@@ -71,12 +71,14 @@ int read_surface(reader *r, int node, void *to, const void *rule)
     s->surface.type = (scene_surface_type)text.type;
     for (k = 0; k < NEEDED; k++)
         if (needed[k].type == s->surface.type && !tree_find(r->t, node, needed[k].key))
-            return tree_fault(r->t, node, "'%s' is missing in surface; a %s needs it", needed[k].key, types[s->surface.type].word);
+            return tree_fault(r->t, node, "'%s' is missing in surface; a %s needs it", needed[k].key,
+                              types[s->surface.type].word);
     for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
         for (k = 0; k < NEEDED; k++)
             if (needed[k].type == s->surface.type && strcmp(needed[k].key, r->t->node[i].key) == 0) break;
         if (k == NEEDED && strcmp(r->t->node[i].key, "type") != 0)
-            return tree_fault_at(r->t, r->t->node[i].key_at, "'%s' has no meaning for a %s; remove it", r->t->node[i].key, types[s->surface.type].word);
+            return tree_fault_at(r->t, r->t->node[i].key_at, "'%s' has no meaning for a %s; remove it",
+                                 r->t->node[i].key, types[s->surface.type].word);
     }
     return 0;
 }
@@ -95,14 +97,18 @@ static int read_points(reader *r, int node, scene_line *line)
 {
     int i, k = 0, list = tree_find(r->t, node, "points");
     const tree_node *n = &r->t->node[list];
-    if (r->t->node[node].count > 1) return tree_fault(r->t, node, "'points' says all; remove from, to, elements and grading");
-    if (n->kind != TREE_LIST || n->count < 2) return tree_fault(r->t, list, "'points' must be a list of at least two, [0, 0.1, ...]");
-    if (n->count > SCENE_NODES) return tree_fault(r->t, list, "%d points; a mesh has at most %d nodes", n->count, SCENE_NODES);
+    if (r->t->node[node].count > 1)
+        return tree_fault(r->t, node, "'points' says all; remove from, to, elements and grading");
+    if (n->kind != TREE_LIST || n->count < 2)
+        return tree_fault(r->t, list, "'points' must be a list of at least two, [0, 0.1, ...]");
+    if (n->count > SCENE_NODES)
+        return tree_fault(r->t, list, "%d points; a mesh has at most %d nodes", n->count, SCENE_NODES);
     if (make_points(r, list, line, n->count - 1) != 0) return -1;
     for (i = n->first; i; i = r->t->node[i].next, k++) {
         if (read_real(r, i, &line->point[k], NULL) != 0) return -1;
         if (k > 0 && !(line->point[k] > line->point[k - 1]))
-            return tree_fault(r->t, i, "point %g does not ascend after %g; the mesh would fold, sort the points and drop repeated ones", line->point[k], line->point[k - 1]);
+            return tree_fault(r->t, i, "point %g does not ascend after %g; the mesh would fold, sort the points and "
+                              "drop repeated ones", line->point[k], line->point[k - 1]);
     }
     return 0;
 }
@@ -122,7 +128,8 @@ static int divide(reader *r, int node, scene_line *line, double from, double to,
         line->point[i] = grading == 1 ? from + (to - from) * i / elements : from + (to - from) * (line->point[i] / at);
     line->point[elements] = to;
     for (i = 1; i <= elements; i++)
-        if (!(line->point[i] > line->point[i - 1])) return tree_fault(r->t, node, "elements of %.60s shrink to nothing; use fewer", tree_name(r->t, node));
+        if (!(line->point[i] > line->point[i - 1]))
+            return tree_fault(r->t, node, "elements of %.60s shrink to nothing; use fewer", tree_name(r->t, node));
     return 0;
 }
 
@@ -145,7 +152,8 @@ static int read_line(reader *r, int node, void *to, const void *rule)
     if (r->t->node[node].kind == TREE_MAP && tree_find(r->t, node, "points")) return read_points(r, node, line);
     if (read_map(r, node, fields, &text) != 0) return -1;
     if (!(text.to > text.from))
-        return tree_fault(r->t, node, "%.60s runs from %g to %g; 'to' must be above 'from'", tree_name(r->t, node), text.from, text.to);
+        return tree_fault(r->t, node, "%.60s runs from %g to %g; 'to' must be above 'from'", tree_name(r->t, node),
+                          text.from, text.to);
     return divide(r, node, line, text.from, text.to, text.elements, text.grading);
 }
 
@@ -159,7 +167,8 @@ int read_mesh(reader *r, int node, void *to, const void *rule)
     (void)rule;
     if (read_map(r, node, fields, to) != 0) return -1;
     if ((s->line[0].elements + 1.0) * (s->line[1].elements + 1.0) <= SCENE_NODES) return 0;
-    return tree_fault(r->t, node, "a mesh of %d x %d elements has more than %d nodes; use fewer elements", s->line[0].elements, s->line[1].elements, SCENE_NODES);
+    return tree_fault(r->t, node, "a mesh of %d x %d elements has more than %d nodes; use fewer elements",
+                      s->line[0].elements, s->line[1].elements, SCENE_NODES);
 }
 
 /* ---- materials ---- */
@@ -186,7 +195,8 @@ static int read_alpha(reader *r, int node, void *to, const void *rule)
         alpha[1] = alpha[2] = alpha[0];
         return 0;
     }
-    if (r->t->node[node].count != 3) return tree_fault(r->t, node, "'alpha' has %d values; give one, or three for 1, 2, 3", r->t->node[node].count);
+    if (r->t->node[node].count != 3)
+        return tree_fault(r->t, node, "'alpha' has %d values; give one, or three for 1, 2, 3", r->t->node[node].count);
     for (i = r->t->node[node].first; i; i = r->t->node[i].next)
         if (read_real(r, i, &alpha[k++], NULL) != 0) return -1;
     return 0;
@@ -210,7 +220,8 @@ static const char *first_given(const reader *r, int node, const char *const *key
 static int require(reader *r, int node, const char *const *keys)
 {
     for (; *keys; keys++)
-        if (!tree_find(r->t, node, *keys)) return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", *keys, tree_name(r->t, node));
+        if (!tree_find(r->t, node, *keys))
+            return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", *keys, tree_name(r->t, node));
     return 0;
 }
 
@@ -224,7 +235,8 @@ static int elastic_isotropic(reader *r, int node, material_text *text)
     scene_material *m = &text->m;
     if (require(r, node, isotropic_keys) != 0) return -1;
     if (text->nu >= 0.5 || text->nu <= -1)
-        return tree_fault(r->t, tree_find(r->t, node, "nu"), "'nu: %g' of %.60s leaves no positive definite stiffness; use -1 < nu < 0.5, 0.4999 with element: corrected for rubber",
+        return tree_fault(r->t, tree_find(r->t, node, "nu"), "'nu: %g' of %.60s leaves no positive definite stiffness; "
+                          "use -1 < nu < 0.5, 0.4999 with element: corrected for rubber",
                           text->nu, tree_name(r->t, node));
     m->e[0] = m->e[1] = m->e[2] = text->e;
     m->nu12 = m->nu13 = m->nu23 = text->nu;
@@ -235,7 +247,8 @@ static int elastic_isotropic(reader *r, int node, material_text *text)
 /* Pivots of the compliance scaled to unit diagonal: positive for a stable material. */
 static int is_stable(const scene_material *m)
 {
-    const double a = -m->nu12 * sqrt(m->e[1] / m->e[0]), b = -m->nu13 * sqrt(m->e[2] / m->e[0]), c = -m->nu23 * sqrt(m->e[2] / m->e[1]);
+    const double a = -m->nu12 * sqrt(m->e[1] / m->e[0]), b = -m->nu13 * sqrt(m->e[2] / m->e[0]),
+        c = -m->nu23 * sqrt(m->e[2] / m->e[1]);
     const double second = 1 - a * a, third = 1 - b * b - (c - a * b) * (c - a * b) / second;
     return second > 1e-9 && third > 1e-9;
 }
@@ -250,10 +263,12 @@ static int elastic_orthotropic(reader *r, int node, material_text *text)
     set_default(&m->nu13, m->nu12);
     set_default(&m->nu23, m->nu12);
     if (isnan(m->g23) && m->nu23 <= -1)
-        return tree_fault(r->t, node, "'nu23: %g' of %.60s is not above -1; give G23 or another nu23", m->nu23, tree_name(r->t, node));
+        return tree_fault(r->t, node, "'nu23: %g' of %.60s is not above -1; give G23 or another nu23", m->nu23,
+                          tree_name(r->t, node));
     set_default(&m->g23, m->e[1] / (2 * (1 + m->nu23)));
     if (is_stable(m)) return 0;
-    return tree_fault(r->t, node, "nu12 = %g, nu13 = %g, nu23 = %g of %.60s leave no positive definite stiffness; nu12 is -e2/e1 under a pull along 1: swap or lower them",
+    return tree_fault(r->t, node, "nu12 = %g, nu13 = %g, nu23 = %g of %.60s leave no positive definite stiffness; nu12 "
+                      "is -e2/e1 under a pull along 1: swap or lower them",
                       m->nu12, m->nu13, m->nu23, tree_name(r->t, node));
 }
 
@@ -261,8 +276,12 @@ static int check_material(reader *r, int node, material_text *text)
 {
     const char *e = first_given(r, node, isotropic_keys), *e1 = first_given(r, node, orthotropic_keys);
     const char *d = first_given(r, node, d_keys), *piezo_e = first_given(r, node, e_keys);
-    if (e && e1) return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give E, nu or E1, E2, G12, nu12 ...", tree_name(r->t, node), e, e1);
-    if (d && piezo_e) return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give strain constants d or stress constants e", tree_name(r->t, node), d, piezo_e);
+    if (e && e1)
+        return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give E, nu or E1, E2, G12, nu12 ...",
+                          tree_name(r->t, node), e, e1);
+    if (d && piezo_e)
+        return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give strain constants d or stress constants e",
+                          tree_name(r->t, node), d, piezo_e);
     text->m.has_d = d != NULL;
     text->m.has_e = piezo_e != NULL;
     return e1 ? elastic_orthotropic(r, node, text) : elastic_isotropic(r, node, text);
@@ -323,7 +342,9 @@ static int read_material_of(reader *r, int node, void *to, const void *rule)
     if (read_name(r, node, name, rule) != 0) return -1;
     for (i = 0; i < s->materials; i++)
         if (strcmp(s->material[i].name, name) == 0) break;
-    if (i == s->materials) return tree_fault(r->t, node, "there is no material '%s'; add it to materials, or use '%s'", name, s->material[0].name);
+    if (i == s->materials)
+        return tree_fault(r->t, node, "there is no material '%s'; add it to materials, or use '%s'", name,
+                          s->material[0].name);
     *(int *)to = i;
     return 0;
 }
@@ -378,7 +399,8 @@ static int read_layer_of(reader *r, int node, void *to, const void *rule)
     if (read_name(r, node, name, rule) != 0) return -1;
     for (i = 0; i < s->layers; i++)
         if (strcmp(s->layer[i].name, name) == 0) break;
-    if (i == s->layers) return tree_fault(r->t, node, "there is no layer named '%s'; give one of the layers this name", name);
+    if (i == s->layers)
+        return tree_fault(r->t, node, "there is no layer named '%s'; give one of the layers this name", name);
     *(int *)to = i;
     return 0;
 }
@@ -389,7 +411,8 @@ static int read_grid(reader *r, int node, void *to, const void *rule)
     int i, *grid = to;
     if (read_pair(r, node, pair, rule) != 0) return -1;
     for (i = 0; i < 2; i++) {
-        if (pair[i] != floor(pair[i])) return tree_fault(r->t, node, "'grid' must be two whole numbers, [along theta1, along theta2]");
+        if (pair[i] != floor(pair[i]))
+            return tree_fault(r->t, node, "'grid' must be two whole numbers, [along theta1, along theta2]");
         grid[i] = (int)pair[i];
     }
     return 0;
@@ -415,7 +438,8 @@ static int read_patch(reader *r, int node, scene_patches *p)
     if (read_map(r, node, fields, p) != 0) return -1;
     for (int k = 0; k < 2; k++)
         if (p->grid[k] > line[k].elements)
-            return tree_fault(r->t, node, "patches '%s': %d along theta%d, but the mesh has %d elements there; use fewer patches or more elements",
+            return tree_fault(r->t, node, "patches '%s': %d along theta%d, but the mesh has %d elements there; use "
+                              "fewer patches or more elements",
                               p->name, p->grid[k], k + 1, line[k].elements);
     return 0;
 }

@@ -42,10 +42,15 @@ static int check_drive(reader *r, int node, const scene_actuator *a, int drive)
     const scene_patches *p = &s->patches[a->drive[drive].patches], *first = &s->patches[a->drive[0].patches];
     const scene_material *m = &s->material[s->layer[p->layer].material];
     const char *other = driven_by(s, a->drive[drive].patches, (int)(a - s->actuator) + 1, drive);
-    if (other) return tree_fault(r->t, node, "patches '%s' are driven by '%s' already; an electrode has one amplifier", p->name, other);
-    if (!m->has_d && !m->has_e) return tree_fault(r->t, node, "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or e31", p->name, m->name);
+    if (other)
+        return tree_fault(r->t, node, "patches '%s' are driven by '%s' already; an electrode has one amplifier", p->name,
+                          other);
+    if (!m->has_d && !m->has_e)
+        return tree_fault(r->t, node, "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or "
+                          "e31", p->name, m->name);
     if (p->grid[0] == first->grid[0] && p->grid[1] == first->grid[1]) return 0;
-    return tree_fault(r->t, node, "patches '%s' are %d x %d but '%s' %d x %d; grids tied to one actuator need the same shape",
+    return tree_fault(r->t, node, "patches '%s' are %d x %d but '%s' %d x %d; grids tied to one actuator need the same "
+                      "shape",
                       p->name, p->grid[0], p->grid[1], first->name, first->grid[0], first->grid[1]);
 }
 
@@ -89,7 +94,8 @@ static int read_actuator(reader *r, int node, scene_actuator *a)
     a->grid[0] = a->grid[1] = 1;
     if (read_map(r, node, fields, a) != 0) return -1;
     if ((a->drives > 0) == a->is_temperature)
-        return tree_fault(r->t, node, "actuator '%s' needs either drives: [{patches: ...}] or temperature: uniform", a->name);
+        return tree_fault(r->t, node, "actuator '%s' needs either drives: [{patches: ...}] or temperature: uniform",
+                          a->name);
     a->first = r->s->amplifiers;
     r->s->amplifiers += a->grid[0] * a->grid[1];
     return 0;
@@ -115,7 +121,8 @@ static int read_voltage(reader *r, int node, void *to, const void *rule)
 {
     double *pair = to;
     if (read_pair(r, node, pair, rule) != 0) return -1;
-    if (pair[0] > pair[1]) return tree_fault(r->t, node, "voltage from %g to %g is empty; write [lowest, highest]", pair[0], pair[1]);
+    if (pair[0] > pair[1])
+        return tree_fault(r->t, node, "voltage from %g to %g is empty; write [lowest, highest]", pair[0], pair[1]);
     return 0;
 }
 
@@ -136,7 +143,8 @@ static int read_amplifier(reader *r, int node, void *to, const void *rule)
     char name[SCENE_NAME + 24];
     if (r->t->node[node].kind != TREE_SCALAR) return read_name(r, node, name, rule);
     if (scene_find_amplifier(r->s, node_text(r, node), &limit->first, &limit->count)) return 0;
-    if (r->s->amplifiers == 0) return tree_fault(r->t, node, "there is no actuator '%.60s'; add actuators first", node_text(r, node));
+    if (r->s->amplifiers == 0)
+        return tree_fault(r->t, node, "there is no actuator '%.60s'; add actuators first", node_text(r, node));
     scene_amplifier_name(r->s, 0, name);
     return tree_fault(r->t, node, "there is no actuator '%.60s'; the first one is '%s'", node_text(r, node), name);
 }
@@ -229,14 +237,16 @@ static int read_at(reader *r, int node, void *to, const void *rule)
     const char *text = node_text(r, node);
     if (text && strcmp(text, "nodes") == 0) return start_where(r, node, to, WHERE_NODES);
     if (r->t->node[node].kind != TREE_MAP)
-        return tree_fault(r->t, node, "'at: %.60s' is no place; write {theta1: ..., theta2: ...}, nodes, or edge: theta1+ instead", text ? text : "[...]");
+        return tree_fault(r->t, node, "'at: %.60s' is no place; write {theta1: ..., theta2: ...}, nodes, or edge: "
+                          "theta1+ instead", text ? text : "[...]");
     return read_point(r, node, to, rule);
 }
 
 static int require_place(reader *r, int node, const scene_where *w)
 {
     if (w->at.column) return 0;
-    return tree_fault(r->t, node, "no place in this item of %.60s; add at: {theta1: ..., theta2: ...}, at: nodes or edge: theta1+", tree_name(r->t, node));
+    return tree_fault(r->t, node, "no place in this item of %.60s; add at: {theta1: ..., theta2: ...}, at: nodes or "
+                      "edge: theta1+", tree_name(r->t, node));
 }
 
 /* ---- supports ---- */
@@ -250,7 +260,8 @@ enum {
 static const choice fixes[] = {
     {"clamped", U1 | U2 | U3}, {"simple", SIMPLE}, {"symmetric", SYMMETRIC}, {"free", 0},
     {"u1", U1}, {"u2", U2}, {"u3", U3}, {"u1 mean", MEAN_1}, {"u2 mean", MEAN_2}, {"u3 mean", MEAN_3},
-    {"u1 difference", DIFFERENCE_1}, {"u2 difference", DIFFERENCE_2}, {"u3 difference", DIFFERENCE_3}, {"u3M", SEVENTH}, {NULL, 0}};
+    {"u1 difference", DIFFERENCE_1}, {"u2 difference", DIFFERENCE_2}, {"u3 difference", DIFFERENCE_3}, {"u3M", SEVENTH},
+        {NULL, 0}};
 
 static int read_fix_word(reader *r, int node, scene_support *support)
 {
@@ -258,7 +269,9 @@ static int read_fix_word(reader *r, int node, scene_support *support)
     int fix = 0;
     if (read_choice(r, node, &fix, fixes) != 0) return -1;
     if (fix & (SIMPLE | SYMMETRIC)) {
-        if (support->where.type != WHERE_EDGE) return tree_fault(r->t, node, "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, u3]", node_text(r, node));
+        if (support->where.type != WHERE_EDGE)
+            return tree_fault(r->t, node, "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, "
+                              "u3]", node_text(r, node));
         fix = fix == SIMPLE ? (across_1 ? U2 : U1) | U3 : across_1 ? U1 : U2;
     }
     support->fix |= (unsigned)fix;
@@ -304,14 +317,16 @@ typedef struct load_text {
 static const int load_types[] = {LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE};
 static const int components[] = {COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z};
 static const choice axes[] = {{"x", COMPONENT_X}, {"y", COMPONENT_Y}, {"z", COMPONENT_Z}, {NULL, 0}};
-static const choice faces[] = {{"middle", FACE_MIDDLE}, {"inner", FACE_INNER}, {"outer", FACE_OUTER}, {"mean", FACE_MEAN}, {NULL, 0}};
+static const choice faces[] = {{"middle", FACE_MIDDLE}, {"inner", FACE_INNER}, {"outer", FACE_OUTER},
+                               {"mean", FACE_MEAN}, {NULL, 0}};
 
 static int read_constant(reader *r, int node, void *to, const void *rule)
 {
     expr **e = to;
     if (read_expr(r, node, to, rule) != 0) return -1;
     if (expr_is_constant(*e)) return 0;
-    return tree_fault(r->t, node, "'%.60s: %.60s' varies over the surface; a constant is wanted here", tree_name(r->t, node), node_text(r, node));
+    return tree_fault(r->t, node, "'%.60s: %.60s' varies over the surface; a constant is wanted here",
+                          tree_name(r->t, node), node_text(r, node));
 }
 
 static int read_weight(reader *r, int node, scene_load *load)
@@ -333,7 +348,9 @@ static int read_load_type(reader *r, int node, void *to, const void *rule)
     load_text *text = to;
     scene_load *load = text->load;
     int face = 0;
-    if (text->types++) return tree_fault_at(r->t, r->t->node[node].key_at, "a load is one of point, line, face, weight, temperature; write a second item");
+    if (text->types++)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "a load is one of point, line, face, weight, temperature; "
+                             "write a second item");
     load->type = (scene_load_type)*(const int *)rule;
     switch (load->type) {
     case LOAD_POINT: return read_point(r, node, &load->where, NULL);
@@ -350,8 +367,12 @@ static int read_load_type(reader *r, int node, void *to, const void *rule)
 static int read_direction(reader *r, int node, void *to, const void *rule)
 {
     load_text *text = to;
-    if (text->load->value && !text->directions) return tree_fault_at(r->t, r->t->node[node].key_at, "weight and temperature say all; remove '%s'", r->t->node[node].key);
-    if (text->directions++) return tree_fault_at(r->t, r->t->node[node].key_at, "a load has one direction; write a second item for '%s'", r->t->node[node].key);
+    if (text->load->value && !text->directions)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "weight and temperature say all; remove '%s'",
+                             r->t->node[node].key);
+    if (text->directions++)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "a load has one direction; write a second item for '%s'",
+                             r->t->node[node].key);
     text->load->component = (scene_component)*(const int *)rule;
     return read_expr(r, node, &text->load->value, NULL);
 }
@@ -360,7 +381,8 @@ static int read_pressure(reader *r, int node, void *to, const void *rule)
 {
     load_text *text = to;
     (void)rule;
-    if (text->load->type != LOAD_FACE) return tree_fault_at(r->t, r->t->node[node].key_at, "'pressure' acts on a face; add face: outer, inner or middle");
+    if (text->load->type != LOAD_FACE)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "'pressure' acts on a face; add face: outer, inner or middle");
     return read_direction(r, node, to, &components[COMPONENT_U3]);
 }
 
@@ -369,7 +391,8 @@ static int read_area(reader *r, int node, void *to, const void *rule)
     static const choice areas[] = {{"reference", 0}, {"true", 1}, {NULL, 0}};
     load_text *text = to;
     (void)rule;
-    if (text->load->type != LOAD_FACE) return tree_fault_at(r->t, r->t->node[node].key_at, "'area' belongs to a load on a face; remove it");
+    if (text->load->type != LOAD_FACE)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "'area' belongs to a load on a face; remove it");
     return read_choice(r, node, &text->load->true_area, areas);
 }
 
@@ -389,8 +412,11 @@ static int read_load(reader *r, int node, scene_load *load)
     text.load = load;
     load->at = node_at(r, node);
     if (read_map(r, node, fields, &text) != 0) return -1;
-    if (text.types == 0) return tree_fault(r->t, node, "a load needs one of point: {theta1, theta2}, line: edge, face: outer, weight: {axis, gravity}, temperature: value");
-    if (!load->value) return tree_fault(r->t, node, "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
+    if (text.types == 0)
+        return tree_fault(r->t, node, "a load needs one of point: {theta1, theta2}, line: edge, face: outer, weight: "
+                          "{axis, gravity}, temperature: value");
+    if (!load->value)
+        return tree_fault(r->t, node, "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
     return 0;
 }
 
@@ -418,7 +444,9 @@ static int read_component(reader *r, int node, void *to, const void *rule)
 {
     output_text *text = to;
     int face = 0;
-    if (text->directions++) return tree_fault_at(r->t, r->t->node[node].key_at, "an output has one direction; write a second item for '%s'", r->t->node[node].key);
+    if (text->directions++)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "an output has one direction; write a second item for '%s'",
+                             r->t->node[node].key);
     if (read_choice(r, node, &face, faces) != 0) return -1;
     text->output.component = (scene_component)*(const int *)rule;
     text->output.face = (scene_face)face;
@@ -426,12 +454,15 @@ static int read_component(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
-#define PLACE(member) {"edge", read_edge, offsetof(output_text, member), NULL, 0}, {"at", read_at, offsetof(output_text, member), NULL, 0}
+#define PLACE(member) \
+    {"edge", read_edge, offsetof(output_text, member), NULL, 0}, {"at", read_at, offsetof(output_text, member), NULL, 0}
 
 static int finish_output(reader *r, int node, output_text *text)
 {
     text->output.at = node_at(r, node);
-    if (text->directions == 0) return tree_fault(r->t, node, "no direction in this item of %.60s; add one, as u3: middle or z: outer", tree_name(r->t, node));
+    if (text->directions == 0)
+        return tree_fault(r->t, node, "no direction in this item of %.60s; add one, as u3: middle or z: outer",
+                          tree_name(r->t, node));
     return require_place(r, node, &text->output.where);
 }
 
@@ -495,7 +526,8 @@ static int read_values(reader *r, int node, void *to, const void *rule)
     compare->value = new_items(r, node, TREE_LIST, sizeof *compare->value, &compare->count);
     if (!compare->value) return -1;
     if (compare->count != r->s->amplifiers)
-        return tree_fault(r->t, node, "%d values for %d amplifiers; give one for each, in the order of actuators, theta2 fastest", compare->count, r->s->amplifiers);
+        return tree_fault(r->t, node, "%d values for %d amplifiers; give one for each, in the order of actuators, "
+                          "theta2 fastest", compare->count, r->s->amplifiers);
     for (i = r->t->node[node].first; i; i = r->t->node[i].next)
         if (read_real(r, i, &compare->value[k++], NULL) != 0) return -1;
     return 0;

@@ -228,7 +228,7 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
             w->prefix, p.format, (unsigned)p.scene, (unsigned)~w->crc32, (unsigned)guard_problem_crc(&p), n, m,
             influence ? w->prefix : "NULL", influence ? "_influence" : "", influence ? w->prefix : "NULL", influence ? "_hessian" : "",
             w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, p.effort);
-    write_reals(w, "target", d->target, m, "wanted displacement of each target node");
+    write_reals(w, "target", d->wanted, m, "displacement of each target node that the volts must make");
 }
 
 /* ---- header ----------------------------------------------------------- */

@@ -29,7 +29,8 @@ int tree_message(char *error, const char *path, const char *const *set, scene_at
     if (length > 200) path += length - 200;
     if (at.line < 0) {
         const char *change = set[-at.line - 1];
-        n = snprintf(error, SCENE_ERROR, "--set %.*s: ", (int)(strcspn(change, "=") % 200), change);
+        const size_t name = strcspn(change, "=");
+        n = snprintf(error, SCENE_ERROR, "--set %.*s: ", name < 200 ? (int)name : 200, change);
     } else if (at.line == 0) {
         n = snprintf(error, SCENE_ERROR, "%s: ", path);
     } else {
@@ -235,7 +236,9 @@ static int take_alias(builder *b, const char *name, scene_at at)
     int i;
     for (i = b->anchor_count - 1; i >= 0; i--)
         if (strcmp(b->anchors[i].name, name) == 0) break;
-    if (i < 0) return tree_fault_at(b->t, at, "*%s stands for nothing; define it before with &%s, or quote an expression that starts with *", name, name), 0;
+    if (i < 0)
+        return tree_fault_at(b->t, at, "*%s stands for nothing; define it before with &%s, or quote an expression that "
+                             "starts with *", name, name), 0;
     if (is_open(b, b->anchors[i].node)) return tree_fault_at(b->t, at, "*%s contains itself; write its value out", name), 0;
     if (b->depth + height(b->t, b->anchors[i].node) > TREE_DEPTH)
         return tree_fault_at(b->t, at, "nested more than %d deep; a scene is flatter", TREE_DEPTH), 0;
@@ -246,7 +249,8 @@ static int keep_anchor(builder *b, const yaml_char_t *name, int node, scene_at a
 {
     anchor *a = &b->anchors[b->anchor_count];
     if (!name) return 0;
-    if (b->anchor_count == TREE_ANCHORS) return tree_fault_at(b->t, at, "more than %d anchors; write the values out", TREE_ANCHORS);
+    if (b->anchor_count == TREE_ANCHORS)
+        return tree_fault_at(b->t, at, "more than %d anchors; write the values out", TREE_ANCHORS);
     a->name = copy_text((const char *)name, strlen((const char *)name));
     if (!a->name) return tree_fault_at(b->t, at, "out of memory");
     a->node = node;
@@ -263,8 +267,11 @@ static int take_key(builder *b, const yaml_event_t *e, scene_at at)
     text = (const char *)e->data.scalar.value;
     if (strlen(text) != e->data.scalar.length) return tree_fault_at(b->t, at, "a NUL character in a key; remove it");
     twin = tree_find(b->t, map, text);
-    if (twin) return tree_fault_at(b->t, at, "'%.60s' is given twice (first on line %d); keep one", text, b->t->node[twin].key_at.line);
-    if (b->t->node[map].count >= TREE_KEYS) return tree_fault_at(b->t, at, "more than %d keys; a scene is smaller", TREE_KEYS);
+    if (twin)
+        return tree_fault_at(b->t, at, "'%.60s' is given twice (first on line %d); keep one", text,
+                             b->t->node[twin].key_at.line);
+    if (b->t->node[map].count >= TREE_KEYS)
+        return tree_fault_at(b->t, at, "more than %d keys; a scene is smaller", TREE_KEYS);
     b->key[top] = copy_text(text, strlen(text));
     b->key_at[top] = at;
     return b->key[top] ? 0 : tree_fault_at(b->t, at, "out of memory");
@@ -292,7 +299,8 @@ static int value_node(builder *b, const yaml_event_t *e, scene_at at)
 {
     if (e->type == YAML_ALIAS_EVENT) return take_alias(b, (const char *)e->data.alias.anchor, at);
     if (e->type != YAML_SCALAR_EVENT) return new_node(b->t, e->type == YAML_MAPPING_START_EVENT ? TREE_MAP : TREE_LIST, at);
-    if (memchr(e->data.scalar.value, 0, e->data.scalar.length)) return tree_fault_at(b->t, at, "a NUL character; remove it"), 0;
+    if (memchr(e->data.scalar.value, 0, e->data.scalar.length))
+        return tree_fault_at(b->t, at, "a NUL character; remove it"), 0;
     return new_scalar(b->t, (const char *)e->data.scalar.value, e->data.scalar.length, at);
 }
 
@@ -424,9 +432,13 @@ static int replace(tree *t, int old, int value)
 static int missing(const tree *t, int node, const char *path, size_t length, scene_at at)
 {
     const char *name = tree_name(t, node);
-    if (t->node[node].kind == TREE_SCALAR) return tree_fault_at(t, at, "'%.60s' is a single value; set the whole of it, as {%.*s: ...}", name, (int)length, path);
-    if (t->node[node].kind == TREE_MAP) return tree_fault_at(t, at, "there is no '%.*s' in %.60s; set the whole of it, as {...}", (int)length, path, name);
-    return tree_fault_at(t, at, "'%.60s' has no item '%.*s'; it has %d, numbered from 0, or use an item's name", name, (int)length, path, t->node[node].count);
+    if (t->node[node].kind == TREE_SCALAR)
+        return tree_fault_at(t, at, "'%.60s' is a single value; set the whole of it, as {%.*s: ...}", name, (int)length,
+                             path);
+    if (t->node[node].kind == TREE_MAP)
+        return tree_fault_at(t, at, "there is no '%.*s' in %.60s; set the whole of it, as {...}", (int)length, path, name);
+    return tree_fault_at(t, at, "'%.60s' has no item '%.*s'; it has %d, numbered from 0, or use an item's name", name,
+                         (int)length, path, t->node[node].count);
 }
 
 static int put(tree *t, const char *path, size_t length, int value, scene_at at)
@@ -458,7 +470,8 @@ static int apply_change(tree *t, int k)
     scene_at at = {-(k + 1), 1};
     int value;
     if (!equals) return tree_fault_at(t, at, "no '='; write --set a.b.c=value");
-    if (t->node[t->root].kind != TREE_MAP) return tree_fault(t, t->root, "a scene is a mapping of keys to values; start with name: ...");
+    if (t->node[t->root].kind != TREE_MAP)
+        return tree_fault(t, t->root, "a scene is a mapping of keys to values; start with name: ...");
     value = build(t, equals + 1, strlen(equals + 1), at.line);
     if (value == 0) return -1;
     if (value < 0) return tree_fault_at(t, at, "no value; write --set a.b.c=value");
@@ -491,7 +504,8 @@ static int read_file(tree *t, char **text, size_t *bytes)
     struct stat info;
     FILE *file;
     int status;
-    if (stat(t->path, &info) != 0) return tree_fault_at(t, whole, "cannot be opened: %s; give the path of a scene file", strerror(errno));
+    if (stat(t->path, &info) != 0)
+        return tree_fault_at(t, whole, "cannot be opened: %s; give the path of a scene file", strerror(errno));
     if (!S_ISREG(info.st_mode)) return tree_fault_at(t, whole, "is not a file; give the path of a scene file");
     if (info.st_size > TREE_BYTES) return tree_fault_at(t, whole, "larger than %d MB; a scene is smaller", TREE_BYTES >> 20);
     file = fopen(t->path, "rb");

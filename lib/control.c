@@ -43,11 +43,11 @@
 
 #define READY 1u
 #define ROUNDS 8u        /* most rounds of one step */
-#define NOISE 8          /* multipliers below NOISE epsilon |gradient terms| are zero */
+#define NOISE 2          /* multipliers below NOISE epsilon |gradient terms| are zero */
 #define POOR 16          /* a round that lowers the KKT violation less than this asks for a fresh tableau */
 #define FROZEN_TICKS 8u  /* a measurement that repeats so often while its output moves is frozen */
 #define FROZEN_PART 64   /* "moves": by more than 1/FROZEN_PART of |measured| + |predicted| in a tick */
-#define VECTORS 12u      /* in control->work */
+#define VECTORS 14u      /* in control->work */
 
 /* The optimiser's arrays, each [width]; entries from n to width stay zero. */
 typedef struct desk {
@@ -57,10 +57,12 @@ typedef struct desk {
     pzs_real *v;         /* volts */
     pzs_real *lo, *hi;   /* limits of this step: limits in force and slew window (V) */
     pzs_real *side;      /* +1 swept, -1 standing */
-    pzs_real *bias;      /* -effort prefer */
-    pzs_real *pull;      /* H v + bias */
-    pzs_real *want;      /* B'W^2 e */
-    pzs_real *grad;      /* pull - want */
+    pzs_real *base;      /* volts whose shape B base is `predicted` */
+    pzs_real *bias;      /* effort (base - prefer) */
+    pzs_real *full;      /* B'W^2 B base */
+    pzs_real *pull;      /* H (v - base) */
+    pzs_real *want;      /* B'W^2 (e - B base) */
+    pzs_real *grad;      /* pull + bias - want, the gradient at v */
     pzs_real *move;      /* swept: way to go (V); standing: gradient after it */
     pzs_real *diag;      /* of H */
     pzs_real *start;     /* volts at the start of the round */
@@ -80,8 +82,8 @@ static desk desk_of(pzs_control *c)
     pzs_real *w = c->work;
     const desk d = {
         n, width, c->hessian, c->tableau, c->volt, w, w + width, w + 2u * width, w + 3u * width,
-        w + 4u * width, w + 5u * width, w + 6u * width, w + 7u * width, w + 8u * width,
-        w + 9u * width, w + 10u * width, w + 11u * width, &c->dependence,
+        w + 4u * width, w + 5u * width, w + 6u * width, w + 7u * width, w + 8u * width, w + 9u * width,
+        w + 10u * width, w + 11u * width, w + 12u * width, w + 13u * width, &c->dependence,
     };
     return d;
 }
@@ -124,6 +126,18 @@ static pzs_real dot(const pzs_real *x, const pzs_real *y, uint32_t n)
         sum[0] += x[i] * y[i];
     }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+static pzs_real sum(const pzs_real *x, uint32_t n)
+{
+    pzs_real part[4] = { 0, 0, 0, 0 };
+    for (uint32_t i = 0; i < n; i += 4u) {
+        part[0] += x[i];
+        part[1] += x[i + 1u];
+        part[2] += x[i + 2u];
+        part[3] += x[i + 3u];
+    }
+    return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
 /* Largest of x [n], not below zero; n a multiple of 4. */
@@ -273,15 +287,23 @@ static void drop(const desk *d, uint32_t j, pzs_real left)
 
 /* ---- passes ---------------------------------------------------------------- */
 
+static void gradient_from_pull(const desk *d)
+{
+    for (uint32_t i = 0; i < d->width; ++i) {
+        d->grad[i] = (d->pull[i] + d->bias[i]) - d->want[i];
+    }
+}
+
 /* pull and gradient from H itself. */
 static void true_gradient(const desk *d)
 {
     const uint32_t width = d->width & ~(PZS_TILE - 1u);
-    memcpy(d->pull, d->bias, width * sizeof(pzs_real));
-    add_rows(d->pull, d->h, width, d->v, d->n, width);
     for (uint32_t i = 0; i < width; ++i) {
-        d->grad[i] = d->pull[i] - d->want[i];
+        d->spare[i] = d->v[i] - d->base[i];
+        d->pull[i] = 0;
     }
+    add_rows(d->pull, d->h, width, d->spare, d->n, width);
+    gradient_from_pull(d);
 }
 
 /* move from the gradient and the tableau. */
@@ -390,8 +412,8 @@ static uint32_t worst_standing(const desk *d, pzs_real noise)
 /* How far input k may go along its ray (V): to the ray's minimum, or its own limit. */
 static pzs_real ray_length(const desk *d, uint32_t k, pzs_real pivot, int *to_limit)
 {
-    const pzs_real floor = PZS_EPSILON * d->diag[k];
     const pzs_real room = d->move[k] > 0 ? d->v[k] - d->lo[k] : d->hi[k] - d->v[k];
+    const pzs_real floor = (finite(room) ? PZS_EPSILON : *d->floor) * d->diag[k];
     const pzs_real curvature = pivot > floor ? pivot : floor;
     *to_limit = !(size(d->move[k]) < room * curvature);
     return *to_limit ? room : size(d->move[k]) / curvature;
@@ -447,15 +469,24 @@ static uint32_t run_passes(const desk *d, pzs_real noise, uint32_t allowed)
     return used;
 }
 
+/* What a step has to do and what became of it. */
+typedef struct search {
+    uint32_t allowed, used; /* passes */
+    pzs_real wanted;        /* |W e|^2 (m2) */
+    pzs_real missed;        /* |W (e - B base)|^2 (m2) */
+    pzs_real left;          /* largest violation (m2/V) */
+    pzs_real noise;         /* what of it may be rounding */
+} search;
+
 /* ---- rounds ------------------------------------------------------------------ */
 
-/* Multipliers below this are rounding (m2/V). */
-static pzs_real noise_level(const desk *d, pzs_real want)
+/* Rounding of a gradient (m2/V): of want, at most that of |B| |W (e - B base)|, and of pull. */
+static pzs_real noise_level(const desk *d, pzs_real missed)
 {
     for (uint32_t i = 0; i < d->width; ++i) {
-        d->spare[i] = size(d->v[i]);
+        d->spare[i] = size(d->v[i] - d->base[i]);
     }
-    return NOISE * PZS_EPSILON * (want + dot(d->diag, d->spare, d->width));
+    return PZS_EPSILON * (root(missed * largest(d->diag, d->width)) + dot(d->diag, d->spare, d->width));
 }
 
 /* Change of the objective over the round, halved: exact for a quadratic, from the gradients at both ends. */
@@ -485,22 +516,22 @@ static pzs_real run_round(const desk *d, pzs_real noise, uint32_t allowed, uint3
     return -1;
 }
 
-/* Rounds from a true gradient until no violation exceeds noise; returns the violation left. */
-static pzs_real optimise(const desk *d, pzs_real noise, uint32_t allowed, uint32_t *used)
+/* Rounds from a true gradient until no violation exceeds noise. */
+static void optimise(const desk *d, search *s)
 {
-    pzs_real worst = violation(d);
     int fresh = 0;
-    *used = 0;
-    for (uint32_t round = 0; round < ROUNDS && worst > noise && *used < allowed; ++round) {
-        const pzs_real before = worst, after = run_round(d, noise, allowed, used);
-        worst = after < 0 ? before : after;
-        if (worst > noise && worst * POOR > before && *used < allowed) {
+    s->left = violation(d);
+    s->noise = NOISE * noise_level(d, s->wanted + s->missed);
+    for (uint32_t round = 0; round < ROUNDS && s->left > s->noise && s->used < s->allowed; ++round) {
+        const pzs_real before = s->left, after = run_round(d, s->noise, s->allowed, &s->used);
+        s->left = after < 0 ? before : after;
+        s->noise = NOISE * noise_level(d, s->wanted + s->missed);
+        if (s->left > s->noise && s->left * POOR > before && s->used < s->allowed) {
             *d->floor *= fresh ? 16 : 1;
             rebuild(d);
             fresh = 1;
         }
     }
-    return worst;
 }
 
 /* ---- step ---------------------------------------------------------------------- */
@@ -552,44 +583,81 @@ static int32_t enter(const desk *d, const pzs_control *c)
     }
     if (moved != 0) {
         true_gradient(d);
-    }
-    for (uint32_t i = 0; i < d->width; ++i) {
-        d->grad[i] = d->pull[i] - d->want[i];
+    } else {
+        gradient_from_pull(d);
     }
     return clashes != 0 ? first_clash(d, c, d->start) : -1;
 }
 
-/* B'W^2 e into want; returns |W e|^2. */
-static pzs_real project(const desk *d, const pzs_control *c, const pzs_real *error)
+/* want = B'W^2 (e - B base), and the two energies. */
+static void project(const desk *d, const pzs_control *c, const pzs_real *error, search *s)
 {
     const uint32_t m = c->problem->outputs;
     const pzs_real *weight = c->problem->weight;
     pzs_real *weighted = c->work + VECTORS * d->width;
+    pzs_real wanted = 0, missed = 0;
     for (uint32_t i = 0; i < m; ++i) {
-        weighted[i] = weight[i] * weight[i] * error[i];
+        const pzs_real square = weight[i] * weight[i], miss = error[i] - c->predicted[i];
+        weighted[i] = square * miss;
+        wanted += square * error[i] * error[i];
+        missed += weighted[i] * miss;
     }
+    s->wanted = wanted;
+    s->missed = missed;
     memset(d->want, 0, d->width * sizeof(pzs_real));
     add_rows(d->want, c->influence, d->n, weighted, m, d->n);
-    return dot(weighted, error, m);
 }
 
-/* |W (B v - e)| / |W e|, from H and the gradient: good to the square root of epsilon. */
-static pzs_real shape_error(const desk *d, pzs_real effort, pzs_real energy)
+/* |W (B v - e)| / |W e| = |W (B base - e) + W B (v - base)| / |W e|. */
+static pzs_real shape_error(const desk *d, pzs_real effort, const search *s)
 {
     for (uint32_t i = 0; i < d->width; ++i) {
-        d->spare[i] = d->grad[i] - d->want[i] - d->bias[i] - effort * d->v[i];
+        const pzs_real away = d->v[i] - d->base[i];
+        d->spare[i] = away * (d->pull[i] - effort * away - 2 * d->want[i]);
     }
-    const pzs_real rest = energy + dot(d->v, d->spare, d->width);
-    return rest > 0 && energy > 0 ? root(rest / energy) : 0;
+    const pzs_real rest = s->missed + sum(d->spare, d->width);
+    return rest > 0 && s->wanted > 0 ? root(rest / s->wanted) : 0;
 }
 
 /* Largest |B'W^2 e|. */
 static pzs_real most_wanted(const desk *d)
 {
     for (uint32_t i = 0; i < d->width; ++i) {
-        d->spare[i] = size(d->want[i]);
+        d->spare[i] = size(d->want[i] + d->full[i]);
     }
     return largest(d->spare, d->width);
+}
+
+/* Make the volts the new base: from here on gradients come from the residual e - B v itself. */
+static void rebase(const desk *d, const pzs_control *c)
+{
+    const pzs_real effort = c->problem->effort;
+    multiply(c->predicted, c->influence, d->v, c->problem->outputs, d->n);
+    for (uint32_t i = 0; i < d->n; ++i) {
+        d->full[i] += d->pull[i] - effort * (d->v[i] - d->base[i]);
+        d->bias[i] = effort * (d->v[i] - c->problem->prefer[i]);
+        d->base[i] = d->v[i];
+        d->pull[i] = 0;
+    }
+}
+
+/*
+ * Whether rounding in H (v - base) may cost more than epsilon |W e|^2: the error of a gradient,
+ * squared, times the inverse of H on F (for dependent inputs the most it can be).
+ */
+static int coarse(const desk *d, const search *s)
+{
+    const pzs_real noise = noise_level(d, 0);
+    pzs_real soft = 0;
+    for (uint32_t i = 0; i < d->n; ++i) {
+        const pzs_real pivot = d->m[(size_t)i * d->width + i], least = *d->floor * d->diag[i];
+        if (d->side[i] > 0) {
+            soft -= pivot;
+        } else if (pivot < least && d->lo[i] < d->hi[i]) {
+            soft += 1 / least;
+        }
+    }
+    return noise * noise * soft > PZS_EPSILON * s->wanted;
 }
 
 static void note_active(const desk *d, pzs_control *c)
@@ -617,21 +685,33 @@ static pzs_status ready(const pzs_control *c, const void *argument)
     return c->stage == READY ? PZS_OK : PZS_E_STAGE;
 }
 
-/* The step itself, once want holds B'W^2 e and energy |W e|^2. */
-static pzs_status step_to(const desk *d, pzs_control *c, pzs_real energy)
+/* Optimise; where far from the base rounding could cost accuracy, from the residual once more. */
+static void settle(const desk *d, const pzs_control *c, const pzs_real *error, search *s)
 {
-    const pzs_real effort = c->problem->effort, wanted = most_wanted(d);
-    const uint32_t allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
-    uint32_t used;
+    optimise(d, s);
+    if (s->used < s->allowed && coarse(d, s)) {
+        rebase(d, c);
+        project(d, c, error, s);
+        gradient_from_pull(d);
+        optimise(d, s);
+    }
+}
+
+/* The step itself, once want and the energies are there. */
+static pzs_status step_to(const desk *d, pzs_control *c, const pzs_real *error, search *s)
+{
+    const pzs_real effort = c->problem->effort;
     const int32_t clash = enter(d, c);
-    c->error_before = shape_error(d, effort, energy);
-    const pzs_real noise = noise_level(d, wanted), left = optimise(d, noise, allowed, &used);
-    c->error_after = shape_error(d, effort, energy);
-    c->optimality = left > 0 && wanted > 0 ? left / wanted : 0;
-    c->passes = (uint16_t)used;
+    s->allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
+    c->error_before = shape_error(d, effort, s);
+    settle(d, c, error, s);
+    const pzs_real most = most_wanted(d);
+    c->error_after = shape_error(d, effort, s);
+    c->optimality = s->left > 0 && most > 0 ? s->left / most : 0;
+    c->passes = (uint16_t)s->used;
     c->passes_most = c->passes > c->passes_most ? c->passes : c->passes_most;
     note_active(d, c);
-    if (left > noise && used >= allowed) {
+    if (s->left > s->noise && s->used >= s->allowed) {
         return finish(c, PZS_W_PASSES, -1);
     }
     return finish(c, clash < 0 ? PZS_OK : PZS_W_SLEW, clash);
@@ -644,11 +724,12 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
         return status;
     }
     const desk d = desk_of(c);
-    const pzs_real energy = project(&d, c, error);
-    if (!finite(energy) || guard_nonfinite(d.want, d.n) >= 0) {
+    search s = { 0, 0, 0, 0, 0, 0 };
+    project(&d, c, error, &s);
+    if (!finite(s.wanted + s.missed) || guard_nonfinite(d.want, d.n) >= 0) {
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
     }
-    return step_to(&d, c, energy);
+    return step_to(&d, c, error, &s);
 }
 
 /* ---- tick ------------------------------------------------------------------------ */
@@ -710,7 +791,7 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
     if (stepped == PZS_E_NONFINITE) {
         return finish(c, PZS_W_HELD, c->where);
     }
-    multiply(c->predicted, c->influence, c->volt, m, d.n);
+    rebase(&d, c);
     return stepped == PZS_OK && lost != 0 ? finish(c, PZS_W_SENSOR, where) : stepped;
 }
 
@@ -810,13 +891,12 @@ static void set_out(const desk *d, const pzs_control *c)
         c->lower[i] = p->lower[i];
         c->upper[i] = p->upper[i];
         d->v[i] = cut(p->prefer[i], p->lower[i], p->upper[i]);
-        d->bias[i] = -p->effort * p->prefer[i];
         d->diag[i] = d->h[(size_t)i * d->width + i];
         d->side[i] = 1;
     }
-    true_gradient(d);
+    true_gradient(d); /* pull = H v, from the base zero */
+    rebase(d, c);
     rebuild(d);
-    multiply(c->predicted, c->influence, d->v, p->outputs, d->n);
 }
 
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, const pzs_real *influence,
@@ -910,7 +990,8 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
     }
     const desk d = desk_of(c);
     const size_t bytes = d.width * sizeof(pzs_real);
-    (void)project(&d, c, error);
+    search s = { 0, 0, 0, 0, 0, 0 };
+    project(&d, c, error, &s);
     desk free = d; /* its volts and pull apart from the controller's */
     free.v = d.start;
     free.pull = d.start_grad;

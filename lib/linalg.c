@@ -20,6 +20,13 @@
 #define UNROLLED
 #endif
 
+/* Sums between memory and registers: one by one, or in whole vectors on wide hosts. */
+#if PZS_TILE == 4
+#define MOVE(to, from, count) UNROLLED for (int m = 0; m < (count); m++) (to)[m] = (from)[m]
+#else
+#define MOVE(to, from, count) memcpy(to, from, (count) * sizeof(pzs_real))
+#endif
+
 /* ---- storage ---------------------------------------------------------- */
 
 static pzs_real magnitude(pzs_real x)
@@ -151,40 +158,31 @@ pzs_real linalg_norm1(const pzs_envelope *a, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * One tile left of the diagonal: W = A - sum_k w_k l_k^T over the columns before it, then W L^T = W
- * with the unit lower triangle of the tile's own columns.
- *   tile [T][T]         in A, out W: columns of PZS_TILE rows
- *   w    [count][T]     in  columns of L D in the same rows, before the tile
- *   l    [count + T][T] in  columns of L in the rows that carry the tile's columns as diagonal
- * The triangle only goes on with the sum: its w_k are the columns just finished.
+ * STRIP columns of a panel left of its diagonal tile: W_ij = A_ij - sum_k W_ik L_jk, k < j, W = L D.
+ *   strip [STRIP][T]         in A, out W: columns of T = PZS_TILE rows
+ *   w     [count][T]         in  the columns of W before the strip
+ *   l     [count + STRIP][T] in  columns of L in the rows j of the strip's own columns; l[k][0] is the first
+ * The last STRIP terms only go on with the sum: their W_ik are the columns just finished.
  */
 static void eliminate(pzs_real *restrict strip, const pzs_real *restrict w, const pzs_real *restrict l, uint32_t count)
 {
-    pzs_real c[STRIP][PZS_TILE];
+    pzs_real c[STRIP * PZS_TILE];
 
-    UNROLLED
-    for (int j = 0; j < STRIP; j++)
-        UNROLLED
-        for (int i = 0; i < PZS_TILE; i++)
-            c[j][i] = strip[j * PZS_TILE + i];
+    MOVE(c, strip, STRIP * PZS_TILE);
     for (; count > 0; count--, w += PZS_TILE, l += PZS_TILE)
         UNROLLED
         for (int j = 0; j < STRIP; j++)
             UNROLLED
             for (int i = 0; i < PZS_TILE; i++)
-                c[j][i] -= w[i] * l[j];
+                c[j * PZS_TILE + i] -= w[i] * l[j];
     UNROLLED
     for (int k = 0; k < STRIP; k++, l += PZS_TILE)
         UNROLLED
         for (int j = k + 1; j < STRIP; j++)
             UNROLLED
             for (int i = 0; i < PZS_TILE; i++)
-                c[j][i] -= c[k][i] * l[j];
-    UNROLLED
-    for (int j = 0; j < STRIP; j++)
-        UNROLLED
-        for (int i = 0; i < PZS_TILE; i++)
-            strip[j * PZS_TILE + i] = c[j][i];
+                c[j * PZS_TILE + i] -= c[k * PZS_TILE + i] * l[j];
+    MOVE(strip, c, STRIP * PZS_TILE);
 }
 
 /*
@@ -196,15 +194,11 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict w, cons
 static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict w, const pzs_real *restrict inverse,
                                uint32_t count)
 {
-    pzs_real c[PZS_TILE][PZS_TILE];
+    pzs_real c[PZS_TILE * PZS_TILE];
+    pzs_real l[PZS_TILE];
 
-    UNROLLED
-    for (int j = 0; j < PZS_TILE; j++)
-        UNROLLED
-        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
-            c[j][i] = tile[j * PZS_TILE + i];
+    MOVE(c, tile, PZS_TILE * PZS_TILE);
     for (; count > 0; count--, w += PZS_TILE, inverse++) {
-        pzs_real l[PZS_TILE];
         UNROLLED
         for (int j = 0; j < PZS_TILE; j++)
             l[j] = w[j] * *inverse;
@@ -212,16 +206,10 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict w, co
         for (int j = 0; j < PZS_TILE; j++)
             UNROLLED
             for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* wide vectors: whole columns are quicker */
-                c[j][i] -= w[i] * l[j];
-        UNROLLED
-        for (int j = 0; j < PZS_TILE; j++)
-            w[j] = l[j];
+                c[j * PZS_TILE + i] -= w[i] * l[j];
+        MOVE(w, l, PZS_TILE);
     }
-    UNROLLED
-    for (int j = 0; j < PZS_TILE; j++)
-        UNROLLED
-        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
-            tile[j * PZS_TILE + i] = c[j][i];
+    MOVE(tile, c, PZS_TILE * PZS_TILE);
 }
 
 /*
@@ -264,7 +252,7 @@ static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
 
 linalg_inertia linalg_factor(pzs_envelope *a)
 {
-    const pzs_real tolerance = PZS_EPSILON;
+    const pzs_real tolerance = (pzs_real)a->n * PZS_EPSILON;
     linalg_inertia found = {0, -1, -1, 0};
     pzs_real diagonal = 0;
     pzs_real pivot = 0;
@@ -296,6 +284,7 @@ linalg_inertia linalg_factor(pzs_envelope *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
+/* The rows of a panel that exist: all but in the last panel. */
 static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
 {
     if (rows == PZS_TILE)
@@ -305,8 +294,8 @@ static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint
             to[i] = from[i];
 }
 
-/* Rows of one panel of L x = b: columns in ascending order, the rows side by side. x [n] in b, out. */
-static void forward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+/* L x = b, first half of a panel: subtract the known x_k left of its diagonal tile, rows side by side. */
+static void forward_known(const pzs_envelope *a, uint32_t panel, pzs_real *x)
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, a->n - row);
@@ -317,12 +306,14 @@ static void forward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
     copy_rows(y, x + row, rows);
     for (uint32_t k = left; k < row; k += PZS_TILE)
         UNROLLED
-        for (int j = 0; j < PZS_TILE; j++, l += PZS_TILE)
-        UNROLLED
-        for (int i = 0; i < PZS_TILE; i++)
-            y[i] -= l[i] * x[k+(uint32_t)j];
+        for (uint32_t j = 0; j < PZS_TILE; j++, l += PZS_TILE)
+            UNROLLED
+            for (int i = 0; i < PZS_TILE; i++)
+                y[i] -= l[i] * x[k + j];
     copy_rows(x + row, y, rows);
 }
+
+/* L x = b, second half: the triangle of its diagonal tile. Apart from the first, so that vectors stay whole there. */
 static void forward_triangle(const pzs_envelope *a, uint32_t panel, pzs_real *x)
 {
     const uint32_t row = panel * PZS_TILE;
@@ -339,13 +330,14 @@ static void forward_triangle(const pzs_envelope *a, uint32_t panel, pzs_real *x)
     copy_rows(x + row, y, rows);
 }
 
-/* Columns of one panel of L^T x = b: its rows in descending order, so that every x_k meets them in one order. */
+/* L^T x = b, one panel: finish its rows, then subtract them from the x_k to its left, the last row first. */
 static void backward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, a->n - row);
     const uint32_t left = left_of(a, panel);
-    const pzs_real *restrict l = column(a, panel, row);
+    const pzs_real *restrict tile = column(a, panel, row);
+    const pzs_real *restrict l = column(a, panel, left);
     pzs_real y[PZS_TILE] = {0};
 
     copy_rows(y, x + row, rows);
@@ -353,22 +345,22 @@ static void backward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
     for (int i = PZS_TILE - 1; i > 0; i--)
         UNROLLED
         for (int k = 0; k < i; k++)
-            y[k] -= l[k * PZS_TILE + i] * y[i];
+            y[k] -= tile[k * PZS_TILE + i] * y[i];
     copy_rows(x + row, y, rows);
-    l = column(a, panel, left);
     for (uint32_t k = left; k < row; k++, l += PZS_TILE)
         UNROLLED
         for (int i = PZS_TILE - 1; i >= 0; i--)
             x[k] -= l[i] * y[i];
 }
 
+/* A panel meets every right-hand side while it is near. */
 void linalg_solve_many(const pzs_envelope *a, pzs_real *x, uint32_t count, size_t stride)
 {
     const uint32_t panels = panels_of(a->n);
 
-    for (uint32_t p = 0; p < panels; p++) { /* a panel meets all right-hand sides while it is near */
+    for (uint32_t p = 0; p < panels; p++) {
         for (uint32_t r = 0; r < count; r++)
-            forward(a, p, x + r * stride);
+            forward_known(a, p, x + r * stride);
         for (uint32_t r = 0; r < count; r++)
             forward_triangle(a, p, x + r * stride);
     }

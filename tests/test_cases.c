@@ -1,0 +1,404 @@
+/* Structural and piezoelectric cases with known answers, each a scene run as a user runs it. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "analysis.h"
+#include "testdata.h"
+
+#ifndef DATA
+#define DATA "tests/data"
+#endif
+
+enum { MOST = 24 };
+
+/* ---- a scene with changes --------------------------------------------- */
+
+typedef struct run {
+    scene scene;
+    analysis analysis;
+    double *u, *output; /* displacement and output rows under the scene's loads and volts */
+} run;
+
+/* changes: "key=value;key=value"; n > 0 sets both numbers of elements */
+static void run_open(run *r, const char *scene_name, const char *changes, int n)
+{
+    char path[512], text[2048], size[2][64], error[SCENE_ERROR] = "";
+    const char *set[MOST];
+    int sets = 0;
+    memset(r, 0, sizeof *r);
+    snprintf(path, sizeof path, strchr(scene_name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml", scene_name);
+    snprintf(text, sizeof text, "%s", changes);
+    for (char *part = strtok(text, ";"); part && sets < MOST - 2; part = strtok(NULL, ";"))
+        set[sets++] = part;
+    for (int a = 0; a < 2 && n > 0; a++) {
+        snprintf(size[a], sizeof size[a], "mesh.theta%d.elements=%d", a + 1, n);
+        set[sets++] = size[a];
+    }
+    if (scene_read(&r->scene, path, set, sets, error) < 0 || analysis_prepare(&r->analysis, &r->scene, error) < 0)
+        fail_msg("%s", error);
+    r->u = calloc((size_t)r->analysis.design.mesh.dof, sizeof *r->u);
+    r->output = calloc((size_t)r->analysis.design.structure.output.count + 1, sizeof *r->output);
+    if (analysis_solve(&r->analysis, r->u, error) < 0)
+        fail_msg("%s", error);
+    pzs_observe(&r->analysis.design.structure, r->u, r->output);
+}
+
+static void run_close(run *r)
+{
+    analysis_free(&r->analysis);
+    scene_free(&r->scene);
+    free(r->u);
+    free(r->output);
+}
+
+/* Value of the first row of the scene's k-th output over its reference. */
+static double ratio(const char *scene_name, const char *changes, int n, int k)
+{
+    run r;
+    run_open(&r, scene_name, changes, n);
+    const double value = r.output[r.analysis.design.named_first[k]] / r.scene.output[k].reference;
+    run_close(&r);
+    return value;
+}
+
+/* ---- tables of ratios ------------------------------------------------- */
+
+#define SOURCE "element=source"
+#define CORRECTED "element=corrected"
+#define METRIC_OFF "element={kinematics: cartesian, metric: off}"
+#define LOCAL_CURED "element={kinematics: local, tau: 0, rho: 0, metric: off, area: centre}"
+
+typedef struct row {
+    const char *scene, *changes;
+    int size[4];       /* elements a side */
+    double ratio[4];   /* to the digits known */
+    double digit;      /* half a unit of the last one */
+} row;
+
+static const row rows[] = {
+    {"scordelis-lo", SOURCE, {4, 8, 16, 32}, {.8614, .9582, .9853, .9927}, 5e-5},
+    {"scordelis-lo", LOCAL_CURED, {4, 8, 16, 32}, {.8614, .9582, .9853, .9927}, 5e-5},
+    {"scordelis-lo", METRIC_OFF, {4, 8, 16}, {.9280, .9757, .9902}, 5e-5},
+    {"pinched-cylinder", SOURCE, {4, 8, 16, 32}, {.8485, .9158, .9757, 1.0000}, 5e-5},
+    {"pinched-cylinder", LOCAL_CURED, {4, 8, 16}, {.8989, .9449, .9878}, 5e-5},
+    {"pinched-cylinder", METRIC_OFF, {4, 8, 16}, {.7075, .9169, .9862}, 5e-5},
+    {"pinched-cylinder", CORRECTED, {4, 8, 16}, {.7071, .9163, .9856}, 5e-5},
+    {"hemisphere-linear", SOURCE, {4, 8, 16, 32}, {.8764, .9591, .9899, 1.0012}, 5e-5},
+    {"hemisphere-linear", LOCAL_CURED, {4, 8, 16}, {.8849, .9625, .9914}, 5e-5},
+    {"hemisphere-linear", METRIC_OFF, {4, 8, 16}, {1.0394, 1.0068, 1.0035}, 5e-5},
+    {"clamped-plate", SOURCE, {4, 8, 16}, {.941, .981, .996}, 5e-4},
+    {"clamped-plate", LOCAL_CURED, {4, 8, 16}, {.9748, .9973, 1.0036}, 5e-5},
+    {"clamped-plate", CORRECTED, {4, 8, 16}, {.9909, 1.0020, 1.0049}, 5e-5},
+};
+
+/* The plate's stiffness D changes with nu, its reference not: E keeps D at 1. */
+#define NU_49 ";materials.plate={E: 12e6*(1-.49^2), nu: .49}"
+#define NU_4999 ";materials.plate={E: 12e6*(1-.4999^2), nu: .4999}"
+
+static const row locking[] = {
+    {"clamped-plate", SOURCE NU_49, {4, 8, 16}, {.428, .705, .862}, 5e-4},
+    {"clamped-plate", LOCAL_CURED NU_49, {4, 8, 16}, {.9784, .9992, 1.0052}, 5e-5},
+    {"clamped-plate", CORRECTED NU_49, {4, 8, 16}, {.9976, 1.0049, 1.0068}, 5e-5},
+    {"clamped-plate", SOURCE NU_4999, {4, 8, 16}, {.011, .036, .119}, 5e-4},
+    {"clamped-plate", LOCAL_CURED NU_4999, {4, 8, 16}, {.9786, .9993, 1.0053}, 5e-5},
+    {"clamped-plate", CORRECTED NU_4999, {4, 8, 16}, {.9980, 1.0051, 1.0069}, 5e-5},
+};
+
+static void check_rows(const row *table, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 4 && table[i].size[k]; k++) {
+            const double got = ratio(table[i].scene, table[i].changes, table[i].size[k], 0);
+            if (!(fabs(got - table[i].ratio[k]) < 1.02 * table[i].digit))
+                fail_msg("%s %s, %d elements: %.5f, known %.4f", table[i].scene, table[i].changes, table[i].size[k], got, table[i].ratio[k]);
+        }
+}
+
+/* Law: linear shells converge as known, mesh by mesh, for the source's element and the corrected one. */
+static void test_linear_shells(void **state)
+{
+    (void)state;
+    check_rows(rows, sizeof rows / sizeof *rows);
+}
+
+/* Law: near nu = 1/2 the source's element locks as known, the corrected one does not. */
+static void test_volumetric_locking(void **state)
+{
+    (void)state;
+    check_rows(locking, sizeof locking / sizeof *locking);
+}
+
+/* Law: without the seventh unknown the corrected element gives the same answer. */
+static void test_six_unknowns(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"scordelis-lo", "pinched-cylinder", "hemisphere-linear", "clamped-plate", "bimorph-actuator"};
+    for (int i = 0; i < 5; i++) {
+        const int n = i < 4 ? 8 : 0;
+        assert_true(fabs(ratio(scenes[i], CORRECTED ";unknowns=6", n, 0) / ratio(scenes[i], CORRECTED, n, 0) - 1) < 1e-7);
+    }
+}
+
+/* ---- three-dimensional references ------------------------------------- */
+
+typedef struct limit_row { const char *scene, *changes; double exact, ratio, digit; } limit_row;
+
+#define GRAPHITE(h) "{material: graphite/epoxy, thickness: " h ", angle: "
+#define CROSS(h) ";layers=[" GRAPHITE(h) "0}, " GRAPHITE(h) "90}, " GRAPHITE(h) "0}]"
+
+/* Exact mid-surface deflections computed by a 3-D propagator; the ratios are limits of fine meshes. */
+static const limit_row limits[] = {
+    {"vlasov-plate", ";layers.0.thickness=1/4", 2.3443125, 1.0404, 5e-5},
+    {"vlasov-plate", ";layers.0.thickness=1/10", 29.424744, 1.0073, 5e-5},
+    {"vlasov-plate", ";layers.0.thickness=1/20", 227.01255, 1.0019, 5e-5},
+    {"vlasov-plate", ";layers.0.thickness=1/50", 3510.2796, 1.0003, 5e-5},
+    {"crossply", CROSS("1/12"), 1.2837827, .797, 5e-4},
+    {"crossply", CROSS("1/30"), 7.5303004, .842, 5e-4},
+    {"crossply", CROSS("1/60"), 41.311061, .935, 5e-4},
+    {"crossply", CROSS("1/150"), 556.38914, .9875, 5e-5},
+    {"crossply", CROSS("1/300"), 4347.2197, .9968, 5e-5},
+    {"varadan-cylinder", ";layers=[" GRAPHITE("0.02") "90}]", 269.233635, 1.0058, 5e-5},
+    {"varadan-cylinder", ";layers=[" GRAPHITE("0.01") "90}, " GRAPHITE("0.01") "0}]", 1065.87006, 1.0059, 5e-5},
+    {"varadan-cylinder", "", 274.766805, .9899, 5e-5},
+    {"varadan-cylinder", ";loads.0.area=true;layers=[" GRAPHITE("0.02") "90}]", 269.233635, .9958, 5e-5},
+    {"varadan-cylinder", ";loads.0.area=true", 274.766805, .9800, 5e-5},
+};
+
+/* Limit of fine meshes from 16 and 32 elements a side, order h^2. */
+static double fine_limit(const limit_row *l)
+{
+    double w[2];
+    for (int i = 0; i < 2; i++) {
+        char changes[512];
+        snprintf(changes, sizeof changes, SOURCE "%s;outputs.0.reference=%.9g", l->changes, l->exact);
+        w[i] = ratio(l->scene, changes, 16 << i, 0);
+    }
+    return (4 * w[1] - w[0]) / 3;
+}
+
+/* Law: against three-dimensional elasticity the element is as far off as a seven-parameter shell must be, no more. */
+static void test_three_dimensional(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        const double got = fine_limit(&limits[i]);
+        if (!(fabs(got - limits[i].ratio) < 1.1 * limits[i].digit))
+            fail_msg("%s %s: %.5f, known %.4f", limits[i].scene, limits[i].changes, got, limits[i].ratio);
+    }
+}
+
+/* Law: a ring under uniform inner pressure expands alike on every mesh, for both elements. */
+static void test_pressure_on_a_ring(void **state)
+{
+    (void)state;
+    static const char *const element[2] = {SOURCE, CORRECTED};
+    for (int e = 0; e < 2; e++) {
+        const double coarse = ratio("tests/scenes/ring.yaml", element[e], 4, 0), fine = ratio("tests/scenes/ring.yaml", element[e], 16, 0);
+        assert_true(fabs(coarse / fine - 1) < 1e-4);
+        assert_true(fabs(fine - 1) < 0.005);
+    }
+}
+
+/* ---- patch tests ------------------------------------------------------ */
+
+/* Rows of named output k against a function of the node's position. */
+static double patch_error(const run *r, int k, double (*exact)(double x, double y))
+{
+    const design *d = &r->analysis.design;
+    double error = 0, largest = 0;
+    for (int n = 0; n < d->mesh.nodes; n++) {
+        const double *x = d->mesh.point[n].x, want = exact(x[0], x[1]);
+        largest = fmax(largest, fabs(want));
+        error = fmax(error, fabs(r->output[d->named_first[k] + n] - want));
+    }
+    return error / largest;
+}
+
+static double stretch_1(double x, double y) { return 0.7 / (2 * 0.05) * x + 0 * y; }
+static double stretch_2(double x, double y) { return -0.3 * 0.7 / (2 * 0.05) * y + 0 * x; }
+
+/* Moment 0.7 x 0.05 a length on I = h^3/12; curvature across by Poisson. */
+static double bending(double x, double y)
+{
+    const double kappa = 0.7 * 0.05 * 12 / (2 * pow(0.05, 3));
+    return -kappa * (x * x - 0.3 * y * y) / 2;
+}
+
+/* Law: constant membrane strain and constant curvature are exact on a mesh of unequal rectangles. */
+static void test_patch(void **state)
+{
+    (void)state;
+    static const char *const element[3] = {SOURCE, CORRECTED, CORRECTED ";unknowns=6"};
+    for (int e = 0; e < 3; e++) {
+        char changes[512];
+        run r;
+        run_open(&r, "tests/scenes/patch.yaml", element[e], 0);
+        assert_true(patch_error(&r, 0, stretch_1) < 1e-12);
+        assert_true(patch_error(&r, 1, stretch_2) < 1e-12);
+        run_close(&r);
+        snprintf(changes, sizeof changes, "%s;loads=[{line: theta1+, u1: 0.7, face: outer}, {line: theta1+, u1: -0.7, face: inner}, "
+                 "{line: theta1-, u1: -0.7, face: outer}, {line: theta1-, u1: 0.7, face: inner}];"
+                 "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean, u1 difference, u2 difference]}, "
+                 "{at: {theta1: 1.2, theta2: 0}, fix: [u2 mean]}]", element[e]);
+        run_open(&r, "tests/scenes/patch.yaml", changes, 0);
+        assert_true(patch_error(&r, 2, bending) < 1e-12);
+        run_close(&r);
+    }
+}
+
+/* ---- piezoelectric closed forms --------------------------------------- */
+
+static double free_curvature(double x, double y)
+{
+    return 3 * 23e-12 * 2 / (4 * 0.5e-3 * 0.5e-3) * (x * x + y * y) / 2;
+}
+
+/* Law: a free bimorph takes the curvature 3 d31 V/(4 t^2) in both directions for any nu. */
+static void test_free_bimorph(void **state)
+{
+    (void)state;
+    static const char *const changes[] = {SOURCE, SOURCE ";materials.piezo.nu=.45", CORRECTED, CORRECTED ";materials.piezo.nu=.45",
+                                          CORRECTED ";unknowns=6"};
+    for (int i = 0; i < 5; i++) {
+        run r;
+        run_open(&r, "tests/scenes/free-bimorph.yaml", changes[i], 0);
+        assert_true(patch_error(&r, 0, free_curvature) < 1e-6);
+        run_close(&r);
+    }
+}
+
+/* Law: the tip of a cantilever bimorph moves 3 d31 V L^2/(4 t^2) on any mesh. */
+static void test_bimorph_tip(void **state)
+{
+    (void)state;
+    static const char *const changes[] = {SOURCE ";mesh.theta1.elements=1", SOURCE ";mesh.theta1.elements=40", CORRECTED,
+                                          CORRECTED ";unknowns=6"};
+    for (int i = 0; i < 4; i++)
+        assert_true(fabs(ratio("bimorph-actuator", changes[i], 0, 0) - 1) < 1e-6);
+}
+
+static void shape_of(run *r, const char *changes, analysis_volts *v)
+{
+    char error[SCENE_ERROR] = "";
+    run_open(r, "bimorph-actuator", changes, 0);
+    if (analysis_influence(&r->analysis, error) < 0 || analysis_optimum(&r->analysis, INFINITY, v, error) < 0)
+        fail_msg("%s", error);
+}
+
+#define FIVE ";mesh.theta1.elements=40;patches.low.grid=[5, 1];patches.up.grid=[5, 1];actuators.v.drives=[{patches: up, factor: 1}, {patches: low, factor: 1}]"
+
+/* Law: a parabola of unit curvature asks the same voltage, 4 E t^2/(3 e31) across each layer's half, of every electrode. */
+static void test_equal_voltages(void **state)
+{
+    (void)state;
+    run r;
+    analysis_volts v;
+    shape_of(&r, SOURCE FIVE ";target={u3: middle, at: nodes, value: x^2/2}", &v);
+    assert_int_equal(r.analysis.design.amplifiers, 5);
+    for (int k = 0; k < 5; k++)
+        assert_true(fabs(2 * v.volt[k] / 14492.7536231884 - 1) < 1e-6);
+    assert_true(v.error < 1e-8);
+    analysis_volts_free(&v);
+    run_close(&r);
+}
+
+/*
+ * Law: the volts against a tip force are the least squares of beam theory. The optimum is soft: the last volt moves by
+ * 1 % between forty elements and the continuum, the residual shape by 1e-5 of the deflection.
+ */
+static void test_tip_force(void **state)
+{
+    (void)state;
+    static const double beam[5] = {-1615.4, -1186.3, -884.5, -512.3, -190.4};
+    run r;
+    analysis_volts v;
+    shape_of(&r, SOURCE FIVE ";actuators.v.applied=0;target={u3: middle, at: nodes, value: 0, weight: area}"
+             ";loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.5e-3}, {point: {theta1: 0.1, theta2: 0.005}, u3: 0.5e-3}]", &v);
+    for (int k = 0; k < 5; k++)
+        assert_true(fabs(2 * v.volt[k] / beam[k] - 1) < (k < 4 ? 1.2e-3 : 1e-2));
+    assert_true(fabs(v.error - 0.00053) < 1e-5);
+    analysis_volts_free(&v);
+    run_close(&r);
+}
+
+/* ---- the plate with 25 pairs of patches ------------------------------- */
+
+/* No voltage beyond its limit by even one bit; KKT to 1e-9; shape errors as known. */
+static void check_plate(analysis *a, double limit, double shape_error, int active)
+{
+    char error[SCENE_ERROR] = "";
+    analysis_volts v;
+    if (analysis_optimum(a, limit, &v, error) < 0)
+        fail_msg("%s", error);
+    for (int k = 0; k < 25; k++)
+        assert_true(v.volt[k] >= -limit && v.volt[k] <= limit);
+    if (!(fabs(v.error - shape_error) < 1e-5))
+        fail_msg("limit %g: shape error %.6f, known %.5f", limit, v.error, shape_error);
+    assert_int_equal(v.active, active);
+    assert_true(v.optimality <= 1e-9);
+    analysis_volts_free(&v);
+}
+
+/* Law: the bounded optimum of the plate is that of an independent program, with and without limits. */
+static void test_plate_shapes(void **state)
+{
+    (void)state;
+    run r;
+    analysis_volts v;
+    char error[SCENE_ERROR] = "";
+    run_open(&r, "plate-50-patches", "", 0);
+    assert_int_equal(analysis_influence(&r.analysis, error), 0);
+    check_plate(&r.analysis, INFINITY, .05538, 0);
+    check_plate(&r.analysis, 500, .05560, 2);
+    check_plate(&r.analysis, 200, .08975, 6);
+    check_plate(&r.analysis, 100, .36114, 18);
+    assert_int_equal(analysis_clipped(&r.analysis, 200, &v, error), 0);
+    assert_true(fabs(v.error - .520) < 5e-4);
+    analysis_volts_free(&v);
+    assert_int_equal(analysis_given(&r.analysis, "published", r.scene.compare[0].value, &v, error), 0);
+    assert_true(fabs(v.error - .0706) < 5e-5);
+    analysis_volts_free(&v);
+    run_close(&r);
+}
+
+/* Law: the volts themselves equal the witness's: least squares, damped, and within 200 V. */
+static void test_plate_volts(void **state)
+{
+    (void)state;
+    static const char *const key[3] = {"least_squares", "tikhonov", "box_200"};
+    static const char *const changes[3] = {"", "limits.effort={relative: 1e-3}", ""};
+    FILE *file = fopen(DATA "/table7.txt", "r");
+    testdata t;
+    assert_non_null(file);
+    assert_int_equal(testdata_next(file, &t), 1);
+    fclose(file);
+    for (int i = 0; i < 3; i++) {
+        run r;
+        analysis_volts v;
+        char error[SCENE_ERROR] = "";
+        const double *known = testdata_values(&t, key[i]);
+        run_open(&r, "plate-50-patches", changes[i], 0);
+        assert_int_equal(analysis_influence(&r.analysis, error), 0);
+        assert_int_equal(analysis_optimum(&r.analysis, i == 2 ? 200 : INFINITY, &v, error), 0);
+        for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction is 250 times softer */
+            assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
+        analysis_volts_free(&v);
+        run_close(&r);
+    }
+    testdata_free(&t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_linear_shells),    cmocka_unit_test(test_volumetric_locking), cmocka_unit_test(test_six_unknowns),
+        cmocka_unit_test(test_three_dimensional), cmocka_unit_test(test_pressure_on_a_ring), cmocka_unit_test(test_patch),
+        cmocka_unit_test(test_free_bimorph),     cmocka_unit_test(test_bimorph_tip),        cmocka_unit_test(test_equal_voltages),
+        cmocka_unit_test(test_tip_force),        cmocka_unit_test(test_plate_shapes),       cmocka_unit_test(test_plate_volts),
+    };
+    return cmocka_run_group_tests_name("cases", tests, NULL, NULL);
+}

@@ -1,0 +1,446 @@
+/* Laws of the scene reader: every shipped scene reads; every fault is one line that says where, what and the cure. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include "scene.h"
+
+#ifndef SCENES
+#define SCENES "host_tools/scenes"
+#endif
+
+enum { LINES = 13, TEXT = 20000 };
+
+static const char *scenes = SCENES;
+static char file[] = "/tmp/test_scene_XXXXXX";
+
+/* A small scene; a case replaces one of its lines. */
+static const char *const base[LINES] = {
+    "name: t",
+    "surface: {type: plate}",
+    "mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {points: [0, 0.5, 1]}}",
+    "materials: {steel: {E: 200e9, nu: 0.3, density: 7800}, pzt: {E: 60e9, nu: 0.3, d31: 1e-10}}",
+    "layers: [{name: bottom, material: steel, thickness: 1e-3}, {name: top, material: pzt, thickness: 1e-3}]",
+    "patches: [{name: p, layer: top, grid: [2, 1]}]",
+    "actuators: [{name: v, drives: [{patches: p}]}]",
+    "limits: {voltage: [-100, 100]}",
+    "supports: [{edge: theta1-, fix: clamped}]",
+    "loads: [{face: outer, pressure: 1}]",
+    "outputs: [{name: tip, u3: middle, at: {theta1: 2, theta2: 0}}]",
+    "target: {u3: middle, at: nodes, value: x*y}",
+    "compare: [{name: c, values: [1, 2]}]",
+};
+
+static void write_bytes(const char *bytes, size_t count)
+{
+    FILE *out = fopen(file, "wb");
+    assert_non_null(out);
+    assert_int_equal(fwrite(bytes, 1, count, out), count);
+    fclose(out);
+}
+
+static void write_base(int line, const char *text)
+{
+    char all[TEXT];
+    size_t n = 0;
+    int i;
+    for (i = 0; i < LINES; i++)
+        n += (size_t)snprintf(all + n, sizeof all - n, "%s\n", i == line - 1 ? text : base[i]);
+    write_bytes(all, n);
+}
+
+static void expect_fault(const char *const *set, int sets, const char *expected)
+{
+    char error[SCENE_ERROR];
+    scene s;
+    int status = scene_read(&s, file, set, sets, error);
+    if (status == 0) scene_free(&s);
+    if (status == 0 || !strstr(error, expected)) fail_msg("expected '%s', got '%s'", expected, status == 0 ? "no fault" : error);
+    assert_null(strchr(error, '\n'));
+}
+
+static void expect_good(scene *s, const char *path, const char *const *set, int sets)
+{
+    char error[SCENE_ERROR];
+    if (scene_read(s, path, set, sets, error) != 0) fail_msg("%s", error);
+}
+
+/* ---- faults ---- */
+
+typedef struct bad_line { int line; const char *text, *expected; } bad_line;
+
+static const bad_line bad_lines[] = {
+    /* words */
+    {1, "nam: t", ":1:1: unknown key 'nam' in scene; did you mean 'name'?"},
+    {1, "about: t", ":1:1: 'name' is missing in scene"},
+    {1, "name: t*/", ":1:7: the name 't*/' holds a quote, backslash, comment"},
+    {1, "name: t\nabout: x */ y", ":2:8: 'about' holds /* or */"},
+    {1, "name: [t]", ":1:7: 'name' must be a single value, not a list"},
+    {1, "name: ''", ":1:7: an empty name"},
+    {1, "name: t\nname: u", ":2:1: 'name' is given twice (first on line 1)"},
+    {1, "name: t\nkinematics: nonlinear", ":2:13: 'kinematics: nonlinear' is not in this build; use linear"},
+    {1, "name: t\nelement: sauce", ":2:10: 'element: sauce' is not known; did you mean 'source'?"},
+    {1, "name: t\nelement: {rho: -1}", ":2:16: 'rho: -1' must not be below 0"},
+    {1, "name: t\nelement: source\nunknowns: 6", ":3:11: 'unknowns: 6' needs lin33"},
+    {1, "name: t\nunknowns: 5", ":2:11: 'unknowns: 5' is not known; known: 7, 6"},
+    {1, "name: t\nreference: 1", "'reference: 1' lies above the outer face at 0.002"},
+    /* YAML */
+    {1, "name: [t", ":2:8: not YAML: while parsing a flow sequence"},
+    {1, "name: t\n---\nname: u", ":2:1: a second document"},
+    {1, "name: &a [*a]", ":1:11: *a contains itself"},
+    {1, "name: *a", ":1:7: *a stands for nothing"},
+    {1, "name: [[[[[[[[[[[[[[[[[[[[[[[[[[", ":1:30: nested more than 24 deep"},
+    {1, "name: t\xff", ":1:8: not text"},
+    {1, "{a: b}: t", ":1:1: a key must be a plain word"},
+    {1, "- t", "not YAML"},
+    /* numbers */
+    {3, "mesh: {theta1: {from: 0, to: x, elements: 4}, theta2: {points: [0, 0.5, 1]}}", ":3:30: 'to: x' varies over the surface"},
+    {3, "mesh: {theta1: {from: 0, to: 2*, elements: 4}, theta2: {points: [0, 0.5, 1]}}", ":3:30: 'to: 2*' is no number or formula, at its character 3"},
+    {3, "mesh: {theta1: {from: 0, to: 1/0, elements: 4}, theta2: {points: [0, 0.5, 1]}}", ":3:30: 'to: 1/0' is not finite"},
+    {3, "mesh: {theta1: {from: 0, to: .nan, elements: 4}, theta2: {points: [0, 0.5, 1]}}", ":3:30: 'to: .nan' is no number"},
+    {3, "mesh: {theta1: {from: 0, to: 1e308, elements: 4}, theta2: {points: [0, 0.5, 1]}}", ":3:30: 'to: 1e308' is out of range"},
+    {3, "mesh: {theta1: {from: 0, to: 1e999, elements: 4}, theta2: {points: [0, 0.5, 1]}}", "the number is too large"},
+    {3, "mesh: {theta1: {from: 0, to: , elements: 4}, theta2: {points: [0, 0.5, 1]}}", "'to' is empty"},
+    /* surface and mesh */
+    {2, "surface: {type: torus}", ":2:17: 'type: torus' is not known; known: plate, polar"},
+    {2, "surface: {type: cylinder, radius: 1}", ":2:10: 'axial' is missing in surface; a cylinder needs it"},
+    {2, "surface: {type: plate, radius: 1}", ":2:24: 'radius' has no meaning for a plate"},
+    {2, "surface: {type: sphere, radius: 0}", ":2:33: 'radius: 0' must be above 0"},
+    {2, "surface: {type: polar}", ":3:16: the mesh reaches a pole, where A2 = 0; let theta1 (the radius) start above 0"},
+    {2, "surface: {type: sphere, radius: 1}", ":3:16: the mesh reaches a pole, where A2 = 0; let theta1 run inside 0 and pi"},
+    {2, "surface: {type: cone, radius: 1, angle: -45}", ":3:16: the mesh reaches a pole, where A2 = 0; keep radius"},
+    {2, "surface: {type: cone, radius: 1, angle: 90}", ":2:41: 'angle: 90' must lie between -90 and 90"},
+    {2, "surface: {type: cylinder, radius: 1e-3, axial: theta1}", "past the axis"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 0}, theta2: {points: [0, 0.5, 1]}}", ":3:43: 'elements: 0' must be from 1 to 60000"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 1.5}, theta2: {points: [0, 0.5, 1]}}", ":3:43: 'elements: 1.5' must be a whole number"},
+    {3, "mesh: {theta1: {from: 2, to: 0, elements: 4}, theta2: {points: [0, 0.5, 1]}}", "'to' must be above 'from'"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 400}, theta2: {from: 0, to: 1, elements: 400}}", ":3:7: a mesh of 400 x 400 elements has more than 60000 nodes"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {points: [0, 0.5, 0.5]}}", ":3:73: point 0.5 does not ascend after 0.5"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {points: [0]}}", "'points' must be a list of at least two"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {points: [0, 1], elements: 2}}", "'points' says all"},
+    {3, "mesh: {theta1: {from: 0, to: 2, elements: 4}}", ":3:7: 'theta2' is missing in mesh"},
+    /* materials and layers */
+    {4, "materials: {steel: {E: 200e9, nu: 0.5}, pzt: {E: 60e9, nu: 0.3}}", ":4:35: 'nu: 0.5' of steel leaves no positive definite stiffness"},
+    {4, "materials: {steel: {E: 200e9}, pzt: {E: 60e9, nu: 0.3}}", ":4:20: 'nu' is missing in steel"},
+    {4, "materials: {steel: {E: 0, nu: 0}, pzt: {E: 60e9, nu: 0.3}}", ":4:24: 'E: 0' must be above 0"},
+    {4, "materials: {steel: {E: 1, E1: 2, nu: 0}, pzt: {E: 60e9, nu: 0.3}}", "steel has 'E' and 'E1'"},
+    {4, "materials: {steel: {E1: 1, E2: 25, G12: 1, nu12: 0.25}, pzt: {E: 60e9, nu: 0.3}}", "leave no positive definite stiffness; nu12 is -e2/e1"},
+    {4, "materials: {steel: {E: 1, nu: 0, d31: 1, e31: 1}, pzt: {E: 60e9, nu: 0.3}}", "steel has 'd31' and 'e31'"},
+    {4, "materials: {steel: {E: 1, nu: 0, alpha: [1, 2]}, pzt: {E: 60e9, nu: 0.3}}", "'alpha' has 2 values"},
+    {4, "materials: {steel: {E: 1, nu: 0}, pzt: {E: 60e9, nu: 0.3}}", ":7:32: patches 'p' are of 'pzt', which has no piezoelectric constants"},
+    {4, "materials: {}", ":4:12: no materials"},
+    {5, "layers: [{material: wood, thickness: 1e-3}]", ":5:21: there is no material 'wood'"},
+    {5, "layers: [{material: steel, thickness: -1}]", ":5:39: 'thickness: -1' must be above 0"},
+    {5, "layers: [{material: steel, thicknes: 1}]", ":5:28: unknown key 'thicknes' in layers; did you mean 'thickness'?"},
+    {5, "layers: []", ":5:9: no layers"},
+    {5, "layers: [{name: top, material: pzt, thickness: 1}, {name: top, material: pzt, thickness: 1}]", ":5:52: there are two layers named 'top'"},
+    {5, "layers: [{name: top, material: pzt, thickness: 1, patched: true}]", "every layer is patched"},
+    {5, "layers: [{name: top, material: pzt, thickness: 1}, {material: pzt, thickness: 1, patched: on}]", ":5:52: this layer is patched but no patches"},
+    {5, "layers: [{name: top, material: pzt, thickness: 1, poling: 2}]", ":5:59: 'poling: 2' is not known"},
+    /* patches, actuators, limits */
+    {6, "patches: [{name: p, layer: up}]", ":6:28: there is no layer named 'up'"},
+    {6, "patches: [{name: p, layer: top, theta1: [0, 0.7], grid: [2, 1]}]", ":6:11: patches 'p': the edge theta1 = 0.35 is no mesh line, the nearest is 0.5"},
+    {6, "patches: [{name: p, layer: top, theta1: [1, 0], grid: [2, 1]}]", "write [from, to] ascending"},
+    {6, "patches: [{name: p, layer: top, theta2: [0, 0.5], grid: [1, 2]}]", "the edge theta2 = 0.25 is no mesh line"},
+    {6, "patches: [{name: p, layer: top, grid: [1, 3]}]", "3 along theta2, but the mesh has 2 elements there"},
+    {6, "patches: [{name: p, layer: top, grid: [2, 1]}, {name: q, layer: top}]", ":6:48: patches 'p' and 'q' overlap"},
+    {7, "actuators: [{name: v, drives: [{patches: q}]}]", ":7:42: there are no patches named 'q'"},
+    {7, "actuators: [{name: v, drives: [{patches: p}, {patches: p}]}]", ":7:46: patches 'p' are driven by 'v' already"},
+    {7, "actuators: [{name: v}]", ":7:13: actuator 'v' needs either drives"},
+    {7, "actuators: [{name: v, temperature: uniform}]", "1 amplifiers; give one for each"},
+    {8, "limits: {voltage: [100, -100]}", ":8:19: voltage from 100 to -100 is empty"},
+    {8, "limits: {voltage: [100]}", ":8:19: 'voltage' has 1 values; give two"},
+    {8, "limits: {slew: 0}", ":8:16: 'slew: 0' must be above 0"},
+    {8, "limits: {effort: -1}", ":8:18: 'effort: -1' must not be below 0"},
+    {8, "limits: {each: [{actuator: w, hold: 0}]}", ":8:28: there is no actuator 'w'; the first one is 'v_1_1'"},
+    {8, "limits: {each: [{actuator: v_3_1, hold: 0}]}", "there is no actuator 'v_3_1'"},
+    {8, "limits: {each: [{actuator: v}]}", ":8:17: an item of 'each' needs either voltage"},
+    /* supports, loads, outputs, target, compare */
+    {9, "supports: [{edge: left, fix: clamped}]", ":9:19: 'edge: left' is not known; known: theta1-"},
+    {9, "supports: [{fix: clamped}]", ":9:12: no place in this item of supports"},
+    {9, "supports: [{at: nodes, edge: theta1-, fix: clamped}]", "two places"},
+    {9, "supports: [{at: nodes, fix: simple}]", ":9:29: 'simple' depends on an edge"},
+    {9, "supports: [{at: {theta1: 0.1, theta2: 0}, fix: clamped}]", ":9:17: (0.1, 0) is no node of the mesh; the nearest is (0, 0)"},
+    {9, "supports: [{edge: theta1-, fix: [u4]}]", ":9:34: 'fix: u4' is not known; known: clamped"},
+    {10, "loads: [{pressure: 1}]", "'pressure' acts on a face"},
+    {10, "loads: [{face: outer, x: 1, y: 1}]", ":10:29: a load has one direction"},
+    {10, "loads: [{face: outer, line: theta1-, x: 1}]", "a load is one of point, line, face"},
+    {10, "loads: [{face: outer}]", ":10:9: a load needs a direction"},
+    {10, "loads: [{}]", ":10:9: a load needs one of point"},
+    {10, "loads: [{weight: {axis: z, gravity: x}}]", "'gravity: x' varies"},
+    {10, "loads: [{weight: {axis: z, gravity: 1}, x: 2}]", "weight and temperature say all"},
+    {10, "loads: [{temperature: 20}]", ":10:9: a temperature moves nothing"},
+    {10, "loads: [{face: outer, z: sin()}]", ":10:26: 'z: sin()' is no number or formula, at its character 5"},
+    {10, "loads:", "'loads' must be a list [...], not empty"},
+    {11, "outputs: [{name: tip, at: nodes}]", ":11:11: no direction in this item of outputs"},
+    {11, "outputs: [{name: tip, u3: top, at: nodes}]", ":11:27: 'u3: top' is not known; known: middle"},
+    {11, "outputs: [{name: tip, u3: inner, at: {theta1: 3, theta2: 0}}]", ":11:38: (3, 0) is no node of the mesh; the nearest is (2, 0)"},
+    {11, "outputs: [{name: a, u3: inner, at: nodes}, {name: a, u2: inner, at: nodes}]", ":11:44: there are two outputs named 'a'"},
+    {12, "target: {u3: middle, at: nodes, value: w}", ":12:40: 'value: w' is no number or formula, at its character 1: unknown name"},
+    {12, "target: {u3: middle, at: nodes}", ":12:9: 'value' is missing in target"},
+    {13, "compare: [{name: c, values: [1]}]", ":13:29: 1 values for 2 amplifiers"},
+};
+
+/* A wrong line gives its own place, the offending word and a cure. */
+static void test_bad_lines(void **state)
+{
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof bad_lines / sizeof *bad_lines; i++) {
+        write_base(bad_lines[i].line, bad_lines[i].text);
+        expect_fault(NULL, 0, bad_lines[i].expected);
+    }
+}
+
+static const struct { const char *set, *expected; } bad_sets[] = {
+    {"mesh", "--set mesh: no '='"},
+    {"=1", "--set : write --set a.b.c=value"},
+    {"mesh=", "--set mesh: no value"},
+    {"mesh.theta3=1", "--set mesh.theta3: unknown key 'theta3' in mesh; did you mean 'theta1'?"},
+    {"mesh.theta1.elements=0", "--set mesh.theta1.elements: 'elements: 0' must be from 1"},
+    {"layers.9.thickness=1", "--set layers.9.thickness: 'layers' has no item '9'; it has 2"},
+    {"layers.roof.thickness=1", "'layers' has no item 'roof'"},
+    {"no.such=1", "there is no 'no' in scene"},
+    {"name.x=1", "'name' is a single value"},
+    {"materials.steel.nu=0.5", "--set materials.steel.nu: 'nu: 0.5' of steel"},
+    {"name=[", "--set name: not YAML"},
+    {"outputs.tip.at={theta1: 7, theta2: 0}", "--set outputs.tip.at: (7, 0) is no node"},
+};
+
+/* A wrong change names itself. */
+static void test_bad_sets(void **state)
+{
+    size_t i;
+    (void)state;
+    write_base(0, "");
+    for (i = 0; i < sizeof bad_sets / sizeof *bad_sets; i++) expect_fault(&bad_sets[i].set, 1, bad_sets[i].expected);
+}
+
+/* What is no scene file at all is refused by name. */
+static void test_bad_files(void **state)
+{
+    static const char nul[] = "name: a\0b\n";
+    char error[SCENE_ERROR];
+    scene s;
+    (void)state;
+    write_bytes("", 0);
+    expect_fault(NULL, 0, ":1:1: the file is empty");
+    write_bytes("# only a comment\n", 17);
+    expect_fault(NULL, 0, ":1:1: the file is empty");
+    write_bytes("steel\n", 6);
+    expect_fault(NULL, 0, ":1:1: 'scene' must be a mapping");
+    write_bytes(nul, sizeof nul - 1);
+    expect_fault(NULL, 0, ":1:8: not text");
+    assert_int_equal(truncate(file, 100000000), 0);
+    expect_fault(NULL, 0, "larger than 4 MB");
+    assert_int_equal(scene_read(&s, "/tmp", NULL, 0, error), -1);
+    assert_string_equal(error, "/tmp: is not a file; give the path of a scene file");
+    assert_int_equal(scene_read(&s, "/no/such.yaml", NULL, 0, error), -1);
+    assert_non_null(strstr(error, "/no/such.yaml: cannot be opened"));
+}
+
+/* ---- good scenes ---- */
+
+/* Every shipped scene reads and bears its file's name. */
+static void test_shipped(void **state)
+{
+    DIR *folder = opendir(scenes);
+    struct dirent *entry;
+    int count = 0;
+    (void)state;
+    assert_non_null(folder);
+    while ((entry = readdir(folder)) != NULL) {
+        const size_t n = strlen(entry->d_name);
+        char path[600];
+        scene s;
+        if (n < 6 || strcmp(entry->d_name + n - 5, ".yaml") != 0) continue;
+        snprintf(path, sizeof path, "%s/%s", scenes, entry->d_name);
+        expect_good(&s, path, NULL, 0);
+        assert_int_equal(strlen(s.name), n - 5);
+        assert_memory_equal(s.name, entry->d_name, n - 5);
+        scene_free(&s);
+        count++;
+    }
+    closedir(folder);
+    assert_true(count >= 9);
+}
+
+/* What is written is what is read: the plate with 50 patches. */
+static void test_meaning(void **state)
+{
+    char path[600], name[SCENE_NAME + 24];
+    const expr_point at = {0.2, 0.2, 0, 0.2, 0.2};
+    scene s;
+    int first, count;
+    (void)state;
+    snprintf(path, sizeof path, "%s/plate-50-patches.yaml", scenes);
+    expect_good(&s, path, NULL, 0);
+    assert_int_equal(s.layers, 6);
+    assert_int_equal(s.amplifiers, 25);
+    assert_int_equal(s.line[0].elements, 10);
+    assert_true(s.element.cartesian == 0 && s.element.tau == 0 && s.element.exact_area == 0 && s.element.unknowns == 7);
+    assert_true(s.layer[1].angle == 90 && s.layer[0].patched && !s.layer[1].patched && s.layer[5].poling == 3);
+    assert_true(s.material[1].e[2] == 63e9 && fabs(s.material[1].g23 - 63e9 / 2.6) < 1 && s.material[1].has_d);
+    assert_true(fabs(s.reference - 0.5e-3) < 1e-15);
+    assert_int_equal(s.support[0].fix, 0x7f);
+    assert_true(fabs(expr_value(s.target.value, &at) - 0.002) < 1e-15);
+    assert_true(s.compare[0].value[1] == -181);
+    assert_true(s.output[0].where.node[0] == 10 && s.output[0].where.node[1] == 10 && isnan(s.output[0].reference));
+    scene_amplifier_name(&s, 1, name);
+    assert_string_equal(name, "v_1_2");
+    assert_true(scene_find_amplifier(&s, "v_5_5", &first, &count) && first == 24 && count == 1);
+    assert_true(scene_find_amplifier(&s, "v", &first, &count) && first == 0 && count == 25);
+    assert_false(scene_find_amplifier(&s, "v_05_5", &first, &count));
+    scene_free(&s);
+}
+
+static unsigned fix_of(const char *text)
+{
+    scene s;
+    unsigned fix;
+    write_base(9, text);
+    expect_good(&s, file, NULL, 0);
+    fix = s.support[0].fix;
+    scene_free(&s);
+    return fix;
+}
+
+/* Supports fix the unknowns: means u1 u2 u3, differences u1 u2 u3, seventh. */
+static void test_supports(void **state)
+{
+    (void)state;
+    assert_int_equal(fix_of("supports: [{edge: theta1-, fix: simple}]"), 0x76);
+    assert_int_equal(fix_of("supports: [{edge: theta2+, fix: simple}]"), 0x6d);
+    assert_int_equal(fix_of("supports: [{edge: theta1+, fix: symmetric}]"), 0x09);
+    assert_int_equal(fix_of("supports: [{edge: theta2-, fix: symmetric}]"), 0x12);
+    assert_int_equal(fix_of("supports: [{edge: theta1-, fix: free}]"), 0);
+    assert_int_equal(fix_of("supports: [{at: nodes, fix: [u1 mean, u2 difference, u3M]}]"), 0x51);
+    assert_int_equal(fix_of("supports: [{at: {theta1: 1/2, theta2: 0.5}, fix: u3}]"), 0x64);
+}
+
+/* Changes replace and add, reach items by number and by name, and alter the hash. */
+static void test_changes(void **state)
+{
+    static const char *const set[] = {
+        "mesh.theta2={from: 0, to: 2, elements: 8, grading: 4}", "layers.top.thickness=2e-3", "layers.0.angle=45", "materials.pzt.nu=1/4",
+        "limits.effort={relative: 0.5}", "limits.each=[{actuator: v_2_1, hold: 5}, {actuator: v, voltage: [-1, 1]}]",
+        "supports.1={at: nodes, fix: [u2]}", "element=source", "actuators.v.applied=3", "loads=[{weight: {axis: z, gravity: -9.81}}]"};
+    scene plain, s;
+    (void)state;
+    write_base(0, "");
+    expect_good(&plain, file, NULL, 0);
+    expect_good(&s, file, set, (int)(sizeof set / sizeof *set));
+    assert_int_not_equal(plain.hash, s.hash);
+    assert_int_equal(s.line[1].elements, 8);
+    assert_true(fabs((s.line[1].point[8] - s.line[1].point[7]) / s.line[1].point[1] - 4) < 1e-12);
+    assert_true(s.layer[1].thickness == 2e-3 && s.layer[0].angle == 45 && s.material[1].nu12 == 0.25);
+    assert_true(s.limits.effort_is_relative && s.limits.effort == 0.5);
+    assert_true(s.limits.each_count == 2 && s.limits.each[0].first == 1 && s.limits.each[0].lower == 5 && s.limits.each[1].count == 2);
+    assert_true(s.supports == 2 && s.element.exact_area == 0 && s.actuator[0].applied == 3);
+    assert_true(s.load[0].type == LOAD_WEIGHT && s.load[0].component == COMPONENT_Z);
+    assert_true(plain.element.exact_area == 1 && plain.element.rho == 0.1 && isinf(plain.limits.slew) && plain.reference_is_middle);
+    scene_free(&plain);
+    scene_free(&s);
+}
+
+/* ---- expressions ---- */
+
+/* Expressions keep the rules of arithmetic. */
+static void test_expressions(void **state)
+{
+    static const struct { const char *text; double value; } good[] = {
+        {"1+2*3", 7}, {"(1+2)*3", 9}, {"-2^2", -4}, {"2^3^2", 512}, {"2^-1", 0.5}, {"6/3/2", 1}, {"1-2-3", -4}, {"--2", 2}, {"2*-3+1", -5},
+        {" 40 * pi / 180", 40 * 3.14159265358979323846 / 180}, {"x+10*y+100*z", 321}, {"theta1*theta2", 20}, {"sqrt(16)+abs(-1)", 5},
+        {"min(3, 2)+max(1, 2)*10", 22}, {"hypot(3,4)", 5}, {"pow(2,10)", 1024}, {"atan2(0,1)", 0}, {"exp(log(2))", 2}, {"1e3", 1000}, {".5", 0.5}};
+    static const struct { const char *text; int column; } bad[] = {
+        {"", 1}, {"1+", 3}, {"1 2", 3}, {"(1", 3}, {"1)", 2}, {"w", 1}, {"sin 1", 5}, {"min(1)", 6}, {"sin(1,2)", 6}, {"1,2", 2}, {"2**3", 2}, {"0x10", 1}, {"1e999", 1}, {"\"", 1}};
+    const expr_point at = {1, 2, 3, 4, 5};
+    char deep[201];
+    const char *why;
+    size_t i;
+    int column;
+    (void)state;
+    for (i = 0; i < sizeof good / sizeof *good; i++) {
+        expr *e = expr_compile(good[i].text, &column, &why);
+        if (!e) fail_msg("%s: %s", good[i].text, why);
+        if (fabs(expr_value(e, &at) - good[i].value) > 1e-12 * fabs(good[i].value)) fail_msg("%s = %g", good[i].text, expr_value(e, &at));
+        expr_free(e);
+    }
+    for (i = 0; i < sizeof bad / sizeof *bad; i++) {
+        if (expr_compile(bad[i].text, &column, &why)) fail_msg("'%s' compiles", bad[i].text);
+        if (column != bad[i].column) fail_msg("'%s': column %d, %s", bad[i].text, column, why);
+    }
+    memset(deep, '(', 200);
+    deep[200] = 0;
+    assert_null(expr_compile(deep, &column, &why));
+}
+
+/* ---- noise ---- */
+
+static unsigned next_random(unsigned *state, unsigned below)
+{
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state % below;
+}
+
+static size_t mutate(char *text, size_t n, unsigned *state)
+{
+    static const char *const tokens[] = {"{", "]", ": ", ",", "&a ", "*a", "'", "\n", "  ", "1e308", ".nan", "-1", "1/0", "nodes", "theta1-", "\xff", "((((", "[[[["};
+    const char *token = tokens[next_random(state, sizeof tokens / sizeof *tokens)];
+    const size_t at = next_random(state, (unsigned)n), length = strlen(token);
+    if (next_random(state, 3) == 0) {
+        text[at] = (char)next_random(state, 256);
+        return n;
+    }
+    memmove(text + at + length, text + at, n - at);
+    memcpy(text + at, token, length);
+    return n + length;
+}
+
+/* Whatever the text, reading ends with a scene or with one line about the file. */
+static void test_noise(void **state)
+{
+    unsigned random = 12345;
+    int i;
+    (void)state;
+    for (i = 0; i < 500; i++) {
+        char text[TEXT], error[SCENE_ERROR];
+        size_t n = 0, k;
+        scene s;
+        for (k = 0; k < LINES; k++) n += (size_t)snprintf(text + n, sizeof text - n, "%s\n", base[k]);
+        for (k = next_random(&random, 3) + 1; k > 0; k--) n = mutate(text, n, &random);
+        write_bytes(text, n);
+        if (scene_read(&s, file, NULL, 0, error) == 0) {
+            scene_free(&s);
+            continue;
+        }
+        assert_int_equal(strncmp(error, file, strlen(file)), 0);
+        assert_null(strchr(error, '\n'));
+    }
+}
+
+int main(int arguments, char **argument)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bad_lines), cmocka_unit_test(test_bad_sets), cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_shipped), cmocka_unit_test(test_meaning), cmocka_unit_test(test_supports),
+        cmocka_unit_test(test_changes), cmocka_unit_test(test_expressions), cmocka_unit_test(test_noise),
+    };
+    int descriptor = mkstemp(file), failed;
+    if (descriptor < 0) return 1;
+    close(descriptor);
+    if (arguments > 1) scenes = argument[1];
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    unlink(file);
+    return failed;
+}
