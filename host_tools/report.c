@@ -111,7 +111,7 @@ static int draw_deformed(FILE *file, const mesh *m, const double *vector, const 
     space_axes(&moved);
     draw_end(file);
     fputs("<figcaption>Size of the displacement, ", file);
-    parts_magnified(file, factor);
+    parts_magnified(file, m, factor);
     fputs("; largest ", file);
     html_quantity(file, most, scale.unit);
     draw_legend(file, &scale);

@@ -68,6 +68,10 @@ void draw_disc(FILE *file, const draw_scale *scale, double value, const double a
 
 void draw_legend(FILE *file, const draw_scale *scale)
 {
+    if (!(scale->most > 0)) {
+        fputs("<p class=\"keys\">Zero everywhere.</p>\n", file);
+        return;
+    }
     const double width = 330, bar = width / HTML_LEVELS;
     fputs("<div class=\"scale\">", file);
     draw_begin(file, width, 32, "Colour scale");

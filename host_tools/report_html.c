@@ -2,6 +2,7 @@
 #include "report_html.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- text and numbers ------------------------------------------------- */
 
@@ -39,24 +40,36 @@ static void power_of_ten(FILE *file, int exponent)
     fputs(raised[size % 10], file);
 }
 
-void html_number(FILE *file, double value)
+/* A number with that many significant digits, a power of ten where it is long. */
+static void rounded(FILE *file, double value, int digits)
 {
     if (!isfinite(value)) {
         fputs(isnan(value) ? "&ndash;" : value > 0 ? "&infin;" : "&minus;&infin;", file);
         return;
     }
     int exponent = 0;
-    char digits[32];
-    snprintf(digits, sizeof digits, "%.3e", fabs(value));
-    sscanf(digits, "%*[^e]e%d", &exponent);
+    char text[32];
+    snprintf(text, sizeof text, "%.*e", digits - 1, fabs(value));
+    sscanf(text, "%*[^e]e%d", &exponent);
     if (value < 0)
         fputs("&minus;", file);
-    if (exponent >= -3 && exponent <= 4) {
-        fprintf(file, "%.*g", exponent == 4 ? 5 : 4, fabs(value));
+    if (exponent >= -3 && exponent <= digits) {
+        fprintf(file, "%.*g", exponent == digits ? digits + 1 : digits, fabs(value));
         return;
     }
-    fprintf(file, "%.4g", strtod(digits, NULL) / pow(10, exponent));
+    *strchr(text, 'e') = 0;
+    fprintf(file, "%.*g", digits, strtod(text, NULL));
     power_of_ten(file, exponent);
+}
+
+void html_number(FILE *file, double value)
+{
+    rounded(file, value, 4);
+}
+
+void html_rough(FILE *file, double value)
+{
+    rounded(file, value, 2);
 }
 
 void html_quantity(FILE *file, double value, const char *unit)
@@ -70,10 +83,9 @@ void html_quantity(FILE *file, double value, const char *unit)
 
 void html_percent(FILE *file, double share)
 {
-    if (!isfinite(share))
-        html_number(file, share);
-    else
-        fprintf(file, "%s%.3g&nbsp;%%", share < 0 ? "&minus;" : "", fabs(100 * share));
+    rounded(file, 100 * share, 3);
+    if (!isnan(share))
+        fputs("&nbsp;%", file);
 }
 
 /* ---- colours ---------------------------------------------------------- */
@@ -137,8 +149,8 @@ static const char *const picture_style =
     ".dot{fill:var(--wire);stroke:var(--page);stroke-width:1}svg .tag{fill:var(--ink);font-weight:600;paint-order:stroke;stroke:var(--panel);stroke-width:3px;stroke-linejoin:round}\n"
     ".held{fill:none;stroke:var(--ink);stroke-width:3;stroke-linecap:round;stroke-opacity:.85}.pin{fill:var(--ink)}\n"
     ".force{fill:var(--force);stroke:var(--force);stroke-width:1.8}.axis{fill:none;stroke:var(--soft);stroke-width:1}\n"
-    ".patch{stroke:var(--panel);stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{stroke-dasharray:5 3}\n"
-    "svg .mild{fill:var(--ink)}svg .strong{fill:var(--inverse)}.key{display:inline-block;width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;margin-right:5px}\n"
+    ".patch{stroke:var(--panel);stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{stroke-dasharray:5 3}.limit.strong,.beyond.strong{fill:none;stroke:var(--inverse)}\n"
+    "svg text.mild{fill:var(--ink)}svg text.strong{fill:var(--inverse)}.key{display:inline-block;width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;margin-right:5px}\n"
     ".ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.dash{border-top:1px dashed var(--soft)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
     ".keys{margin:0;font-size:13px;color:var(--soft);max-width:none}.keys span{margin-right:18px;white-space:nowrap}\n"
     "@media print{main{max-width:none;padding:0}.set{break-inside:avoid}}\n";

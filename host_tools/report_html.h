@@ -16,6 +16,9 @@ void html_text(FILE *file, const char *text);
 /* Four significant digits, a power of ten where it is long; a dash for NaN. */
 void html_number(FILE *file, double value);
 
+/* Two significant digits, for conditions and residuals. */
+void html_rough(FILE *file, double value);
+
 /* Number, space, unit. */
 void html_quantity(FILE *file, double value, const char *unit);
 

@@ -2,6 +2,7 @@
 #include "report_parts.h"
 #include <math.h>
 #include "report_html.h"
+#include "report_space.h"
 
 /* ---- head ------------------------------------------------------------- */
 
@@ -15,13 +16,6 @@ static void fact_end(FILE *file)
     fputs("</dd></div>\n", file);
 }
 
-static void fact_number(FILE *file, const char *name, double value, const char *unit)
-{
-    fact(file, name);
-    html_quantity(file, value, unit);
-    fact_end(file);
-}
-
 /* A check of the solution that is negative where it was not made. */
 static void fact_check(FILE *file, const char *name, double value)
 {
@@ -29,7 +23,7 @@ static void fact_check(FILE *file, const char *name, double value)
     if (value < 0)
         fputs("not checked", file);
     else
-        html_number(file, value);
+        html_rough(file, value);
     fact_end(file);
 }
 
@@ -47,8 +41,10 @@ static void facts(FILE *file, const analysis *a, double residual, double error)
     fact(file, "Element");
     fprintf(file, "%s kinematics, %u unknowns a node", s->element.cartesian ? "Cartesian" : "local", m->unknowns);
     fact_end(file);
-    fact_number(file, "Thickness", m->laminate.h, s->unit_length);
-    fact_number(file, "Condition after scaling", a->model.condition, "");
+    fact(file, "Thickness");
+    html_quantity(file, m->laminate.h, s->unit_length);
+    fact_end(file);
+    fact_check(file, "Condition after scaling", a->model.condition);
     fact_check(file, "Residual of forces", residual);
     fact_check(file, "Estimated error in energy", error);
     fact(file, "Scene");
@@ -259,13 +255,15 @@ void parts_include(draw_view *view, const mesh *m, const double *vector, double 
     }
 }
 
-void parts_magnified(FILE *file, double factor)
+void parts_magnified(FILE *file, const mesh *m, double factor)
 {
     if (factor == 1) {
         fputs("displacement to scale", file);
-        return;
+    } else {
+        fputs("displacement <b>&times;&nbsp;", file);
+        html_number(file, factor);
+        fputs("</b>", file);
     }
-    fputs("displacement <b>&times;&nbsp;", file);
-    html_number(file, factor);
-    fputs("</b>", file);
+    if (space_is_thinned(m))
+        fputs(", not every mesh line drawn", file);
 }

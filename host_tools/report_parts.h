@@ -19,6 +19,6 @@ double parts_magnification(const mesh *m, double most, double share);
 void parts_include(draw_view *view, const mesh *m, const double *vector, double factor);
 
 /* Caption of a magnified drawing. */
-void parts_magnified(FILE *file, double factor);
+void parts_magnified(FILE *file, const mesh *m, double factor);
 
 #endif

@@ -215,16 +215,21 @@ static void patch_box(const plane *p, const scene_patches *patches, int i, int j
     box[3] = d2 / p->range[1] * p->height;
 }
 
+/* Is the colour of a level far from that of the page's text, or near it? */
+static const char *tone(int level)
+{
+    return abs(2 * level - HTML_LEVELS + 1) > 17 ? "strong" : "mild";
+}
+
 static void write_volt(FILE *file, const draw_scale *scale, const double box[4], double volt)
 {
     char text[32];
     const int level = draw_level(scale, volt), decimals = scale->most >= 100 ? 0 : scale->most >= 10 ? 1 : 2;
     const int length = snprintf(text, sizeof text, "%.*f", decimals, fabs(volt)) + (volt < 0);
-    const double size = fmin(fmin(box[3] * 0.5, box[2] * 1.6 / length), 14);
+    const double size = fmin(fmin(box[3] * 0.5, box[2] * 1.3 / length), 14);
     if (size < 4.5 || level < 0)
         return;
-    fprintf(file, "<text class=\"value %s\" style=\"font-size:%.1fpx\" x=\"%.1f\" y=\"%.1f\">%s%s</text>", abs(2 * level - HTML_LEVELS + 1) > 17 ? "strong" : "mild",
-            size, box[0] + box[2] / 2, box[1] + box[3] / 2 + size * 0.36, volt < 0 && strtod(text, NULL) > 0 ? "&minus;" : "", text);
+    fprintf(file, "<text class=\"value %s\" style=\"font-size:%.1fpx\" x=\"%.1f\" y=\"%.1f\">%s%s</text>", tone(level), size, box[0] + box[2] / 2, box[1] + box[3] / 2 + size * 0.36, volt < 0 && strtod(text, NULL) > 0 ? "&minus;" : "", text);
 }
 
 static void patch(FILE *file, const scene *s, int amplifier, const double box[4], double volt, plane_outline outline, const draw_scale *scale)
@@ -244,8 +249,8 @@ static void patch(FILE *file, const scene *s, int amplifier, const double box[4]
         fprintf(file, "<rect class=\"s%d", level);
     fprintf(file, " patch\" x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>", box[0], box[1], box[2], box[3]);
     if (outline != OUTLINE_NONE && box[2] > 5 && box[3] > 5)
-        fprintf(file, "<rect class=\"%s\" x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>", outline == OUTLINE_LIMIT ? "limit" : "beyond", box[0] + 2,
-                box[1] + 2, box[2] - 4, box[3] - 4);
+        fprintf(file, "<rect class=\"%s %s\" x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>", outline == OUTLINE_LIMIT ? "limit" : "beyond",
+                tone(level), box[0] + 2, box[1] + 2, box[2] - 4, box[3] - 4);
     write_volt(file, scale, box, volt);
     fputs("</g>\n", file);
 }

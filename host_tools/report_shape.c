@@ -228,7 +228,7 @@ static void write_row(const page *p, const result *r, double worst_error)
     fputs("</td><td>", file);
     html_quantity(file, r->volt, p->volt.unit);
     fprintf(file, "</td><td>%s%d%s</td><td>", r->beyond ? "<b>" : "", r->beyond, r->beyond ? "</b>" : "");
-    html_number(file, r->volts->optimality);
+    html_rough(file, r->volts->optimality);
     fputs("</td></tr>\n", file);
 }
 
@@ -259,13 +259,13 @@ static int draw_reached(const page *p, const result *r)
     space_outline(&rest);
     const int failed = space_surface(&reached, r->misfit, &p->misfit);
     space_wires(&wanted, "wire");
-    for (int t = 0; p->d->targets < m->nodes && t < p->d->targets; t++)
-        space_dot(&wanted, p->d->target_node[t]);
+    if (m->scene->target.what.where.type == WHERE_POINT)
+        space_dot(&wanted, p->d->target_node[0]);
     space_supports(&reached);
     space_axes(&reached);
     draw_end(p->file);
     fputs("<figcaption>Reached shape and <b>target</b> as lines, ", p->file);
-    parts_magnified(p->file, p->factor);
+    parts_magnified(p->file, m, p->factor);
     fputs(". Misfit on one scale for all sets:", p->file);
     draw_legend(p->file, &p->misfit);
     fputs("</figcaption></figure>\n", p->file);
@@ -287,6 +287,7 @@ static void draw_misfit(const page *p, const result *r)
     }
     fputs(", rms ", p->file);
     html_quantity(p->file, r->rms, own.unit);
+    fputs(p->d->targets < p->d->mesh.nodes ? "; grey where nothing is wanted" : "", p->file);
     fputs(". Scale of this set:", p->file);
     draw_legend(p->file, &own);
     fputs("</figcaption></figure>\n", p->file);

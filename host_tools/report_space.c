@@ -116,6 +116,11 @@ int space_surface(const space *f, const double *value, const draw_scale *scale)
     return 0;
 }
 
+int space_is_thinned(const mesh *m)
+{
+    return m->lines[0] > MOST_WIRES + 1 || m->lines[1] > MOST_WIRES + 1;
+}
+
 /* ---- lines ------------------------------------------------------------ */
 
 /* Append one mesh line to an open path: along direction a at line `at` of the other. */

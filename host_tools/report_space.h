@@ -19,6 +19,9 @@ typedef struct space {
 /* Surface coloured by value [nodes], farther parts first; NaN is grey. Returns 0, or -1 when memory runs out. */
 int space_surface(const space *f, const double *value, const draw_scale *scale);
 
+/* Are elements or mesh lines left out of the drawings, for there are too many? */
+int space_is_thinned(const mesh *m);
+
 /* Mesh lines of a style class; broken where the displacement is NaN. */
 void space_wires(const space *f, const char *style);
 

@@ -82,8 +82,7 @@ static int keep_origin(scene *s, const char *path, const char *const *set, int s
 
 static void set_defaults(scene *s)
 {
-    static const scene_element corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
-    s->element = corrected;
+    s->element = element_corrected;
     s->reference_is_middle = 1;
     s->limits.lower = -HUGE_VAL;
     s->limits.upper = s->limits.slew = HUGE_VAL;

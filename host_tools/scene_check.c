@@ -29,18 +29,17 @@ static int check_names(const scene *s, const char *what, const void *items, int 
     return 0;
 }
 
-#define CHECK_NAMES(what, items, count) \
-    check_names(s, what, s->items, s->count, sizeof *s->items,
-                (size_t)((const char *)&s->items->at - (const char *)s->items), error)
+#define CHECK_NAMES(what, items, count, type) \
+    check_names(s, what, s->items, s->count, sizeof(type), offsetof(type, at), error)
 
 static int check_all_names(const scene *s, char *error)
 {
     int i, first, count;
-    if ((s->layers && CHECK_NAMES("layers", layer, layers) != 0) ||
-        (s->patch_grids && CHECK_NAMES("patches", patches, patch_grids) != 0) ||
-        (s->actuators && CHECK_NAMES("actuators", actuator, actuators) != 0) ||
-        (s->outputs && CHECK_NAMES("outputs", output, outputs) != 0) ||
-        (s->compares && CHECK_NAMES("compares", compare, compares) != 0))
+    if (CHECK_NAMES("layers", layer, layers, scene_layer) != 0 ||
+        CHECK_NAMES("patches", patches, patch_grids, scene_patches) != 0 ||
+        CHECK_NAMES("actuators", actuator, actuators, scene_actuator) != 0 ||
+        CHECK_NAMES("outputs", output, outputs, scene_output) != 0 ||
+        CHECK_NAMES("compare items", compare, compares, scene_compare) != 0)
         return -1;
     for (i = 0; i < s->actuators; i++)
         if (scene_find_amplifier(s, s->actuator[i].name, &first, &count) && first != s->actuator[i].first)

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST = 32, LIST_ROOM = 220 };
+enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
 
 /* Magnitudes outside are slips of the pen, and their products leave the range of a double. */
 static const double smallest = 1e-60, largest = 1e60;
@@ -57,7 +57,7 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
         n += snprintf(out + n, (size_t)(LIST_ROOM - n), "%s %s", word == first ? "" : ",", *word);
 }
 
-static int require_kind(reader *r, int node, tree_kind kind)
+int require_kind(reader *r, int node, tree_kind kind)
 {
     const tree_node *n = &r->t->node[node];
     if (n->kind == kind) return 0;
@@ -177,7 +177,8 @@ int check_name(reader *r, const char *name, scene_at at, char *to)
     if (strlen(name) >= SCENE_NAME)
         return tree_fault_at(r->t, at, "the name '%.30s...' is too long; use at most %d bytes", name, SCENE_NAME - 1);
     if (strpbrk(name, "\n\r\t\"\\") || is_comment(name))
-        return tree_fault_at(r->t, at, "the name '%.60s' holds a quote, backslash, comment or line break; leave them out", name);
+        return tree_fault_at(r->t, at, "the name '%.60s' holds a quote, backslash, comment or line break; leave them out",
+                             name);
     strcpy(to, name);
     return 0;
 }
@@ -247,6 +248,8 @@ void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count)
     *count = 0;
     if (require_kind(r, node, kind) != 0) return NULL;
     n = r->t->node[node].count;
+    if (n > MOST_ITEMS)
+        return tree_fault(r->t, node, "'%.60s' has %d items; at most %d are read", tree_name(r->t, node), n, MOST_ITEMS), NULL;
     items = calloc((size_t)n + 1, size);
     if (!items) return tree_fault(r->t, node, "out of memory"), NULL;
     *count = n;

@@ -41,7 +41,9 @@ field_read read_choice;          /* int; rule: choices */
 field_read read_flag;            /* int; true false on off yes no */
 field_read read_expr;            /* expr *, allocated */
 
-/* Zeroed items for a list or mapping node; NULL on a fault. *count is 0 for an empty one. */
+int require_kind(reader *r, int node, tree_kind kind);
+
+/* Zeroed items for a list or mapping node of moderate length; NULL on a fault. *count is 0 for an empty one. */
 void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count);
 
 int check_name(reader *r, const char *name, scene_at at, char *to);

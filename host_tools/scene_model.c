@@ -15,7 +15,8 @@ static scene_at node_at(const reader *r, int node)
 
 /* ---- element ---- */
 
-static const scene_element source = {0, 0, 0, 0, 0, 0, 0, 7}, corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
+const scene_element element_corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
+static const scene_element element_source = {0, 0, 0, 0, 0, 0, 0, 7};
 
 int read_element(reader *r, int node, void *to, const void *rule)
 {
@@ -34,10 +35,10 @@ int read_element(reader *r, int node, void *to, const void *rule)
     scene_element *element = &((scene *)to)->element;
     int is_source = 0;
     (void)rule;
-    *element = corrected;
+    *element = element_corrected;
     if (r->t->node[node].kind == TREE_MAP) return read_map(r, node, fields, element);
     if (read_choice(r, node, &is_source, presets) != 0) return -1;
-    if (is_source) *element = source;
+    if (is_source) *element = element_source;
     return 0;
 }
 
@@ -173,7 +174,7 @@ int read_mesh(reader *r, int node, void *to, const void *rule)
 
 /* ---- materials ---- */
 
-int read_poling(reader *r, int node, void *to, const void *rule)
+static int read_poling(reader *r, int node, void *to, const void *rule)
 {
     static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
     const char *text = node_text(r, node);

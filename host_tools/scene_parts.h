@@ -10,8 +10,8 @@ field_read read_element, read_surface, read_mesh, read_materials, read_layers, r
 /* scene_task.c: what is done to it and asked of it. `to` is the scene. */
 field_read read_actuators, read_limits, read_supports, read_loads, read_outputs, read_target, read_compare;
 
-/* Names of layers and sides' poling directions, +3 or -3. */
-field_read read_poling;
+/* What a scene has that says nothing of its element. */
+extern const scene_element element_corrected;
 
 /* scene_check.c: what no single section can know; snaps points and patches to the mesh. */
 int scene_check(scene *s, char *error);

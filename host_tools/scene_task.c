@@ -523,11 +523,13 @@ static int read_values(reader *r, int node, void *to, const void *rule)
     scene_compare *compare = to;
     int i, k = 0;
     (void)rule;
-    compare->value = new_items(r, node, TREE_LIST, sizeof *compare->value, &compare->count);
-    if (!compare->value) return -1;
+    if (require_kind(r, node, TREE_LIST) != 0) return -1;
+    compare->count = r->t->node[node].count;
     if (compare->count != r->s->amplifiers)
         return tree_fault(r->t, node, "%d values for %d amplifiers; give one for each, in the order of actuators, "
                           "theta2 fastest", compare->count, r->s->amplifiers);
+    compare->value = calloc((size_t)compare->count + 1, sizeof *compare->value);
+    if (!compare->value) return tree_fault(r->t, node, "out of memory");
     for (i = r->t->node[node].first; i; i = r->t->node[i].next)
         if (read_real(r, i, &compare->value[k++], NULL) != 0) return -1;
     return 0;

@@ -1,0 +1,26 @@
+# make bench: speed against the peers, in one run. Our side of the linear algebra and of the voltage step is built for
+# this machine; the peers come from Debian (OpenBLAS) and from a PyPI source package (DAQP), neither is needed elsewhere.
+
+FAST := -std=c99 -O3 -march=native -mprefer-vector-width=512 -ffp-contract=fast $(INCLUDE)
+
+.PHONY: bench bench-linalg bench-step bench-accuracy bench-device
+bench: setup-bench
+	@$(MAKE) --no-print-directory -s bench-linalg bench-step bench-accuracy bench-device
+
+$(B)/bench/linalg-64: tests/bench/bench_linalg.c lib/linalg.c
+	@mkdir -p $(@D)
+	$(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $^ -lopenblas -lm -o $@
+$(B)/bench/linalg-32: tests/bench/bench_linalg.c lib/linalg.c
+	@mkdir -p $(@D)
+	$(CC) $(FAST) -DPZS_REAL_BITS=32 -DPZS_TILE=16 $^ -lopenblas -lm -o $@
+bench-linalg: $(B)/bench/linalg-64 $(B)/bench/linalg-32
+	@echo 'Factor and solve of band matrices, flags $(filter -O3 -m% -ffp%,$(FAST))'
+	@$(B)/bench/linalg-64
+	@$(B)/bench/linalg-32
+
+$(B)/bench/accuracy: $(B)/64/tests/bench/bench_accuracy.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ -lyaml -lm -o $@
+bench-accuracy: $(B)/bench/accuracy
+	@echo 'Speed against error, linear shells'
+	@$(B)/bench/accuracy

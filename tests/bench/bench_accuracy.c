@@ -1,0 +1,99 @@
+/*
+ * Speed against error: linear shells by both elements, mesh by mesh, against converged answers.
+ * Times are medians of five runs of this process; use the ratios between rows.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include "analysis.h"
+
+enum { RUNS = 5 };
+
+typedef struct timing { double build, factor, solve, ratio; int dof; } timing;
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *x)
+{
+    qsort(x, RUNS, sizeof *x, ascending);
+    return x[RUNS / 2];
+}
+
+static timing measure(const char *name, const char *element, int n)
+{
+    char path[512], size[2][64], formulation[64], error[SCENE_ERROR];
+    const char *const set[3] = {size[0], size[1], formulation};
+    double build[RUNS], factor[RUNS], solve[RUNS];
+    timing t = {0};
+    snprintf(path, sizeof path, SCENE_FOLDER "/%s.yaml", name);
+    snprintf(formulation, sizeof formulation, "element=%s", element);
+    for (int a = 0; a < 2; a++)
+        snprintf(size[a], sizeof size[a], "mesh.theta%d.elements=%d", a + 1, n);
+    for (int k = 0; k < RUNS; k++) {
+        scene s;
+        analysis a;
+        const double begin = now();
+        if (scene_read(&s, path, set, 3, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
+            fprintf(stderr, "%s\n", error);
+            exit(1);
+        }
+        const double built = now();
+        pzs_assemble(&a.model, NULL, NULL);
+        pzs_factor(&a.model);
+        const double factored = now();
+        double *u = calloc((size_t)a.design.mesh.dof, sizeof *u), *y = calloc(a.design.structure.output.count + 1u, sizeof *y);
+        if (!u || !y || analysis_solve(&a, u, error) < 0)
+            exit(1);
+        build[k] = built - begin;
+        factor[k] = factored - built;
+        solve[k] = now() - factored;
+        pzs_observe(&a.design.structure, u, y);
+        t.ratio = y[a.design.named_first[0]] / s.output[0].reference;
+        t.dof = a.design.mesh.dof;
+        free(u);
+        free(y);
+        analysis_free(&a);
+        scene_free(&s);
+    }
+    t.build = median(build);
+    t.factor = median(factor);
+    t.solve = median(solve);
+    return t;
+}
+
+int main(void)
+{
+    static const struct { const char *name; double converged; } cases[] = {
+        {"scordelis-lo", .9958}, {"pinched-cylinder", 1.0118}, {"hemisphere-linear", 1.0064}, {"clamped-plate", 1.0067}};
+    static const char *const elements[] = {"source", "corrected"};
+    printf("%-18s %-10s %4s %6s %9s %9s %12s %12s %12s\n", "case", "element", "n", "dof", "ratio", "error", "scene us", "factor us", "solve us");
+    for (int c = 0; c < 4; c++)
+        for (int e = 0; e < 2; e++) {
+            double last = 0;
+            for (int n = 4; n <= 32; n *= 2) {
+                const timing t = measure(cases[c].name, elements[e], n);
+                printf("%-18s %-10s %4d %6d %9.4f %8.2f%% %12.0f %12.0f %12.0f\n", cases[c].name, elements[e], n, t.dof, t.ratio,
+                       100 * (t.ratio / cases[c].converged - 1), t.build, t.factor, t.solve);
+                if (n == 16)
+                    printf("%-18s %-10s 8+16        %9.4f %8.2f%%   (4 u_16 - u_8)/3\n", cases[c].name, elements[e], (4 * t.ratio - last) / 3,
+                           100 * ((4 * t.ratio - last) / 3 / cases[c].converged - 1));
+                last = t.ratio;
+            }
+        }
+    puts("(error against converged answers of this element family, good to .2 %; scene: reading, mesh, element matrices, first factor)");
+    return 0;
+}

@@ -1,0 +1,130 @@
+#!/bin/sh
+# The command line as a user meets it: results, exit codes, messages with line and column, files never half written.
+set -u
+cd "$(dirname "$0")/.."
+B=${B:-build}
+PZS=${PZS:-$B/pzs}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+n=0
+
+# check NAME STATUS: one TAP line
+check() {
+    n=$((n + 1))
+    if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else echo "not ok $n - $1"; sed 's/^/# /' "$dir/out" "$dir/err" 2>/dev/null | tail -n 5; fi
+}
+
+# run EXPECTED_EXIT ARGUMENTS: output in $dir/out and $dir/err
+run() {
+    want=$1
+    shift
+    "$PZS" "$@" >"$dir/out" 2>"$dir/err"
+    [ $? -eq "$want" ]
+}
+
+# says TEXT: the last run's standard error is one line that holds the text
+says() {
+    [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -- "$1" "$dir/err"
+}
+
+# json EXPRESSION: true of the last run's JSON, as j
+json() {
+    /usr/bin/python3 -c "import json,sys; j=json.load(open('$dir/out')); sys.exit(not ($1))"
+}
+
+# scene FILE: a small sound scene that the bad ones are made from
+scene() {
+    cat >"$1" <<'EOT'
+name: small
+surface: {type: plate}
+mesh:
+  theta1: {from: 0, to: 1, elements: 4}
+  theta2: {from: 0, to: 1, elements: 4}
+materials:
+  steel: {E: 2e11, nu: 0.3}
+layers:
+  - {material: steel, thickness: 0.01}
+supports:
+  - {edge: theta1-, fix: clamped}
+loads:
+  - {face: outer, pressure: 1}
+outputs:
+  - {name: tip, u3: middle, at: {theta1: 1, theta2: 1}}
+EOT
+}
+
+# bad NAME SED_SCRIPT TEXT: the changed scene is refused with exit code 2 and that text
+bad() {
+    scene "$dir/good.yaml"
+    sed "$2" "$dir/good.yaml" >"$dir/bad.yaml"
+    run 2 solve "$dir/bad.yaml" --report "$dir/bad.html" && says "$3" && [ ! -e "$dir/bad.html" ] && [ ! -e "$dir/bad.html.part" ]
+    check "refused: $1" $?
+}
+
+run 0 --help && grep -q 'Examples:' "$dir/out"; check '--help teaches by example' $?
+run 2; check 'no arguments: usage, exit code 2' $?
+run 2 sovle plate-50-patches && says "unknown command 'sovle'"; check 'unknown command' $?
+run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
+run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?
+run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
+run 0 list && [ "$(wc -l <"$dir/out")" -ge 9 ]; check 'list names the shipped scenes' $?
+for s in $("$PZS" list | cut -d' ' -f1); do
+    run 0 check "$s"; check "shipped scene is sound: $s" $?
+done
+
+run 0 solve scordelis-lo --json && json "abs(j['ratios']['edge']-.9853)<6e-5 and j['dof']==1872"; check 'solve --json' $?
+run 0 shape plate-50-patches --limit 200 --limit 100 --json && json "abs(j['results'][0]['shape_error']-.05538)<1e-5"; check 'shape without limits .05538' $?
+json "abs(j['results'][1]['shape_error']-.08975)<1e-5 and j['results'][1]['active']==6"; check 'shape within 200 V .08975, 6 active' $?
+json "abs(j['results'][2]['shape_error']-.520)<5e-4"; check 'clipped .520' $?
+json "abs(j['results'][3]['shape_error']-.36114)<1e-5"; check 'shape within 100 V .36114' $?
+json "max(abs(v) for v in j['results'][1]['volts'])<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
+json "[r for r in j['results'] if r['name']=='published'][0]['shape_error'] > .0705"; check 'published voltages beside' $?
+run 0 solve clamped-plate --set element=corrected --set materials.plate.nu=0.49; check '--set changes the scene' $?
+
+run 0 tables plate-50-patches --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
+check 'the same scene gives the same tables' $?
+run 2 tables plate-50-patches && says '-o FILE'; check 'tables without -o' $?
+run 1 tables plate-50-patches -o "$dir/none/x.h" && says 'cannot write'; check 'tables into no folder' $?
+run 0 solve scordelis-lo --report "$dir/r.html" --vtk "$dir/r.vtk" && [ -s "$dir/r.html" ] && [ -s "$dir/r.vtk" ] && ! ls "$dir"/*.part >/dev/null 2>&1
+check 'report and VTK file are whole' $?
+
+scene "$dir/good.yaml"; run 0 solve "$dir/good.yaml"; check 'the small scene is sound' $?
+bad 'unknown key' 's/supports:/suports:/' ":10:"
+bad 'missing material' 's/{material: steel/{material: brass/' ':9:'
+bad 'zero thickness' 's/0\.01/0/' ':9:'
+bad 'negative stiffness' 's/2e11/-2e11/' ':7:'
+bad 'incompressible' 's/nu: 0.3/nu: 0.5/' ':7:'
+bad 'NaN' 's/2e11/.nan/' ':7:'
+bad '1e308' 's/0\.01/1e308/' ':9:'
+bad 'loose structure' 's/fix: clamped/fix: [u1]/' 'add supports'
+bad 'no supports' '/supports/,/fix/d' 'supports'
+bad 'inverted mesh' 's/theta1: {from: 0, to: 1/theta1: {from: 1, to: 0/' ':4:'
+bad 'mesh through a pole' 's/type: plate/type: polar/' 'A2 = 0'
+bad 'point off the mesh' 's/at: {theta1: 1,/at: {theta1: 0.9,/' ':15:'
+bad 'infinite load' 's/pressure: 1/pressure: 1\/x/' 'finite'
+bad 'syntax' 's/{edge/[edge/' ':1'
+bad 'too many unknowns' 's/elements: 4/elements: 200/' 'elements'
+head -c 100000000 /dev/zero | tr '\0' 'a' >"$dir/huge.yaml"
+began=$(date +%s); run 2 check "$dir/huge.yaml" && [ $(($(date +%s) - began)) -lt 3 ]; check 'a file of 100 MB is refused at once' $?
+rm -f "$dir/huge.yaml"
+head -c 20000 /dev/urandom >"$dir/noise.yaml"; run 2 check "$dir/noise.yaml"; check 'binary noise' $?
+: >"$dir/empty.yaml"; run 2 check "$dir/empty.yaml"; check 'empty file' $?
+run 2 check "$dir" ; check 'a folder' $?
+echo kept >"$dir/kept.html"; run 2 solve "$dir/bad.yaml" --report "$dir/kept.html"; grep -q kept "$dir/kept.html"; check 'an earlier file survives a failure' $?
+
+# Tables and library tied together
+cat >"$dir/p.c" <<'EOT'
+#include "a.h"
+int main(void) { static char work[1 << 20]; pzs_control c; return (int)pzs_control_init(&c, &a_problem, 0, work, sizeof work); }
+EOT
+sed 's/PZS_TABLE_FORMAT != 1/PZS_TABLE_FORMAT != 0/' "$dir/one.h" >"$dir/a.h"
+! gcc -std=c99 -Iinclude -I"$dir" -c "$dir/p.c" -o "$dir/p.o" 2>/dev/null; check 'tables of another format do not compile' $?
+cp "$dir/one.h" "$dir/a.h"
+gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=64 "$dir/p.c" "$B/64/libpiezoshape.a" -lm -o "$dir/p" && "$dir/p"; check 'a double program runs on its tables' $?
+gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/p.c" "$B/32/libpiezoshape.a" -lm -o "$dir/p" && "$dir/p"; check 'a float program runs on the same tables' $?
+! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/p.c" "$B/64/libpiezoshape.a" -lm -o "$dir/p" 2>/dev/null; check 'a float program does not link with the double library' $?
+for t in plate_control:control plate_linear:linear; do
+    run 0 tables plate-50-patches --set limits.slew=20 --image "${t#*:}" --prefix demo -o "$dir/t.h" && cmp -s "$dir/t.h" "firmware_demo/tables/${t%:*}.h"
+    check "committed tables are those of the scene: ${t%:*}" $?
+done
+echo "1..$n"
