@@ -217,19 +217,31 @@ static void json_head(json *j, const analysis *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
+/* One line for an output at a point, two (least and most) for one on many nodes. */
+static void print_output(const analysis *a, int k, const double *value)
+{
+    const scene_output *output = &a->design.scene->output[k];
+    const int first = a->design.named_first[k], end = a->design.named_first[k + 1];
+    double least = value[first], most = value[first];
+    for (int i = first; i < end; i++) {
+        least = fmin(least, value[i]);
+        most = fmax(most, value[i]);
+    }
+    if (end - first > 1) {
+        printf("  %-20s %16.9e .. %.9e %s on %d nodes\n", output->name, least, most, component_unit(a->design.scene), end - first);
+        return;
+    }
+    printf("  %-20s %16.9e %s", output->name, value[first], component_unit(a->design.scene));
+    if (isfinite(output->reference))
+        printf("   reference %.6e, ratio %.4f", output->reference, value[first] / output->reference);
+    putchar('\n');
+}
+
 static void print_outputs(const analysis *a, const double *value)
 {
-    const design *d = &a->design;
     printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
-    for (int k = 0; k < d->scene->outputs; k++) {
-        const scene_output *output = &d->scene->output[k];
-        for (int i = d->named_first[k]; i < d->named_first[k + 1]; i++) {
-            printf("  %-20s %16.9e %s", output->name, value[i], component_unit(d->scene));
-            if (isfinite(output->reference))
-                printf("   reference %.6e, ratio %.4f", output->reference, value[i] / output->reference);
-            putchar('\n');
-        }
-    }
+    for (int k = 0; k < a->design.scene->outputs; k++)
+        print_output(a, k, value);
 }
 
 static void json_outputs(const analysis *a, const double *value)

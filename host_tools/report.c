@@ -126,6 +126,7 @@ static int draw_deformed(FILE *file, const mesh *m, const double *vector, const 
 /* Maps of the components along the surface's own triad. size [nodes] is used as room */
 static void draw_components(FILE *file, const mesh *m, const double *vector, double *size)
 {
+    const double most = sizes(m, vector, size);
     static const char *const name[3] = {"u1, along theta1", "u2, along theta2", "u3, outwards"};
     static const char *const label[3] = {"u&#8321; along &theta;&#8321;", "u&#8322; along &theta;&#8322;", "u&#8323; outwards"};
     fputs("<section>\n<h2>Displacement of the middle surface</h2>\n<p class=\"soft\">Each on a scale of its own.</p>\n<div class=\"row three\">\n", file);
@@ -136,9 +137,15 @@ static void draw_components(FILE *file, const mesh *m, const double *vector, dou
             if (fabs(size[n]) > scale.most)
                 scale.most = fabs(size[n]);
         }
+        const int negligible = scale.most > 0 && scale.most < 1e-9 * most;
+        if (negligible)
+            scale.most = 0;
         fprintf(file, "<figure><h3>%s</h3>\n", label[a]);
         plane_map(file, m, size, &scale, name[a]);
-        draw_legend(file, &scale);
+        if (negligible)
+            fputs("<p class=\"keys\">Below 10&#8315;&#8313; of the largest displacement.</p>", file);
+        else
+            draw_legend(file, &scale);
         fputs("</figure>\n", file);
     }
     fputs("</div>\n</section>\n", file);

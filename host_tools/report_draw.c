@@ -28,13 +28,23 @@ double draw_between(const double corner[4], double s, double t)
 
 /* ---- pictures and colours --------------------------------------------- */
 
-void draw_begin(FILE *file, double width, double height, const char *title)
+static void begin(FILE *file, double width, double height, const char *role, const char *title)
 {
-    fprintf(file, "<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\" aria-label=\"", width, height);
+    fprintf(file, "<svg viewBox=\"0 0 %.0f %.0f\" role=\"%s\" aria-label=\"", width, height, role);
     html_text(file, title);
     fputs("\"><title>", file);
     html_text(file, title);
     fputs("</title>\n", file);
+}
+
+void draw_begin(FILE *file, double width, double height, const char *title)
+{
+    begin(file, width, height, "img", title);
+}
+
+void draw_begin_group(FILE *file, double width, double height, const char *title)
+{
+    begin(file, width, height, "group", title);
 }
 
 void draw_end(FILE *file)

@@ -5,8 +5,9 @@
 #include <stdio.h>
 #include "mesh.h"
 
-/* Every picture opens with what it shows, in words. */
+/* Every picture opens with what it shows, in words. A group's texts are read out too. */
 void draw_begin(FILE *file, double width, double height, const char *title);
+void draw_begin_group(FILE *file, double width, double height, const char *title);
 void draw_end(FILE *file);
 
 /* Values to colours: signed around zero, or a size from zero; `most` is the end of the scale. */

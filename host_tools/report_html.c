@@ -141,7 +141,7 @@ static const char *const page_style =
 
 static const char *const picture_style =
     "svg{display:block;width:100%;height:auto;overflow:visible}svg text{font:11px system-ui,-apple-system,'Segoe UI',Roboto,Arial,sans-serif;fill:var(--soft);stroke:none}\n"
-    "svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}\n"
+    ".row svg{max-width:600px}svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}\n"
     ".cells path,.legend path{stroke-width:.6;stroke-linejoin:round}.cells .edge{fill:none;stroke:var(--ink);stroke-opacity:.34;stroke-width:.5}\n"
     ".flat path{stroke:none;shape-rendering:crispEdges}.cells .none,.flat .none{fill:var(--none);stroke:var(--none)}\n"
     ".frame,.grid,.wire,.rest{fill:none;stroke-linejoin:round}.frame{stroke:var(--soft);stroke-width:1}.grid{stroke:var(--ink);stroke-opacity:.16;stroke-width:.5}\n"

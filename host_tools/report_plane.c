@@ -35,9 +35,10 @@ static plane plane_of(const mesh *m)
     return p;
 }
 
-static void plane_begin(FILE *file, const plane *p, const char *title)
+/* Height of the picture, with room for the numbers below. */
+static double plane_room(const plane *p)
 {
-    draw_begin(file, plane_width, p->y0 + p->height + 20, title);
+    return p->y0 + p->height + 20;
 }
 
 static double plane_x(const plane *p, double theta1)
@@ -162,7 +163,7 @@ void plane_map(FILE *file, const mesh *m, const double *value, const draw_scale 
 {
     const plane p = plane_of(m);
     const cuts c[2] = {cuts_of(&m->scene->line[0]), cuts_of(&m->scene->line[1])};
-    plane_begin(file, &p, title);
+    draw_begin(file, plane_width, plane_room(&p), title);
     fputs("<g class=\"flat\">\n", file);
     for (int row = 0; row < c[1].count; row++)
         map_row(file, &p, m, value, scale, c, row);
@@ -260,7 +261,7 @@ void plane_volts(FILE *file, const mesh *m, const int *plan, int which, const do
 {
     const scene *s = m->scene;
     const plane p = plane_of(m);
-    plane_begin(file, &p, title);
+    draw_begin_group(file, plane_width, plane_room(&p), title);
     for (int k = 0; k < s->actuators; k++) {
         const scene_actuator *actuator = &s->actuator[k];
         for (int d = actuator->drives - 1; plan[k] == which && d >= 0; d--)

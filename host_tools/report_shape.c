@@ -293,7 +293,7 @@ static void draw_misfit(const page *p, const result *r)
     fputs("</figcaption></figure>\n", p->file);
 }
 
-/* Names of the actuators of a plan, and the kelvins of whole temperatures. */
+/* Names of the actuators of a plan. */
 static void write_plan(const page *p, int which)
 {
     const char *comma = "";

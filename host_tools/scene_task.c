@@ -396,6 +396,19 @@ static int read_area(reader *r, int node, void *to, const void *rule)
     return read_choice(r, node, &text->load->true_area, areas);
 }
 
+/* Point and line loads act on both faces, half each, unless they say on which. */
+static int read_on(reader *r, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    int face = 0;
+    (void)rule;
+    if (text->load->type != LOAD_POINT && text->load->type != LOAD_LINE)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "'on' belongs to a point or line load; remove it");
+    if (read_choice(r, node, &face, faces) != 0) return -1;
+    text->load->face = (scene_face)face;
+    return 0;
+}
+
 #define DIRECTIONS(read) \
     {"u1", read, 0, &components[0], 0}, {"u2", read, 0, &components[1], 0}, {"u3", read, 0, &components[2], 0}, \
     {"x", read, 0, &components[3], 0}, {"y", read, 0, &components[4], 0}, {"z", read, 0, &components[5], 0}
@@ -407,7 +420,7 @@ static int read_load(reader *r, int node, scene_load *load)
         {"face", read_load_type, 0, &load_types[2], 0}, {"weight", read_load_type, 0, &load_types[3], 0},
         {"temperature", read_load_type, 0, &load_types[4], 0},
         DIRECTIONS(read_direction), {"pressure", read_pressure, 0, NULL, 0}, {"area", read_area, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
+        {"on", read_on, 0, NULL, 0}, {NULL, NULL, 0, NULL, 0}};
     load_text text = {0};
     text.load = load;
     load->at = node_at(r, node);

@@ -43,11 +43,11 @@
 
 #define READY 1u
 #define ROUNDS 8u        /* most rounds of one step */
-#define NOISE 8          /* multipliers below NOISE epsilon |gradient terms| are zero */
+#define NOISE 4          /* multipliers below NOISE epsilon |gradient terms| are zero */
 #define POOR 16          /* a round that lowers the KKT violation less than this asks for a fresh tableau */
 #define FROZEN_TICKS 8u  /* a measurement that repeats so often while its output moves is frozen */
 #define FROZEN_PART 64   /* "moves": by more than 1/FROZEN_PART of |measured| + |predicted| in a tick */
-#define VECTORS 14u      /* in control->work */
+#define VECTORS 15u      /* in control->work */
 
 /* The optimiser's arrays, each [width]; entries from n to width stay zero. */
 typedef struct desk {
@@ -67,6 +67,7 @@ typedef struct desk {
     pzs_real *diag;      /* of H */
     pzs_real *start;     /* volts at the start of the round */
     pzs_real *start_grad;
+    pzs_real *undo;
     pzs_real *spare;
     pzs_real *floor;     /* [1] pivots below this part of their diagonal count as dependent */
 } desk;
@@ -83,7 +84,7 @@ static desk desk_of(pzs_control *c)
     const desk d = {
         n, width, c->hessian, c->tableau, c->volt, w, w + width, w + 2u * width, w + 3u * width,
         w + 4u * width, w + 5u * width, w + 6u * width, w + 7u * width, w + 8u * width, w + 9u * width,
-        w + 10u * width, w + 11u * width, w + 12u * width, w + 13u * width, &c->dependence,
+        w + 10u * width, w + 11u * width, w + 12u * width, w + 13u * width, w + 14u * width, &c->dependence,
     };
     return d;
 }
@@ -489,29 +490,34 @@ static pzs_real noise_level(const desk *d, pzs_real missed)
     return PZS_EPSILON * (root(missed * largest(d->diag, d->width)) + dot(d->diag, d->spare, d->width));
 }
 
-/* Change of the objective over the round, halved: exact for a quadratic, from the gradients at both ends. */
-static pzs_real change(const desk *d)
+/*
+ * Whether the round lowered the objective: its change is half of (v - start) . (sum of the gradients at both
+ * ends), exactly. A round that went so far that rounding hides the change counts as not having.
+ */
+static int fell(const desk *d, pzs_real energy)
 {
+    const pzs_real noise = noise_level(d, 0);
     for (uint32_t i = 0; i < d->width; ++i) {
         d->start[i] = d->v[i] - d->start[i];
         d->start_grad[i] += d->grad[i];
+        d->spare[i] = size(d->start[i]);
     }
-    return dot(d->start, d->start_grad, d->width);
+    return dot(d->start, d->start_grad, d->width) < 0 && noise * sum(d->spare, d->width) < energy;
 }
 
 /* One round. Returns the violation after it, or -1 where it was undone. */
-static pzs_real run_round(const desk *d, pzs_real noise, uint32_t allowed, uint32_t *used)
+static pzs_real run_round(const desk *d, search *s)
 {
     const size_t bytes = d->width * sizeof(pzs_real);
     memcpy(d->start, d->v, bytes);
     memcpy(d->start_grad, d->grad, bytes);
-    *used += run_passes(d, noise / 2, allowed - *used);
+    memcpy(d->undo, d->v, bytes);
+    s->used += run_passes(d, s->noise / 2, s->allowed - s->used);
     true_gradient(d);
-    memcpy(d->spare, d->start, bytes);
-    if (change(d) < 0) {
+    if (fell(d, s->wanted + s->missed)) {
         return violation(d);
     }
-    memcpy(d->v, d->spare, bytes);
+    memcpy(d->v, d->undo, bytes);
     true_gradient(d);
     return -1;
 }
@@ -523,11 +529,11 @@ static void optimise(const desk *d, search *s)
     s->left = violation(d);
     s->noise = NOISE * noise_level(d, s->wanted + s->missed);
     for (uint32_t round = 0; round < ROUNDS && s->left > s->noise && s->used < s->allowed; ++round) {
-        const pzs_real before = s->left, after = run_round(d, s->noise, s->allowed, &s->used);
+        const pzs_real before = s->left, after = run_round(d, s);
         s->left = after < 0 ? before : after;
         s->noise = NOISE * noise_level(d, s->wanted + s->missed);
         if (s->left > s->noise && s->left * POOR > before && s->used < s->allowed) {
-            *d->floor *= fresh ? 16 : 1;
+            *d->floor = fresh ? cut(*d->floor * 16, 0, 1024 * (pzs_real)d->n * PZS_EPSILON) : *d->floor;
             rebuild(d);
             fresh = 1;
         }

@@ -181,16 +181,16 @@ static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
     for (uint32_t e = 0; e < s->elements; e++) {
         const uint16_t kind = s->element_kind[e];
         const pzs_real factor = kind_factor(model, kind);
-        pzs_real u[SHELL_MAX], force[SHELL_MAX];
+        pzs_real u[SHELL_MAX]; /* displacement, then force */
         uint16_t dof[SHELL_MAX];
         for (unsigned i = 0; i < n; i++) {
             dof[i] = local_dof(model, e, i);
             u[i] = dof[i] == PZS_FIXED ? 0 : p[dof[i]];
         }
-        shell_force(&s->kind[kind], s->unknowns, u, force);
+        shell_force(&s->kind[kind], s->unknowns, u, u);
         for (unsigned i = 0; i < n; i++)
             if (dof[i] != PZS_FIXED)
-                f[dof[i]] += factor * force[i];
+                f[dof[i]] += factor * u[i];
     }
 }
 

@@ -10,17 +10,26 @@ static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 /* xi1^r1 xi2^r2 at the corners, by mode 00 01 10 11. */
 static const pzs_real mode_sign[4][4] = {{1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
 
-/*
- * What the strains at a corner depend on. Once it holds derivatives of a displacement
- * (lam mean and difference/h, beta mean, q), once the shape they act at: base vectors
- * plus such derivatives. At rest the shape is g_mean, g_diff, e3, 0.
- */
+/* Derivatives of a displacement at a corner: lam mean and difference/h by direction, beta mean, q. */
 typedef struct corner {
     pzs_real mean[2][3];
     pzs_real diff[2][3];
     pzs_real beta[3];
     pzs_real q;
 } corner;
+
+/*
+ * The shape of a corner that strains are taken at: base vectors plus derivatives of the
+ * displacement so far, of the same form. At rest: g_mean, g_diff, e3, 0, straight from the tables.
+ */
+typedef struct shape {
+    const pzs_real (*mean)[3];
+    const pzs_real (*diff)[3];
+    const pzs_real *beta;
+    pzs_real q;
+} shape;
+
+static const pzs_real e3[3] = {0, 0, 1};
 
 static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
 {
@@ -48,16 +57,10 @@ static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
         y[i] += factor * x[i];
 }
 
-static corner corner_at_rest(const pzs_kind *kind, int r)
+static shape at_rest(const pzs_kind *kind, int r)
 {
-    corner c;
-    memcpy(c.mean, kind->g_mean[r], sizeof c.mean);
-    memcpy(c.diff, kind->g_diff[r], sizeof c.diff);
-    c.beta[0] = 0;
-    c.beta[1] = 0;
-    c.beta[2] = 1;
-    c.q = 0;
-    return c;
+    const shape s = {kind->g_mean[r], kind->g_diff[r], e3, 0};
+    return s;
 }
 
 /* Derivatives of a displacement at corner r: lam_a = S_a u_r + T_a u_r', of means and of differences. */
@@ -99,7 +102,7 @@ static void corner_scatter(const pzs_kind *kind, unsigned unknowns, const corner
  * e_aa = g.lam + lam.lam/2 and its like give  de = (g + lam).dlam  on each face,
  * written in means and differences, where nothing cancels.
  */
-static void corner_strains(const corner *s, const corner *d, pzs_real h, pzs_real e[10])
+static void corner_strains(const shape *s, const corner *d, pzs_real h, pzs_real e[10])
 {
     const pzs_real hh4 = h * h / 4;
     for (int a = 0; a < 2; a++) {
@@ -117,7 +120,7 @@ static void corner_strains(const corner *s, const corner *d, pzs_real h, pzs_rea
 }
 
 /* The transpose of corner_strains: forces on the derivatives from stresses t on the strains. */
-static corner corner_stresses(const corner *s, const pzs_real t[10], pzs_real h)
+static corner corner_stresses(const shape *s, const pzs_real t[10], pzs_real h)
 {
     const pzs_real hh4 = h * h / 4;
     corner f;
@@ -161,47 +164,73 @@ static void corner_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
     }
 }
 
-/* y = D x, D packed lower triangle of 10 rows. */
-static void multiply_packed(const pzs_real *d, const pzs_real x[10], pzs_real y[10])
+/* Strains that each mode keeps: 00 all; 01 those of 11, 33, 13; 10 those of 22, 33, 23; 11 those of 33. */
+static const uint8_t kept_strains[4] = {10, 5, 5, 2};
+static const uint8_t kept_strain[4][10] = {
+    {E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23},
+    {E11M, E11D, E33M, E33D, E13},
+    {E22M, E22D, E33M, E33D, E23},
+    {E33M, E33D},
+};
+
+/* Resultants of one mode in place of its strains, h = D e; d packed lower triangle of 10 rows. */
+static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
 {
-    for (int i = 0; i < SHELL_STRAINS; i++) {
-        y[i] = 0;
-        for (int j = 0; j < i; j++, d++) {
-            y[i] += *d * x[j];
-            y[j] += *d * x[i];
+    pzs_real h[10] = {0};
+    for (int i = 0; i < kept_strains[mode]; i++) {
+        const int row = kept_strain[mode][i];
+        const pzs_real *entry = d + row * (row + 1) / 2;
+        for (int j = 0; j < i; j++) {
+            const int column = kept_strain[mode][j];
+            h[row] += entry[column] * e[column];
+            h[column] += entry[column] * e[row];
         }
-        y[i] += *d++ * x[i];
+        h[row] += entry[row] * e[row];
     }
+    memcpy(e, h, sizeof h);
 }
 
-static void resultants(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
+/* Resultants by mode in place of strains by mode, without the twist term. */
+static void multiply_modes(const pzs_kind *kind, pzs_real e[4][10])
 {
-    e[0][E12M] += kind->twist * e[0][E12D];
     for (int m = 0; m < SHELL_MODES; m++)
-        multiply_packed(kind->d[m], e[m], h[m]);
-    h[0][E12D] += kind->twist * h[0][E12M];
+        multiply_mode(kind->d[m], m, e[m]);
 }
 
-void shell_force(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real *f)
+/* Strains at rest by mode, linear in u. */
+static void strains_at_rest(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real modes[4][10])
 {
-    pzs_real modes[4][10], h[4][10];
-    memset(modes, 0, sizeof modes);
+    memset(modes, 0, sizeof(pzs_real[4][10]));
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner rest = corner_at_rest(kind, r);
+        const shape rest = at_rest(kind, r);
         const corner d = corner_derivatives(kind, unknowns, u, r);
         pzs_real e[10];
         corner_strains(&rest, &d, kind->thickness, e);
         add_modes(modes, e, r);
     }
-    resultants(kind, modes, h);
+    modes[0][E12M] += kind->twist * modes[0][E12D];
+}
+
+/* f = sum of L' h at rest */
+static void force_at_rest(const pzs_kind *kind, unsigned unknowns, pzs_real h[4][10], pzs_real *f)
+{
+    h[0][E12D] += kind->twist * h[0][E12M];
     memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner rest = corner_at_rest(kind, r);
+        const shape rest = at_rest(kind, r);
         pzs_real t[10];
         corner_of_modes(h, r, t);
         const corner force = corner_stresses(&rest, t, kind->thickness);
         corner_scatter(kind, unknowns, &force, r, f);
     }
+}
+
+void shell_force(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real *f)
+{
+    pzs_real modes[4][10];
+    strains_at_rest(kind, unknowns, u, modes);
+    multiply_modes(kind, modes);
+    force_at_rest(kind, unknowns, modes, f);
 }
 
 void shell_stiffness(const pzs_kind *kind, unsigned unknowns, pzs_real *k)
@@ -219,30 +248,34 @@ void shell_stiffness(const pzs_kind *kind, unsigned unknowns, pzs_real *k)
 
 void shell_given(const pzs_kind *kind, unsigned unknowns, const pzs_real *h0, pzs_real *f)
 {
-    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const corner rest = corner_at_rest(kind, r);
-        pzs_real t[10];
-        for (int i = 0; i < SHELL_STRAINS; i++)
-            t[i] = (pzs_real)-0.25 * h0[i];
-        t[E12D] += kind->twist * t[E12M];
-        const corner force = corner_stresses(&rest, t, kind->thickness);
-        corner_scatter(kind, unknowns, &force, r, f);
-    }
+    pzs_real h[4][10] = {{0}};
+    for (int i = 0; i < SHELL_STRAINS; i++)
+        h[0][i] = -h0[i];
+    force_at_rest(kind, unknowns, h, f);
 }
 
 #if PZS_NONLINEAR
 
-/* Shape of a corner at `share` of the displacement derivatives d. */
-static corner corner_moved(const pzs_kind *kind, const corner *d, pzs_real share, int r)
+/* The derivatives d themselves as a shape. */
+static shape shape_of(const corner *d)
 {
-    corner s = corner_at_rest(kind, r);
+    const shape s = {d->mean, d->diff, d->beta, d->q};
+    return s;
+}
+
+/* Base vectors at corner r plus `share` of the derivatives d. */
+static corner moved(const pzs_kind *kind, const corner *d, pzs_real share, int r)
+{
+    corner s;
+    memcpy(s.mean, kind->g_mean[r], sizeof s.mean);
+    memcpy(s.diff, kind->g_diff[r], sizeof s.diff);
+    memcpy(s.beta, e3, sizeof s.beta);
     for (int a = 0; a < 2; a++) {
         add_scaled(s.mean[a], share, d->mean[a]);
         add_scaled(s.diff[a], share, d->diff[a]);
     }
     add_scaled(s.beta, share, d->beta);
-    s.q += share * d->q;
+    s.q = share * d->q;
     return s;
 }
 
@@ -252,7 +285,8 @@ void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u
     memset(e, 0, sizeof(pzs_real[4][10]));
     for (int r = 0; r < SHELL_NODES; r++) {
         const corner d = corner_derivatives(kind, unknowns, u, r);
-        const corner half = corner_moved(kind, &d, (pzs_real)0.5, r);
+        const corner middle = moved(kind, &d, (pzs_real)0.5, r);
+        const shape half = shape_of(&middle);
         pzs_real corner_e[10];
         corner_strains(&half, &d, kind->thickness, corner_e);
         add_modes(e, corner_e, r);
@@ -262,8 +296,8 @@ void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u
 
 void shell_resultants(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
 {
-    for (int m = 0; m < SHELL_MODES; m++)
-        multiply_packed(kind->d[m], e[m], h[m]);
+    memcpy(h, e, sizeof(pzs_real[4][10]));
+    multiply_modes(kind, h);
 }
 
 /* Stresses at corner r that go with resultants h by mode, twist term included. */
@@ -278,10 +312,11 @@ void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, 
     memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const corner d = corner_derivatives(kind, unknowns, u, r);
-        const corner shape = corner_moved(kind, &d, 1, r);
+        const corner all = moved(kind, &d, 1, r);
+        const shape now = shape_of(&all);
         pzs_real t[10];
         corner_of_resultants(kind, h, r, t);
-        const corner force = corner_stresses(&shape, t, kind->thickness);
+        const corner force = corner_stresses(&now, t, kind->thickness);
         corner_scatter(kind, unknowns, &force, r, f);
     }
 }
@@ -294,10 +329,11 @@ static void tangent_times(const pzs_kind *kind, unsigned unknowns, const pzs_rea
     memset(de, 0, sizeof de);
     for (int r = 0; r < SHELL_NODES; r++) {
         const corner d = corner_derivatives(kind, unknowns, u, r);
-        const corner shape = corner_moved(kind, &d, 1, r);
+        const corner all = moved(kind, &d, 1, r);
+        const shape now = shape_of(&all);
         const corner dv = corner_derivatives(kind, unknowns, v, r);
         pzs_real e[10];
-        corner_strains(&shape, &dv, kind->thickness, e);
+        corner_strains(&now, &dv, kind->thickness, e);
         add_modes(de, e, r);
     }
     de[0][E12M] += kind->twist * de[0][E12D];
@@ -307,7 +343,8 @@ static void tangent_times(const pzs_kind *kind, unsigned unknowns, const pzs_rea
         const corner dv = corner_derivatives(kind, unknowns, v, r);
         pzs_real t[10];
         corner_of_resultants(kind, h, r, t);
-        const corner force = corner_stresses(&dv, t, kind->thickness);
+        const shape change = shape_of(&dv);
+        const corner force = corner_stresses(&change, t, kind->thickness);
         corner_scatter(kind, unknowns, &force, r, f);
     }
 }

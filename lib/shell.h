@@ -19,7 +19,7 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
 /*
  * Force at rest, formed from strains:  f = sum_m L_m^T D_m L_m u.
  *   u [4 unknowns] in  (m, 1)
- *   f [4 unknowns] out (N, N m)
+ *   f [4 unknowns] out (N, N m), may be u itself
  * Small strains are differences taken before anything is multiplied by a stiffness, so
  * f keeps the digits that K u loses on thin shells.
  */

@@ -240,8 +240,8 @@ static void test_patch(void **state)
         assert_true(patch_error(&r, 0, stretch_1) < 1e-12);
         assert_true(patch_error(&r, 1, stretch_2) < 1e-12);
         run_close(&r);
-        snprintf(changes, sizeof changes, "%s;loads=[{line: theta1+, u1: 0.7, face: outer}, {line: theta1+, u1: -0.7, face: inner}, "
-                 "{line: theta1-, u1: -0.7, face: outer}, {line: theta1-, u1: 0.7, face: inner}];"
+        snprintf(changes, sizeof changes, "%s;loads=[{line: theta1+, u1: 0.7, on: outer}, {line: theta1+, u1: -0.7, on: inner}, "
+                 "{line: theta1-, u1: -0.7, on: outer}, {line: theta1-, u1: 0.7, on: inner}];"
                  "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean, u1 difference, u2 difference]}, "
                  "{at: {theta1: 1.2, theta2: 0}, fix: [u2 mean]}]", element[e]);
         run_open(&r, "tests/scenes/patch.yaml", changes, 0);

@@ -254,6 +254,20 @@ static wide excess(const bench *t)
     return bound / scale;
 }
 
+static double true_kkt(const bench *t)
+{
+    wide v[MOST_INPUTS] = {0}, z[MOST_INPUTS]={0},gradient[MOST_INPUTS], g0[MOST_INPUTS];
+    for (unsigned i = 0; i < t->p.inputs; i++)
+        v[i] = t->c.volt[i];
+    objective(t,v,gradient); objective(t,z,g0);
+    wide most=0, top=0;
+    for (unsigned i = 0; i < t->p.inputs; i++) {
+        wide g=gradient[i]; wide x = g>0? (v[i]>(wide)t->lo[i]?g:0):(v[i]<(wide)t->hi[i]?-g:0);
+        if (x>most) most=x;
+        if (fabsl(g0[i])>top) top=fabsl(g0[i]);
+    }
+    return (double)(most/top);
+}
 /* ---- random problems --------------------------------------------------------------- */
 
 static int KIND; static double REACH;
@@ -374,8 +388,8 @@ static void random_problems_are_solved(void **state)
                 disturb(&desk);
             const wide here = checked_step(&desk);
             if (!(here <= TOLERANCE) || (double)desk.c.optimality > KKT_TOLERANCE)
-                print_error("problem %u step %u (n %d, m %d, effort %g, kind %d reach %g): excess %Lg, kkt %g, passes %d\n", k, s, desk.p.inputs,
-                            desk.p.outputs, (double)desk.p.effort, KIND, REACH, here, (double)desk.c.optimality, desk.c.passes);
+                print_error("problem %u step %u (n %d, m %d, effort %g, kind %d reach %g): excess %Lg, true %g kkt %g, passes %d\n", k, s, desk.p.inputs,
+                            desk.p.outputs, (double)desk.p.effort, KIND, REACH, here, true_kkt(&desk), (double)desk.c.optimality, desk.c.passes);
             worst = here > worst ? here : worst;
             kkt = (double)desk.c.optimality > kkt ? (double)desk.c.optimality : kkt;
             passes += desk.c.passes;
