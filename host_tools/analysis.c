@@ -112,7 +112,7 @@ static pzs_status trial_start(trial *t, const design *d, double limit)
     for (size_t k = 0; k < n; k++) {
         t->bounds[k] = isnan(limit) ? d->lower[k] : -limit;
         t->bounds[n + k] = isnan(limit) ? d->upper[k] : limit;
-        t->bounds[2 * n + k] = INFINITY;
+        t->bounds[2 * n + k] = HUGE_VAL;
     }
     t->problem.lower = t->bounds;
     t->problem.upper = t->bounds + n;
@@ -128,9 +128,9 @@ static int volts_start(const analysis *a, analysis_volts *v, const char *name)
     snprintf(v->name, sizeof v->name, "%s", name);
     v->volt = calloc((size_t)a->design.amplifiers, sizeof *v->volt);
     v->shape = calloc((size_t)a->design.targets, sizeof *v->shape);
-    v->optimality = NAN;
-    v->limit[0] = -INFINITY;
-    v->limit[1] = INFINITY;
+    v->optimality = (double)NAN;
+    v->limit[0] = -HUGE_VAL;
+    v->limit[1] = HUGE_VAL;
     return v->volt && v->shape ? 0 : -1;
 }
 

@@ -347,9 +347,9 @@ static double largest(const double *x, int n)
 static int shape_results(shape_run *run, const options *o, char *error)
 {
     const scene *s = &run->scene;
-    const double own[1] = {NAN};
+    const double own[1] = {(double)NAN};
     const double *limit = o->limits ? o->limit : own;
-    if (analysis_optimum(&run->analysis, INFINITY, &run->volts[run->count++], error) < 0)
+    if (analysis_optimum(&run->analysis, HUGE_VAL, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < (o->limits ? o->limits : 1); i++)
         if (analysis_optimum(&run->analysis, limit[i], &run->volts[run->count++], error) < 0

@@ -65,13 +65,16 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 
 /* ---- assemble --------------------------------------------------------- */
 
-/* Free unknown of local unknown i (0 .. 4 unknowns - 1) of an element, or PZS_FIXED where it is held. */
-static uint16_t local_dof(const pzs_model *model, uint32_t element, unsigned i)
+/* The unknown itself, or PZS_FIXED where it is fixed by a support or held. */
+static uint16_t free_unknown(const pzs_model *model, uint16_t dof)
 {
-    const pzs_structure *s = model->structure;
-    const uint16_t node = s->element[element][i / s->unknowns];
-    const uint16_t dof = s->node_dof[(size_t)node * s->unknowns + i % s->unknowns];
-    return dof == PZS_FIXED || (model->held && model->held[dof]) ? PZS_FIXED : dof;
+    return dof != PZS_FIXED && model->held && model->held[dof] ? PZS_FIXED : dof;
+}
+
+/* Unknowns of a node. */
+static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
+{
+    return model->structure->node_dof + (size_t)node * model->structure->unknowns;
 }
 
 static pzs_real kind_factor(const pzs_model *model, uint16_t kind)
@@ -88,8 +91,9 @@ static void add_element(pzs_model *model, uint32_t element)
     const pzs_real factor = kind_factor(model, kind);
     const pzs_real *entry = s->stiffness + (size_t)kind * SHELL_PACKED(n);
     uint16_t dof[SHELL_MAX];
-    for (unsigned i = 0; i < n; i++)
-        dof[i] = local_dof(model, element, i);
+    for (unsigned r = 0; r < SHELL_NODES; r++)
+        for (unsigned i = 0; i < s->unknowns; i++)
+            dof[r * s->unknowns + i] = free_unknown(model, node_dofs(model, s->element[element][r])[i]);
     for (unsigned i = 0; i < n; i++)
         for (unsigned j = 0; j <= i; j++, entry++) {
             if (dof[i] == PZS_FIXED || dof[j] == PZS_FIXED)
@@ -173,24 +177,37 @@ pzs_status pzs_factor(pzs_model *model)
 
 /* ---- solve ------------------------------------------------------------ */
 
+/* u [4 unknowns] = P p for an element, zero where fixed */
+static void gather(const pzs_model *model, const uint16_t node[4], const pzs_real *p, pzs_real *u)
+{
+    for (unsigned r = 0; r < SHELL_NODES; r++)
+        for (unsigned i = 0; i < model->structure->unknowns; i++) {
+            const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
+            *u++ = dof == PZS_FIXED ? 0 : p[dof];
+        }
+}
+
+/* f += factor P' u */
+static void scatter(const pzs_model *model, const uint16_t node[4], pzs_real factor, const pzs_real *u, pzs_real *f)
+{
+    for (unsigned r = 0; r < SHELL_NODES; r++)
+        for (unsigned i = 0; i < model->structure->unknowns; i++, u++) {
+            const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
+            if (dof != PZS_FIXED)
+                f[dof] += factor * *u;
+        }
+}
+
 /* f += K p, formed element by element from strains */
 static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
 {
     const pzs_structure *s = model->structure;
-    const unsigned n = SHELL_NODES * s->unknowns;
     for (uint32_t e = 0; e < s->elements; e++) {
         const uint16_t kind = s->element_kind[e];
-        const pzs_real factor = kind_factor(model, kind);
         pzs_real u[SHELL_MAX]; /* displacement, then force */
-        uint16_t dof[SHELL_MAX];
-        for (unsigned i = 0; i < n; i++) {
-            dof[i] = local_dof(model, e, i);
-            u[i] = dof[i] == PZS_FIXED ? 0 : p[dof[i]];
-        }
+        gather(model, s->element[e], p, u);
         shell_force(&s->kind[kind], s->unknowns, u, u);
-        for (unsigned i = 0; i < n; i++)
-            if (dof[i] != PZS_FIXED)
-                f[dof[i]] += factor * u[i];
+        scatter(model, s->element[e], kind_factor(model, kind), u, f);
     }
 }
 

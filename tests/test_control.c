@@ -214,27 +214,37 @@ static void newton(const bench *t, const unsigned char *free, const wide *gradie
     }
 }
 
-/* One exact step of the reference: free are the inputs the gradient may move. Returns 0 where nothing moves. */
-static int polish(const bench *t, wide *v, const wide *gradient)
+/* How much of a way is free, 0 to 1, and the first input to meet its limit, or n. */
+static wide free_part(const bench *t, const wide *v, const wide *way, unsigned *first)
+{
+    wide part = 1;
+    *first = t->p.inputs;
+    for (unsigned i = 0; i < t->p.inputs; i++) {
+        const wide room = way[i] < 0 ? v[i] - (wide)t->lo[i] : (wide)t->hi[i] - v[i];
+        if (room < part * fabsl(way[i])) {
+            part = room > 0 ? room / fabsl(way[i]) : 0;
+            *first = i;
+        }
+    }
+    return part;
+}
+
+/* One exact step of the reference: free are the inputs the gradient may move, less those that cannot follow. */
+static void polish(const bench *t, wide *v, const wide *gradient)
 {
     unsigned char free[MOST_INPUTS];
-    wide way[MOST_INPUTS], part = 1;
+    wide way[MOST_INPUTS], part = 0;
     const unsigned n = t->p.inputs;
-    int moves = 0;
     for (unsigned i = 0; i < n; i++)
-        free[i] = t->lo[i] < t->hi[i] && (gradient[i] > 0 ? v[i] > t->lo[i] : v[i] < t->hi[i]);
-    newton(t, free, gradient, way);
-    for (unsigned i = 0; i < n; i++) {
-        const wide room = way[i] < 0 ? v[i] - (wide)t->lo[i] : (wide)t->hi[i] - v[i];
-        if (room < part * fabsl(way[i]))
-            part = room / fabsl(way[i]);
+        free[i] = t->lo[i] < t->hi[i] && (gradient[i] > 0 ? v[i] > (wide)t->lo[i] : v[i] < (wide)t->hi[i]);
+    for (unsigned tries = 0, first = 0; tries <= n && part <= 0 && first < n; tries++) {
+        newton(t, free, gradient, way);
+        part = free_part(t, v, way, &first);
+        if (first < n)
+            free[first] = 0;
     }
-    for (unsigned i = 0; i < n; i++) {
-        const wide next = clip(v[i] + part * way[i], t->lo[i], t->hi[i]);
-        moves |= next != v[i];
-        v[i] = next;
-    }
-    return moves;
+    for (unsigned i = 0; i < n; i++)
+        v[i] = clip(v[i] + part * way[i], t->lo[i], t->hi[i]);
 }
 
 /* Upper bound of (objective - optimum) / |W e|^2, from the duality gap at a polished point. */
@@ -246,8 +256,7 @@ static wide excess(const bench *t)
     const wide scale = energy(t), mine = objective(t, v, gradient);
     wide bound = gap_of(t, v, gradient);
     for (unsigned pass = 0; pass < 2 * MOST_INPUTS && bound > TOLERANCE * scale / 2; pass++) {
-        if (!polish(t, v, gradient))
-            break;
+        polish(t, v, gradient);
         const wide now = objective(t, v, gradient), better = mine - now + gap_of(t, v, gradient);
         bound = better < bound ? better : bound;
     }
@@ -293,7 +302,7 @@ static void random_influence(bench *t)
 static void random_limits(bench *t)
 {
     static const double reach[] = { .02, .1, .3, .6, 1, 3 };
-    const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0, endless = chance(t, .1) ? .3 : 0;
+    const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0, endless = chance(t, .1) && t->p.effort > 0 ? .3 : 0;
     const double slew = chance(t, .4) ? limit * uniform(t, .05, .6) : HUGE_VAL;
     REACH=limit*(endless>0?1.001:1);
     const int preferred = chance(t, .5);
@@ -324,9 +333,9 @@ static void random_problem(bench *t, uint64_t seed)
     t->p.outputs = (uint16_t)(1 + below(t, 2 * n + 4));
     t->p.influence = t->b;
     random_influence(t);
-    random_limits(t);
-    const double effort = chance(t, .5) ? pow(10, uniform(t, -8, -1)) : 0;
+    const double effort = chance(t, .5) ? pow((double)PZS_EPSILON, uniform(t, .1, .5)) : 0;
     t->p.effort = (pzs_real)(effort * t->p.outputs / 3);
+    random_limits(t);
     for (unsigned i = 0; i < t->p.outputs; i++)
         t->weight[i] = (pzs_real)(chance(t, .1) ? 0 : uniform(t, .2, 2));
     t->weight[below(t, t->p.outputs)] = 1;
