@@ -182,8 +182,8 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
 
 /*
  * Scale to unit diagonal by powers of two, factor L D L^T, estimate the condition.
- * Errors: STAGE, LOOSE and NEGATIVE (where = unknown), CONDITION: the estimate exceeds
- * 1.2/epsilon, or 600/epsilon where kinds are given and solves are refined.
+ * Errors: STAGE, LOOSE and NEGATIVE (where = unknown), CONDITION: the estimate exceeds 1.2/epsilon,
+ * or 600/epsilon where kinds are given and solves are refined, or 1e14.
  */
 pzs_status pzs_factor(pzs_model *model);
 

@@ -43,7 +43,7 @@
 
 #define READY 1u
 #define ROUNDS 8u        /* most rounds of one step */
-#define NOISE 2          /* multipliers below NOISE epsilon |gradient terms| are zero */
+#define NOISE 4          /* multipliers below NOISE epsilon |gradient terms| are zero */
 #define POOR 16          /* a round that lowers the KKT violation less than this asks for a fresh tableau */
 #define FROZEN_TICKS 8u  /* a measurement that repeats so often while its output moves is frozen */
 #define FROZEN_PART 64   /* "moves": by more than 1/FROZEN_PART of |measured| + |predicted| in a tick */

@@ -27,6 +27,9 @@
 #define MOVE(to, from, count) memcpy(to, from, (count) * sizeof(pzs_real))
 #endif
 
+/* 2^-23: no pivot above it counts as zero. In float, n epsilon would refuse thin shells that refinement still solves. */
+#define SMALL_PIVOT ((pzs_real)1.1920928955078125e-7)
+
 /* ---- storage ---------------------------------------------------------- */
 
 static pzs_real magnitude(pzs_real x)
@@ -37,11 +40,6 @@ static pzs_real magnitude(pzs_real x)
 static uint32_t smaller(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
-}
-
-static uint32_t larger(uint32_t a, uint32_t b)
-{
-    return a > b ? a : b;
 }
 
 static pzs_real most(pzs_real a, pzs_real b)
@@ -243,7 +241,7 @@ static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
     const uint32_t left = left_of(a, panel);
 
     for (uint32_t q = left; q < panel * PZS_TILE; q += STRIP) {
-        const uint32_t from = larger(left, left_of(a, q / PZS_TILE));
+        const uint32_t from = left_of(a, q / PZS_TILE) > left ? left_of(a, q / PZS_TILE) : left;
         eliminate(column(a, panel, q), column(a, panel, from), column(a, q / PZS_TILE, from) + q % PZS_TILE, q - from);
     }
     eliminate_diagonal(column(a, panel, panel * PZS_TILE), column(a, panel, left), a->inverse + left,
@@ -252,7 +250,7 @@ static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
 
 linalg_inertia linalg_factor(pzs_envelope *a)
 {
-    const pzs_real tolerance = (pzs_real)a->n * PZS_EPSILON;
+    const pzs_real tolerance = (pzs_real)a->n * PZS_EPSILON < SMALL_PIVOT ? (pzs_real)a->n * PZS_EPSILON : SMALL_PIVOT;
     linalg_inertia found = {0, -1, -1, 0};
     pzs_real diagonal = 0;
     pzs_real pivot = 0;

@@ -44,8 +44,8 @@ typedef struct linalg_inertia {
 
 /*
  * Factor a = L D L^T in place, L unit lower triangular, without pivoting.
- * A pivot of size at most epsilon times its own diagonal entry before elimination is
- * reported as zero and ends the factorisation.
+ * A pivot of size at most min(n epsilon, 2^-23) times its own diagonal entry before elimination,
+ * or whose inverse is not finite, is reported as zero and ends the factorisation.
  */
 linalg_inertia linalg_factor(pzs_envelope *a);
 

@@ -2,6 +2,7 @@
 # Every test, one summary: N passed, N failed.
 # Each part prints TAP lines (ok ..., not ok ...) or CMocka's own; a part that dies counts as failed.
 set -u
+export CI=1 # a missing compiler fails a gate
 cd "$(dirname "$0")/.."
 B=${B:-build}
 log=$B/test-log
@@ -34,10 +35,6 @@ part() {
     printf '%-28s %4d passed %4d failed  %3d s\n' "$name" "$good" "$bad" $(($(date +%s) - began))
 }
 
-make_part() {
-    "${MAKE:-make}" --no-print-directory -s -j2 "$@"
-}
-
 part build sh -c '"${MAKE:-make}" --no-print-directory -s -j2 all unit san && echo "ok 1 - builds without warnings"'
 for program in "$B"/test/*; do
     case $program in *.d|*.o) continue ;; esac
@@ -48,6 +45,8 @@ part cli sh tests/cli.sh
 for gate in tests/gates/*.sh; do
     [ "$(basename "$gate")" = common.sh ] || part "gate-$(basename "$gate" .sh)" sh "$gate"
 done
+part target-start sh tests/target/start.sh
+part target-units sh tests/target/units.sh
 part qemu "${MAKE:-make}" --no-print-directory -s qemu
 part size "${MAKE:-make}" --no-print-directory -s size
 echo

@@ -5,6 +5,7 @@ case $1 in
 demo) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/stdio.h:libc6-dev" ;;
 test) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/cmocka.h:libcmocka-dev clang:clang
     arm-none-eabi-gcc:gcc-arm-none-eabi /usr/lib/arm-none-eabi/include/stdio.h:libnewlib-arm-none-eabi
+    /usr/lib/picolibc/arm-none-eabi:picolibc-arm-none-eabi
     qemu-system-arm:qemu-system-arm /usr/bin/python3:python3 /usr/lib/python3/dist-packages/numpy:python3-numpy
     /usr/lib/python3/dist-packages/scipy:python3-scipy" ;;
 bench) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/x86_64-linux-gnu/cblas.h:libopenblas-dev

@@ -685,7 +685,7 @@ static const pzs_problem demo_problem = {
     NULL, NULL, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 
-/* wanted displacement of each target node */
+/* displacement of each target node that the volts must make */
 static const pzs_real demo_target[121] = {
     PZS_R(-0), PZS_R(-0), PZS_R(-0), PZS_R(-0),
     PZS_R(-0), PZS_R(0), PZS_R(0), PZS_R(0),

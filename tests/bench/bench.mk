@@ -1,7 +1,7 @@
 # make bench: speed against the peers, in one run. Our side of the linear algebra and of the voltage step is built for
 # this machine; the peers come from Debian (OpenBLAS) and from a PyPI source package (DAQP), neither is needed elsewhere.
 
-FAST := -std=c99 -O3 -march=native -mprefer-vector-width=512 -ffp-contract=fast $(INCLUDE)
+FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
 .PHONY: bench bench-linalg bench-step bench-accuracy bench-device
 bench: setup-bench
@@ -24,3 +24,7 @@ $(B)/bench/accuracy: $(B)/64/tests/bench/bench_accuracy.o $(B)/64/host.a $(B)/64
 bench-accuracy: $(B)/bench/accuracy
 	@echo 'Speed against error, linear shells'
 	@$(B)/bench/accuracy
+
+bench-device: setup-test
+	@echo 'Instructions on the device, counted by QEMU (not cycles)'
+	@B=$(B) sh tests/bench/device.sh

@@ -1,14 +1,16 @@
 /*
  * Factor and solve of band matrices against OpenBLAS pbtrf and pbtrs, one thread each.
  *
- *   gcc -std=c99 -O3 -march=native -mprefer-vector-width=512 -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8 \
+ *   gcc -std=c99 -O3 -march=native -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8 \
  *       -Iinclude -Ilib tests/bench/bench_linalg.c lib/linalg.c -lopenblas -lm -o bench_linalg
  *
- * with -DPZS_REAL_BITS=32 -DPZS_TILE=16 for float. OpenBLAS chooses its kernels when it is
- * loaded, so the measurement runs in a child process for each OPENBLAS_CORETYPE and the
- * child with the faster peer counts. Inside a child our code and the peer, upper and
- * lower, take turns, so a disturbed second hurts both; what is shown are medians.
- * --json prints one object a row.
+ * with -DPZS_REAL_BITS=32 -DPZS_TILE=16 for float (the quickest tiles with AVX-512).
+ * Without -ffp-contract=fast the bits are those of every other target and the factor takes
+ * some 15 % longer. OpenBLAS chooses its kernels when it is loaded, so the measurement runs
+ * in a child process for each OPENBLAS_CORETYPE and the child with the faster peer counts.
+ * Inside a child our code and the peer, upper and lower, take turns, so a disturbed second
+ * hurts both; what is shown are medians. Each factor starts from a matrix just copied, each
+ * solve follows its factor. --json prints one object a row.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
