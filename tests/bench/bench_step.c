@@ -86,12 +86,12 @@ static void make_plate(int n, int m)
         for (int j = 0; j < n; j++) {
             const double from = j / 5, past = x - from, across = y - (j % 5 + .5);
             const double bend = past <= 0 ? 0 : past < 1 ? past * past / 2 : past - .5;
-            ours.b[i * n + j] = 1e-7 * bend * (.15 + exp(-.8 * across * across));
+            ours.b[i * n + j] = .3 * bend * (.15 + exp(-.8 * across * across));
         }
         ours.weight[i] = 1;
         for (int t = 0; t < FRAMES; t++) {
             const double a = 2 * 3.14159265358979 * t / FRAMES, s = x / length, c = y / 5 - .5;
-            ours.target[t][i] = 1e-5 * length * length
+            ours.target[t][i] = 3 * length * length
                                 * (s * s * cos(a) + s * c * sin(a) + .6 * s * s * c * c * cos(2 * a) + .4 * sin(5 * s) * c * sin(3 * a + 1));
         }
     }
