@@ -29,6 +29,56 @@ static int structure_complete(const pzs_structure *s)
         && s->first && s->stiffness && rows_complete(&s->input) && rows_complete(&s->output);
 }
 
+/* Every index of a list of rows inside its range, row starts ascending. */
+static int rows_in_range(const pzs_rows *rows, uint32_t dof)
+{
+    for (uint32_t r = 0; r < rows->count; r++)
+        if (rows->start[r] > rows->start[r + 1])
+            return 0;
+    for (uint32_t t = rows->count ? rows->start[0] : 0; rows->count && t < rows->start[rows->count]; t++)
+        if (rows->dof[t] >= dof)
+            return 0;
+    return 1;
+}
+
+/* Unknowns of an element inside the envelope: no row begins right of one of its columns. */
+static int element_in_envelope(const pzs_structure *s, const uint16_t node[4])
+{
+    uint32_t least = PZS_FIXED;
+    for (int pass = 0; pass < 2; pass++)
+        for (unsigned i = 0; i < SHELL_NODES * (unsigned)s->unknowns; i++) {
+            const uint16_t dof = s->node_dof[(size_t)node[i / s->unknowns] * s->unknowns + i % s->unknowns];
+            if (dof == PZS_FIXED)
+                continue;
+            if (pass == 0)
+                least = dof < least ? dof : least;
+            else if (s->first[dof] > least)
+                return 0;
+        }
+    return 1;
+}
+
+/* A checksum says that tables arrived as they were made; this, that no index in them can lead astray. */
+static int indices_in_range(const pzs_structure *s)
+{
+    for (uint32_t i = 0; i < (uint32_t)s->nodes * s->unknowns; i++)
+        if (s->node_dof[i] != PZS_FIXED && s->node_dof[i] >= s->dof)
+            return 0;
+    for (uint32_t i = 0; i < s->dof; i++)
+        if (s->first[i] > i)
+            return 0;
+    for (uint32_t e = 0; e < s->elements; e++) {
+        if (s->element_kind[e] >= s->kinds)
+            return 0;
+        for (int r = 0; r < SHELL_NODES; r++)
+            if (s->element[e][r] >= s->nodes)
+                return 0;
+        if (!element_in_envelope(s, s->element[e]))
+            return 0;
+    }
+    return rows_in_range(&s->input, s->dof) && rows_in_range(&s->output, s->dof);
+}
+
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work, size_t bytes)
 {
     if (!model || !structure || !work)
@@ -41,6 +91,8 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
         return PZS_E_ARGUMENT;
     if (guard_structure_crc(structure) != structure->crc)
         return PZS_E_CRC;
+    if (!indices_in_range(structure))
+        return PZS_E_ARGUMENT;
 
     const uint32_t n = structure->dof;
     const size_t entries = linalg_reals(structure->first, n);

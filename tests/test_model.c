@@ -328,11 +328,36 @@ static void test_misuse(void **state)
     device_close(&d);
 }
 
+/* Law: tables whose checksum is right but whose indices are not are refused before anything is read through them. */
+static void test_indices_out_of_range(void **state)
+{
+    (void)state;
+    device d;
+    device_open(&d, "clamped-plate", NULL, 0);
+    uint16_t *const array[] = {(uint16_t *)(uintptr_t)d.bridge.element, (uint16_t *)(uintptr_t)d.bridge.element_kind,
+                               (uint16_t *)(uintptr_t)d.bridge.node_dof, (uint16_t *)(uintptr_t)d.bridge.first,
+                               (uint16_t *)(uintptr_t)d.bridge.input.dof, (uint16_t *)(uintptr_t)d.bridge.output.dof};
+    for (int i = 0; i < 6; i++) {
+        const uint16_t kept = array[i][0];
+        array[i][0] = 0xFFFE;
+        d.structure.crc = guard_structure_crc(&d.structure);
+        assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_E_ARGUMENT);
+        array[i][0] = kept;
+    }
+    uint16_t *first = array[3];
+    const int last = d.bridge.dof - 1;
+    first[last] = (uint16_t)last; /* the envelope no longer holds the last element */
+    d.structure.crc = guard_structure_crc(&d.structure);
+    assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_E_ARGUMENT);
+    device_close(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stability_source), cmocka_unit_test(test_stability_corrected), cmocka_unit_test(test_influence),
         cmocka_unit_test(test_stiffness_factor), cmocka_unit_test(test_held_unknown),        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_indices_out_of_range),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);
 }

@@ -7,31 +7,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include "analysis.h"
+#include "clock.h"
 
 enum { RUNS = 5 };
 
 typedef struct timing { double build, factor, solve, ratio; int dof; } timing;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *x)
-{
-    qsort(x, RUNS, sizeof *x, ascending);
-    return x[RUNS / 2];
-}
 
 static timing measure(const char *name, const char *element, int n)
 {
@@ -69,9 +50,9 @@ static timing measure(const char *name, const char *element, int n)
         analysis_free(&a);
         scene_free(&s);
     }
-    t.build = median(build);
-    t.factor = median(factor);
-    t.solve = median(solve);
+    t.build = median(build, RUNS);
+    t.factor = median(factor, RUNS);
+    t.solve = median(solve, RUNS);
     return t;
 }
 

@@ -17,8 +17,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "clock.h"
 #include "linalg.h"
 
 #define PEER_FACTOR PZS_BY_BITS(spbtrf_, dpbtrf_)
@@ -45,27 +45,6 @@ struct row {
     double factor, solve, peer_factor, peer_solve, difference;
     char core[32];
 };
-
-static double now(void)
-{
-    struct timespec t;
-
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
-static double median(double *t, int count)
-{
-    qsort(t, (size_t)count, sizeof *t, ascending);
-    return t[count / 2];
-}
 
 /* Memory for reals, on a cache line. */
 static pzs_real *reals(size_t count)

@@ -7,8 +7,8 @@
  *
  * Without WITH_DAQP only our side is measured. n inputs over a grid of m outputs, 200 frames of a
  * slowly moving target, run in a circle so that every start is warm; limits are chosen so
- * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, add_rows
- * of lib/control.c, included here), then solve; DAQP has its factor of H beforehand and keeps its
+ * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, boxls_add_rows
+ * of lib/boxls.c, included here), then solve; DAQP has its factor of H beforehand and keeps its
  * working set; of its two ways to start (with and without a look at the unlimited optimum) the faster counts.
  * Each frame is timed in TURNS circles, both sides in turn; its time is the median. Shown are the mean and
  * the worst over the frames, from the error to volts, and of the solver alone.  --json: one object a row.
@@ -17,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+#include "../../lib/boxls.c"
 #include "../../lib/control.c"
 #ifdef WITH_DAQP
 #include "api.h"
@@ -148,12 +149,11 @@ static double limit_for(double active)
 
 static void our_step(int t, int turn)
 {
-    const desk d = desk_of(&ours.control);
-    search s = { 0, 0, 0, 0, 0, 0 };
     const double from = now();
-    project(&d, &ours.control, ours.target[t], &s);
+    boxls b = view(&ours.control);
+    const double missed = project(&b, &ours.control, ours.target[t]);
     const double between = now();
-    (void)step_to(&d, &ours.control, ours.target[t], &s);
+    (void)step_to(&b, &ours.control, ours.target[t], missed);
     const double end = now();
 
     spent[0][0][t][turn] = end - from;
@@ -191,7 +191,7 @@ static void peer_step(int way, int t, int turn)
     for (int i = 0; i < ours.m; i++)
         peer[way].weighted[i] = ours.weight[i] * ours.weight[i] * ours.target[t][i];
     memset(peer[way].f, 0, sizeof peer[way].f);
-    add_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
+    boxls_add_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
     const double between = now();
     for (int i = 0; i < ours.n; i++)
         peer[way].f[i] = -peer[way].f[i];

@@ -1,0 +1,501 @@
+/*
+ * The voltage optimiser: a primal active-set method on one symmetric matrix, the tableau.
+ * "Swept" inputs F are those free to move together, the others S stand still:
+ *
+ *   tableau on F, S:   [ -H_FF^-1         H_FF^-1 H_FS                ]
+ *                      [ H_SF H_FF^-1     H_SS - H_SF H_FF^-1 H_FS    ]
+ *
+ * One symmetric rank-1 change (sweep) moves an input between F and S. One product with the
+ * gradient gives `move`: on F the way to the minimum over F, on S the gradient once there.
+ *
+ * A round starts from the true gradient and makes passes; each pass goes as far as limits allow:
+ *   descend  along move; an input that meets a limit stays there and leaves F;
+ *   release  at a minimum over F: one standing input k with a wrong multiplier moves along its ray
+ *            (F follows, keeping its gradient zero) to the ray's minimum, where k joins F, or to
+ *            k's other limit, or until an input of F meets a limit and leaves F.
+ * The round ends with the true gradient from H, so errors of the tableau never reach the volts:
+ * they only cost a further round, and a poor tableau is swept anew.
+ *
+ * It ends at the optimum. Descending shrinks F at every pass but the last. A release
+ * prefers inputs that stand strictly between their limits; each such pass lowers
+ * 2 (number of those) + (size of F), so at most 3n of them lead to a point where every input
+ * between its limits has gradient zero: the minimum of its face, whose value depends only on which
+ * inputs stand at which limit. Only there is an input released from a limit. Passes of
+ * zero length only shrink F; the next of positive length lowers the objective strictly. So
+ * the objective of successive faces falls strictly, no face comes twice, and there are finitely many.
+ *
+ * An input whose pivot is below n epsilon of its diagonal depends on F: it is not swept, its
+ * multiplier is zero at a minimum over F up to rounding, and its ray costs nothing: it goes
+ * to a limit, where either it or an input of F stops; both only shrink the sets above.
+ *
+ * In rounding: only multipliers above a noise level count, a round whose objective does not fall
+ * (by the true gradients at both ends) is undone, and passes and rounds are counted. Volts
+ * are feasible after every pass because they are only ever cut by comparison.
+ */
+#include <math.h>
+#include <string.h>
+#include "boxls.h"
+
+#define ROUNDS 8u     /* most rounds of one call */
+#define NOISE 4       /* multipliers below NOISE times the rounding of a gradient are zero */
+#define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
+#define DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
+
+/* ---- sums ------------------------------------------------------------------ */
+
+pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, uint32_t n)
+{
+    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+    for (uint32_t i = 0; i < n; i += 4u) {
+        s0 += x[i] * y[i];
+        s1 += x[i + 1u] * y[i + 1u];
+        s2 += x[i + 2u] * y[i + 2u];
+        s3 += x[i + 3u] * y[i + 3u];
+    }
+    return (s0 + s1) + (s2 + s3);
+}
+
+/* The same with |y|. */
+static pzs_real dot_size(const pzs_real *x, const pzs_real *y, uint32_t n)
+{
+    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+    for (uint32_t i = 0; i < n; i += 4u) {
+        s0 += x[i] * boxls_size(y[i]);
+        s1 += x[i + 1u] * boxls_size(y[i + 1u]);
+        s2 += x[i + 2u] * boxls_size(y[i + 2u]);
+        s3 += x[i + 3u] * boxls_size(y[i + 3u]);
+    }
+    return (s0 + s1) + (s2 + s3);
+}
+
+pzs_real boxls_largest(const pzs_real *x, uint32_t n)
+{
+    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+    for (uint32_t i = 0; i < n; i += 4u) {
+        s0 = x[i] > s0 ? x[i] : s0;
+        s1 = x[i + 1u] > s1 ? x[i + 1u] : s1;
+        s2 = x[i + 2u] > s2 ? x[i + 2u] : s2;
+        s3 = x[i + 3u] > s3 ? x[i + 3u] : s3;
+    }
+    s0 = s1 > s0 ? s1 : s0;
+    s2 = s3 > s2 ? s3 : s2;
+    return s2 > s0 ? s2 : s0;
+}
+
+/* y += rows 0 to 7 of a times x, in two chains of four. */
+static void add_eight(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
+                      uint32_t cols)
+{
+    const pzs_real *a1 = a + stride, *a2 = a1 + stride, *a3 = a2 + stride;
+    const pzs_real *a4 = a3 + stride, *a5 = a4 + stride, *a6 = a5 + stride, *a7 = a6 + stride;
+    const pzs_real x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5], x6 = x[6], x7 = x[7];
+    for (uint32_t j = 0; j < cols; ++j) {
+        const pzs_real upper = ((x0 * a[j] + x1 * a1[j]) + x2 * a2[j]) + x3 * a3[j];
+        const pzs_real lower = ((x4 * a4[j] + x5 * a5[j]) + x6 * a6[j]) + x7 * a7[j];
+        y[j] += upper + lower;
+    }
+}
+
+void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
+                    uint32_t rows, uint32_t cols)
+{
+    uint32_t i = 0;
+    for (; i + 8u <= rows; i += 8u) {
+        add_eight(y, a + (size_t)i * stride, stride, x + i, cols);
+    }
+    for (; i < rows; ++i) {
+        const pzs_real *row = a + (size_t)i * stride, xi = x[i];
+        for (uint32_t j = 0; j < cols; ++j) {
+            y[j] += xi * row[j];
+        }
+    }
+}
+
+/* y = A x, A [n][width] symmetric. */
+static void symmetric(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, uint32_t n,
+                      uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u); /* tells the compiler that no remainder is left */
+    for (uint32_t j = 0; j < width; ++j) {
+        y[j] = 0;
+    }
+    boxls_add_rows(y, a, width, x, n, width);
+}
+
+void boxls_place(boxls *b, pzs_real *work)
+{
+    pzs_real **const vector[BOXLS_VECTORS] = { &b->lo, &b->hi, &b->free, &b->base, &b->bias, &b->want, &b->pull,
+                                               &b->grad, &b->move, &b->diag, &b->start, &b->start_grad, &b->next, &b->spare };
+    for (uint32_t k = 0; k < BOXLS_VECTORS; ++k) {
+        *vector[k] = work + (size_t)k * b->width;
+    }
+}
+
+/* ---- tableau ------------------------------------------------------------------ */
+
+/* Pivot of a standing input over its diagonal: what is left of it beside the swept ones, 0 to 1. */
+static pzs_real own_part(const boxls *b, uint32_t k)
+{
+    return b->diag[k] > 0 ? b->m[(size_t)k * b->width + k] / b->diag[k] : 0;
+}
+
+/* m -= sign s s', all rows: symmetric to the last bit. */
+static void rank_one(pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign, uint32_t n, uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    for (uint32_t i = 0; i < n; ++i) {
+        pzs_real *restrict row = m + (size_t)i * width;
+        const pzs_real f = sign * s[i];
+        for (uint32_t j = 0; j < width; ++j) {
+            row[j] -= f * s[j];
+        }
+    }
+}
+
+/* Move input k into F (its pivot is positive) or out of it (negative). */
+static void sweep(boxls *b, uint32_t k)
+{
+    pzs_real *row = b->m + (size_t)k * b->width, *s = b->spare;
+    const pzs_real pivot = row[k], scale = 1 / boxls_root(boxls_size(pivot));
+    for (uint32_t j = 0; j < b->width; ++j) {
+        s[j] = row[j] * scale;
+    }
+    rank_one(b->m, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1, b->n, b->width);
+    for (uint32_t j = 0; j < b->n; ++j) {
+        row[j] = s[j] * scale;
+        b->m[(size_t)j * b->width + k] = row[j];
+    }
+    row[k] = -1 / pivot;
+    b->free[k] = 1 - b->free[k];
+}
+
+/* The most independent standing input whose move is marked, or n. */
+static uint32_t next_pivot(const boxls *b)
+{
+    pzs_real most = b->floor;
+    uint32_t next = b->n;
+    for (uint32_t k = 0; k < b->n; ++k) {
+        const pzs_real part = b->move[k] > 0 ? own_part(b, k) : 0;
+        next = part > most ? k : next;
+        most = part > most ? part : most;
+    }
+    return next;
+}
+
+/* The most independent first; those that depend on the ones before stand. */
+void boxls_rebuild(boxls *b)
+{
+    memcpy(b->m, b->h, (size_t)b->n * b->width * sizeof(pzs_real));
+    memcpy(b->move, b->free, b->width * sizeof(pzs_real));
+    memset(b->free, 0, b->width * sizeof(pzs_real));
+    uint32_t k = next_pivot(b);
+    for (uint32_t count = 0; count < b->n && k < b->n; ++count) {
+        sweep(b, k);
+        b->move[k] = 0;
+        k = next_pivot(b);
+    }
+}
+
+/* Take input j out of F where `left` of its way to the minimum over F is not gone. */
+static void drop(boxls *b, uint32_t j, pzs_real left)
+{
+    const pzs_real *row = b->m + (size_t)j * b->width;
+    sweep(b, j);
+    for (uint32_t i = 0; i < b->n; ++i) {
+        const pzs_real part = left * row[i];
+        b->move[i] += b->free[i] > 0 ? part : -part;
+    }
+    b->move[j] = -left * row[j];
+}
+
+/* ---- gradients ------------------------------------------------------------------ */
+
+static void combine(pzs_real *restrict grad, const pzs_real *restrict pull, const pzs_real *restrict bias,
+                    const pzs_real *restrict want, uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    for (uint32_t i = 0; i < width; ++i) {
+        grad[i] = (pull[i] + bias[i]) - want[i];
+    }
+}
+
+void boxls_gradient(boxls *b)
+{
+    combine(b->grad, b->pull, b->bias, b->want, b->width);
+}
+
+static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    for (uint32_t i = 0; i < width; ++i) {
+        z[i] = x[i] - y[i];
+    }
+}
+
+void boxls_true_gradient(boxls *b)
+{
+    subtract(b->spare, b->v, b->base, b->width);
+    b->rough = PZS_EPSILON * dot_size(b->diag, b->spare, b->width);
+    symmetric(b->pull, b->h, b->spare, b->n, b->width);
+    boxls_gradient(b);
+}
+
+static void where_free(pzs_real *restrict x, const pzs_real *restrict free, const pzs_real *restrict grad,
+                       uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    for (uint32_t i = 0; i < width; ++i) {
+        x[i] = free[i] > 0 ? grad[i] : 0;
+    }
+}
+
+static void where_standing(pzs_real *restrict move, const pzs_real *restrict free, const pzs_real *restrict grad,
+                   uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    for (uint32_t i = 0; i < width; ++i) {
+        const pzs_real standing = grad[i] - move[i];
+        move[i] = free[i] > 0 ? move[i] : standing;
+    }
+}
+
+void boxls_aim(boxls *b)
+{
+    where_free(b->spare, b->free, b->grad, b->width);
+    symmetric(b->move, b->m, b->spare, b->n, b->width);
+    where_standing(b->move, b->free, b->grad, b->width);
+}
+
+/* out = the gradient where the volts could follow it downhill, its size; else at most 0. */
+static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
+                     const pzs_real *restrict hi, const pzs_real *restrict grad, uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    for (uint32_t i = 0; i < width; ++i) {
+        const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
+        out[i] = down > up ? down : up;
+    }
+}
+
+/* Largest violated optimality condition. */
+static pzs_real violation(const boxls *b)
+{
+    downhill(b->spare, b->v, b->lo, b->hi, b->grad, b->width);
+    return boxls_largest(b->spare, b->width);
+}
+
+int boxls_coarse(const boxls *b)
+{
+    pzs_real soft = 0; /* trace of the inverse of H on F; dependent inputs: the most it can be */
+    for (uint32_t i = 0; i < b->n; ++i) {
+        const pzs_real pivot = b->m[(size_t)i * b->width + i], least = b->floor * b->diag[i];
+        soft += b->free[i] > 0 ? -pivot : pivot < least && b->lo[i] < b->hi[i] ? 1 / least : 0;
+    }
+    return b->rough * b->rough * soft > PZS_EPSILON * b->energy;
+}
+
+/* ---- passes ----------------------------------------------------------------------- */
+
+typedef struct block {
+    pzs_real part;  /* of the way that is free */
+    uint32_t input; /* the first to meet a limit, or n */
+} block;
+
+/* Shorten the way `part * step[i]` of swept inputs to the first limit met. */
+static block first_block(const boxls *b, const pzs_real *step, pzs_real part)
+{
+    block first = { part, b->n };
+    for (uint32_t i = 0; i < b->n; ++i) {
+        const pzs_real room = step[i] < 0 ? b->v[i] - b->lo[i] : b->hi[i] - b->v[i];
+        if (room < first.part * boxls_size(step[i]) && b->free[i] > 0) {
+            first.part = room / boxls_size(step[i]);
+            first.input = i;
+        }
+    }
+    return first;
+}
+
+/* Go along step; the input that met its limit stands on it exactly. */
+static void go(boxls *b, const pzs_real *step, block first)
+{
+    for (uint32_t i = 0; i < b->n; ++i) {
+        const pzs_real there = boxls_cut(b->v[i] + first.part * step[i], b->lo[i], b->hi[i]);
+        b->v[i] = b->free[i] > 0 ? there : b->v[i];
+    }
+    if (first.input < b->n) {
+        b->v[first.input] = step[first.input] < 0 ? b->lo[first.input] : b->hi[first.input];
+    }
+}
+
+/* next = v + move where free. Returns how many would leave their limits. */
+static uint32_t look_ahead(pzs_real *restrict next, const pzs_real *restrict v, const pzs_real *restrict move,
+                           const pzs_real *restrict free, const pzs_real *restrict lo, const pzs_real *restrict hi,
+                           uint32_t padded)
+{
+    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    uint32_t outside = 0;
+    for (uint32_t i = 0; i < width; ++i) {
+        const pzs_real x = v[i] + (free[i] > 0 ? move[i] : 0);
+        next[i] = x;
+        outside += (uint32_t)(x < lo[i]) | (uint32_t)(x > hi[i]);
+    }
+    return outside;
+}
+
+/* One pass along move. Returns nonzero where a limit stopped it. */
+static int descend(boxls *b)
+{
+    if (look_ahead(b->next, b->v, b->move, b->free, b->lo, b->hi, b->width) == 0) {
+        memcpy(b->v, b->next, b->width * sizeof(pzs_real));
+        return 0;
+    }
+    const block first = first_block(b, b->move, 1);
+    go(b, b->move, first);
+    if (first.input == b->n) {
+        return 0;
+    }
+    for (uint32_t i = 0; i < b->n; ++i) {
+        b->move[i] *= b->free[i] > 0 ? 1 - first.part : 1;
+    }
+    drop(b, first.input, b->move[first.input]);
+    return 1;
+}
+
+/* The standing input to release: the worst between its limits, else the worst at one, else n. */
+static uint32_t worst_standing(const boxls *b, pzs_real noise)
+{
+    pzs_real most[2] = { noise, noise };
+    uint32_t input[2] = { b->n, b->n };
+    for (uint32_t i = 0; i < b->n; ++i) {
+        const pzs_real pull = boxls_size(b->move[i]);
+        if (pull > noise && !(b->free[i] > 0)) {
+            const int low = !(b->v[i] > b->lo[i]), high = !(b->v[i] < b->hi[i]);
+            const int kept = b->move[i] > 0 ? low : high, at = low | high;
+            if (pull > most[at] && !kept) {
+                most[at] = pull;
+                input[at] = i;
+            }
+        }
+    }
+    return input[0] < b->n ? input[0] : input[1];
+}
+
+/* How far input k may go along its ray (V): to the ray's minimum, or its own limit. */
+static pzs_real ray_length(const boxls *b, uint32_t k, int *to_limit)
+{
+    const pzs_real slope = boxls_size(b->move[k]), pivot = b->m[(size_t)k * b->width + k];
+    const pzs_real room = b->move[k] > 0 ? b->v[k] - b->lo[k] : b->hi[k] - b->v[k];
+    const pzs_real least = (boxls_finite(room) ? PZS_EPSILON : b->floor) * b->diag[k];
+    const pzs_real curvature = pivot > least ? pivot : least;
+    *to_limit = !(slope < room * curvature);
+    return *to_limit ? room : slope / curvature;
+}
+
+/* Go along the ray of k, v_F -= row_F far, and let the gradients of standing inputs follow. Returns what stopped it. */
+static block follow(boxls *b, uint32_t k, pzs_real length)
+{
+    const pzs_real *row = b->m + (size_t)k * b->width, sign = b->move[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
+    for (uint32_t i = 0; i < b->n; ++i) {
+        b->next[i] = -sign * row[i];
+    }
+    const block first = first_block(b, b->next, length);
+    if (boxls_finite(first.part)) {
+        const pzs_real far = sign * first.part;
+        go(b, b->next, first);
+        b->v[k] = boxls_cut(b->v[k] + far, b->lo[k], b->hi[k]);
+        for (uint32_t i = 0; i < b->n; ++i) {
+            b->move[i] += far * row[i];
+        }
+    }
+    return first;
+}
+
+/* One pass along the ray of standing input k, at a minimum over F. */
+static void release(boxls *b, uint32_t k)
+{
+    const int down = b->move[k] > 0;
+    int to_limit;
+    const pzs_real length = ray_length(b, k, &to_limit);
+    const block first = follow(b, k, length);
+    if (first.input < b->n) {
+        drop(b, first.input, 0);
+    } else if (to_limit && boxls_finite(first.part)) {
+        b->v[k] = down ? b->lo[k] : b->hi[k];
+    } else {
+        b->move[k] = 0; /* done with it; an endless ray without curvature gains nothing but rounding */
+        if (!to_limit && own_part(b, k) > b->floor) {
+            sweep(b, k);
+        }
+    }
+}
+
+/* Passes from the true gradient to where the tableau sees no violation; returns those used. */
+static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
+{
+    const uint32_t most = 2u * b->n + 8u < allowed ? 2u * b->n + 8u : allowed;
+    uint32_t used = 0, k = 0;
+    int blocked = 1;
+    boxls_aim(b);
+    for (; blocked && used < most; ++used) {
+        blocked = descend(b);
+    }
+    for (; used < most && (k = worst_standing(b, noise)) < b->n; ++used) {
+        release(b, k);
+    }
+    return used;
+}
+
+/* ---- rounds ------------------------------------------------------------------------- */
+
+/*
+ * Whether the round lowered the objective: it changed by (v - start) . (sum of the gradients at both
+ * ends), exactly. A round that went so far that rounding hides the change counts as not having.
+ */
+static int fell(boxls *b)
+{
+    pzs_real s0 = 0, s1 = 0, far0 = 0, far1 = 0;
+    for (uint32_t i = 0; i < b->width; i += 2u) {
+        const pzs_real d0 = b->v[i] - b->start[i], d1 = b->v[i + 1u] - b->start[i + 1u];
+        s0 += d0 * (b->grad[i] + b->start_grad[i]);
+        s1 += d1 * (b->grad[i + 1u] + b->start_grad[i + 1u]);
+        far0 += boxls_size(d0);
+        far1 += boxls_size(d1);
+    }
+    return s0 + s1 < 0 && b->rough * (far0 + far1) < b->energy;
+}
+
+/* One round. Returns nonzero if it was kept; else volts and gradient are as before. */
+static int run_round(boxls *b)
+{
+    const size_t bytes = b->width * sizeof(pzs_real);
+    memcpy(b->start, b->v, bytes);
+    memcpy(b->start_grad, b->grad, bytes);
+    b->used += run_passes(b, b->noise / 2, b->allowed - b->used);
+    boxls_true_gradient(b);
+    if (fell(b)) {
+        return 1;
+    }
+    memcpy(b->v, b->start, bytes);
+    boxls_true_gradient(b);
+    return 0;
+}
+
+void boxls_optimise(boxls *b)
+{
+    const pzs_real most = DEPENDENT * 4 * (pzs_real)b->n * PZS_EPSILON;
+    int fresh = 0;
+    b->left = violation(b);
+    b->noise = NOISE * (b->exact + b->rough);
+    for (uint32_t round = 0; round < ROUNDS && b->left > b->noise && b->used < b->allowed; ++round) {
+        const pzs_real before = b->left;
+        if (run_round(b)) {
+            b->left = violation(b);
+            b->noise = NOISE * (b->exact + b->rough);
+        }
+        if (b->left > b->noise && b->left * POOR > before && b->used < b->allowed) {
+            b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
+            boxls_rebuild(b);
+            fresh = 1;
+        }
+    }
+}

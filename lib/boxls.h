@@ -1,0 +1,86 @@
+/*
+ * Box-constrained least squares: from feasible volts to the optimum in passes, feasible after each.
+ *
+ *   min v'H v / 2 - ... with gradient H (v - base) + bias - want,   lo <= v <= hi
+ *
+ * Vectors are [width], width = n rounded up to whole tiles; entries from n on stay zero.
+ */
+#ifndef PZS_BOXLS_H
+#define PZS_BOXLS_H
+
+#include "pzs.h"
+
+#define BOXLS_VECTORS 14u /* of width entries each, laid out by boxls_place */
+
+typedef struct boxls {
+    uint32_t n, width;
+    uint32_t allowed, used; /* passes */
+    const pzs_real *h;      /* [n][width] Hessian (m2/V2) */
+    pzs_real *m;            /* [n][width] tableau */
+    pzs_real *v;            /* volts */
+    pzs_real *lo, *hi;      /* limits (V) */
+    pzs_real *free;         /* 1 swept, 0 standing */
+    pzs_real *base;         /* volts around which the gradient is known best (V) */
+    pzs_real *bias;         /* effort (base - prefer) */
+    pzs_real *want;         /* B'W^2 (e - B base) */
+    pzs_real *pull;         /* H (v - base) */
+    pzs_real *grad;         /* pull + bias - want, the gradient at v */
+    pzs_real *move;         /* swept: way to go (V); standing: gradient after it */
+    pzs_real *diag;         /* of H */
+    pzs_real *start, *start_grad; /* of the round */
+    pzs_real *next, *spare;
+    pzs_real floor;         /* pivots below this part of their diagonal count as dependent */
+    pzs_real rough;         /* epsilon times what rounding of pull is made of (m2/V) */
+    pzs_real exact;         /* the same of want */
+    pzs_real energy;        /* |W e|^2, the scale of the objective (m2) */
+    pzs_real left;          /* largest violated optimality condition (m2/V) */
+    pzs_real noise;         /* what of it may be rounding */
+} boxls;
+
+/* Point the vectors that the optimiser keeps into work [BOXLS_VECTORS][width]; n and width are set. */
+void boxls_place(boxls *b, pzs_real *work);
+
+/* y [cols] += sum over the rows of x_i times row i of a [rows][stride]. */
+void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
+                    uint32_t rows, uint32_t cols);
+
+/* Sums in four interleaved parts, the same bits at any vector width; and the largest, not below zero. n a multiple of 4. */
+pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, uint32_t n);
+pzs_real boxls_largest(const pzs_real *x, uint32_t n);
+
+/* Sweep anew from H every input marked as swept. */
+void boxls_rebuild(boxls *b);
+
+/* grad from pull; the same with pull and rough from H; and move from grad and the tableau. */
+void boxls_gradient(boxls *b);
+void boxls_true_gradient(boxls *b);
+void boxls_aim(boxls *b);
+
+/* From a true gradient to the optimum; adds to used, sets left and noise. Volts never leave lo..hi. */
+void boxls_optimise(boxls *b);
+
+/* Whether rounding in H (v - base) may cost more than epsilon of the energy. */
+int boxls_coarse(const boxls *b);
+
+static inline pzs_real boxls_size(pzs_real x)
+{
+    return x < 0 ? -x : x;
+}
+
+static inline pzs_real boxls_cut(pzs_real x, pzs_real lo, pzs_real hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
+static inline int boxls_finite(pzs_real x)
+{
+    const pzs_real none = x - x;
+    return none <= 0;
+}
+
+static inline pzs_real boxls_root(pzs_real x)
+{
+    return PZS_BY_BITS(sqrtf((float)x), sqrt((double)x));
+}
+
+#endif
