@@ -10,7 +10,7 @@
 #include "guard.h"
 #include "print.h"
 
-enum { TICKS = 200, PERIOD = 80 };
+enum { TICKS = 200, PERIOD = 80, WARM_TICKS = 100 };
 
 #define PLANT_GAIN PZS_R(0.95) /* what the electrodes really do, of what the tables say */
 #define BUMP_SHARE PZS_R(0.1)  /* height of the bump, of the largest target */
@@ -22,6 +22,7 @@ typedef struct loop_log {
     uint32_t active;      /* most inputs at a limit at once */
     uint32_t crc;         /* of the bits of all volts of all ticks */
     uint32_t total, most; /* instructions of all ticks, of the longest */
+    uint32_t warm, warm_most; /* the same of the ticks of a slowly moving target */
 } loop_log;
 
 /* 0 to 1 and back over a period, smooth at both ends: a cubic of a triangle, without libm. */
@@ -63,7 +64,8 @@ static uint32_t count_outside(const pzs_problem *problem, const pzs_real *volt)
     return outside;
 }
 
-static void timed_tick(pzs_control *control, const demo_image *image, loop_log *log)
+/* One tick, its volts checked and logged. Returns the instructions it took. */
+static uint32_t timed_tick(pzs_control *control, const demo_image *image, loop_log *log)
 {
     const uint32_t start = board_count();
     const pzs_status status = pzs_tick(control, image->wanted, image->measured);
@@ -71,27 +73,44 @@ static void timed_tick(pzs_control *control, const demo_image *image, loop_log *
 
     if (status > log->worst) log->worst = status;
     log->warnings += status != PZS_OK;
-    log->total += spent;
-    if (spent > log->most) log->most = spent;
+    log->outside += count_outside(image->problem, control->volt);
+    log->crc = guard_crc(log->crc, control->volt, image->problem->inputs * sizeof *control->volt);
+    return spent;
+}
+
+static void want(const demo_image *image, pzs_real amplitude)
+{
+    for (int i = 0; i < image->problem->outputs; i++) image->wanted[i] = amplitude * image->target[i];
 }
 
 static loop_log run(pzs_control *control, const demo_image *image)
 {
-    const pzs_problem *problem = image->problem;
-    const pzs_real bump = BUMP_SHARE * largest(image->target, problem->outputs);
+    const pzs_real bump = BUMP_SHARE * largest(image->target, image->problem->outputs);
     loop_log log = { .crc = GUARD_CRC_START };
 
     for (int tick = 0; tick < TICKS; tick++) {
-        const pzs_real amplitude = wave(tick);
-        for (int i = 0; i < problem->outputs; i++) image->wanted[i] = amplitude * image->target[i];
+        want(image, wave(tick));
         measure(image, control->volt, bump * wave(tick + PERIOD / 4));
-        timed_tick(control, image, &log);
-        log.outside += count_outside(problem, control->volt);
+        const uint32_t spent = timed_tick(control, image, &log);
+        log.total += spent;
+        if (spent > log.most) log.most = spent;
         if (control->active > log.active) log.active = control->active;
-        log.crc = guard_crc(log.crc, control->volt, problem->inputs * sizeof *control->volt);
     }
-    log.crc = ~log.crc;
     return log;
+}
+
+/* A target that moves by a thousandth a tick, as in a loop that holds a shape: the working set stays. */
+static void run_warm(pzs_control *control, const demo_image *image, loop_log *log)
+{
+    for (int tick = -WARM_TICKS; tick < WARM_TICKS; tick++) {
+        want(image, PZS_R(0.5) + PZS_R(0.02) * wave(tick < 0 ? 0 : tick));
+        measure(image, control->volt, 0);
+        const uint32_t spent = timed_tick(control, image, log);
+        if (tick < 0) continue; /* still on its way there */
+        log->warm += spent;
+        if (spent > log->warm_most) log->warm_most = spent;
+    }
+    log->crc = ~log->crc;
 }
 
 static void report(const pzs_control *control, const loop_log *log)
@@ -101,7 +120,7 @@ static void report(const pzs_control *control, const loop_log *log)
     print_count("bits", PZS_REAL_BITS);
     print_count("status", log->worst);
     print_count("warnings", log->warnings);
-    print_count("ticks", TICKS);
+    print_count("ticks", TICKS + 2 * WARM_TICKS);
     print_count("active", log->active);
     print_count("outside", log->outside);
     print_real("error", control->error_after);
@@ -110,6 +129,8 @@ static void report(const pzs_control *control, const loop_log *log)
     print_text("\ncost tick");
     print_count("mean", log->total / TICKS);
     print_count("worst", log->most);
+    print_count("warm", log->warm / WARM_TICKS);
+    print_count("warm_worst", log->warm_most);
     print_text(" instructions\n");
 }
 
@@ -132,6 +153,7 @@ int main(void)
         return 1;
     }
     log = run(&control, &image);
+    run_warm(&control, &image, &log);
     report(&control, &log);
     failed = drill_control(&control, &image);
     print_text("cost stack");

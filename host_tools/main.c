@@ -369,6 +369,12 @@ static void limit_text(const analysis_volts *v, char text[32])
         snprintf(text, 32, "%g .. %g", v->limit[0], v->limit[1]);
 }
 
+/* No sign on a printed zero. */
+static double rounded_volt(double volt)
+{
+    return fabs(volt) < 0.005 ? 0 : volt;
+}
+
 /* Volts of each actuator as its grid lies on the surface: a row along theta2 for each step of theta1. */
 static void print_volts(const scene *s, const analysis_volts *v)
 {
@@ -378,7 +384,7 @@ static void print_volts(const scene *s, const analysis_volts *v)
         for (int i = 0; i < actuator->grid[0]; i++) {
             printf("    %-12s", i == 0 ? actuator->name : "");
             for (int j = 0; j < actuator->grid[1]; j++)
-                printf(" %9.2f", v->volt[actuator->first + i * actuator->grid[1] + j]);
+                printf(" %9.2f", rounded_volt(v->volt[actuator->first + i * actuator->grid[1] + j]));
             putchar('\n');
         }
     }

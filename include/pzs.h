@@ -240,7 +240,7 @@ typedef struct pzs_control {
     uint8_t *frozen;           /* [outputs] ticks a moving output has stood still */
     uint8_t *state;            /* [inputs] 0 free, 1 at lower, 2 at upper, as at the end of the last step */
     pzs_real dependence;       /* inputs whose pivot is below this part of their diagonal count as dependent on others */
-    pzs_real rounding, stiffest; /* the optimiser's own */
+    pzs_real rounding, softness, stiffest; /* the optimiser's own */
     pzs_real optimality;       /* largest violated KKT condition / largest entry of |B'W^2 e| */
     pzs_real error_before, error_after; /* |W (B v - e)| / |W e| at the start and end of the last step */
     int32_t where;             /* index that goes with the last status, or -1 */
@@ -256,7 +256,7 @@ typedef struct pzs_control {
 
 /* Bytes of workspace for a controller. */
 #define PZS_CONTROL_BYTES(inputs, outputs) \
-    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 19u) * PZS_CONTROL_WIDTH(inputs) + 5u * (size_t)(outputs)) + \
+    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 19u) * PZS_CONTROL_WIDTH(inputs) + 6u * (size_t)(outputs)) + \
      (size_t)(inputs) + (size_t)(outputs))
 
 /*

@@ -38,6 +38,7 @@
 
 #define ROUNDS 8u     /* most rounds of one call */
 #define NOISE 4       /* multipliers below NOISE times the rounding of a gradient are zero */
+#define NEAR 256      /* how far above the noise gradients of free inputs may be, where that costs nothing */
 #define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
 #define DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
 
@@ -46,7 +47,7 @@
 pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, uint32_t n)
 {
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (uint32_t i = 0; i < n; i += 4u) {
+    for (size_t i = 0; i < n; i += 4u) {
         s0 += x[i] * y[i];
         s1 += x[i + 1u] * y[i + 1u];
         s2 += x[i + 2u] * y[i + 2u];
@@ -59,7 +60,7 @@ pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, uint32_t n)
 static pzs_real dot_size(const pzs_real *x, const pzs_real *y, uint32_t n)
 {
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (uint32_t i = 0; i < n; i += 4u) {
+    for (size_t i = 0; i < n; i += 4u) {
         s0 += x[i] * boxls_size(y[i]);
         s1 += x[i + 1u] * boxls_size(y[i + 1u]);
         s2 += x[i + 2u] * boxls_size(y[i + 2u]);
@@ -71,7 +72,7 @@ static pzs_real dot_size(const pzs_real *x, const pzs_real *y, uint32_t n)
 pzs_real boxls_largest(const pzs_real *x, uint32_t n)
 {
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (uint32_t i = 0; i < n; i += 4u) {
+    for (size_t i = 0; i < n; i += 4u) {
         s0 = x[i] > s0 ? x[i] : s0;
         s1 = x[i + 1u] > s1 ? x[i + 1u] : s1;
         s2 = x[i + 2u] > s2 ? x[i + 2u] : s2;
@@ -167,6 +168,7 @@ static void sweep(boxls *b, uint32_t k)
     }
     row[k] = -1 / pivot;
     b->free[k] = 1 - b->free[k];
+    b->soft = 0;
 }
 
 /* The most independent standing input whose move is marked, or n. */
@@ -188,6 +190,7 @@ void boxls_rebuild(boxls *b)
     memcpy(b->m, b->h, (size_t)b->n * b->width * sizeof(pzs_real));
     memcpy(b->move, b->free, b->width * sizeof(pzs_real));
     memset(b->free, 0, b->width * sizeof(pzs_real));
+    b->soft = 0;
     uint32_t k = next_pivot(b);
     for (uint32_t count = 0; count < b->n && k < b->n; ++count) {
         sweep(b, k);
@@ -210,50 +213,52 @@ static void drop(boxls *b, uint32_t j, pzs_real left)
 
 /* ---- gradients ------------------------------------------------------------------ */
 
-static void combine(pzs_real *restrict grad, const pzs_real *restrict pull, const pzs_real *restrict bias,
-                    const pzs_real *restrict want, uint32_t padded)
+/* The loops below run over whole tiles, which this tells the compiler. */
+static inline size_t whole(uint32_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
-    for (uint32_t i = 0; i < width; ++i) {
+    return width & ~(PZS_TILE - 1u);
+}
+
+static void combine(pzs_real *restrict grad, const pzs_real *restrict pull, const pzs_real *restrict bias,
+                    const pzs_real *restrict want, size_t width)
+{
+    for (size_t i = 0; i < width; ++i) {
         grad[i] = (pull[i] + bias[i]) - want[i];
     }
 }
 
 void boxls_gradient(boxls *b)
 {
-    combine(b->grad, b->pull, b->bias, b->want, b->width);
+    combine(b->grad, b->pull, b->bias, b->want, whole(b->width));
 }
 
-static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, uint32_t padded)
+static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
-    for (uint32_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; ++i) {
         z[i] = x[i] - y[i];
     }
 }
 
 void boxls_true_gradient(boxls *b)
 {
-    subtract(b->spare, b->v, b->base, b->width);
+    subtract(b->spare, b->v, b->base, whole(b->width));
     b->rough = PZS_EPSILON * dot_size(b->diag, b->spare, b->width);
     symmetric(b->pull, b->h, b->spare, b->n, b->width);
     boxls_gradient(b);
 }
 
-static void where_free(pzs_real *restrict x, const pzs_real *restrict free, const pzs_real *restrict grad,
-                       uint32_t padded)
+/* The gradient where inputs are free, else 0. */
+static void where_free(pzs_real *restrict x, const pzs_real *restrict free, const pzs_real *restrict grad, size_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
-    for (uint32_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; ++i) {
         x[i] = free[i] > 0 ? grad[i] : 0;
     }
 }
 
 static void where_standing(pzs_real *restrict move, const pzs_real *restrict free, const pzs_real *restrict grad,
-                   uint32_t padded)
+                           size_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
-    for (uint32_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; ++i) {
         const pzs_real standing = grad[i] - move[i];
         move[i] = free[i] > 0 ? move[i] : standing;
     }
@@ -261,17 +266,16 @@ static void where_standing(pzs_real *restrict move, const pzs_real *restrict fre
 
 void boxls_aim(boxls *b)
 {
-    where_free(b->spare, b->free, b->grad, b->width);
+    where_free(b->spare, b->free, b->grad, whole(b->width));
     symmetric(b->move, b->m, b->spare, b->n, b->width);
-    where_standing(b->move, b->free, b->grad, b->width);
+    where_standing(b->move, b->free, b->grad, whole(b->width));
 }
 
-/* out = the gradient where the volts could follow it downhill, its size; else at most 0. */
+/* out = the size of the gradient where the volts could follow it downhill, else at most 0. */
 static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
-                     const pzs_real *restrict hi, const pzs_real *restrict grad, uint32_t padded)
+                     const pzs_real *restrict hi, const pzs_real *restrict grad, size_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
-    for (uint32_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; ++i) {
         const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
         out[i] = down > up ? down : up;
     }
@@ -280,18 +284,46 @@ static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const p
 /* Largest violated optimality condition. */
 static pzs_real violation(const boxls *b)
 {
-    downhill(b->spare, b->v, b->lo, b->hi, b->grad, b->width);
+    downhill(b->spare, b->v, b->lo, b->hi, b->grad, whole(b->width));
     return boxls_largest(b->spare, b->width);
 }
 
-int boxls_coarse(const boxls *b)
+/* Trace of the inverse of H on F; dependent inputs count with the most it can be (V2/m2). */
+static pzs_real softness(boxls *b)
 {
-    pzs_real soft = 0; /* trace of the inverse of H on F; dependent inputs: the most it can be */
+    if (b->soft > 0) {
+        return b->soft;
+    }
+    pzs_real soft = 0;
     for (uint32_t i = 0; i < b->n; ++i) {
         const pzs_real pivot = b->m[(size_t)i * b->width + i], least = b->floor * b->diag[i];
-        soft += b->free[i] > 0 ? -pivot : pivot < least && b->lo[i] < b->hi[i] ? 1 / least : 0;
+        soft += b->free[i] > 0 ? -pivot : pivot < least ? 1 / least : 0;
     }
-    return b->rough * b->rough * soft > PZS_EPSILON * b->energy;
+    b->soft = soft;
+    return soft;
+}
+
+int boxls_coarse(boxls *b)
+{
+    return b->rough * b->rough * softness(b) > PZS_EPSILON * b->energy;
+}
+
+/*
+ * Whether the volts of the round may stand: no violation above the noise; or none of a standing input, and those
+ * left on F, not far above the noise, cost less than epsilon of the energy (their square times the inverse of H).
+ */
+static int settled(boxls *b)
+{
+    if (!(b->left > b->noise)) {
+        return 1;
+    }
+    pzs_real standing = 0;
+    downhill(b->spare, b->v, b->lo, b->hi, b->grad, whole(b->width));
+    for (uint32_t i = 0; i < b->n; ++i) {
+        standing = b->free[i] > 0 || b->spare[i] < standing ? standing : b->spare[i];
+    }
+    return standing <= b->noise && b->left <= NEAR * b->noise
+           && b->left * b->left * softness(b) <= PZS_EPSILON * b->energy;
 }
 
 /* ---- passes ----------------------------------------------------------------------- */
@@ -330,14 +362,13 @@ static void go(boxls *b, const pzs_real *step, block first)
 /* next = v + move where free. Returns how many would leave their limits. */
 static uint32_t look_ahead(pzs_real *restrict next, const pzs_real *restrict v, const pzs_real *restrict move,
                            const pzs_real *restrict free, const pzs_real *restrict lo, const pzs_real *restrict hi,
-                           uint32_t padded)
+                           size_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
     uint32_t outside = 0;
-    for (uint32_t i = 0; i < width; ++i) {
-        const pzs_real x = v[i] + (free[i] > 0 ? move[i] : 0);
+    for (size_t i = 0; i < width; ++i) {
+        const pzs_real step = free[i] > 0 ? move[i] : 0, x = v[i] + step;
         next[i] = x;
-        outside += (uint32_t)(x < lo[i]) | (uint32_t)(x > hi[i]);
+        outside += (x < lo[i] ? 1u : 0u) + (x > hi[i] ? 1u : 0u);
     }
     return outside;
 }
@@ -345,7 +376,7 @@ static uint32_t look_ahead(pzs_real *restrict next, const pzs_real *restrict v, 
 /* One pass along move. Returns nonzero where a limit stopped it. */
 static int descend(boxls *b)
 {
-    if (look_ahead(b->next, b->v, b->move, b->free, b->lo, b->hi, b->width) == 0) {
+    if (look_ahead(b->next, b->v, b->move, b->free, b->lo, b->hi, whole(b->width)) == 0) {
         memcpy(b->v, b->next, b->width * sizeof(pzs_real));
         return 0;
     }
@@ -359,6 +390,19 @@ static int descend(boxls *b)
     }
     drop(b, first.input, b->move[first.input]);
     return 1;
+}
+
+/* How many standing inputs may need a release: a quick look that lets most steps do without the search. */
+static uint32_t count_wrong(const pzs_real *restrict v, const pzs_real *restrict move, const pzs_real *restrict free,
+                            const pzs_real *restrict lo, const pzs_real *restrict hi, pzs_real noise, size_t width)
+{
+    uint32_t wrong = 0;
+    for (size_t i = 0; i < width; ++i) {
+        const pzs_real down = v[i] > lo[i] ? move[i] : 0, up = v[i] < hi[i] ? -move[i] : 0;
+        const pzs_real most = down > up ? down : up, pull = free[i] > 0 ? 0 : most;
+        wrong += pull > noise ? 1u : 0u;
+    }
+    return wrong;
 }
 
 /* The standing input to release: the worst between its limits, else the worst at one, else n. */
@@ -439,6 +483,9 @@ static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
     for (; blocked && used < most; ++used) {
         blocked = descend(b);
     }
+    if (count_wrong(b->v, b->move, b->free, b->lo, b->hi, noise, whole(b->width)) == 0) {
+        return used;
+    }
     for (; used < most && (k = worst_standing(b, noise)) < b->n; ++used) {
         release(b, k);
     }
@@ -451,13 +498,14 @@ static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
  * Whether the round lowered the objective: it changed by (v - start) . (sum of the gradients at both
  * ends), exactly. A round that went so far that rounding hides the change counts as not having.
  */
-static int fell(boxls *b)
+static int fell(const boxls *b)
 {
+    const pzs_real *v = b->v, *start = b->start, *grad = b->grad, *start_grad = b->start_grad;
     pzs_real s0 = 0, s1 = 0, far0 = 0, far1 = 0;
-    for (uint32_t i = 0; i < b->width; i += 2u) {
-        const pzs_real d0 = b->v[i] - b->start[i], d1 = b->v[i + 1u] - b->start[i + 1u];
-        s0 += d0 * (b->grad[i] + b->start_grad[i]);
-        s1 += d1 * (b->grad[i + 1u] + b->start_grad[i + 1u]);
+    for (size_t i = 0; i < b->width; i += 2u) {
+        const pzs_real d0 = v[i] - start[i], d1 = v[i + 1u] - start[i + 1u];
+        s0 += d0 * (grad[i] + start_grad[i]);
+        s1 += d1 * (grad[i + 1u] + start_grad[i + 1u]);
         far0 += boxls_size(d0);
         far1 += boxls_size(d1);
     }
@@ -486,13 +534,15 @@ void boxls_optimise(boxls *b)
     int fresh = 0;
     b->left = violation(b);
     b->noise = NOISE * (b->exact + b->rough);
-    for (uint32_t round = 0; round < ROUNDS && b->left > b->noise && b->used < b->allowed; ++round) {
+    int done = !(b->left > b->noise);
+    for (uint32_t round = 0; round < ROUNDS && !done && b->used < b->allowed; ++round) {
         const pzs_real before = b->left;
         if (run_round(b)) {
             b->left = violation(b);
             b->noise = NOISE * (b->exact + b->rough);
         }
-        if (b->left > b->noise && b->left * POOR > before && b->used < b->allowed) {
+        done = settled(b);
+        if (!done && b->left * POOR > before && b->used < b->allowed) {
             b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
             boxls_rebuild(b);
             fresh = 1;

@@ -29,6 +29,7 @@ typedef struct boxls {
     pzs_real *diag;         /* of H */
     pzs_real *start, *start_grad; /* of the round */
     pzs_real *next, *spare;
+    pzs_real soft;          /* trace of the inverse of H on F (V2/m2), 0 where not known */
     pzs_real floor;         /* pivots below this part of their diagonal count as dependent */
     pzs_real rough;         /* epsilon times what rounding of pull is made of (m2/V) */
     pzs_real exact;         /* the same of want */
@@ -60,7 +61,7 @@ void boxls_aim(boxls *b);
 void boxls_optimise(boxls *b);
 
 /* Whether rounding in H (v - base) may cost more than epsilon of the energy. */
-int boxls_coarse(const boxls *b);
+int boxls_coarse(boxls *b);
 
 static inline pzs_real boxls_size(pzs_real x)
 {

@@ -29,7 +29,7 @@ static uint32_t width_of(uint32_t n)
 static boxls view(pzs_control *c)
 {
     boxls b = { .n = c->problem->inputs, .width = width_of(c->problem->inputs), .h = c->hessian, .m = c->tableau,
-                .v = c->volt, .floor = c->dependence, .rough = c->rounding };
+                .v = c->volt, .floor = c->dependence, .rough = c->rounding, .soft = c->softness };
     boxls_place(&b, c->work);
     return b;
 }
@@ -110,30 +110,31 @@ static int32_t first_clash(const pzs_control *c, const pzs_real *last)
     return -1;
 }
 
-/* Limits of this step, lo and hi, and the volts cut to them. Returns how many volts were cut. */
-static uint32_t open_windows(pzs_real *restrict v, pzs_real *restrict lo, pzs_real *restrict hi,
+/* Limits of this step, lo and hi. Returns how many volts stand outside. */
+static uint32_t open_windows(pzs_real *restrict lo, pzs_real *restrict hi, const pzs_real *restrict v,
                              const pzs_real *restrict slew, const pzs_real *restrict lower,
-                             const pzs_real *restrict upper, uint32_t padded)
+                             const pzs_real *restrict upper, size_t width)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
-    uint32_t moved = 0;
-    for (uint32_t i = 0; i < width; ++i) {
+    uint32_t outside = 0;
+    for (size_t i = 0; i < width; ++i) {
         const window w = window_of(v[i], slew[i], lower[i], upper[i]);
-        moved += (uint32_t)(v[i] < w.lo) | (uint32_t)(v[i] > w.hi);
+        outside += (v[i] < w.lo ? 1u : 0u) + (v[i] > w.hi ? 1u : 0u);
         lo[i] = w.lo;
         hi[i] = w.hi;
-        v[i] = boxls_cut(v[i], w.lo, w.hi);
     }
-    return moved;
+    return outside;
 }
 
 /* Start a step: windows, volts cut to them, their gradient. Returns the first clash of slew and limit, or -1. */
 static int32_t enter(boxls *b, const pzs_control *c)
 {
+    const size_t width = b->width & ~(PZS_TILE - 1u);
     int32_t clash = -1;
-    memcpy(b->start, b->v, b->width * sizeof(pzs_real));
-    if (open_windows(b->v, b->lo, b->hi, slew_of(c), c->lower, c->upper, b->width) != 0) {
-        clash = first_clash(c, b->start);
+    if (open_windows(b->lo, b->hi, b->v, slew_of(c), c->lower, c->upper, width) != 0) {
+        clash = first_clash(c, b->v);
+        for (uint32_t i = 0; i < b->n; ++i) {
+            b->v[i] = boxls_cut(b->v[i], b->lo[i], b->hi[i]);
+        }
         boxls_true_gradient(b);
     } else {
         boxls_gradient(b);
@@ -141,42 +142,70 @@ static int32_t enter(boxls *b, const pzs_control *c)
     return clash;
 }
 
+/* Sum of w^2 x^2 in four interleaved parts. */
+static pzs_real energy_of(const pzs_real *restrict w, const pzs_real *restrict x, size_t m)
+{
+    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+    size_t i = 0;
+    for (; i + 4u <= m; i += 4u) {
+        s0 += w[i] * w[i] * x[i] * x[i];
+        s1 += w[i + 1u] * w[i + 1u] * x[i + 1u] * x[i + 1u];
+        s2 += w[i + 2u] * w[i + 2u] * x[i + 2u] * x[i + 2u];
+        s3 += w[i + 3u] * w[i + 3u] * x[i + 3u] * x[i + 3u];
+    }
+    for (; i < m; ++i) {
+        s0 += w[i] * w[i] * x[i] * x[i];
+    }
+    return (s0 + s1) + (s2 + s3);
+}
+
+/* out = w^2 (x - y) and miss = x - y. */
+static void weigh(pzs_real *restrict out, pzs_real *restrict miss, const pzs_real *restrict w, const pzs_real *restrict x,
+                  const pzs_real *restrict y, size_t m)
+{
+    for (size_t i = 0; i < m; ++i) {
+        miss[i] = x[i] - y[i];
+        out[i] = w[i] * w[i] * miss[i];
+    }
+}
+
 /* want = B'W^2 (e - B base); returns |W (e - B base)|^2, and |W e|^2 in energy. */
 static pzs_real project(boxls *b, const pzs_control *c, const pzs_real *error)
 {
     const uint32_t m = c->problem->outputs;
-    const pzs_real *weight = c->problem->weight, *predicted = c->predicted;
-    pzs_real *weighted = weighted_of(c), wanted[2] = { 0, 0 }, missed[2] = { 0, 0 };
-    for (uint32_t i = 0; i < m; ++i) {
-        const pzs_real square = weight[i] * weight[i], miss = error[i] - predicted[i];
-        weighted[i] = square * miss;
-        wanted[i & 1u] += square * error[i] * error[i];
-        missed[i & 1u] += weighted[i] * miss;
-    }
-    b->energy = wanted[0] + wanted[1];
+    pzs_real *weighted = weighted_of(c), *miss = weighted + m;
+    weigh(weighted, miss, c->problem->weight, error, c->predicted, m);
+    b->energy = energy_of(c->problem->weight, error, m);
     memset(b->want, 0, b->width * sizeof(pzs_real));
     boxls_add_rows(b->want, c->influence, b->n, weighted, m, b->n);
-    return missed[0] + missed[1];
+    return energy_of(c->problem->weight, miss, m);
 }
 
 /* |W (B v - e)| / |W e|, where B v - e = (B base - e) + B (v - base). */
 static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
 {
-    pzs_real s[2] = { 0, 0 };
-    for (uint32_t i = 0; i < b->width; ++i) {
-        const pzs_real away = b->v[i] - b->base[i];
-        s[i & 1u] += away * (b->pull[i] - effort * away - 2 * b->want[i]);
+    const pzs_real *v = b->v, *base = b->base, *pull = b->pull, *want = b->want;
+    pzs_real s0 = 0, s1 = 0;
+    for (size_t i = 0; i < b->width; i += 2u) {
+        const pzs_real x0 = v[i] - base[i], x1 = v[i + 1u] - base[i + 1u];
+        s0 += x0 * (pull[i] - effort * x0 - 2 * want[i]);
+        s1 += x1 * (pull[i + 1u] - effort * x1 - 2 * want[i + 1u]);
     }
-    const pzs_real rest = missed + (s[0] + s[1]);
+    const pzs_real rest = missed + (s0 + s1);
     return rest > 0 && b->energy > 0 ? boxls_root(rest / b->energy) : 0;
+}
+
+static void sum_size(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
+{
+    for (size_t i = 0; i < width; ++i) {
+        z[i] = boxls_size(x[i] + y[i]);
+    }
 }
 
 /* Largest |B'W^2 e|. */
 static pzs_real most_wanted(const boxls *b, const pzs_real *full)
 {
-    for (uint32_t i = 0; i < b->width; ++i) {
-        b->spare[i] = boxls_size(b->want[i] + full[i]);
-    }
+    sum_size(b->spare, b->want, full, b->width & ~(PZS_TILE - 1u));
     return boxls_largest(b->spare, b->width);
 }
 
@@ -195,15 +224,17 @@ static void rebase(boxls *b, const pzs_control *c)
     b->rough = 0;
 }
 
-static void note_active(const boxls *b, pzs_control *c)
+/* state: 1 at the lower limit, 2 at the upper, else 0. Returns how many are at one. */
+static uint32_t note_active(uint8_t *restrict state, const pzs_real *restrict v, const pzs_real *restrict lo,
+                            const pzs_real *restrict hi, size_t n)
 {
     uint32_t active = 0;
-    for (uint32_t i = 0; i < b->n; ++i) {
-        const uint32_t low = !(b->v[i] > b->lo[i]), high = !(b->v[i] < b->hi[i]);
-        c->state[i] = (uint8_t)(low + 2u * (high & ~low));
-        active += low | high;
+    for (size_t i = 0; i < n; ++i) {
+        const uint8_t at = v[i] > lo[i] ? (v[i] < hi[i] ? 0 : 2) : 1;
+        state[i] = at;
+        active += at != 0;
     }
-    c->active = (uint16_t)active;
+    return active;
 }
 
 static pzs_status finish(pzs_control *c, pzs_status status, int32_t where)
@@ -247,9 +278,10 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_r
     c->optimality = b->left > 0 && most > 0 ? b->left / most : 0;
     c->dependence = b->floor;
     c->rounding = b->rough;
+    c->softness = b->soft;
     c->passes = (uint16_t)b->used;
     c->passes_most = c->passes > c->passes_most ? c->passes : c->passes_most;
-    note_active(b, c);
+    c->active = (uint16_t)note_active(c->state, b->v, b->lo, b->hi, b->n);
     if (b->left > b->noise && b->used >= b->allowed) {
         return finish(c, PZS_W_PASSES, -1);
     }
@@ -322,7 +354,7 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
     }
     boxls b = view(c);
     const uint32_t m = c->problem->outputs;
-    pzs_real *error = weighted_of(c) + m;
+    pzs_real *error = weighted_of(c) + 2u * m;
     int32_t where = -1;
     const uint32_t lost = sense_all(c, measured, &where);
     if (lost == m) {
@@ -400,7 +432,7 @@ static void lay_out(pzs_control *c, pzs_real *at)
     c->predicted = at, at += m;
     c->disturbance = at, at += m;
     c->measured = at, at += m;
-    c->work = at, at += (BOXLS_VECTORS + 2u) * width + 2u * m;
+    c->work = at, at += (BOXLS_VECTORS + 2u) * width + 3u * m;
     c->frozen = (uint8_t *)at;
     c->state = c->frozen + m;
 }
@@ -542,6 +574,7 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
     solve_free(&apart);
     memcpy(b.free, b.hi, bytes);
     boxls_rebuild(&b);
+    c->softness = 0;
     if (guard_nonfinite(apart.v, b.n) >= 0) {
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
     }

@@ -6,7 +6,7 @@
 cat >"$scratch/floors" <<'EOF'
 0 include/pzs_config.h
 1 include/pzs.h
-2 lib/guard lib/linalg
+2 lib/guard lib/linalg lib/boxls
 3 lib/shell
 4 lib/model lib/control
 5 lib/nonlinear
