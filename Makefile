@@ -78,7 +78,8 @@ comma := ,
 for_variants = $(foreach v,$(2),$(eval $(call program,$(1),$(v),$(3:@%=$(B)/$(v)/%))))
 ALL := 64 32 32t8 64t16 san64 san32
 $(call for_variants,linalg,$(ALL),)
-$(call for_variants,control,64 32 san64 san32,)
+$(call for_variants,control,64 32 san64 san32,@tests/testdata.o)
+$(call for_variants,tick,64 32 san64 san32,)
 $(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)

@@ -44,32 +44,24 @@
 
 /* ---- sums ------------------------------------------------------------------ */
 
-pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, uint32_t n)
+/* Sums run over four quarters side by side: four independent chains, and the same bits at any vector width. */
+pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, size_t n)
 {
+    const size_t h = n / 4u;
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < n; i += 4u) {
+    for (size_t i = 0; i < h; ++i) {
         s0 += x[i] * y[i];
-        s1 += x[i + 1u] * y[i + 1u];
-        s2 += x[i + 2u] * y[i + 2u];
-        s3 += x[i + 3u] * y[i + 3u];
+        s1 += x[i + h] * y[i + h];
+        s2 += x[i + 2u * h] * y[i + 2u * h];
+        s3 += x[i + 3u * h] * y[i + 3u * h];
+    }
+    for (size_t i = 4u * h; i < n; ++i) {
+        s0 += x[i] * y[i];
     }
     return (s0 + s1) + (s2 + s3);
 }
 
-/* The same with |y|. */
-static pzs_real dot_size(const pzs_real *x, const pzs_real *y, uint32_t n)
-{
-    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < n; i += 4u) {
-        s0 += x[i] * boxls_size(y[i]);
-        s1 += x[i + 1u] * boxls_size(y[i + 1u]);
-        s2 += x[i + 2u] * boxls_size(y[i + 2u]);
-        s3 += x[i + 3u] * boxls_size(y[i + 3u]);
-    }
-    return (s0 + s1) + (s2 + s3);
-}
-
-pzs_real boxls_largest(const pzs_real *x, uint32_t n)
+pzs_real boxls_largest(const pzs_real *x, size_t n)
 {
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
     for (size_t i = 0; i < n; i += 4u) {
@@ -232,17 +224,20 @@ void boxls_gradient(boxls *b)
     combine(b->grad, b->pull, b->bias, b->want, whole(b->width));
 }
 
-static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
+/* away = v - base, far = |v - base|. */
+static void distance(pzs_real *restrict away, pzs_real *restrict far, const pzs_real *restrict v,
+                     const pzs_real *restrict base, size_t width)
 {
     for (size_t i = 0; i < width; ++i) {
-        z[i] = x[i] - y[i];
+        away[i] = v[i] - base[i];
+        far[i] = boxls_size(away[i]);
     }
 }
 
 void boxls_true_gradient(boxls *b)
 {
-    subtract(b->spare, b->v, b->base, whole(b->width));
-    b->rough = PZS_EPSILON * dot_size(b->diag, b->spare, b->width);
+    distance(b->spare, b->next, b->v, b->base, whole(b->width));
+    b->rough = PZS_EPSILON * boxls_dot(b->diag, b->next, b->n);
     symmetric(b->pull, b->h, b->spare, b->n, b->width);
     boxls_gradient(b);
 }
@@ -255,20 +250,31 @@ static void where_free(pzs_real *restrict x, const pzs_real *restrict free, cons
     }
 }
 
-static void where_standing(pzs_real *restrict move, const pzs_real *restrict free, const pzs_real *restrict grad,
-                           size_t width)
+/*
+ * move = the way where free, the gradient after it elsewhere; next = v after the way. Returns how many
+ * would leave their limits or, standing, have a gradient above noise: 0 ends the round.
+ */
+static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, const pzs_real *restrict free,
+                           const pzs_real *restrict grad, const pzs_real *restrict v, const pzs_real *restrict lo,
+                           const pzs_real *restrict hi, pzs_real noise, size_t width)
 {
+    uint32_t open = 0;
     for (size_t i = 0; i < width; ++i) {
-        const pzs_real standing = grad[i] - move[i];
-        move[i] = free[i] > 0 ? move[i] : standing;
+        const pzs_real way = free[i] > 0 ? move[i] : 0, slope = free[i] > 0 ? 0 : grad[i] - move[i];
+        const pzs_real x = v[i] + way, down = x > lo[i] ? slope : 0, up = x < hi[i] ? -slope : 0;
+        const pzs_real most = down > up ? down : up;
+        move[i] = way + slope;
+        next[i] = x;
+        open += (x < lo[i] ? 1u : 0u) + (x > hi[i] ? 1u : 0u) + (most > noise ? 1u : 0u);
     }
+    return open;
 }
 
-void boxls_aim(boxls *b)
+uint32_t boxls_aim(boxls *b, pzs_real noise)
 {
     where_free(b->spare, b->free, b->grad, whole(b->width));
     symmetric(b->move, b->m, b->spare, b->n, b->width);
-    where_standing(b->move, b->free, b->grad, whole(b->width));
+    return look_ahead(b->move, b->next, b->free, b->grad, b->v, b->lo, b->hi, noise, whole(b->width));
 }
 
 /* out = the size of the gradient where the volts could follow it downhill, else at most 0. */
@@ -359,27 +365,9 @@ static void go(boxls *b, const pzs_real *step, block first)
     }
 }
 
-/* next = v + move where free. Returns how many would leave their limits. */
-static uint32_t look_ahead(pzs_real *restrict next, const pzs_real *restrict v, const pzs_real *restrict move,
-                           const pzs_real *restrict free, const pzs_real *restrict lo, const pzs_real *restrict hi,
-                           size_t width)
-{
-    uint32_t outside = 0;
-    for (size_t i = 0; i < width; ++i) {
-        const pzs_real step = free[i] > 0 ? move[i] : 0, x = v[i] + step;
-        next[i] = x;
-        outside += (x < lo[i] ? 1u : 0u) + (x > hi[i] ? 1u : 0u);
-    }
-    return outside;
-}
-
 /* One pass along move. Returns nonzero where a limit stopped it. */
 static int descend(boxls *b)
 {
-    if (look_ahead(b->next, b->v, b->move, b->free, b->lo, b->hi, whole(b->width)) == 0) {
-        memcpy(b->v, b->next, b->width * sizeof(pzs_real));
-        return 0;
-    }
     const block first = first_block(b, b->move, 1);
     go(b, b->move, first);
     if (first.input == b->n) {
@@ -390,19 +378,6 @@ static int descend(boxls *b)
     }
     drop(b, first.input, b->move[first.input]);
     return 1;
-}
-
-/* How many standing inputs may need a release: a quick look that lets most steps do without the search. */
-static uint32_t count_wrong(const pzs_real *restrict v, const pzs_real *restrict move, const pzs_real *restrict free,
-                            const pzs_real *restrict lo, const pzs_real *restrict hi, pzs_real noise, size_t width)
-{
-    uint32_t wrong = 0;
-    for (size_t i = 0; i < width; ++i) {
-        const pzs_real down = v[i] > lo[i] ? move[i] : 0, up = v[i] < hi[i] ? -move[i] : 0;
-        const pzs_real most = down > up ? down : up, pull = free[i] > 0 ? 0 : most;
-        wrong += pull > noise ? 1u : 0u;
-    }
-    return wrong;
 }
 
 /* The standing input to release: the worst between its limits, else the worst at one, else n. */
@@ -479,12 +454,12 @@ static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
     const uint32_t most = 2u * b->n + 8u < allowed ? 2u * b->n + 8u : allowed;
     uint32_t used = 0, k = 0;
     int blocked = 1;
-    boxls_aim(b);
+    if (boxls_aim(b, noise) == 0) {
+        memcpy(b->v, b->next, b->width * sizeof(pzs_real));
+        return 1;
+    }
     for (; blocked && used < most; ++used) {
         blocked = descend(b);
-    }
-    if (count_wrong(b->v, b->move, b->free, b->lo, b->hi, noise, whole(b->width)) == 0) {
-        return used;
     }
     for (; used < most && (k = worst_standing(b, noise)) < b->n; ++used) {
         release(b, k);
@@ -494,22 +469,27 @@ static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
 
 /* ---- rounds ------------------------------------------------------------------------- */
 
+/* way = v - start, slope = grad + start_grad. */
+static void difference(pzs_real *restrict way, pzs_real *restrict slope, const pzs_real *restrict v,
+                       const pzs_real *restrict start, const pzs_real *restrict grad, const pzs_real *restrict start_grad,
+                       size_t width)
+{
+    for (size_t i = 0; i < width; ++i) {
+        way[i] = v[i] - start[i];
+        slope[i] = grad[i] + start_grad[i];
+    }
+}
+
 /*
  * Whether the round lowered the objective: it changed by (v - start) . (sum of the gradients at both
  * ends), exactly. A round that went so far that rounding hides the change counts as not having.
  */
 static int fell(const boxls *b)
 {
-    const pzs_real *v = b->v, *start = b->start, *grad = b->grad, *start_grad = b->start_grad;
-    pzs_real s0 = 0, s1 = 0, far0 = 0, far1 = 0;
-    for (size_t i = 0; i < b->width; i += 2u) {
-        const pzs_real d0 = v[i] - start[i], d1 = v[i + 1u] - start[i + 1u];
-        s0 += d0 * (grad[i] + start_grad[i]);
-        s1 += d1 * (grad[i + 1u] + start_grad[i + 1u]);
-        far0 += boxls_size(d0);
-        far1 += boxls_size(d1);
-    }
-    return s0 + s1 < 0 && b->rough * (far0 + far1) < b->energy;
+    difference(b->spare, b->next, b->v, b->start, b->grad, b->start_grad, whole(b->width));
+    const pzs_real change = boxls_dot(b->spare, b->next, b->n);
+    const pzs_real far = boxls_dot(b->spare, b->spare, b->n);
+    return change < 0 && far * (b->rough * b->rough) < b->energy * b->energy;
 }
 
 /* One round. Returns nonzero if it was kept; else volts and gradient are as before. */

@@ -45,17 +45,19 @@ void boxls_place(boxls *b, pzs_real *work);
 void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
                     uint32_t rows, uint32_t cols);
 
-/* Sums in four interleaved parts, the same bits at any vector width; and the largest, not below zero. n a multiple of 4. */
-pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, uint32_t n);
-pzs_real boxls_largest(const pzs_real *x, uint32_t n);
+/* x . y; and the largest of x, not below zero: there n is a multiple of 4. */
+pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, size_t n);
+pzs_real boxls_largest(const pzs_real *x, size_t n);
 
 /* Sweep anew from H every input marked as swept. */
 void boxls_rebuild(boxls *b);
 
-/* grad from pull; the same with pull and rough from H; and move from grad and the tableau. */
+/* grad from pull; and the same with pull and rough from H. */
 void boxls_gradient(boxls *b);
 void boxls_true_gradient(boxls *b);
-void boxls_aim(boxls *b);
+
+/* move from grad and the tableau, next = v after it. Returns how many inputs that leaves unsettled. */
+uint32_t boxls_aim(boxls *b, pzs_real noise);
 
 /* From a true gradient to the optimum; adds to used, sets left and noise. Volts never leave lo..hi. */
 void boxls_optimise(boxls *b);

@@ -142,56 +142,57 @@ static int32_t enter(boxls *b, const pzs_control *c)
     return clash;
 }
 
-/* Sum of w^2 x^2 in four interleaved parts. */
-static pzs_real energy_of(const pzs_real *restrict w, const pzs_real *restrict x, size_t m)
-{
-    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    size_t i = 0;
-    for (; i + 4u <= m; i += 4u) {
-        s0 += w[i] * w[i] * x[i] * x[i];
-        s1 += w[i + 1u] * w[i + 1u] * x[i + 1u] * x[i + 1u];
-        s2 += w[i + 2u] * w[i + 2u] * x[i + 2u] * x[i + 2u];
-        s3 += w[i + 3u] * w[i + 3u] * x[i + 3u] * x[i + 3u];
-    }
-    for (; i < m; ++i) {
-        s0 += w[i] * w[i] * x[i] * x[i];
-    }
-    return (s0 + s1) + (s2 + s3);
-}
-
-/* out = w^2 (x - y) and miss = x - y. */
-static void weigh(pzs_real *restrict out, pzs_real *restrict miss, const pzs_real *restrict w, const pzs_real *restrict x,
-                  const pzs_real *restrict y, size_t m)
+/* miss = e - y, weighted = w^2 miss. */
+static void weigh(pzs_real *restrict weighted, pzs_real *restrict miss, const pzs_real *restrict w,
+                  const pzs_real *restrict e, const pzs_real *restrict y, size_t m)
 {
     for (size_t i = 0; i < m; ++i) {
-        miss[i] = x[i] - y[i];
-        out[i] = w[i] * w[i] * miss[i];
+        miss[i] = e[i] - y[i];
+        weighted[i] = w[i] * w[i] * miss[i];
     }
 }
 
-/* want = B'W^2 (e - B base); returns |W (e - B base)|^2, and |W e|^2 in energy. */
+/* sum = x + 2 y */
+static void add_twice(pzs_real *restrict sum, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
+{
+    for (size_t i = 0; i < width; ++i) {
+        sum[i] = x[i] + 2 * y[i];
+    }
+}
+
+/*
+ * want = B'W^2 (e - B base); returns missed = |W (e - B base)|^2. With full = B'W^2 B base,
+ * energy = |W e|^2 = missed + base . (full + 2 want), not below what rounding leaves of it.
+ */
 static pzs_real project(boxls *b, const pzs_control *c, const pzs_real *error)
 {
     const uint32_t m = c->problem->outputs;
     pzs_real *weighted = weighted_of(c), *miss = weighted + m;
     weigh(weighted, miss, c->problem->weight, error, c->predicted, m);
-    b->energy = energy_of(c->problem->weight, error, m);
     memset(b->want, 0, b->width * sizeof(pzs_real));
     boxls_add_rows(b->want, c->influence, b->n, weighted, m, b->n);
-    return energy_of(c->problem->weight, miss, m);
+    add_twice(b->spare, full_of(c), b->want, b->width & ~(PZS_TILE - 1u));
+    const pzs_real missed = boxls_dot(weighted, miss, m), energy = missed + boxls_dot(b->base, b->spare, b->n);
+    b->energy = energy > PZS_EPSILON * missed ? energy : PZS_EPSILON * missed;
+    return missed;
+}
+
+/* away = v - base, slope = pull - effort away - 2 want. */
+static void shape_terms(pzs_real *restrict away, pzs_real *restrict slope, const pzs_real *restrict v,
+                        const pzs_real *restrict base, const pzs_real *restrict pull, const pzs_real *restrict want,
+                        pzs_real effort, size_t width)
+{
+    for (size_t i = 0; i < width; ++i) {
+        away[i] = v[i] - base[i];
+        slope[i] = pull[i] - effort * away[i] - 2 * want[i];
+    }
 }
 
 /* |W (B v - e)| / |W e|, where B v - e = (B base - e) + B (v - base). */
 static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
 {
-    const pzs_real *v = b->v, *base = b->base, *pull = b->pull, *want = b->want;
-    pzs_real s0 = 0, s1 = 0;
-    for (size_t i = 0; i < b->width; i += 2u) {
-        const pzs_real x0 = v[i] - base[i], x1 = v[i + 1u] - base[i + 1u];
-        s0 += x0 * (pull[i] - effort * x0 - 2 * want[i]);
-        s1 += x1 * (pull[i + 1u] - effort * x1 - 2 * want[i + 1u]);
-    }
-    const pzs_real rest = missed + (s0 + s1);
+    shape_terms(b->spare, b->next, b->v, b->base, b->pull, b->want, effort, b->width & ~(PZS_TILE - 1u));
+    const pzs_real rest = missed + boxls_dot(b->spare, b->next, b->n);
     return rest > 0 && b->energy > 0 ? boxls_root(rest / b->energy) : 0;
 }
 
@@ -551,7 +552,7 @@ static void solve_free(boxls *b)
     boxls_rebuild(b);
     for (uint32_t round = 0; round < 3u; ++round) {
         boxls_true_gradient(b);
-        boxls_aim(b);
+        (void)boxls_aim(b, 0);
         for (uint32_t i = 0; i < b->n; ++i) {
             b->v[i] += b->free[i] > 0 ? b->move[i] : 0;
         }

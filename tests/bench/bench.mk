@@ -28,3 +28,13 @@ bench-accuracy: $(B)/bench/accuracy
 bench-device: setup-test
 	@echo 'Instructions on the device, counted by QEMU (not cycles)'
 	@B=$(B) sh tests/bench/device.sh
+
+# bench_step holds lib/boxls.c and lib/control.c itself, to time the solver apart from the product B'e.
+$(B)/daqp/libdaqp.a:
+	@CC='$(CC)' sh tests/bench/get_daqp.sh $(B)/daqp
+bench-step:
+	@$(MAKE) --no-print-directory -s $(B)/daqp/libdaqp.a; mkdir -p $(B)/bench
+	@if [ -f $(B)/daqp/libdaqp.a ]; then with='-DWITH_DAQP -I$(B)/daqp/include'; peer=$(B)/daqp/libdaqp.a; fi; \
+	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_step.c lib/guard.c $$peer -lm -o $(B)/bench/step
+	@echo 'Warm voltage step against DAQP'
+	@$(B)/bench/step

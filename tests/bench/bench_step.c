@@ -34,13 +34,13 @@ static struct {
     int n, m;
     double b[MOST_M * MOST_N], target[FRAMES][MOST_M], lower[MOST_N], upper[MOST_N];
     double weight[MOST_M], slew[MOST_N], prefer[MOST_N];
-    double work[(PZS_CONTROL_BYTES(MOST_N, MOST_M) + 7) / 8];
+    double work[(PZS_CONTROL_BYTES(MOST_N, MOST_M) + 63) / 64 * 8 + 8]; /* used from a cache line's start */
     pzs_problem problem;
     pzs_control control;
 } ours;
 
 static double spent[SIDES][2][FRAMES][TURNS]; /* total, solver (us) */
-static double answer[SIDES][MOST_N], difference;
+static double answer[SIDES][MOST_N], disagree;
 
 static double now(void)
 {
@@ -116,7 +116,7 @@ static void limit(double volt)
         ours.problem.effort += 1e-3 / ours.n * square;
     }
     ours.problem.crc = guard_problem_crc(&ours.problem);
-    if (pzs_control_init(&ours.control, &ours.problem, NULL, ours.work, sizeof ours.work) != PZS_OK)
+    if (pzs_control_init(&ours.control, &ours.problem, NULL, ours.work + (64 - (uintptr_t)ours.work % 64) % 64 / 8, sizeof ours.work - 64) != PZS_OK)
         exit(1);
 }
 
@@ -212,7 +212,7 @@ static void compare(void)
         for (int way = 0; way < 2; way++)
             away[way] = fmax(away[way], fabs(answer[0][j] - answer[way + 1][j]));
     }
-    difference = fmax(difference, fmax(away[0], away[1]) / most);
+    disagree = fmax(disagree, fmax(away[0], away[1]) / most);
 }
 #else
 static void peer_start(int way) { (void)way; }
@@ -238,7 +238,7 @@ static void row(int n, int m, int active, int json)
 
     make_plate(n, m);
     limit(limit_for(active));
-    difference = 0;
+    disagree = 0;
     for (int way = 0; way < 2; way++)
         peer_start(way);
     for (int t = 0; t < FRAMES; t++) /* the circle's first round is cold */
@@ -260,7 +260,7 @@ static void row(int n, int m, int active, int json)
                               "\"ratio\": %.3f, \"worst_ratio\": %.3f, \"passes_most\": %d, \"difference\": %.1e}\n"
                             : "%3d %4d %6d   %6.3f %6.3f %6.3f   %6.3f %6.3f %6.3f   %5.2f %5.2f   %3d %8.1e\n";
     printf(form, n, m, active, mean[0][0], worst[0][0], mean[0][1], mean[peer][0], worst[peer][0], mean[peer][1],
-           mean[0][0] / mean[peer][0], worst[0][0] / worst[peer][0], ours.control.passes_most, difference);
+           mean[0][0] / mean[peer][0], worst[0][0] / worst[peer][0], ours.control.passes_most, disagree);
 }
 
 int main(int argc, char **argv)
