@@ -436,7 +436,7 @@ static void narrow_by_field(design *d, int k, const scene_drive *drive)
         d->lower[k] = fmax(d->lower[k], -volt);
 }
 
-static void build_limits(design *d)
+static int build_limits(design *d, char *error)
 {
     const scene_limits *limits = &d->scene->limits;
     for (int k = 0; k < d->amplifiers; k++) {
@@ -455,6 +455,14 @@ static void build_limits(design *d)
             for (int k = 0; k < actuator->drives; k++)
                 narrow_by_field(d, actuator->first + c, &actuator->drive[k]);
     }
+    for (int k = 0; k < d->amplifiers; k++)
+        if (d->lower[k] > d->upper[k]) {
+            char name[SCENE_NAME + 24];
+            scene_amplifier_name(d->scene, k, name);
+            return scene_fault(d->scene, limits->at, error, "%s has no voltage left between %g and %g; its limits and the material's field_limit do not meet",
+                               name, d->lower[k], d->upper[k]);
+        }
+    return 0;
 }
 
 static int allocate_control(design *d)
@@ -487,7 +495,8 @@ int design_control(design *d, const double *influence, char *error)
             d->wanted[i] -= influence[i * inputs + load];
     }
     p->effort = build_hessian(d);
-    build_limits(d);
+    if (build_limits(d, error) < 0)
+        return -1;
     p->format = PZS_TABLE_FORMAT;
     p->scene = d->scene->hash;
     p->inputs = (uint16_t)n;

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = LAMINATE_STRAINS, D33 = 5 };
+enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5 };
 
 /* Voigt component of each strain, and whether it is the difference of the faces. */
 static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
@@ -301,16 +301,35 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element, co
         stress[i] = given[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * given[2] : 0);
 }
 
+/*
+ * Resultants that hold back the free thickness strain of the package: with lin33 each ply thickens freely,
+ * by -s33/C_33 in the mean, and the mean of e33 takes it up.
+ */
+static void add_thickening(const laminate *l, const scene_element *element, const laminate_place *place, double held, double h0[N])
+{
+    double d[N][N];
+    integrate_stiffness(l, element, place, d);
+    if (relax_e33(d) < 0)
+        return;
+    for (int i = 0; i < N; i++)
+        h0[i] += d[i][M33] * held;
+}
+
 void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[N])
 {
+    double held = 0;
     memset(h0, 0, N * sizeof *h0);
     for (int p = 0; p < l->plies; p++) {
         double stress[6];
         if ((ply >= 0 && p != ply) || !(place->present >> p & 1u))
             continue;
-        ply_stress(&l->ply[p], element, ply < 0 ? l->ply[p].kelvin : l->ply[p].volt, stress);
+        const double *given = ply < 0 ? l->ply[p].kelvin : l->ply[p].volt;
+        ply_stress(&l->ply[p], element, given, stress);
         integrate_stress(l, element, place, &l->ply[p], stress, h0);
+        held += given[2] / l->ply[p].c[2][2] * (l->ply[p].z[1] - l->ply[p].z[0]) / l->h;
     }
+    if (element->lin33)
+        add_thickening(l, element, place, held, h0);
     for (int i = 0; i < N; i++)
         h0[i] *= place->area;
 }

@@ -1,9 +1,12 @@
 /* pzs: host simulation and precomputation. One executable, a function per subcommand. */
+#define _POSIX_C_SOURCE 200809L
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include "analysis.h"
 #include "json.h"
 #include "report.h"
@@ -104,6 +107,14 @@ static int parse(options *o, int argc, char **argv)
             i++;
         }
     }
+    const char *const file[4] = {o->scene, o->report, o->vtk, o->output};
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < i; j++)
+            if (file[i] && file[j] && strcmp(file[i], file[j]) == 0)
+                return usage_error("two files under one name:", file[i]);
+    if (o->prefix && strlen(o->prefix) == 3 && tolower((unsigned char)o->prefix[0]) == 'p'
+        && tolower((unsigned char)o->prefix[1]) == 'z' && tolower((unsigned char)o->prefix[2]) == 's')
+        return usage_error("the library's own names start with --prefix", o->prefix);
     return o->scene ? 0 : usage_error("name a scene for", argv[1]);
 }
 
@@ -154,7 +165,7 @@ static int open_analysis(const options *o, scene *s, analysis *a)
 /* Files are written under a temporary name and take their own only when complete. */
 typedef struct output_file {
     FILE *file;
-    char temporary[PATH_ROOM];
+    char temporary[PATH_ROOM]; /* empty where the path is a device or a pipe, which is written to directly */
     const char *path;
 } output_file;
 
@@ -166,10 +177,13 @@ static int file_failed(const char *path)
 
 static int output_begin(output_file *f, const char *path)
 {
+    struct stat there;
+    const int direct = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
     f->path = path;
-    if (snprintf(f->temporary, sizeof f->temporary, "%s.part", path) >= PATH_ROOM)
+    f->temporary[0] = '\0';
+    if (!direct && snprintf(f->temporary, sizeof f->temporary, "%s.part", path) >= PATH_ROOM)
         return usage_error("path too long", path);
-    f->file = fopen(f->temporary, "w");
+    f->file = fopen(direct ? path : f->temporary, "w");
     return f->file ? 0 : file_failed(path);
 }
 
@@ -177,10 +191,11 @@ static int output_end(output_file *f, int failed)
 {
     failed |= ferror(f->file);
     failed |= fclose(f->file) != 0;
-    if (!failed && rename(f->temporary, f->path) == 0)
+    if (!failed && (!f->temporary[0] || rename(f->temporary, f->path) == 0))
         return 0;
     const int status = file_failed(f->path);
-    remove(f->temporary);
+    if (f->temporary[0])
+        remove(f->temporary);
     return status;
 }
 
@@ -326,13 +341,11 @@ static int command_solve(const options *o)
 
 /* ---- shape ------------------------------------------------------------ */
 
-enum { MOST_RESULTS = 2 * MOST_LIMITS + 32 };
-
 typedef struct shape_run {
     scene scene;
     analysis analysis;
-    analysis_volts volts[MOST_RESULTS];
-    int count;
+    analysis_volts *volts;  /* [count] optimum without limits, then optimum and clipped per limit, then compared */
+    int count, compared;    /* compared: the first of the scene's own volts */
 } shape_run;
 
 static double largest(const double *x, int n)
@@ -349,13 +362,18 @@ static int shape_results(shape_run *run, const options *o, char *error)
     const scene *s = &run->scene;
     const double own[1] = {(double)NAN};
     const double *limit = o->limits ? o->limit : own;
+    const size_t most = 1 + 2 * (size_t)(o->limits ? o->limits : 1) + (size_t)s->compares;
+    run->volts = calloc(most, sizeof *run->volts);
+    if (!run->volts)
+        return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
     if (analysis_optimum(&run->analysis, HUGE_VAL, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < (o->limits ? o->limits : 1); i++)
         if (analysis_optimum(&run->analysis, limit[i], &run->volts[run->count++], error) < 0
             || analysis_clipped(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
-    for (int i = 0; i < s->compares && run->count < MOST_RESULTS; i++)
+    run->compared = run->count;
+    for (int i = 0; i < s->compares; i++)
         if (analysis_given(&run->analysis, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
             return -1;
     return 0;
@@ -407,8 +425,8 @@ static void print_shape(const shape_run *run)
             puts("         -");
     }
     print_volts(&run->scene, &run->volts[1]);
-    for (int i = 0; i < run->scene.compares; i++)
-        print_volts(&run->scene, &run->volts[run->count - run->scene.compares + i]);
+    for (int i = run->compared; i < run->count; i++)
+        print_volts(&run->scene, &run->volts[i]);
     const analysis_volts *best = &run->volts[1];
     char limits[32];
     limit_text(best, limits);
@@ -475,6 +493,7 @@ static int command_shape(const options *o)
     }
     for (int i = 0; i < run.count; i++)
         analysis_volts_free(&run.volts[i]);
+    free(run.volts);
     analysis_free(&run.analysis);
     scene_free(&run.scene);
     return status;
@@ -547,7 +566,7 @@ static int command_list(void)
     return 0;
 }
 
-int main(int argc, char **argv)
+static int run_command(int argc, char **argv)
 {
     static const struct {
         const char *name;
@@ -569,4 +588,13 @@ int main(int argc, char **argv)
             return wrong ? wrong : commands[i].run(&o);
         }
     return usage_error("unknown command", argv[1]);
+}
+
+int main(int argc, char **argv)
+{
+    const int status = run_command(argc, argv);
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return status;
+    perror("pzs: standard output");
+    return 1;
 }

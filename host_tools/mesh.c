@@ -13,7 +13,7 @@ static int is_closed(const scene *s, int direction)
 {
     const scene_line *line = &s->line[direction];
     const double range = line->point[line->elements] - line->point[0];
-    return surface_periodic(&s->surface) == direction + 1 && fabs(range - full_turn) < 1e-9;
+    return surface_periodic(&s->surface) == direction + 1 && fabs(range - full_turn) < 1e-6;
 }
 
 int mesh_node(const mesh *m, int i, int j)
@@ -64,9 +64,9 @@ int mesh_select(const mesh *m, const scene_where *where, int *node)
             const int chosen = where->type == WHERE_NODES
                 || (where->type == WHERE_POINT && mesh_node(m, where->node[0], where->node[1]) == mesh_node(m, i, j))
                 || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_MINUS && i == 0)
-                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_PLUS && i == m->scene->line[0].elements)
+                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_PLUS && i == m->scene->line[0].elements % m->lines[0])
                 || (where->type == WHERE_EDGE && where->edge == EDGE_THETA2_MINUS && j == 0)
-                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA2_PLUS && j == m->scene->line[1].elements);
+                || (where->type == WHERE_EDGE && where->edge == EDGE_THETA2_PLUS && j == m->scene->line[1].elements % m->lines[1]);
             if (chosen)
                 node[count++] = mesh_node(m, i, j);
         }
@@ -331,6 +331,9 @@ static int fill(mesh *m, char *error)
     int *node = NULL;
     if (laminate_build(s, &m->laminate, error) < 0)
         return -1;
+    for (int a = 0; a < 2; a++)
+        if (is_closed(s, a) && s->line[a].elements < 3)
+            return scene_fault(s, s->line[a].at, error, "%d elements cannot close on themselves; take at least 3 around, better 12", s->line[a].elements);
     if (!allocate(m) || !(node = calloc((size_t)m->nodes, sizeof *node)))
         return scene_fault(s, s->line[0].at, error, "%d nodes do not fit into memory", m->nodes);
     place_nodes(m);

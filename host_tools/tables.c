@@ -34,6 +34,8 @@ static void write_real(FILE *file, double x)
 {
     if (isinf(x))
         fprintf(file, "%sHUGE_VAL", x < 0 ? "-" : "");
+    else if (x == 0 && signbit(x)) /* -0 would be the integer 0 */
+        fputs("-0.0", file);
     else
         fprintf(file, "%.17g", x);
 }
@@ -221,6 +223,7 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
     write_reals(w, "upper", d->upper, n, "(V)");
     write_reals(w, "slew", d->slew, n, "most change a step (V)");
     write_reals(w, "prefer", d->prefer, n, "voltages preferred by the effort term (V)");
+    w->crc32 = crc_reals_32(w->crc32, &p.effort, 1);
     fprintf(w->file,
             "static const pzs_problem %s_problem = {\n"
             "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %zu, %zu,\n"

@@ -214,7 +214,7 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 typedef struct pzs_problem {
     uint32_t format;           /* PZS_TABLE_FORMAT */
     uint32_t scene;            /* hash of the scene */
-    uint32_t crc;              /* over every array below that is not NULL, in their order */
+    uint32_t crc;              /* over every array below that is not NULL, in their order, and the effort */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* B [outputs][inputs] (m/V), or NULL in a linear image */
     const pzs_real *hessian;   /* B'W^2 B [inputs][inputs] (m2/V2), or NULL: formed at init */

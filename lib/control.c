@@ -50,34 +50,43 @@ static pzs_real *weighted_of(const pzs_control *c)
     return full_of(c) + width_of(c->problem->inputs);
 }
 
-/* y [rows] = a x, a [rows][cols]: four rows at a time, each summed in ascending order. */
-static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x,
-                     uint32_t rows, uint32_t cols)
+/* y [8] = rows 0 to 7 of a [.][cols] times x, each summed in ascending order. */
+static void multiply_eight(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t cols)
 {
-    uint32_t i = 0;
-    for (; i + 4u <= rows; i += 4u) {
-        const pzs_real *a0 = a + (size_t)i * cols, *a1 = a0 + cols, *a2 = a1 + cols, *a3 = a2 + cols;
-        pzs_real y0 = 0, y1 = 0, y2 = 0, y3 = 0;
-        for (uint32_t j = 0; j < cols; ++j) {
-            const pzs_real xj = x[j];
-            y0 += a0[j] * xj;
-            y1 += a1[j] * xj;
-            y2 += a2[j] * xj;
-            y3 += a3[j] * xj;
-        }
-        y[i] = y0;
-        y[i + 1u] = y1;
-        y[i + 2u] = y2;
-        y[i + 3u] = y3;
+    const pzs_real *a1 = a + cols, *a2 = a1 + cols, *a3 = a2 + cols, *a4 = a3 + cols;
+    const pzs_real *a5 = a4 + cols, *a6 = a5 + cols, *a7 = a6 + cols;
+    pzs_real y0 = 0, y1 = 0, y2 = 0, y3 = 0, y4 = 0, y5 = 0, y6 = 0, y7 = 0;
+    for (size_t j = 0; j < cols; ++j) {
+        const pzs_real xj = x[j];
+        y0 += a[j] * xj;
+        y1 += a1[j] * xj;
+        y2 += a2[j] * xj;
+        y3 += a3[j] * xj;
+        y4 += a4[j] * xj;
+        y5 += a5[j] * xj;
+        y6 += a6[j] * xj;
+        y7 += a7[j] * xj;
     }
-    for (; i < rows; ++i) {
-        y[i] = 0;
-        for (uint32_t j = 0; j < cols; ++j) {
-            y[i] += a[(size_t)i * cols + j] * x[j];
-        }
-    }
+    y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3;
+    y[4] = y4, y[5] = y5, y[6] = y6, y[7] = y7;
 }
 
+/* y [rows] = a x, a [rows][cols]. */
+static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t rows,
+                     size_t cols)
+{
+    size_t i = 0;
+    for (; i + 8u <= rows; i += 8u) {
+        multiply_eight(y + i, a + i * cols, x, cols);
+    }
+    for (; i < rows; ++i) {
+        pzs_real sum = 0;
+        for (size_t j = 0; j < cols; ++j) {
+            sum += a[i * cols + j] * x[j];
+        }
+        y[i] = sum;
+    }
+}
 
 /* ---- step ---------------------------------------------------------------------- */
 

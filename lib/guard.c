@@ -76,7 +76,8 @@ uint32_t guard_problem_crc(const pzs_problem *p)
     crc = array_crc(crc, p->lower, n, sizeof(pzs_real));
     crc = array_crc(crc, p->upper, n, sizeof(pzs_real));
     crc = array_crc(crc, p->slew, n, sizeof(pzs_real));
-    return ~array_crc(crc, p->prefer, n, sizeof(pzs_real));
+    crc = array_crc(crc, p->prefer, n, sizeof(pzs_real));
+    return ~guard_crc(crc, &p->effort, sizeof p->effort);
 }
 
 const char *pzs_status_text(pzs_status status)

@@ -128,6 +128,48 @@ for t in plate_control:control plate_linear:linear; do
     check "committed tables are those of the scene: ${t%:*}" $?
 done
 
+cat >"$dir/q.c" <<'EOT'
+#include "q.h"
+static double work[1 << 18];
+int main(void)
+{
+    pzs_model m;
+    pzs_control c;
+    pzs_status status = pzs_model_init(&m, &q_structure, work, sizeof work);
+    static pzs_real b[Q_INPUTS * Q_OUTPUTS], more[Q_CONTROL_BYTES / sizeof(pzs_real) + 1];
+    if (status == PZS_OK) status = pzs_assemble(&m, 0, 0);
+    if (status == PZS_OK) status = pzs_factor(&m);
+    if (status == PZS_OK) status = pzs_influence(&m, b);
+    return status != PZS_OK ? (int)status : (int)pzs_control_init(&c, &q_problem, b, more, sizeof more);
+}
+EOT
+run 0 tables plate-50-patches --set element=corrected --set 'limits.voltage=[-0.0, 3]' --image linear --prefix q -o "$dir/q.h"
+for bits in 32 64; do
+    gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/q.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/q" && "$dir/q"
+    check "a linear image of the corrected element starts, $bits bits" $?
+done
+run 2 tables plate-50-patches --prefix Pzs -o "$dir/t.h" && says 'prefix'; check "the library's own prefix is refused" $?
+run 2 solve "$dir/good.yaml" --report "$dir/one" --vtk "$dir/one" && says 'one name'; check 'two outputs under one name' $?
+run 2 solve "$dir/good.yaml" --report "$dir/good.yaml" && says 'one name'; check 'a report over the scene itself' $?
+"$PZS" solve scordelis-lo --json >/dev/full 2>"$dir/err"; [ $? -eq 1 ] && says 'standard output'; check 'a full standard output is an error' $?
+mkfifo "$dir/pipe"; cat "$dir/pipe" >"$dir/read" & run 0 solve "$dir/good.yaml" --vtk "$dir/pipe"; wait; [ -p "$dir/pipe" ] && grep -q POINTS "$dir/read"; check 'a pipe stays a pipe' $?
+{ sed '/^compare:/,$d' host_tools/scenes/plate-50-patches.yaml; echo compare:; for i in $(seq 80); do echo "  - {name: c$i, values: [$(seq -s, 25)]}"; done; } >"$dir/many.yaml"
+run 0 shape "$dir/many.yaml" --json && json "len(j['results'])==83"; check 'eighty sets of volts to compare' $?
+run 2 shape plate-50-patches --set 'limits.each=[{actuator: v_1_1, hold: 1e6}]' --set materials.G1195.field_limit=1e6 && says 'v_1_1'; check 'hold beyond the depolarisation field names the amplifier' $?
+cat >"$dir/tube.yaml" <<'EOT'
+name: tube
+surface: {type: cylinder, radius: 1, axial: theta1}
+mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {from: 0, to: 2*pi, elements: 16}}
+materials: {m: {E: 1e9, nu: 0.3}}
+layers: [{material: m, thickness: 0.01}]
+supports: [{edge: theta1-, fix: clamped}]
+loads: [{face: outer, pressure: 1}]
+outputs: [{name: a, u3: middle, at: {theta1: 2, theta2: 0}}, {name: b, u3: middle, at: {theta1: 2, theta2: 2*pi}}]
+EOT
+run 0 solve "$dir/tube.yaml" --json && json "j['outputs']['a']==j['outputs']['b'] and j['nodes']==80"; check 'a closed tube is closed' $?
+run 0 solve "$dir/tube.yaml" --set 'supports.1={edge: theta2+, fix: clamped}' --json && json "j['outputs']['a']==[0]"; check 'a support on the seam holds from either side' $?
+run 2 solve "$dir/tube.yaml" --set mesh.theta2.elements=2 && says 'at least 3'; check 'two elements around are refused' $?
+
 # The README's example compiles against its tables and stays inside the limits
 run 0 tables plate-50-patches --prefix plate -o "$dir/plate.h"
 awk '/^```c/ {on = 1; next} /^```/ {on = 0} on' README.md >"$dir/example.c"

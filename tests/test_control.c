@@ -247,15 +247,29 @@ static void polish(const bench *t, wide *v, const wide *gradient)
         v[i] = clip(v[i] + part * way[i], t->lo[i], t->hi[i]);
 }
 
-/* Upper bound of (objective - optimum) / |W e|^2, from the duality gap at a polished point. */
+/* What objectives may differ by: TOLERANCE |W e|^2, and what one rounding of each term of B'W^2 e moves the objective by. */
+static wide allowance(const bench *t)
+{
+    wide rounding = 0;
+    const wide scale = energy(t);
+    for (unsigned j = 0; j < t->p.inputs; j++) {
+        wide square = 0;
+        for (unsigned i = 0; i < t->p.outputs; i++)
+            square += (wide)t->weight[i] * t->weight[i] * t->b[i * t->p.inputs + j] * t->b[i * t->p.inputs + j];
+        rounding += (wide)PZS_EPSILON * sqrtl(square * scale) * fabsl((wide)t->c.volt[j]);
+    }
+    return TOLERANCE * scale + rounding;
+}
+
+/* Upper bound of (objective - optimum) over the allowance, from the duality gap at a polished point. */
 static wide excess(const bench *t)
 {
     wide v[MOST_INPUTS], gradient[MOST_INPUTS];
     for (unsigned i = 0; i < t->p.inputs; i++)
         v[i] = t->c.volt[i];
-    const wide scale = energy(t), mine = objective(t, v, gradient);
+    const wide scale = allowance(t), mine = objective(t, v, gradient);
     wide bound = gap_of(t, v, gradient);
-    for (unsigned pass = 0; pass < 2 * MOST_INPUTS && bound > TOLERANCE * scale / 2; pass++) {
+    for (unsigned pass = 0; pass < 2 * MOST_INPUTS && bound > scale / 2; pass++) {
         polish(t, v, gradient);
         const wide now = objective(t, v, gradient), better = mine - now + gap_of(t, v, gradient);
         bound = better < bound ? better : bound;
@@ -263,26 +277,11 @@ static wide excess(const bench *t)
     return bound / scale;
 }
 
-static double true_kkt(const bench *t)
-{
-    wide v[MOST_INPUTS] = {0}, z[MOST_INPUTS]={0},gradient[MOST_INPUTS], g0[MOST_INPUTS];
-    for (unsigned i = 0; i < t->p.inputs; i++)
-        v[i] = t->c.volt[i];
-    objective(t,v,gradient); objective(t,z,g0);
-    wide most=0, top=0;
-    for (unsigned i = 0; i < t->p.inputs; i++) {
-        wide g=gradient[i]; wide x = g>0? (v[i]>(wide)t->lo[i]?g:0):(v[i]<(wide)t->hi[i]?-g:0);
-        if (x>most) most=x;
-        if (fabsl(g0[i])>top) top=fabsl(g0[i]);
-    }
-    return (double)(most/top);
-}
 /* ---- random problems --------------------------------------------------------------- */
 
-static int KIND; static double REACH;
 static void random_influence(bench *t)
 {
-    const unsigned n = t->p.inputs, m = t->p.outputs, rank = 1 + below(t, n), kind = below(t, 6);KIND=(int)kind;
+    const unsigned n = t->p.inputs, m = t->p.outputs, rank = 1 + below(t, n), kind = below(t, 6);
     for (unsigned i = 0; i < m; i++)
         for (unsigned j = 0; j < n; j++) {
             const double smooth = cos(3.1 * (double)((i + 1) * (j % rank + 1)) / m);
@@ -304,7 +303,6 @@ static void random_limits(bench *t)
     static const double reach[] = { .02, .1, .3, .6, 1, 3 };
     const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0, endless = chance(t, .1) && t->p.effort > 0 ? .3 : 0;
     const double slew = chance(t, .4) ? limit * uniform(t, .05, .6) : HUGE_VAL;
-    REACH=limit*(endless>0?1.001:1);
     const int preferred = chance(t, .5);
     for (unsigned j = 0; j < t->p.inputs; j++) {
         t->lower[j] = (pzs_real)(chance(t, endless) ? -HUGE_VAL : -limit * uniform(t, .1, 1));
@@ -367,7 +365,7 @@ static void put_all(const pzs_real *x, unsigned n)
 static void write_problem(const bench *t)
 {
     const unsigned n = t->p.inputs, m = t->p.outputs;
-    put(n), put(m), put((double)t->p.effort), put((double)TOLERANCE);
+    put(n), put(m), put((double)t->p.effort), put((double)(allowance(t) / energy(t)));
     put_all(t->b, n * m), put_all(t->weight, m), put_all(t->error, m);
     put_all(t->lo, n), put_all(t->hi, n), put_all(t->prefer, n), put_all(t->c.volt, n);
 }
@@ -377,38 +375,474 @@ static wide checked_step(bench *t)
 {
     note_limits(t);
     const pzs_status status = pzs_step(&t->c, t->error);
-    if (status != PZS_OK && status != PZS_W_SLEW) print_error("STATUS %d seed n %d m %d effort %g passes %d opt %g\n", status, t->p.inputs, t->p.outputs, (double)t->p.effort, t->c.passes, (double)t->c.optimality);
+    assert_true(status == PZS_OK || status == PZS_W_SLEW);
     assert_feasible(t);
     return excess(t);
 }
 
 static void random_problems_are_solved(void **state)
 {
-    (void)state; /* law: every step ends at the optimum, by the duality gap, cold and warm, degenerate or not */
+    (void)state; /* law: every step ends at the optimum, by the duality gap; cold, warm, rank-deficient, degenerate, infeasible start */
     wide worst = 0;
-    unsigned passes = 0, most = 0;
+    unsigned passes = 0, steps = 0, most = 0;
     double kkt = 0;
     for (unsigned k = 0; k < RANDOM_PROBLEMS; k++) {
         random_problem(&desk, k);
         assert_int_equal(start(&desk), PZS_OK);
-        const unsigned steps = 1 + below(&desk, 4);
-        for (unsigned s = 0; s < steps; s++) {
-            if (s > 0)
-                disturb(&desk);
+        for (unsigned left = 1 + below(&desk, 4); left > 0; left--, steps++) {
             const wide here = checked_step(&desk);
-            if (!(here <= TOLERANCE) || (double)desk.c.optimality > KKT_TOLERANCE)
-                print_error("problem %u step %u (n %d, m %d, effort %g, kind %d reach %g): excess %Lg, true %g kkt %g, passes %d\n", k, s, desk.p.inputs,
-                            desk.p.outputs, (double)desk.p.effort, KIND, REACH, here, true_kkt(&desk), (double)desk.c.optimality, desk.c.passes);
             worst = here > worst ? here : worst;
             kkt = (double)desk.c.optimality > kkt ? (double)desk.c.optimality : kkt;
             passes += desk.c.passes;
+            if (left > 1)
+                disturb(&desk);
         }
         most = desk.c.passes_most > most ? desk.c.passes_most : most;
         if (dump != NULL && (long)k < dump_count)
             write_problem(&desk);
     }
-    print_message("%d problems: excess at most %.2Lg of |We|^2, optimality %.2g, passes in all %u, most in a step %u\n",
-                  RANDOM_PROBLEMS, worst, kkt, passes, most);
-    assert_true(worst <= TOLERANCE && kkt <= KKT_TOLERANCE);
+    print_message("%d problems, %u steps: excess at most %.2Lg of what is allowed, optimality %.1e, %.1f passes a step, at most %u\n",
+                  RANDOM_PROBLEMS, steps, worst, kkt, (double)passes / steps, most);
+    assert_true(worst <= 1 && kkt <= KKT_TOLERANCE);
 }
 
+static void a_cut_after_any_pass_is_safe(void **state)
+{
+    (void)state; /* law: after any number of passes the volts are allowed and the objective no worse than at the clamped start */
+    unsigned cuts = 0;
+    for (unsigned k = 0; k < 300; k++) {
+        random_problem(&desk, 20000 + k);
+        assert_int_equal(start(&desk), PZS_OK);
+        (void)checked_step(&desk);
+        disturb(&desk);
+        memcpy(&other, &desk, sizeof other); /* the controller's pointers go on into desk */
+        note_limits(&desk);
+        wide v[MOST_INPUTS] = { 0 }, gradient[MOST_INPUTS], before = 0;
+        for (unsigned i = 0; i < desk.p.inputs; i++)
+            v[i] = clip(desk.last[i], desk.lo[i], desk.hi[i]);
+        const wide first = objective(&desk, v, gradient), scale = energy(&desk) + first;
+        pzs_status status = PZS_W_PASSES;
+        for (unsigned allowed = 0; status == PZS_W_PASSES; allowed++, cuts++) {
+            memcpy(&desk, &other, sizeof desk);
+            note_limits(&desk);
+            desk.c.passes_allowed = (uint16_t)allowed;
+            status = pzs_step(&desk.c, desk.error);
+            assert_feasible(&desk);
+            assert_true(desk.c.passes <= allowed);
+            before = objective_at(&desk, desk.c.volt);
+            assert_true(before <= first + 32 * MOST_INPUTS * (wide)PZS_EPSILON * scale);
+            assert_true(allowed < PZS_STEP_PASSES);
+        }
+        assert_true(excess(&desk) <= 1);
+    }
+    print_message("%u cuts\n", cuts);
+}
+
+static void a_long_walk_does_not_drift(void **state)
+{
+    (void)state; /* law: rounding does not gather: 200,000 ticks of a wandering target stay allowed and optimal */
+    plain(&desk, 7, 12, 20, .6);
+    desk.p.effort = (pzs_real)1e-3;
+    for (unsigned i = 0; i < 12; i++)
+        desk.slew[i] = (pzs_real).05;
+    assert_int_equal(start(&desk), PZS_OK);
+    double kkt = 0;
+    wide worst = 0;
+    unsigned active = 0;
+    for (unsigned t = 0; t < 200000; t++) {
+        for (unsigned i = 0; i < 20; i++)
+            desk.error[i] = (pzs_real)(.98 * (double)desk.error[i] + uniform(&desk, -.3, .3));
+        note_limits(&desk);
+        const pzs_status status = t % 2 ? pzs_step(&desk.c, desk.error) : pzs_tick(&desk.c, desk.error, NULL);
+        assert_int_equal(status, PZS_OK);
+        assert_feasible(&desk);
+        kkt = (double)desk.c.optimality > kkt ? (double)desk.c.optimality : kkt;
+        active += desk.c.active;
+        const wide here = t % 101 == 0 ? excess(&desk) : 0;
+        worst = here > worst ? here : worst;
+    }
+    print_message("walk: excess %.2Lg of what is allowed, optimality %.1e, %.1f active, at most %u passes\n", worst, kkt,
+                  active / 200000., desk.c.passes_most);
+    assert_true(worst <= 1 && kkt <= KKT_TOLERANCE);
+}
+
+static void measurement_removes_a_disturbance(void **state)
+{
+    (void)state; /* law: with measured = B v + d the volts become optimal for wanted - d */
+    pzs_real wanted[20], d[20], measured[20];
+    plain(&desk, 11, 8, 20, .7);
+    assert_int_equal(start(&desk), PZS_OK);
+    for (unsigned i = 0; i < 20; i++) {
+        wanted[i] = (pzs_real)uniform(&desk, -1, 1);
+        d[i] = (pzs_real)uniform(&desk, -.3, .3);
+        desk.error[i] = wanted[i] - d[i];
+    }
+    for (unsigned t = 0; t < 3; t++) {
+        note_limits(&desk);
+        for (unsigned i = 0; i < 20; i++)
+            measured[i] = desk.c.predicted[i] + d[i];
+        assert_int_equal(pzs_tick(&desk.c, wanted, measured), PZS_OK);
+    }
+    assert_true(excess(&desk) <= 100); /* measured - predicted is rounded */
+    for (unsigned i = 0; i < 20; i++)
+        assert_true(fabs((double)(desk.c.disturbance[i] - d[i])) < 16 * (double)PZS_EPSILON);
+    assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_OK); /* without measurement the disturbance stays */
+    assert_true(fabs((double)(desk.c.disturbance[3] - d[3])) < 16 * (double)PZS_EPSILON);
+}
+
+static void a_lost_sensor_keeps_its_disturbance(void **state)
+{
+    (void)state; /* law: a measurement that is not finite, or frozen while its output moves, changes nothing but the status */
+    pzs_real wanted[10], measured[10];
+    plain(&desk, 13, 4, 10, 5);
+    assert_int_equal(start(&desk), PZS_OK);
+    unsigned flagged = 0;
+    for (unsigned t = 0; t < 40; t++) {
+        for (unsigned i = 0; i < 10; i++) {
+            wanted[i] = (pzs_real)sin(.3 * t + i);
+            measured[i] = desk.c.predicted[i] + (pzs_real).01;
+        }
+        if (t >= 5 && t < 10)
+            measured[3] = (pzs_real)(t % 2 ? NAN : HUGE_VAL);
+        if (t >= 12 && t < 30)
+            measured[6] = (pzs_real).25;
+        const pzs_real before = desk.c.disturbance[3];
+        const pzs_status status = pzs_tick(&desk.c, wanted, measured);
+        if (t >= 5 && t < 10) {
+            assert_int_equal(status, PZS_W_SENSOR);
+            assert_int_equal(desk.c.where, 3);
+            assert_true(desk.c.disturbance[3] >= before && desk.c.disturbance[3] <= before);
+        } else if (t >= 12 && t < 30) {
+            flagged += status == PZS_W_SENSOR && desk.c.where == 6;
+        } else {
+            assert_int_equal(status, PZS_OK);
+            assert_true(fabs((double)desk.c.disturbance[6] - .01) < 64 * (double)PZS_EPSILON);
+        }
+    }
+    assert_true(flagged >= 8 && flagged <= 12); /* seen after eight repetitions, and until the end */
+}
+
+static void a_sensor_at_rest_is_not_frozen(void **state)
+{
+    (void)state; /* law: repeating bits are no fault where nothing moves */
+    pzs_real wanted[10], measured[10];
+    plain(&desk, 17, 4, 10, 5);
+    assert_int_equal(start(&desk), PZS_OK);
+    for (unsigned i = 0; i < 10; i++) {
+        wanted[i] = (pzs_real)uniform(&desk, -1, 1);
+        measured[i] = wanted[i];
+    }
+    for (unsigned t = 0; t < 50; t++) {
+        assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_OK);
+        memcpy(measured, desk.c.predicted, sizeof measured);
+        assert_int_equal(pzs_tick(&desk.c, wanted, measured), PZS_OK);
+    }
+}
+
+static void bad_numbers_hold_the_volts(void **state)
+{
+    (void)state; /* law: no input leads to volts that are not finite or not allowed */
+    static const double poison[] = { NAN, HUGE_VAL, -HUGE_VAL, 1e308, -1e308, 1e200, 5e-324, -1e-310, 0, 3.4e38, 1e-45 };
+    pzs_real wanted[20], measured[20], last[12];
+    for (unsigned k = 0; k < 4000; k++) {
+        random_problem(&desk, 40000 + k % 50);
+        assert_int_equal(start(&desk), PZS_OK);
+        const unsigned n = desk.p.inputs, m = desk.p.outputs;
+        if (n > 12 || m > 20)
+            continue;
+        desk.seed += k;
+        for (unsigned t = 0; t < 6; t++) {
+            for (unsigned i = 0; i < m; i++) {
+                wanted[i] = (pzs_real)(chance(&desk, .1) ? poison[below(&desk, 11)] : uniform(&desk, -1, 1));
+                measured[i] = (pzs_real)(chance(&desk, .1) ? poison[below(&desk, 11)] : uniform(&desk, -1, 1));
+            }
+            note_limits(&desk);
+            memcpy(last, desk.c.volt, n * sizeof last[0]);
+            const pzs_status status = chance(&desk, .5) ? pzs_tick(&desk.c, wanted, measured) : pzs_step(&desk.c, wanted);
+            assert_feasible(&desk);
+            if (status == PZS_W_HELD || PZS_IS_ERROR(status))
+                assert_memory_equal(last, desk.c.volt, n * sizeof last[0]);
+            for (unsigned i = 0; i < m; i++)
+                assert_true(isfinite(desk.c.predicted[i]));
+        }
+        for (unsigned i = 0; i < m; i++)
+            desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+        (void)pzs_release(&desk.c, 0);
+        (void)pzs_step(&desk.c, desk.error); /* and it recovers */
+        note_limits(&desk);
+        assert_true(pzs_step(&desk.c, desk.error) != PZS_W_HELD);
+        assert_feasible(&desk);
+    }
+}
+
+static void held_without_anything_to_go_by(void **state)
+{
+    (void)state; /* law: no finite measurement at all, or a target that is not finite, holds the volts and says so */
+    pzs_real wanted[6] = { 1, 1, 1, 1, 1, 1 }, measured[6], last[3];
+    plain(&desk, 19, 3, 6, 1);
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_OK);
+    memcpy(last, desk.c.volt, sizeof last);
+    for (unsigned i = 0; i < 6; i++)
+        measured[i] = (pzs_real)NAN;
+    assert_int_equal(pzs_tick(&desk.c, wanted, measured), PZS_W_HELD);
+    wanted[4] = (pzs_real)-HUGE_VAL;
+    assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_W_HELD);
+    assert_int_equal(desk.c.where, 4);
+    assert_int_equal(pzs_step(&desk.c, wanted), PZS_E_NONFINITE);
+    assert_int_equal(desk.c.where, 4);
+    assert_memory_equal(last, desk.c.volt, sizeof last);
+}
+
+static void holding_and_releasing(void **state)
+{
+    (void)state; /* law: a held input stands at its voltage, the rest is optimal around it; where slew and limit do not meet the limit wins */
+    plain(&desk, 23, 6, 15, 1);
+    desk.slew[2] = (pzs_real).125;
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(pzs_hold(&desk.c, 2, (pzs_real).75), PZS_OK);
+    note_limits(&desk);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_W_SLEW);
+    assert_int_equal(desk.c.where, 2);
+    assert_true(desk.c.volt[2] >= (pzs_real).75 && desk.c.volt[2] <= (pzs_real).75);
+    assert_true(excess(&desk) <= 1);
+    assert_true(desk.c.active >= 1 && desk.c.state[2] != 0);
+    assert_int_equal(pzs_hold(&desk.c, 3, 99), PZS_OK); /* cut to the table's limit */
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    assert_true(desk.c.volt[3] >= 1 && desk.c.volt[3] <= 1);
+    assert_int_equal(pzs_release(&desk.c, 2), PZS_OK);
+    assert_int_equal(pzs_release(&desk.c, 3), PZS_OK);
+    for (unsigned t = 0; t < 20; t++) {
+        note_limits(&desk);
+        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+        assert_feasible(&desk);
+    }
+    assert_true(excess(&desk) <= 1);
+    assert_int_equal(pzs_hold(&desk.c, 6, 0), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_hold(&desk.c, 1, (pzs_real)NAN), PZS_E_NONFINITE);
+    assert_int_equal(pzs_release(&desk.c, 6), PZS_E_ARGUMENT);
+}
+
+static void all_dead_and_zero_influence(void **state)
+{
+    (void)state; /* law: nothing to move, or nothing that moving changes, is no fault */
+    plain(&desk, 29, 5, 9, 0);
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    for (unsigned i = 0; i < 5; i++)
+        assert_true(desk.c.volt[i] >= 0 && desk.c.volt[i] <= 0);
+    assert_int_equal(desk.c.active, 5);
+    plain(&desk, 29, 5, 9, HUGE_VAL);
+    memset(desk.b, 0, sizeof desk.b);
+    desk.prefer[1] = 3;
+    assert_int_equal(start(&desk), PZS_OK);
+    for (unsigned t = 0; t < 3; t++)
+        assert_int_equal(pzs_tick(&desk.c, desk.error, NULL), PZS_OK);
+    assert_true(desk.c.volt[1] >= 3 && desk.c.volt[1] <= 3);
+    assert_true(fabs((double)desk.c.error_after - 1) < 4 * (double)PZS_EPSILON);
+    plain(&desk, 29, 5, 9, HUGE_VAL);
+    memset(desk.error, 0, sizeof desk.error);
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+}
+
+static void errors_are_reported(void **state)
+{
+    (void)state; /* law: what cannot be right is refused with its status, and nothing is touched */
+    plain(&desk, 31, 4, 7, 1);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_E_STAGE);
+    assert_int_equal(pzs_hold(&desk.c, 0, 0), PZS_E_STAGE);
+    assert_int_equal(start(&desk), PZS_OK);
+    const size_t need = PZS_CONTROL_BYTES(4, 7);
+    pzs_control c;
+    memset(&c, 0, sizeof c);
+    assert_int_equal(pzs_control_init(NULL, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&c, NULL, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, NULL, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need - 1), PZS_E_WORKSPACE);
+    assert_int_equal(c.where, need);
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, (char *)desk.work + 1, need + 8), PZS_E_WORKSPACE);
+    assert_int_equal(c.stage, 0);
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_OK);
+    assert_int_equal(pzs_step(NULL, desk.error), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_step(&c, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_tick(&c, NULL, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_unlimited(&c, desk.error, NULL), PZS_E_ARGUMENT);
+    desk.p.format = 99;
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_E_FORMAT);
+    desk.p.format = PZS_TABLE_FORMAT;
+    desk.b[5] += 1;
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_E_CRC);
+    desk.p.influence = NULL;
+    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(start(&desk), PZS_OK); /* influence computed on the device */
+}
+
+/* Start with one entry of a table spoilt. */
+static pzs_status start_with(pzs_real *entry, double value, int32_t *where)
+{
+    plain(&desk, 37, 4, 7, 1);
+    *entry = (pzs_real)value;
+    const pzs_status status = start(&desk);
+    *where = desk.c.where;
+    return status;
+}
+
+static void bad_tables_are_refused(void **state)
+{
+    (void)state; /* law: limits that hold no voltage, and numbers that are none, are named by index */
+    int32_t where;
+    assert_int_equal(start_with(&desk.lower[2], 2, &where), PZS_E_LIMITS);
+    assert_int_equal(where, 2);
+    assert_int_equal(start_with(&desk.upper[3], NAN, &where), PZS_E_LIMITS);
+    assert_int_equal(where, 3);
+    assert_int_equal(start_with(&desk.lower[1], HUGE_VAL, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.slew[1], -1, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.slew[0], NAN, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.b[9], NAN, &where), PZS_E_NONFINITE);
+    assert_int_equal(where, 9);
+    assert_int_equal(start_with(&desk.weight[6], HUGE_VAL, &where), PZS_E_NONFINITE);
+    assert_int_equal(where, 6);
+    assert_int_equal(start_with(&desk.prefer[1], NAN, &where), PZS_E_NONFINITE);
+    assert_int_equal(start_with(&desk.b[0], PZS_BY_BITS(1e30, 1e300), &where), PZS_E_NONFINITE); /* its square overflows */
+    assert_int_equal(start_with(&desk.p.effort, -1, &where), PZS_E_ARGUMENT);
+    assert_int_equal(start_with(&desk.lower[0], -HUGE_VAL, &where), PZS_OK);
+}
+
+static void table_hessian_and_own_hessian_agree(void **state)
+{
+    (void)state; /* law: B'W^2 B from the table gives the volts that the one formed at init gives */
+    static pzs_real table[36], first[6];
+    plain(&desk, 41, 6, 14, .4);
+    desk.p.effort = (pzs_real).01;
+    for (unsigned j = 0; j < 36; j++)
+        for (unsigned i = 0; i < 14; i++)
+            table[j] += desk.b[i * 6 + j / 6] * desk.b[i * 6 + j % 6];
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    memcpy(first, desk.c.volt, sizeof first);
+    desk.p.hessian = table;
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    for (unsigned j = 0; j < 6; j++)
+        assert_true(fabs((double)(first[j] - desk.c.volt[j])) < 1000 * (double)PZS_EPSILON);
+}
+
+/* The plate with 25 pairs of patches at a limit (V): active inputs and shape error. */
+static void plate(const testdata *d, double limit, unsigned active, double error)
+{
+    memset(&desk, 0, sizeof desk);
+    desk.p.inputs = 25;
+    desk.p.outputs = 121;
+    desk.p.influence = desk.b;
+    for (unsigned i = 0; i < 121 * 25; i++)
+        desk.b[i] = (pzs_real)testdata_values(d, "influence")[i];
+    for (unsigned i = 0; i < 121; i++) {
+        desk.weight[i] = 1;
+        desk.error[i] = (pzs_real)(.1 * .02 * (i / 11) * (.02 * (i % 11) - .1));
+    }
+    for (unsigned j = 0; j < 25; j++) {
+        desk.upper[j] = (pzs_real)limit;
+        desk.lower[j] = (pzs_real)-limit;
+        desk.slew[j] = (pzs_real)HUGE_VAL;
+    }
+    assert_int_equal(start(&desk), PZS_OK);
+    note_limits(&desk);
+    assert_int_equal(pzs_tick(&desk.c, desk.error, NULL), PZS_OK);
+    assert_true(excess(&desk) <= 1);
+    assert_int_equal(desk.c.active, active);
+    assert_true(fabs((double)desk.c.error_after - error) < .0005);
+    wide gradient[MOST_INPUTS], zero[MOST_INPUTS] = { 0 };
+    const double exact = (double)sqrtl(objective_at(&desk, desk.c.volt) / objective(&desk, zero, gradient));
+    assert_true(fabs((double)desk.c.error_after - exact) < 16 * sqrt((double)PZS_EPSILON) * exact);
+}
+
+static void known_plate(void **state)
+{
+    (void)state; /* law: the plate of the source with 25 patches has the active limits and shape errors found by another program */
+    FILE *file = fopen("tests/data/table7.txt", "r");
+    testdata d;
+    assert_non_null(file);
+    assert_int_equal(testdata_next(file, &d), 1);
+    plate(&d, 100, 18, .361);
+    plate(&d, 125, 14, .253);
+    plate(&d, 250, 2, .0598);
+    plate(&d, 200, 6, .090);
+    for (unsigned j = 0; j < 25; j++)
+        assert_true(fabs((double)desk.c.volt[j] - testdata_values(&d, "box_200")[j]) < PZS_BY_BITS(.5, 1e-3));
+    pzs_real volt[25], clipped[25], again[25];
+    assert_int_equal(pzs_unlimited(&desk.c, desk.error, volt), PZS_OK);
+    assert_int_equal(pzs_clipped(&desk.c, desk.error, clipped), PZS_OK);
+    for (unsigned j = 0; j < 25; j++) {
+        assert_true(fabs((double)volt[j] - testdata_values(&d, "least_squares")[j]) < PZS_BY_BITS(3, 1e-3));
+        assert_true(fabs((double)(clipped[j] - (volt[j] < -200 ? -200 : volt[j] > 200 ? 200 : volt[j]))) < 1e-6);
+    }
+    assert_true(objective_at(&desk, clipped) > 1.5L * objective_at(&desk, desk.c.volt)); /* clipping is no optimum */
+    memcpy(again, desk.c.volt, sizeof again);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK); /* and the comparison leaves the controller as it was */
+    for (unsigned j = 0; j < 25; j++)
+        assert_true(fabs((double)(again[j] - desk.c.volt[j])) < PZS_BY_BITS(.5, 1e-6));
+    testdata_free(&d);
+    (void)fclose(file);
+}
+
+static void checksum_of_known_text(void **state)
+{
+    (void)state; /* law: CRC-32 of "123456789" is CBF43926, in one piece or two; every table entry counts */
+    assert_int_equal(~guard_crc(GUARD_CRC_START, "123456789", 9), 0xCBF43926u);
+    assert_int_equal(~guard_crc(guard_crc(GUARD_CRC_START, "1234", 4), "56789", 5), 0xCBF43926u);
+    const pzs_real x[] = { 1, -2, 0, (pzs_real)NAN, (pzs_real)HUGE_VAL };
+    assert_int_equal(guard_nonfinite(x, 3), -1);
+    assert_int_equal(guard_nonfinite(x, 5), 3);
+    assert_int_equal(guard_nonfinite(x + 4, 1), 0);
+    plain(&desk, 43, 3, 4, 1);
+    assert_int_equal(start(&desk), PZS_OK);
+    const uint32_t crc = desk.p.crc;
+    pzs_real *const entry[] = { &desk.b[11], &desk.weight[3], &desk.lower[2], &desk.upper[0], &desk.slew[1], &desk.prefer[2] };
+    for (unsigned i = 0; i < 6; i++) {
+        const pzs_real was = *entry[i];
+        *entry[i] = 17;
+        assert_int_not_equal(guard_problem_crc(&desk.p), crc);
+        *entry[i] = was;
+    }
+    assert_int_equal(guard_problem_crc(&desk.p), crc);
+}
+
+static void every_status_has_words(void **state)
+{
+    (void)state; /* law: each status has a text of its own */
+    for (int i = PZS_OK; i <= PZS_E_RESIDUAL; i++)
+        for (int j = PZS_OK; j <= PZS_E_RESIDUAL + 1; j++)
+            if (i != j)
+                assert_string_not_equal(pzs_status_text((pzs_status)i), pzs_status_text((pzs_status)j));
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(checksum_of_known_text),
+        cmocka_unit_test(every_status_has_words),
+        cmocka_unit_test(errors_are_reported),
+        cmocka_unit_test(bad_tables_are_refused),
+        cmocka_unit_test(table_hessian_and_own_hessian_agree),
+        cmocka_unit_test(known_plate),
+        cmocka_unit_test(holding_and_releasing),
+        cmocka_unit_test(all_dead_and_zero_influence),
+        cmocka_unit_test(measurement_removes_a_disturbance),
+        cmocka_unit_test(a_lost_sensor_keeps_its_disturbance),
+        cmocka_unit_test(a_sensor_at_rest_is_not_frozen),
+        cmocka_unit_test(held_without_anything_to_go_by),
+        cmocka_unit_test(bad_numbers_hold_the_volts),
+        cmocka_unit_test(a_cut_after_any_pass_is_safe),
+        cmocka_unit_test(a_long_walk_does_not_drift),
+        cmocka_unit_test(random_problems_are_solved),
+    };
+    if (argc > 1) {
+        dump = fopen(argv[1], "wb");
+        dump_count = argc > 2 ? atol(argv[2]) : RANDOM_PROBLEMS;
+    }
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    if (dump != NULL)
+        (void)fclose(dump);
+    return failed;
+}

@@ -394,13 +394,13 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x81ef4e1du, PZS_BY_BITS(0x8fce385bu, 0x5fcd15d4u), 25, 36,
+    1u, 0x81ef4e1du, PZS_BY_BITS(0x3f4e87e6u, 0xc5a64196u), 25, 36,
     NULL, NULL, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 
 /* displacement of each target node that the volts must make */
 static const pzs_real demo_target[36] = {
-    PZS_R(-0), PZS_R(-0), PZS_R(-0), PZS_R(0),
+    PZS_R(-0.0), PZS_R(-0.0), PZS_R(-0.0), PZS_R(0),
     PZS_R(0), PZS_R(0), PZS_R(-0.00040000000000000002), PZS_R(-0.00024000000000000003),
     PZS_R(-8.000000000000002e-05), PZS_R(8.0000000000000074e-05), PZS_R(0.00024000000000000001), PZS_R(0.00040000000000000002),
     PZS_R(-0.00080000000000000004), PZS_R(-0.00048000000000000007), PZS_R(-0.00016000000000000004), PZS_R(0.00016000000000000015),

@@ -1011,14 +1011,14 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x8196b8feu, PZS_BY_BITS(0x06072e0bu, 0x896f7ea9u), 25, 121,
+    1u, 0x8196b8feu, PZS_BY_BITS(0x62b40005u, 0x2923e7d4u), 25, 121,
     demo_influence, demo_hessian, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 
 /* displacement of each target node that the volts must make */
 static const pzs_real demo_target[121] = {
-    PZS_R(-0), PZS_R(-0), PZS_R(-0), PZS_R(-0),
-    PZS_R(-0), PZS_R(0), PZS_R(0), PZS_R(0),
+    PZS_R(-0.0), PZS_R(-0.0), PZS_R(-0.0), PZS_R(-0.0),
+    PZS_R(-0.0), PZS_R(0), PZS_R(0), PZS_R(0),
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(-0.00020000000000000001),
     PZS_R(-0.00016000000000000001), PZS_R(-0.00012000000000000002), PZS_R(-7.9999999999999993e-05), PZS_R(-4.000000000000001e-05),
     PZS_R(0), PZS_R(4.0000000000000037e-05), PZS_R(8.000000000000002e-05), PZS_R(0.00012),

@@ -198,11 +198,13 @@ class Section:
         D = integral N^T (C_ab c1 c2/(s_a s_b)) N dz and H0 = integral N^T s0 c1 c2/s_a dz
         with s = (c1^2, c2^2, 1, c2, c1, c1 c2), c_a = 1 + k_a z; all 1 without metric.
         Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n; kelvin -C alpha;
-        with free33 condensed on s33 = 0 in each ply.
+        with free33 condensed on s33 = 0 in each ply, whose mean free strain along the normal,
+        -s0_33/C_33, the mean of e33 then holds.
         """
         dmat = np.zeros((10, 10))
         volt = np.zeros((len(self.layers), 10))
         kelvin = np.zeros(10)
+        thick_volt, thick_kelvin = np.zeros(len(self.layers)), 0.0
         gauss, weights = np.polynomial.legendre.leggauss(10)
         low = self.zlow
         for n, (thick, angle, material) in enumerate(self.layers):
@@ -214,6 +216,8 @@ class Section:
                 given_kelvin = -turn.T @ plain[:, :3] @ material["alpha"]
                 if options["free33"]:
                     slope = stiff[:, 2] / stiff[2, 2]
+                    thick_volt[n] = given_volt[2] / stiff[2, 2] * thick / self.h
+                    thick_kelvin += given_kelvin[2] / stiff[2, 2] * thick / self.h
                     given_volt = given_volt - slope * given_volt[2]
                     given_kelvin = given_kelvin - slope * given_kelvin[2]
                 for x, w in zip(gauss, weights):
@@ -226,7 +230,7 @@ class Section:
                     volt[n] += shape.T @ (given_volt / scale) * dz
                     kelvin += shape.T @ (given_kelvin / scale) * dz
             low += thick
-        return dmat, volt, kelvin
+        return dmat, volt + np.outer(thick_volt, dmat[:, 4]), kelvin + thick_kelvin * dmat[:, 4]
 
     def shape(self, z):
         """N [6][10]: Voigt strain at z = N (mean, difference) strains."""
