@@ -35,12 +35,16 @@
 #include <math.h>
 #include <string.h>
 #include "boxls.h"
+#include "unrolled.h"
 
 #define ROUNDS 8u     /* most rounds of one call */
 #define NOISE 4       /* multipliers below NOISE times the rounding of a gradient are zero */
 #define NEAR 256      /* how far above the noise gradients of free inputs may be, where that costs nothing */
 #define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
 #define DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
+
+/* Columns summed together: what the registers hold. */
+#define SPAN PZS_BY_TILE(8u, 32u, 32u)
 
 /* ---- sums ------------------------------------------------------------------ */
 
@@ -75,32 +79,57 @@ pzs_real boxls_largest(const pzs_real *x, size_t n)
     return s2 > s0 ? s2 : s0;
 }
 
-/* y += rows 0 to 7 of a times x, in two chains of four. */
-static void add_eight(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
-                      uint32_t cols)
+/* y [SPAN] += sum of x_i times SPAN entries of row i, the sums held in registers. */
+static void add_span(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows)
 {
-    const pzs_real *a1 = a + stride, *a2 = a1 + stride, *a3 = a2 + stride;
-    const pzs_real *a4 = a3 + stride, *a5 = a4 + stride, *a6 = a5 + stride, *a7 = a6 + stride;
-    const pzs_real x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5], x6 = x[6], x7 = x[7];
-    for (uint32_t j = 0; j < cols; ++j) {
-        const pzs_real upper = ((x0 * a[j] + x1 * a1[j]) + x2 * a2[j]) + x3 * a3[j];
-        const pzs_real lower = ((x4 * a4[j] + x5 * a5[j]) + x6 * a6[j]) + x7 * a7[j];
-        y[j] += upper + lower;
+    pzs_real sum[SPAN];
+    UNROLLED
+    for (unsigned j = 0; j < SPAN; j++) {
+        sum[j] = y[j];
+    }
+    for (size_t i = 0; i < rows; i++, a += stride) {
+        const pzs_real xi = x[i];
+        UNROLLED
+        for (unsigned j = 0; j < SPAN; j++) {
+            sum[j] += xi * a[j];
+        }
+    }
+    UNROLLED
+    for (unsigned j = 0; j < SPAN; j++) {
+        y[j] = sum[j];
     }
 }
 
-void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
-                    uint32_t rows, uint32_t cols)
+/* The columns that fill no span. Wide vectors take a span of them all the same where it ends inside the array, and drop the rest. */
+static void add_rest(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
+                     size_t columns)
 {
-    uint32_t i = 0;
-    for (; i + 8u <= rows; i += 8u) {
-        add_eight(y, a + (size_t)i * stride, stride, x + i, cols);
+    size_t done = 0;
+    if (PZS_TILE > 4 && rows * stride >= stride + SPAN) {
+        pzs_real wide[SPAN] = { 0 };
+        done = rows - 1u - SPAN / stride;
+        memcpy(wide, y, columns * sizeof(pzs_real));
+        add_span(wide, a, stride, x, done);
+        memcpy(y, wide, columns * sizeof(pzs_real));
     }
-    for (; i < rows; ++i) {
-        const pzs_real *row = a + (size_t)i * stride, xi = x[i];
-        for (uint32_t j = 0; j < cols; ++j) {
-            y[j] += xi * row[j];
+    for (size_t j = 0; j < columns; ++j) {
+        pzs_real sum = y[j];
+        for (size_t i = done; i < rows; ++i) {
+            sum += x[i] * a[i * stride + j];
         }
+        y[j] = sum;
+    }
+}
+
+void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
+                    size_t cols)
+{
+    size_t j = 0;
+    for (; j + SPAN <= cols; j += SPAN) {
+        add_span(y + j, a + j, stride, x, rows);
+    }
+    if (j < cols) {
+        add_rest(y + j, a + j, stride, x, rows, cols - j);
     }
 }
 

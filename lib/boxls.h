@@ -42,8 +42,8 @@ typedef struct boxls {
 void boxls_place(boxls *b, pzs_real *work);
 
 /* y [cols] += sum over the rows of x_i times row i of a [rows][stride]. */
-void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, uint32_t stride, const pzs_real *restrict x,
-                    uint32_t rows, uint32_t cols);
+void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
+                    size_t cols);
 
 /* x . y; and the largest of x, not below zero: there n is a multiple of 4. */
 pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, size_t n);

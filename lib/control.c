@@ -15,8 +15,10 @@
 #include <string.h>
 #include "boxls.h"
 #include "guard.h"
+#include "unrolled.h"
 
 #define READY 1u
+#define PART 12u         /* inputs multiplied together: what the registers hold */
 #define FROZEN_TICKS 8u  /* a measurement that repeats so often while its output moves is frozen */
 #define FROZEN_PART 64   /* "moves": by more than 1/FROZEN_PART of |measured| + |predicted| in a tick */
 
@@ -50,41 +52,36 @@ static pzs_real *weighted_of(const pzs_control *c)
     return full_of(c) + width_of(c->problem->inputs);
 }
 
-/* y [8] = rows 0 to 7 of a [.][cols] times x, each summed in ascending order. */
-static void multiply_eight(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t cols)
+/* y_i += PART entries of row i times x, the x held in registers. */
+static void multiply_part(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows)
 {
-    const pzs_real *a1 = a + cols, *a2 = a1 + cols, *a3 = a2 + cols, *a4 = a3 + cols;
-    const pzs_real *a5 = a4 + cols, *a6 = a5 + cols, *a7 = a6 + cols;
-    pzs_real y0 = 0, y1 = 0, y2 = 0, y3 = 0, y4 = 0, y5 = 0, y6 = 0, y7 = 0;
-    for (size_t j = 0; j < cols; ++j) {
-        const pzs_real xj = x[j];
-        y0 += a[j] * xj;
-        y1 += a1[j] * xj;
-        y2 += a2[j] * xj;
-        y3 += a3[j] * xj;
-        y4 += a4[j] * xj;
-        y5 += a5[j] * xj;
-        y6 += a6[j] * xj;
-        y7 += a7[j] * xj;
+    pzs_real part[PART];
+    UNROLLED
+    for (unsigned k = 0; k < PART; k++) {
+        part[k] = x[k];
     }
-    y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3;
-    y[4] = y4, y[5] = y5, y[6] = y6, y[7] = y7;
-}
-
-/* y [rows] = a x, a [rows][cols]. */
-static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t rows,
-                     size_t cols)
-{
-    size_t i = 0;
-    for (; i + 8u <= rows; i += 8u) {
-        multiply_eight(y + i, a + i * cols, x, cols);
-    }
-    for (; i < rows; ++i) {
-        pzs_real sum = 0;
-        for (size_t j = 0; j < cols; ++j) {
-            sum += a[i * cols + j] * x[j];
+    for (size_t i = 0; i < rows; i++, a += stride) {
+        pzs_real sum = y[i];
+        UNROLLED
+        for (unsigned k = 0; k < PART; k++) {
+            sum += a[k] * part[k];
         }
         y[i] = sum;
+    }
+}
+
+/* y [rows] = a x, a [rows][cols]; each sum in ascending order. */
+static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t rows, size_t cols)
+{
+    size_t j = 0;
+    memset(y, 0, rows * sizeof *y);
+    for (; j + PART <= cols; j += PART) {
+        multiply_part(y, a + j, cols, x + j, rows);
+    }
+    for (size_t i = 0; i < rows; ++i) {
+        for (size_t k = j; k < cols; ++k) {
+            y[i] += a[i * cols + k] * x[k];
+        }
     }
 }
 

@@ -1,4 +1,5 @@
 #include "linalg.h"
+#include "unrolled.h"
 
 #include <float.h>
 #include <math.h>
@@ -9,15 +10,6 @@
 /* Columns of a tile formed together: STRIP x PZS_TILE sums are what the registers hold. Only speed depends on it. */
 #ifndef STRIP
 #define STRIP PZS_BY_TILE(4, 8, 8)
-#endif
-
-/* Before a loop of a constant, small count: a tile is then held in registers. Only speed depends on it. */
-#if defined(__clang__)
-#define UNROLLED _Pragma("clang loop unroll(full)")
-#elif defined(__GNUC__)
-#define UNROLLED _Pragma("GCC unroll 16")
-#else
-#define UNROLLED
 #endif
 
 /* Sums between memory and registers: one by one, or in whole vectors on wide hosts. */

@@ -353,8 +353,11 @@ static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_re
     model->error = load > 0 ? PZS_SQRT((error > 0 ? error : 0) / energy) : 0;
 }
 
-/* Power of two that brings the largest scaled force near 1, so that its squares neither overflow nor vanish. */
-static pzs_real unit_of(const pzs_model *model, const pzs_real *f)
+/*
+ * Power of two that brings the largest scaled force near 1, so that its squares neither overflow nor vanish.
+ * The force is multiplied by it in place.
+ */
+static pzs_real to_unit(const pzs_model *model, pzs_real *f)
 {
     pzs_real largest = 0, unit = 1;
     for (uint32_t i = 0; i < model->k.n; i++) {
@@ -369,30 +372,34 @@ static pzs_real unit_of(const pzs_model *model, const pzs_real *f)
         largest /= 2;
         unit /= 2;
     }
+    for (uint32_t i = 0; i < model->k.n; i++)
+        f[i] *= unit;
     return unit;
 }
 
-/* Solve for the force in work[0] into u. */
-static pzs_status solve_loaded(pzs_model *model, pzs_real *u)
+/* Solve for the force in work[0] into u, refined where kinds are given. */
+static void solve_unit(pzs_model *model, pzs_real *u)
 {
-    const uint32_t n = model->k.n;
-    pzs_real *f = model->work, *r = f + n;
-    const pzs_real unit = unit_of(model, f);
-    for (uint32_t i = 0; i < n; i++)
-        f[i] *= unit;
+    pzs_real *f = model->work, *r = f + model->k.n;
     model->passes = 0;
     model->residual = model->error = -1;
-    if (model->structure->kind) {
-        memcpy(r, f, n * sizeof *r);
-        refine(model, r, u);
-        judge(model, f, u, r, r + n);
-    } else {
+    if (!model->structure->kind) {
         precondition(model, f, u);
+        return;
     }
-    for (uint32_t i = 0; i < n; i++)
+    memcpy(r, f, model->k.n * sizeof *r);
+    refine(model, r, u);
+    judge(model, f, u, r, r + model->k.n);
+}
+
+static pzs_status solve_loaded(pzs_model *model, pzs_real *u)
+{
+    const pzs_real unit = to_unit(model, model->work);
+    solve_unit(model, u);
+    for (uint32_t i = 0; i < model->k.n; i++)
         u[i] /= unit;
     /* Written so that a NaN fails too. */
-    return model->error < PZS_SQRT(PZS_EPSILON) && guard_nonfinite(u, n) < 0 ? PZS_OK : PZS_E_RESIDUAL;
+    return model->error < PZS_SQRT(PZS_EPSILON) && guard_nonfinite(u, model->k.n) < 0 ? PZS_OK : PZS_E_RESIDUAL;
 }
 
 pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u)

@@ -5,7 +5,7 @@
 # The floor of each file; files not named here do not exist for the library.
 cat >"$scratch/floors" <<'EOF'
 0 include/pzs_config.h
-1 include/pzs.h
+1 include/pzs.h lib/unrolled
 2 lib/guard lib/linalg lib/boxls
 3 lib/shell
 4 lib/model lib/control
