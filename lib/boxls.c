@@ -44,7 +44,7 @@
 #define DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
 
 /* Columns summed together: what the registers hold. */
-#define SPAN PZS_BY_TILE(8u, 32u, 32u)
+#define SPAN PZS_BY_TILE(12u, 32u, 32u)
 
 /* ---- sums ------------------------------------------------------------------ */
 
@@ -543,15 +543,15 @@ void boxls_optimise(boxls *b)
     int fresh = 0;
     b->left = violation(b);
     b->noise = NOISE * (b->exact + b->rough);
-    int done = !(b->left > b->noise);
-    for (uint32_t round = 0; round < ROUNDS && !done && b->used < b->allowed; ++round) {
+    b->done = !(b->left > b->noise);
+    for (uint32_t round = 0; round < ROUNDS && !b->done && b->used < b->allowed; ++round) {
         const pzs_real before = b->left;
         if (run_round(b)) {
             b->left = violation(b);
             b->noise = NOISE * (b->exact + b->rough);
         }
-        done = settled(b);
-        if (!done && b->left * POOR > before && b->used < b->allowed) {
+        b->done = settled(b);
+        if (!b->done && b->left * POOR > before && b->used < b->allowed) {
             b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
             boxls_rebuild(b);
             fresh = 1;

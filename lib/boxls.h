@@ -1,9 +1,10 @@
 /*
- * Box-constrained least squares: from feasible volts to the optimum in passes, feasible after each.
+ * Box-constrained least squares: volts inside limits to the optimum, in passes that are each safe to stop after.
  *
- *   min v'H v / 2 - ... with gradient H (v - base) + bias - want,   lo <= v <= hi
+ *   min (v - base)'H (v - base) / 2 + (bias - want)'(v - base),   lo <= v <= hi
  *
- * Vectors are [width], width = n rounded up to whole tiles; entries from n on stay zero.
+ * half of |W (B v - e)|^2 + effort |v - prefer|^2 but for a constant. H may be singular. Vectors are
+ * [width], width = n rounded up to whole tiles; their entries from n on stay zero.
  */
 #ifndef PZS_BOXLS_H
 #define PZS_BOXLS_H
@@ -36,6 +37,7 @@ typedef struct boxls {
     pzs_real energy;        /* |W e|^2, the scale of the objective (m2) */
     pzs_real left;          /* largest violated optimality condition (m2/V) */
     pzs_real noise;         /* what of it may be rounding */
+    int done;               /* nonzero at the optimum */
 } boxls;
 
 /* Point the vectors that the optimiser keeps into work [BOXLS_VECTORS][width]; n and width are set. */
@@ -59,7 +61,7 @@ void boxls_true_gradient(boxls *b);
 /* move from grad and the tableau, next = v after it. Returns how many inputs that leaves unsettled. */
 uint32_t boxls_aim(boxls *b, pzs_real noise);
 
-/* From a true gradient to the optimum; adds to used, sets left and noise. Volts never leave lo..hi. */
+/* From a true gradient to the optimum; adds to used, sets left, noise and done. Volts never leave lo..hi. */
 void boxls_optimise(boxls *b);
 
 /* Whether rounding in H (v - base) may cost more than epsilon of the energy. */

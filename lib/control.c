@@ -262,7 +262,7 @@ static pzs_status ready(const pzs_control *c, const void *argument)
 static pzs_real settle(boxls *b, const pzs_control *c, const pzs_real *error, pzs_real missed)
 {
     boxls_optimise(b);
-    if (b->used < b->allowed && boxls_coarse(b)) {
+    if (boxls_coarse(b)) {
         rebase(b, c);
         missed = project(b, c, error);
         boxls_gradient(b);
@@ -289,7 +289,7 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_r
     c->passes = (uint16_t)b->used;
     c->passes_most = c->passes > c->passes_most ? c->passes : c->passes_most;
     c->active = (uint16_t)note_active(c->state, b->v, b->lo, b->hi, b->n);
-    if (b->left > b->noise && b->used >= b->allowed) {
+    if (!b->done) {
         return finish(c, PZS_W_PASSES, -1);
     }
     return finish(c, clash < 0 ? PZS_OK : PZS_W_SLEW, clash);
@@ -318,20 +318,16 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 /* ---- tick ------------------------------------------------------------------------ */
 
 /*
- * Disturbance of output i from its measurement. Returns nonzero where the sensor is not to be
+ * A measurement that is not finite, or has the same bits as before. Returns nonzero where the sensor is not to be
  * trusted: not finite, or the same bits for FROZEN_TICKS ticks in which the prediction moved
  * (seen as a change of measured - predicted while measured stands still).
  */
-static int sense(pzs_control *c, uint32_t i, pzs_real measured)
+static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real difference)
 {
-    const pzs_real difference = measured - c->predicted[i];
     if (!boxls_finite(difference)) {
         return 1;
     }
-    if (measured < c->measured[i] || measured > c->measured[i]) {
-        c->measured[i] = measured;
-        c->frozen[i] = 0;
-    } else if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + boxls_size(c->predicted[i])) {
+    if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + boxls_size(c->predicted[i])) {
         c->frozen[i] = (uint8_t)(c->frozen[i] + (c->frozen[i] < FROZEN_TICKS));
     }
     if (c->frozen[i] >= FROZEN_TICKS) {
@@ -342,11 +338,17 @@ static int sense(pzs_control *c, uint32_t i, pzs_real measured)
 }
 
 /* All disturbances. Returns the number of outputs without a usable measurement, the first in where. */
-static uint32_t sense_all(pzs_control *c, const pzs_real *measured, int32_t *where)
+static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
 {
     uint32_t lost = 0;
-    for (uint32_t i = 0; measured != NULL && i < c->problem->outputs; ++i) {
-        if (sense(c, i, measured[i])) {
+    for (uint32_t i = 0; i < c->problem->outputs; ++i) {
+        const pzs_real difference = measured[i] - c->predicted[i];
+        const int changed = measured[i] < c->measured[i] || measured[i] > c->measured[i];
+        if (changed && boxls_finite(difference)) {
+            c->measured[i] = measured[i];
+            c->disturbance[i] = difference;
+            c->frozen[i] = 0;
+        } else if (doubtful(c, i, measured[i], difference)) {
             *where = lost++ == 0 ? (int32_t)i : *where;
         }
     }
@@ -363,7 +365,7 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
     const uint32_t m = c->problem->outputs;
     pzs_real *error = weighted_of(c) + 2u * m;
     int32_t where = -1;
-    const uint32_t lost = sense_all(c, measured, &where);
+    const uint32_t lost = measured != NULL ? sense(c, measured, &where) : 0;
     if (lost == m) {
         return finish(c, PZS_W_HELD, where);
     }
