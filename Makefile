@@ -11,7 +11,7 @@ LIB := $(sort $(wildcard lib/*.c))
 HOST := $(sort $(filter-out host_tools/main.c,$(wildcard host_tools/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all demo test bench check-long oracle tables setup-demo setup-test setup-bench unit san cli gates clean help
+.PHONY: all demo test bench check-long oracle tables setup-demo setup-test setup-bench unit san clean help
 all: $(B)/pzs
 
 help:

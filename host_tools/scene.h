@@ -130,7 +130,6 @@ typedef struct scene_output {
     scene_where where;
     scene_component component;
     scene_face face;
-    int face_is_average;         /* "mean": mean of the faces rather than the middle surface */
     double reference;            /* printed beside, NAN if not given */
     scene_at at;
 } scene_output;

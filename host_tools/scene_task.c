@@ -463,7 +463,6 @@ static int read_component(reader *r, int node, void *to, const void *rule)
     if (read_choice(r, node, &face, faces) != 0) return -1;
     text->output.component = (scene_component)*(const int *)rule;
     text->output.face = (scene_face)face;
-    text->output.face_is_average = face == FACE_MEAN;
     return 0;
 }
 

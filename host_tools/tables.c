@@ -178,7 +178,8 @@ static void write_structure(writer *w, const analysis *a)
     const mesh *m = &a->design.mesh;
     const pzs_structure s = controlled(a);
     const size_t packed = SHELL_PACKED(4 * (size_t)m->unknowns);
-    w->crc32 = GUARD_CRC_START;
+    const uint16_t counts[5] = {s.nodes, s.elements, s.kinds, s.unknowns, s.dof};
+    w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_elements(w, m);
     write_shorts(w, "element_kind", m->element_kind, (size_t)m->elements, "kind of each element");
     write_shorts(w, "node_dof", m->node_dof, (size_t)m->nodes * m->unknowns, "free unknown of each nodal unknown, or PZS_FIXED");
@@ -213,7 +214,8 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
         p.influence = NULL;
         p.hessian = NULL;
     }
-    w->crc32 = GUARD_CRC_START;
+    const uint16_t counts[2] = {p.inputs, p.outputs};
+    w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (influence) {
         write_reals(w, "influence", d->influence, m * n, "displacement of target node (row) per volt (column)");
         write_reals(w, "hessian", d->hessian, n * n, "B'W^2 B");

@@ -115,7 +115,7 @@ typedef struct pzs_kind {
 typedef struct pzs_structure {
     uint32_t format;                /* PZS_TABLE_FORMAT */
     uint32_t scene;                 /* hash of the scene these tables were made from */
-    uint32_t crc;                   /* over every array below, in their order */
+    uint32_t crc;                   /* over the five counts, then every array below, in their order */
     uint16_t nodes, elements, kinds;
     uint16_t unknowns;              /* 7 or 6 a node: mean u1 u2 u3, differences/h, (u3M - mean u3)/h */
     uint16_t dof;                   /* free unknowns */
@@ -176,7 +176,7 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
  * Sum the element matrices into the envelope: K = sum_e P_e^T K_kind(e) P_e.
  *   stiffness_factor [kinds] in  multiplies each kind's matrix; NULL: 1
  *   held             [dof]   in  nonzero: an unknown held at zero besides the supports; NULL: none
- * Both arrays must outlive the following solves. Errors: ARGUMENT, STAGE, NONFINITE.
+ * Both arrays must outlive the following solves. Errors: ARGUMENT (also a negative factor), STAGE, NONFINITE.
  */
 pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, const uint8_t *held);
 
@@ -214,7 +214,7 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 typedef struct pzs_problem {
     uint32_t format;           /* PZS_TABLE_FORMAT */
     uint32_t scene;            /* hash of the scene */
-    uint32_t crc;              /* over every array below that is not NULL, in their order, and the effort */
+    uint32_t crc;              /* over the two counts, every array below that is not NULL, in order, and the effort */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* B [outputs][inputs] (m/V), or NULL in a linear image */
     const pzs_real *hessian;   /* B'W^2 B [inputs][inputs] (m2/V2), or NULL: formed at init */
@@ -225,6 +225,9 @@ typedef struct pzs_problem {
     const pzs_real *prefer;    /* v0 [inputs] (V) */
     pzs_real effort;           /* (m2/V2) */
 } pzs_problem;
+
+/* More amplifiers than this are refused. */
+#define PZS_MOST_INPUTS 4096
 
 typedef struct pzs_control {
     const pzs_problem *problem;
@@ -262,12 +265,17 @@ typedef struct pzs_control {
 /*
  * Check the problem and lay a controller out in the workspace; volts start at `prefer`, cut to the limits.
  *   influence [outputs][inputs] in  computed on the device, or NULL: the problem's own
- * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE, LIMITS, NONFINITE.
+ * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE, LIMITS (also a negative slew), NONFINITE. After an error the
+ * controller cannot be used, whatever it was before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, const pzs_real *influence,
                             void *work, size_t bytes);
 
-/* Hold one input at a given voltage (dead: 0, stuck: its last), cut to its table limits; release it again. */
+/*
+ * Hold one input at a given voltage (dead: 0, stuck: its last), cut to its table limits; release it again.
+ * The next step or tick takes it there: where the slew does not reach, the held voltage wins (SLEW).
+ * Errors: ARGUMENT, STAGE, NONFINITE.
+ */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real volt);
 pzs_status pzs_release(pzs_control *control, uint16_t input);
 
@@ -285,12 +293,13 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
  *   wanted   [outputs] in  target shape (m)
  *   measured [outputs] in  measured shape (m); NULL: trust the model
  * A measurement that is not finite, or stands still while its output should move, keeps its
- * last disturbance (SENSOR). A target that is not finite: volts held (HELD).
+ * last disturbance (SENSOR). No usable measurement, or a target that is not finite: volts held, inside
+ * the limits now in force (HELD). PASSES and SLEW are told rather than SENSOR. Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 
 /* For comparison only: the unlimited optimum for an error, and the same cut to the limits.
- *   volt [inputs] out (V) */
+ *   volt [inputs] out (V).  Errors: ARGUMENT, STAGE, NONFINITE. */
 pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *volt);
 pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *volt);
 

@@ -18,7 +18,7 @@
 #endif
 
 /* Rows of the factor kept together: 4 suits microcontrollers, 8 and 16 wide vector units.
- * The result has the same bits for every value. */
+ * With -ffp-contract=off (the default of -std=c99) the result has the same bits for every value. */
 #ifndef PZS_TILE
 #define PZS_TILE 4
 #endif
@@ -29,6 +29,12 @@
 #define PZS_STEP_PASSES 200
 #endif
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "piezoshape relies on NaN and infinity: compile without -ffast-math, -Ofast and -ffinite-math-only"
+#endif
+#if PZS_STEP_PASSES < 1 || PZS_STEP_PASSES > 65535
+#error "PZS_STEP_PASSES is 1 to 65535"
+#endif
 #if PZS_REAL_BITS != 32 && PZS_REAL_BITS != 64
 #error "PZS_REAL_BITS is 32 or 64"
 #endif

@@ -344,21 +344,24 @@ int boxls_coarse(boxls *b)
 }
 
 /*
- * Whether the volts of the round may stand: no violation above the noise; or none of a standing input, and those
- * left on F, not far above the noise, cost less than epsilon of the energy (their square times the inverse of H).
+ * Whether the volts of the round may stand: no violation above the noise; or one on F alone, not far above
+ * it, that costs less than epsilon of the energy (its square times the inverse of H) and is too small to turn
+ * the multiplier of a standing input.
  */
 static int settled(boxls *b)
 {
     if (!(b->left > b->noise)) {
         return 1;
     }
-    pzs_real standing = 0;
+    const pzs_real turn = (pzs_real)b->n * b->left;
     downhill(b->spare, b->v, b->lo, b->hi, b->grad, whole(b->width));
     for (uint32_t i = 0; i < b->n; ++i) {
-        standing = b->free[i] > 0 || b->spare[i] < standing ? standing : b->spare[i];
+        const int small = b->lo[i] < b->hi[i] && boxls_size(b->grad[i]) <= turn;
+        if (!(b->free[i] > 0) && (small || b->spare[i] > b->noise)) {
+            return 0;
+        }
     }
-    return standing <= b->noise && b->left <= NEAR * b->noise
-           && b->left * b->left * softness(b) <= PZS_EPSILON * b->energy;
+    return b->left <= NEAR * b->noise && b->left * b->left * softness(b) <= PZS_EPSILON * b->energy;
 }
 
 /* ---- passes ----------------------------------------------------------------------- */

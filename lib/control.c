@@ -317,17 +317,34 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 
 /* ---- tick ------------------------------------------------------------------------ */
 
+/* predicted = B volt again, after a pzs_step or a cut. */
+static void catch_up(boxls *b, const pzs_control *c)
+{
+    if (memcmp(b->v, b->base, b->n * sizeof(pzs_real)) != 0) {
+        rebase(b, c);
+    }
+}
+
+/* Volts as they were, but inside the limits now in force. */
+static pzs_status hold_last(boxls *b, pzs_control *c, int32_t where)
+{
+    enter(b, c);
+    catch_up(b, c);
+    return finish(c, PZS_W_HELD, where);
+}
+
 /*
  * A measurement that is not finite, or has the same bits as before. Returns nonzero where the sensor is not to be
  * trusted: not finite, or the same bits for FROZEN_TICKS ticks in which the prediction moved
- * (seen as a change of measured - predicted while measured stands still).
+ * (seen as a change of measured - predicted while measured stands still). An output moves when it does so
+ * by more than 1/FROZEN_PART of `most`, the largest prediction of any: below that lies the resolution of sensors.
  */
-static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real difference)
+static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real difference, pzs_real most)
 {
     if (!boxls_finite(difference)) {
         return 1;
     }
-    if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + boxls_size(c->predicted[i])) {
+    if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + most) {
         c->frozen[i] = (uint8_t)(c->frozen[i] + (c->frozen[i] < FROZEN_TICKS));
     }
     if (c->frozen[i] >= FROZEN_TICKS) {
@@ -337,18 +354,32 @@ static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real diff
     return 0;
 }
 
+static pzs_real largest_size(const pzs_real *x, uint32_t n)
+{
+    pzs_real most = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        most = boxls_size(x[i]) > most ? boxls_size(x[i]) : most;
+    }
+    return most;
+}
+
 /* All disturbances. Returns the number of outputs without a usable measurement, the first in where. */
 static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
 {
+    const uint32_t m = c->problem->outputs;
+    pzs_real most = -1; /* found when first asked for */
     uint32_t lost = 0;
-    for (uint32_t i = 0; i < c->problem->outputs; ++i) {
+    for (uint32_t i = 0; i < m; ++i) {
         const pzs_real difference = measured[i] - c->predicted[i];
         const int changed = measured[i] < c->measured[i] || measured[i] > c->measured[i];
         if (changed && boxls_finite(difference)) {
             c->measured[i] = measured[i];
             c->disturbance[i] = difference;
             c->frozen[i] = 0;
-        } else if (doubtful(c, i, measured[i], difference)) {
+            continue;
+        }
+        most = most < 0 ? largest_size(c->predicted, m) : most;
+        if (doubtful(c, i, measured[i], difference, most)) {
             *where = lost++ == 0 ? (int32_t)i : *where;
         }
     }
@@ -365,16 +396,17 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
     const uint32_t m = c->problem->outputs;
     pzs_real *error = weighted_of(c) + 2u * m;
     int32_t where = -1;
+    catch_up(&b, c);
     const uint32_t lost = measured != NULL ? sense(c, measured, &where) : 0;
     if (lost == m) {
-        return finish(c, PZS_W_HELD, where);
+        return hold_last(&b, c, where);
     }
     for (uint32_t i = 0; i < m; ++i) {
         error[i] = wanted[i] - c->disturbance[i];
     }
     const pzs_status stepped = step(&b, c, error);
     if (stepped == PZS_E_NONFINITE) {
-        return finish(c, PZS_W_HELD, c->where);
+        return hold_last(&b, c, c->where);
     }
     rebase(&b, c);
     c->rounding = 0;
@@ -415,7 +447,7 @@ static pzs_status check(const pzs_problem *p, const pzs_real *influence, int32_t
     if (p->format != PZS_TABLE_FORMAT) {
         return PZS_E_FORMAT;
     }
-    if (missing || p->inputs == 0 || p->outputs == 0 || !(p->effort >= 0)) {
+    if (missing || p->inputs == 0 || p->inputs > PZS_MOST_INPUTS || p->outputs == 0 || !(p->effort >= 0)) {
         return PZS_E_ARGUMENT;
     }
     if (guard_problem_crc(p) != p->crc) {
@@ -491,6 +523,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
     if (control == NULL || problem == NULL || work == NULL) {
         return PZS_E_ARGUMENT;
     }
+    control->stage = 0;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
     const size_t need = PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
     pzs_control c = { .problem = problem, .influence = use, .where = -1, .stage = READY };

@@ -55,7 +55,8 @@ static uint32_t rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 uint32_t guard_structure_crc(const pzs_structure *s)
 {
     const size_t corners = 4u * (size_t)s->unknowns;
-    uint32_t crc = GUARD_CRC_START;
+    const uint16_t counts[5] = {s->nodes, s->elements, s->kinds, s->unknowns, s->dof};
+    uint32_t crc = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     crc = array_crc(crc, s->element, s->elements, sizeof s->element[0]);
     crc = array_crc(crc, s->element_kind, s->elements, sizeof s->element_kind[0]);
     crc = array_crc(crc, s->node_dof, (size_t)s->nodes * s->unknowns, sizeof s->node_dof[0]);
@@ -69,7 +70,8 @@ uint32_t guard_structure_crc(const pzs_structure *s)
 uint32_t guard_problem_crc(const pzs_problem *p)
 {
     const size_t n = p->inputs, m = p->outputs;
-    uint32_t crc = GUARD_CRC_START;
+    const uint16_t counts[2] = {p->inputs, p->outputs};
+    uint32_t crc = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     crc = array_crc(crc, p->influence, m * n, sizeof(pzs_real));
     crc = array_crc(crc, p->hessian, n * n, sizeof(pzs_real));
     crc = array_crc(crc, p->weight, m, sizeof(pzs_real));
@@ -98,7 +100,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_LOOSE: return "no stiffness left: a loose part, or a missing support";
     case PZS_E_NEGATIVE: return "negative pivot in a structure at rest";
     case PZS_E_CONDITION: return "condition estimate above what this precision carries";
-    case PZS_E_RESIDUAL: return "refinement ended above the asked residual";
+    case PZS_E_RESIDUAL: return "refinement ended with an estimated error above the root of epsilon";
     default: return "unknown status";
     }
 }

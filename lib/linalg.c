@@ -8,9 +8,7 @@
 #define REAL_MOST PZS_BY_BITS(FLT_MAX, DBL_MAX)
 
 /* Columns of a tile formed together: STRIP x PZS_TILE sums are what the registers hold. Only speed depends on it. */
-#ifndef STRIP
 #define STRIP PZS_BY_TILE(4, 8, 8)
-#endif
 
 /* Sums between memory and registers: one by one, or in whole vectors on wide hosts. */
 #if PZS_TILE == 4

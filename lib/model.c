@@ -97,7 +97,7 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
     const uint32_t n = structure->dof;
     const size_t entries = linalg_reals(structure->first, n);
     const size_t need = PZS_MODEL_BYTES(n, entries);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
+    if (entries > SIZE_MAX / 2 / sizeof(pzs_real) || bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
         return fail(model, PZS_E_WORKSPACE, need > INT32_MAX ? INT32_MAX : (int32_t)need);
 
     pzs_real *real = work;
@@ -188,7 +188,7 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
         if (held[i])
             *linalg_entry(&model->k, i, i) = 1;
     model->stage = STAGE_ASSEMBLED;
-    return PZS_OK;
+    return fail(model, PZS_OK, -1);
 }
 
 /* ---- factor ----------------------------------------------------------- */
@@ -294,8 +294,8 @@ static pzs_real scaled_norm2(const pzs_model *model, const pzs_real *r)
 
 /*
  * Conjugate gradients on the strain-based operator, preconditioned by the factor, from u = 0.
- * The first pass is the plain solve; later ones are refinement. Ends when the correction
- * r.z = |error|^2 in energy no longer falls or is below round-off of the answer's energy.
+ * The first pass is the plain solve; later ones are refinement. Ends when what is left,
+ * r.z = |error|^2 in energy, is below round-off of the answer's energy, or after REFINE_PASSES.
  *   r [n] in force, out what is left of it; z, p, kp [n] work; u [n] out
  */
 static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
@@ -349,8 +349,9 @@ static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_re
         r[i] = f[i] - r[i];
     precondition(model, r, z);
     const pzs_real error = inner(r, z, n);
-    model->residual = load > 0 ? PZS_SQRT(scaled_norm2(model, r) / load) : 0;
-    model->error = load > 0 ? PZS_SQRT((error > 0 ? error : 0) / energy) : 0;
+    /* Rounding may leave a tiny error negative; a NaN must stay one. */
+    model->residual = load <= 0 ? 0 : PZS_SQRT(scaled_norm2(model, r) / load);
+    model->error = load <= 0 ? 0 : PZS_SQRT((error < 0 ? 0 : error) / energy);
 }
 
 /*

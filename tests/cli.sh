@@ -148,6 +148,8 @@ for bits in 32 64; do
     gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/q.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/q" && "$dir/q"
     check "a linear image of the corrected element starts, $bits bits" $?
 done
+run 0 tables plate-50-patches --set 'loads=[{face: outer, pressure: 5}]' --prefix q -o "$dir/loaded.h"; sed -n '/q_target/,$p' "$dir/loaded.h" >"$dir/loaded.target"; sed -n '/q_target/,$p' "$dir/q.h" >"$dir/unloaded.target"
+! cmp -s "$dir/loaded.target" "$dir/unloaded.target"; check "the firmware's target allows for the loads" $?
 run 2 tables plate-50-patches --prefix Pzs -o "$dir/t.h" && says 'prefix'; check "the library's own prefix is refused" $?
 run 2 solve "$dir/good.yaml" --report "$dir/one" --vtk "$dir/one" && says 'one name'; check 'two outputs under one name' $?
 run 2 solve "$dir/good.yaml" --report "$dir/good.yaml" && says 'one name'; check 'a report over the scene itself' $?

@@ -392,6 +392,57 @@ static void test_plate_volts(void **state)
     testdata_free(&t);
 }
 
+/* Law: a field against the poling is limited, one along it is not: +e3 poled, a positive voltage opposes it. */
+static void test_depolarisation(void **state)
+{
+    (void)state;
+    for (int poling = -3; poling <= 3; poling += 6)
+        for (int factor = -1; factor <= 1; factor += 2) {
+            char changes[256], error[SCENE_ERROR] = "";
+            run r;
+            snprintf(changes, sizeof changes, "materials.G1195.field_limit=4e5;layers.upper.poling=%d;"
+                     "actuators.v.drives=[{patches: up, factor: %d}]", poling, factor);
+            run_open(&r, "plate-50-patches", changes, 0);
+            assert_int_equal(analysis_influence(&r.analysis, error), 0);
+            const design *d = &r.analysis.design;
+            const int against = poling * factor > 0; /* the positive voltage is the dangerous one */
+            assert_true(fabs(d->upper[7] - (against ? 100 : 600)) < 1e-9);
+            assert_true(fabs(d->lower[7] - (against ? -600 : -100)) < 1e-9);
+            run_close(&r);
+        }
+}
+
+/* Law: weights by area have mean square 1 and follow the nodes' shares on an uneven mesh. */
+static void test_area_weights(void **state)
+{
+    (void)state;
+    run r;
+    double sum = 0;
+    run_open(&r, "tests/scenes/free-bimorph.yaml", "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}", 0);
+    const design *d = &r.analysis.design;
+    for (int i = 0; i < d->targets; i++)
+        sum += d->weight[i] * d->weight[i];
+    assert_true(fabs(sum / d->targets - 1) < 1e-14);
+    const double corner = 0.03 * 0.1 / 3 / 4, area = 0.01; /* first node, of a plate 0.1 x 0.1 */
+    assert_true(fabs(d->weight[0] * d->weight[0] - corner / area * d->targets) < 1e-13);
+    run_close(&r);
+}
+
+/* Law: what the loads do is taken off the target that the volts, here and on a device, have to reach. */
+static void test_target_under_load(void **state)
+{
+    (void)state;
+    run r;
+    char error[SCENE_ERROR] = "";
+    run_open(&r, "plate-50-patches", "loads=[{face: outer, pressure: 5}]", 0);
+    assert_int_equal(analysis_influence(&r.analysis, error), 0);
+    const design *d = &r.analysis.design;
+    for (int i = 0; i < d->targets; i++)
+        assert_true(fabs(d->wanted[i] - (d->target[i] - r.output[i])) < 1e-12 * 0.002);
+    assert_true(fabs(r.output[d->targets - 1]) > 1e-6);
+    run_close(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -399,6 +450,7 @@ int main(void)
         cmocka_unit_test(test_three_dimensional), cmocka_unit_test(test_pressure_on_a_ring), cmocka_unit_test(test_patch),
         cmocka_unit_test(test_free_bimorph),     cmocka_unit_test(test_bimorph_tip),        cmocka_unit_test(test_equal_voltages),
         cmocka_unit_test(test_tip_force),        cmocka_unit_test(test_plate_shapes),       cmocka_unit_test(test_plate_volts),
+        cmocka_unit_test(test_depolarisation),   cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
     };
     return cmocka_run_group_tests_name("cases", tests, NULL, NULL);
 }

@@ -280,6 +280,70 @@ static void test_held_unknown(void **state)
     device_close(&d);
 }
 
+/* Law: a load on an unknown that is held moves nothing there, and what remains is the answer of the held structure. */
+static void test_load_on_held_unknown(void **state)
+{
+    (void)state;
+    device d;
+    device_open(&d, "clamped-plate", NULL, 0);
+    uint8_t *held = calloc((size_t)d.bridge.dof, 1);
+    const uint32_t load = d.bridge.input.start[d.bridge.amplifiers];
+    held[d.bridge.input.dof[load]] = 1;
+    assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_OK);
+    assert_int_equal(pzs_assemble(&d.model, NULL, held), PZS_OK);
+    assert_int_equal(pzs_factor(&d.model), PZS_OK);
+    assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
+    for (int i = 0; i < d.bridge.dof; i++) /* the only load is on the held unknown */
+        assert_true(fabs((double)d.u[i]) <= 0);
+    free(held);
+    device_close(&d);
+}
+
+/* Law: the answer scales with the load to the last bit, by any power of two that a real number holds. */
+static void test_load_scaling(void **state)
+{
+    (void)state;
+    static const int power[] = {-60, 60};
+    device d;
+    device_open(&d, "clamped-plate", NULL, 0);
+    pzs_real *single = calloc((size_t)d.bridge.dof, sizeof *single);
+    assert_int_equal(start(&d), PZS_OK);
+    assert_int_equal(pzs_solve(&d.model, d.amount, single), PZS_OK);
+    for (int k = 0; k < 2; k++) {
+        const pzs_real factor = (pzs_real)ldexp(1, power[k]);
+        d.amount[d.bridge.amplifiers] = factor;
+        assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
+        for (int i = 0; i < d.bridge.dof; i++)
+            assert_true(!(d.u[i] < factor * single[i]) && !(d.u[i] > factor * single[i]));
+    }
+    free(single);
+    device_close(&d);
+}
+
+/* Law: a structure that is not stable at rest, and one with a number that is none, are refused by name. */
+static void test_unsound_tables(void **state)
+{
+    (void)state;
+    device d;
+    device_open(&d, "clamped-plate", NULL, 0);
+    const pzs_real kept = d.input[0];
+    d.input[0] = (pzs_real)NAN;
+    d.structure.crc = guard_structure_crc(&d.structure);
+    assert_int_equal(start(&d), PZS_OK);
+    assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_E_RESIDUAL);
+    d.input[0] = kept;
+    const size_t corners = 4 * (size_t)d.bridge.unknowns;
+    for (size_t i = 0, entry = 0; i < corners; i++)
+        for (size_t j = 0; j <= i; j++, entry++)
+            if (i != j)
+                d.stiffness[entry] *= 3;
+    d.structure.crc = guard_structure_crc(&d.structure);
+    assert_int_equal(start(&d), PZS_E_NEGATIVE);
+    assert_true(d.model.where >= 0 && d.model.where < d.bridge.dof);
+    assert_true(d.model.negative > 0);
+    device_close(&d);
+}
+
 /* ---- nothing lost ----------------------------------------------------- */
 
 /* Law: every way to misuse the model has its status, and outputs stay as they were. */
@@ -357,6 +421,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stability_source), cmocka_unit_test(test_stability_corrected), cmocka_unit_test(test_influence),
         cmocka_unit_test(test_stiffness_factor), cmocka_unit_test(test_held_unknown),        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_load_on_held_unknown), cmocka_unit_test(test_load_scaling), cmocka_unit_test(test_unsound_tables),
         cmocka_unit_test(test_indices_out_of_range),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);

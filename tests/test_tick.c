@@ -228,6 +228,50 @@ static void test_held_inputs(void **state)
     free(r.work);
 }
 
+/* Law: a tick after plain steps, on a plant that is as the tables say, has nothing to correct. */
+static void test_tick_after_step(void **state)
+{
+    (void)state;
+    rig r;
+    pzs_real before[N];
+    rig_open(&r);
+    assert_int_equal(rig_start(&r), PZS_OK);
+    for (int i = 0; i < 20; i++)
+        assert_int_equal(pzs_step(&r.control, r.wanted), PZS_OK);
+    for (int i = 0; i < M; i++) {
+        r.measured[i] = 0;
+        for (int k = 0; k < N; k++)
+            r.measured[i] += r.influence[i * N + k] * r.control.volt[k];
+    }
+    memcpy(before, r.control.volt, sizeof before);
+    tick(&r, r.measured, PZS_OK);
+    for (int k = 0; k < N; k++)
+        assert_true(fabs((double)(r.control.volt[k] - before[k])) < 1e4 * EPS * 50);
+    free(r.work);
+}
+
+/* Law: an electrode held dead is dead after the next tick, even one without any usable measurement or target. */
+static void test_hold_without_senses(void **state)
+{
+    (void)state;
+    for (int lost = 0; lost < 2; lost++) {
+        rig r;
+        rig_open(&r);
+        assert_int_equal(rig_start(&r), PZS_OK);
+        for (int i = 0; i < 20; i++)
+            tick(&r, NULL, PZS_OK);
+        assert_true(fabs((double)r.control.volt[1]) > 1);
+        assert_int_equal(pzs_hold(&r.control, 1, 0), PZS_OK);
+        for (int i = 0; i < M; i++)
+            r.measured[i] = (pzs_real)NAN;
+        if (lost)
+            r.wanted[0] = (pzs_real)NAN;
+        assert_int_equal(pzs_tick(&r.control, r.wanted, lost ? NULL : r.measured), PZS_W_HELD);
+        assert_true(fabs((double)r.control.volt[1]) <= 0);
+        free(r.work);
+    }
+}
+
 /* Law: every way to start wrongly has its status, and a controller that never started refuses to tick. */
 static void test_misuse(void **state)
 {
@@ -304,7 +348,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slew_then_optimum), cmocka_unit_test(test_measured_disturbance), cmocka_unit_test(test_lost_sensors),
         cmocka_unit_test(test_stuck_sensor),      cmocka_unit_test(test_held_inputs),          cmocka_unit_test(test_misuse),
-        cmocka_unit_test(test_long_walk),
+        cmocka_unit_test(test_tick_after_step),   cmocka_unit_test(test_hold_without_senses),  cmocka_unit_test(test_long_walk),
     };
     return cmocka_run_group_tests_name("tick", tests, NULL, NULL);
 }

@@ -1011,7 +1011,7 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x8196b8feu, PZS_BY_BITS(0x62b40005u, 0x2923e7d4u), 25, 121,
+    1u, 0x8196b8feu, PZS_BY_BITS(0x02c31636u, 0xfdc1fb3au), 25, 121,
     demo_influence, demo_hessian, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 

@@ -598,7 +598,7 @@ static const pzs_real demo_output_value[220] = {
 #define DEMO_DOF 770
 #define DEMO_MODEL_BYTES PZS_MODEL_BYTES(770, PZS_BY_TILE(65040, 70016, 81408))
 static const pzs_structure demo_structure = {
-    1u, 0x8196b8feu, PZS_BY_BITS(0x76325da7u, 0x2d9cb276u), 121, 100, 1, 7, 770,
+    1u, 0x8196b8feu, PZS_BY_BITS(0x8b67fe58u, 0xd038cfb7u), 121, 100, 1, 7, 770,
     demo_element, demo_element_kind, demo_node_dof, demo_first, demo_stiffness, demo_kind,
     {25, demo_input_start, demo_input_dof, demo_input_value},
     {121, demo_output_start, demo_output_dof, demo_output_value},
@@ -681,7 +681,7 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x8196b8feu, PZS_BY_BITS(0x06e855d9u, 0xc927fff3u), 25, 121,
+    1u, 0x8196b8feu, PZS_BY_BITS(0xae024460u, 0xf1a06642u), 25, 121,
     NULL, NULL, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 
