@@ -90,6 +90,17 @@ san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
 $(B)/pzs-san: $(B)/san64/host_tools/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
 	$(CC) -fsanitize=address,undefined $^ -lyaml -lm -o $@
 
+# 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions.
+check-long: setup-test
+	@$(MAKE) --no-print-directory -s -j2 san unit
+	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
+	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/test_tick.c \
+	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
+	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in source corrected; do \
+	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done
+	@echo 'long checks passed'
+
 # ---- data made by programs of this project -------------------------------
 
 oracle:

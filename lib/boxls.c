@@ -560,4 +560,5 @@ void boxls_optimise(boxls *b)
             fresh = 1;
         }
     }
+    b->done |= b->used < b->allowed && b->left <= NEAR * b->noise; /* as far as rounding lets it */
 }

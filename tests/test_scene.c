@@ -13,6 +13,10 @@
 #include <cmocka.h>
 #include "scene.h"
 
+#ifndef MUTATIONS
+#define MUTATIONS 500
+#endif
+
 #ifndef SCENES
 #define SCENES "host_tools/scenes"
 #endif
@@ -413,7 +417,7 @@ static void test_noise(void **state)
     unsigned random = 12345;
     int i;
     (void)state;
-    for (i = 0; i < 500; i++) {
+    for (i = 0; i < MUTATIONS; i++) {
         char text[TEXT], error[SCENE_ERROR];
         size_t n = 0, k;
         scene s;

@@ -7,7 +7,11 @@
 #include <cmocka.h>
 #include "guard.h"
 
-enum { N = 8, M = 20, LONG_TICKS = 200000 };
+#ifndef LONG_TICKS
+#define LONG_TICKS 200000
+#endif
+
+enum { N = 8, M = 20 };
 
 #define EPS ((double)PZS_EPSILON)
 

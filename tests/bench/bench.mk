@@ -5,7 +5,7 @@ FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
 .PHONY: bench bench-linalg bench-step bench-accuracy bench-device
 bench: setup-bench
-	@$(MAKE) --no-print-directory -s bench-linalg bench-step bench-accuracy bench-device
+	@$(MAKE) --no-print-directory -s -k bench-linalg bench-step bench-accuracy bench-device
 
 $(B)/bench/linalg-64: tests/bench/bench_linalg.c lib/linalg.c
 	@mkdir -p $(@D)
@@ -15,8 +15,7 @@ $(B)/bench/linalg-32: tests/bench/bench_linalg.c lib/linalg.c
 	$(CC) $(FAST) -DPZS_REAL_BITS=32 -DPZS_TILE=16 $^ -lopenblas -lm -o $@
 bench-linalg: $(B)/bench/linalg-64 $(B)/bench/linalg-32
 	@echo 'Factor and solve of band matrices, flags $(filter -O3 -m% -ffp%,$(FAST))'
-	@$(B)/bench/linalg-64
-	@$(B)/bench/linalg-32
+	@$(B)/bench/linalg-64; first=$$?; $(B)/bench/linalg-32 && exit $$first
 
 $(B)/bench/accuracy: $(B)/64/tests/bench/bench_accuracy.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
