@@ -53,15 +53,14 @@ pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, size_t n)
 {
     const size_t h = n / 4u;
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < h; ++i) {
+    for (size_t i = 0; i < h; i++) {
         s0 += x[i] * y[i];
         s1 += x[i + h] * y[i + h];
         s2 += x[i + 2u * h] * y[i + 2u * h];
         s3 += x[i + 3u * h] * y[i + 3u * h];
     }
-    for (size_t i = 4u * h; i < n; ++i) {
+    for (size_t i = 4u * h; i < n; i++)
         s0 += x[i] * y[i];
-    }
     return (s0 + s1) + (s2 + s3);
 }
 
@@ -80,43 +79,41 @@ pzs_real boxls_largest(const pzs_real *x, size_t n)
 }
 
 /* y [SPAN] += sum of x_i times SPAN entries of row i, the sums held in registers. */
-static void add_span(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows)
+static void add_span(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
+                     size_t rows)
 {
     pzs_real sum[SPAN];
     UNROLLED
-    for (unsigned j = 0; j < SPAN; j++) {
+    for (unsigned j = 0; j < SPAN; j++)
         sum[j] = y[j];
-    }
     for (size_t i = 0; i < rows; i++, a += stride) {
         const pzs_real xi = x[i];
         UNROLLED
-        for (unsigned j = 0; j < SPAN; j++) {
+        for (unsigned j = 0; j < SPAN; j++)
             sum[j] += xi * a[j];
-        }
     }
     UNROLLED
-    for (unsigned j = 0; j < SPAN; j++) {
+    for (unsigned j = 0; j < SPAN; j++)
         y[j] = sum[j];
-    }
 }
 
-/* The columns that fill no span. Wide vectors take a span of them all the same where it ends inside the array, and drop the rest. */
-static void add_rest(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
-                     size_t columns)
+/* The columns that fill no span. Wide vectors take a span of them all the same where it ends inside the array,
+ * and drop the rest. */
+static void add_rest(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
+                     size_t rows, size_t columns)
 {
     size_t done = 0;
     if (PZS_TILE > 4 && rows * stride >= stride + SPAN) {
-        pzs_real wide[SPAN] = { 0 };
+        pzs_real wide[SPAN] = {0};
         done = rows - 1u - SPAN / stride;
         memcpy(wide, y, columns * sizeof(pzs_real));
         add_span(wide, a, stride, x, done);
         memcpy(y, wide, columns * sizeof(pzs_real));
     }
-    for (size_t j = 0; j < columns; ++j) {
+    for (size_t j = 0; j < columns; j++) {
         pzs_real sum = y[j];
-        for (size_t i = done; i < rows; ++i) {
+        for (size_t i = done; i < rows; i++)
             sum += x[i] * a[i * stride + j];
-        }
         y[j] = sum;
     }
 }
@@ -125,12 +122,10 @@ void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t str
                     size_t cols)
 {
     size_t j = 0;
-    for (; j + SPAN <= cols; j += SPAN) {
+    for (; j + SPAN <= cols; j += SPAN)
         add_span(y + j, a + j, stride, x, rows);
-    }
-    if (j < cols) {
+    if (j < cols)
         add_rest(y + j, a + j, stride, x, rows, cols - j);
-    }
 }
 
 /* y = A x, A [n][width] symmetric. */
@@ -138,19 +133,18 @@ static void symmetric(pzs_real *restrict y, const pzs_real *restrict a, const pz
                       uint32_t padded)
 {
     const uint32_t width = padded & ~(PZS_TILE - 1u); /* tells the compiler that no remainder is left */
-    for (uint32_t j = 0; j < width; ++j) {
+    for (uint32_t j = 0; j < width; j++)
         y[j] = 0;
-    }
     boxls_add_rows(y, a, width, x, n, width);
 }
 
 void boxls_place(boxls *b, pzs_real *work)
 {
-    pzs_real **const vector[BOXLS_VECTORS] = { &b->lo, &b->hi, &b->free, &b->base, &b->bias, &b->want, &b->pull,
-                                               &b->grad, &b->move, &b->diag, &b->start, &b->start_grad, &b->next, &b->spare };
-    for (uint32_t k = 0; k < BOXLS_VECTORS; ++k) {
+    pzs_real **const vector[BOXLS_VECTORS] = {&b->lo, &b->hi, &b->free, &b->base, &b->bias, &b->want, &b->pull,
+                                              &b->grad, &b->move, &b->diag, &b->start, &b->start_grad, &b->next,
+                                              &b->spare};
+    for (uint32_t k = 0; k < BOXLS_VECTORS; k++)
         *vector[k] = work + (size_t)k * b->width;
-    }
 }
 
 /* ---- tableau ------------------------------------------------------------------ */
@@ -165,12 +159,11 @@ static pzs_real own_part(const boxls *b, uint32_t k)
 static void rank_one(pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign, uint32_t n, uint32_t padded)
 {
     const uint32_t width = padded & ~(PZS_TILE - 1u);
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; i++) {
         pzs_real *restrict row = m + (size_t)i * width;
         const pzs_real f = sign * s[i];
-        for (uint32_t j = 0; j < width; ++j) {
+        for (uint32_t j = 0; j < width; j++)
             row[j] -= f * s[j];
-        }
     }
 }
 
@@ -179,11 +172,10 @@ static void sweep(boxls *b, uint32_t k)
 {
     pzs_real *row = b->m + (size_t)k * b->width, *s = b->spare;
     const pzs_real pivot = row[k], scale = 1 / boxls_root(boxls_size(pivot));
-    for (uint32_t j = 0; j < b->width; ++j) {
+    for (uint32_t j = 0; j < b->width; j++)
         s[j] = row[j] * scale;
-    }
     rank_one(b->m, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1, b->n, b->width);
-    for (uint32_t j = 0; j < b->n; ++j) {
+    for (uint32_t j = 0; j < b->n; j++) {
         row[j] = s[j] * scale;
         b->m[(size_t)j * b->width + k] = row[j];
     }
@@ -197,7 +189,7 @@ static uint32_t next_pivot(const boxls *b)
 {
     pzs_real most = b->floor;
     uint32_t next = b->n;
-    for (uint32_t k = 0; k < b->n; ++k) {
+    for (uint32_t k = 0; k < b->n; k++) {
         const pzs_real part = b->move[k] > 0 ? own_part(b, k) : 0;
         next = part > most ? k : next;
         most = part > most ? part : most;
@@ -213,7 +205,7 @@ void boxls_rebuild(boxls *b)
     memset(b->free, 0, b->width * sizeof(pzs_real));
     b->soft = 0;
     uint32_t k = next_pivot(b);
-    for (uint32_t count = 0; count < b->n && k < b->n; ++count) {
+    for (uint32_t count = 0; count < b->n && k < b->n; count++) {
         sweep(b, k);
         b->move[k] = 0;
         k = next_pivot(b);
@@ -225,7 +217,7 @@ static void drop(boxls *b, uint32_t j, pzs_real left)
 {
     const pzs_real *row = b->m + (size_t)j * b->width;
     sweep(b, j);
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         const pzs_real part = left * row[i];
         b->move[i] += b->free[i] > 0 ? part : -part;
     }
@@ -243,9 +235,8 @@ static inline size_t whole(uint32_t width)
 static void combine(pzs_real *restrict grad, const pzs_real *restrict pull, const pzs_real *restrict bias,
                     const pzs_real *restrict want, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++)
         grad[i] = (pull[i] + bias[i]) - want[i];
-    }
 }
 
 void boxls_gradient(boxls *b)
@@ -257,7 +248,7 @@ void boxls_gradient(boxls *b)
 static void distance(pzs_real *restrict away, pzs_real *restrict far, const pzs_real *restrict v,
                      const pzs_real *restrict base, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++) {
         away[i] = v[i] - base[i];
         far[i] = boxls_size(away[i]);
     }
@@ -274,9 +265,8 @@ void boxls_true_gradient(boxls *b)
 /* The gradient where inputs are free, else 0. */
 static void where_free(pzs_real *restrict x, const pzs_real *restrict free, const pzs_real *restrict grad, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++)
         x[i] = free[i] > 0 ? grad[i] : 0;
-    }
 }
 
 /*
@@ -288,7 +278,7 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, con
                            const pzs_real *restrict hi, pzs_real noise, size_t width)
 {
     uint32_t open = 0;
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++) {
         const pzs_real way = free[i] > 0 ? move[i] : 0, slope = free[i] > 0 ? 0 : grad[i] - move[i];
         const pzs_real x = v[i] + way, down = x > lo[i] ? slope : 0, up = x < hi[i] ? -slope : 0;
         const pzs_real most = down > up ? down : up;
@@ -310,7 +300,7 @@ uint32_t boxls_aim(boxls *b, pzs_real noise)
 static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
                      const pzs_real *restrict hi, const pzs_real *restrict grad, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++) {
         const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
         out[i] = down > up ? down : up;
     }
@@ -326,11 +316,10 @@ static pzs_real violation(const boxls *b)
 /* Trace of the inverse of H on F; dependent inputs count with the most it can be (V2/m2). */
 static pzs_real softness(boxls *b)
 {
-    if (b->soft > 0) {
+    if (b->soft > 0)
         return b->soft;
-    }
     pzs_real soft = 0;
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         const pzs_real pivot = b->m[(size_t)i * b->width + i], least = b->floor * b->diag[i];
         soft += b->free[i] > 0 ? -pivot : pivot < least ? 1 / least : 0;
     }
@@ -350,16 +339,14 @@ int boxls_coarse(boxls *b)
  */
 static int settled(boxls *b)
 {
-    if (!(b->left > b->noise)) {
+    if (!(b->left > b->noise))
         return 1;
-    }
     const pzs_real turn = (pzs_real)b->n * b->left;
     downhill(b->spare, b->v, b->lo, b->hi, b->grad, whole(b->width));
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         const int small = b->lo[i] < b->hi[i] && boxls_size(b->grad[i]) <= turn;
-        if (!(b->free[i] > 0) && (small || b->spare[i] > b->noise)) {
+        if (!(b->free[i] > 0) && (small || b->spare[i] > b->noise))
             return 0;
-        }
     }
     return b->left <= NEAR * b->noise && b->left * b->left * softness(b) <= PZS_EPSILON * b->energy;
 }
@@ -375,7 +362,7 @@ typedef struct block {
 static block first_block(const boxls *b, const pzs_real *step, pzs_real part)
 {
     block first = { part, b->n };
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         const pzs_real room = step[i] < 0 ? b->v[i] - b->lo[i] : b->hi[i] - b->v[i];
         if (room < first.part * boxls_size(step[i]) && b->free[i] > 0) {
             first.part = room / boxls_size(step[i]);
@@ -388,13 +375,12 @@ static block first_block(const boxls *b, const pzs_real *step, pzs_real part)
 /* Go along step; the input that met its limit stands on it exactly. */
 static void go(boxls *b, const pzs_real *step, block first)
 {
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         const pzs_real there = boxls_cut(b->v[i] + first.part * step[i], b->lo[i], b->hi[i]);
         b->v[i] = b->free[i] > 0 ? there : b->v[i];
     }
-    if (first.input < b->n) {
+    if (first.input < b->n)
         b->v[first.input] = step[first.input] < 0 ? b->lo[first.input] : b->hi[first.input];
-    }
 }
 
 /* One pass along move. Returns nonzero where a limit stopped it. */
@@ -402,12 +388,10 @@ static int descend(boxls *b)
 {
     const block first = first_block(b, b->move, 1);
     go(b, b->move, first);
-    if (first.input == b->n) {
+    if (first.input == b->n)
         return 0;
-    }
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++)
         b->move[i] *= b->free[i] > 0 ? 1 - first.part : 1;
-    }
     drop(b, first.input, b->move[first.input]);
     return 1;
 }
@@ -417,7 +401,7 @@ static uint32_t worst_standing(const boxls *b, pzs_real noise)
 {
     pzs_real most[2] = { noise, noise };
     uint32_t input[2] = { b->n, b->n };
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         const pzs_real pull = boxls_size(b->move[i]);
         if (pull > noise && !(b->free[i] > 0)) {
             const int low = !(b->v[i] > b->lo[i]), high = !(b->v[i] < b->hi[i]);
@@ -446,17 +430,15 @@ static pzs_real ray_length(const boxls *b, uint32_t k, int *to_limit)
 static block follow(boxls *b, uint32_t k, pzs_real length)
 {
     const pzs_real *row = b->m + (size_t)k * b->width, sign = b->move[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++)
         b->next[i] = -sign * row[i];
-    }
     const block first = first_block(b, b->next, length);
     if (boxls_finite(first.part)) {
         const pzs_real far = sign * first.part;
         go(b, b->next, first);
         b->v[k] = boxls_cut(b->v[k] + far, b->lo[k], b->hi[k]);
-        for (uint32_t i = 0; i < b->n; ++i) {
+        for (uint32_t i = 0; i < b->n; i++)
             b->move[i] += far * row[i];
-        }
     }
     return first;
 }
@@ -474,9 +456,8 @@ static void release(boxls *b, uint32_t k)
         b->v[k] = down ? b->lo[k] : b->hi[k];
     } else {
         b->move[k] = 0; /* done with it; an endless ray without curvature gains nothing but rounding */
-        if (!to_limit && own_part(b, k) > b->floor) {
+        if (!to_limit && own_part(b, k) > b->floor)
             sweep(b, k);
-        }
     }
 }
 
@@ -490,12 +471,10 @@ static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
         memcpy(b->v, b->next, b->width * sizeof(pzs_real));
         return 1;
     }
-    for (; blocked && used < most; ++used) {
+    for (; blocked && used < most; used++)
         blocked = descend(b);
-    }
-    for (; used < most && (k = worst_standing(b, noise)) < b->n; ++used) {
+    for (; used < most && (k = worst_standing(b, noise)) < b->n; used++)
         release(b, k);
-    }
     return used;
 }
 
@@ -506,7 +485,7 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
                        const pzs_real *restrict start, const pzs_real *restrict grad, const pzs_real *restrict start_grad,
                        size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++) {
         way[i] = v[i] - start[i];
         slope[i] = grad[i] + start_grad[i];
     }
@@ -532,9 +511,8 @@ static int run_round(boxls *b)
     memcpy(b->start_grad, b->grad, bytes);
     b->used += run_passes(b, b->noise / 2, b->allowed - b->used);
     boxls_true_gradient(b);
-    if (fell(b)) {
+    if (fell(b))
         return 1;
-    }
     memcpy(b->v, b->start, bytes);
     boxls_true_gradient(b);
     return 0;
@@ -547,7 +525,7 @@ void boxls_optimise(boxls *b)
     b->left = violation(b);
     b->noise = NOISE * (b->exact + b->rough);
     b->done = !(b->left > b->noise);
-    for (uint32_t round = 0; round < ROUNDS && !b->done && b->used < b->allowed; ++round) {
+    for (uint32_t round = 0; round < ROUNDS && !b->done && b->used < b->allowed; round++) {
         const pzs_real before = b->left;
         if (run_round(b)) {
             b->left = violation(b);

@@ -53,19 +53,18 @@ static pzs_real *weighted_of(const pzs_control *c)
 }
 
 /* y_i += PART entries of row i times x, the x held in registers. */
-static void multiply_part(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows)
+static void multiply_part(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
+                          size_t rows)
 {
     pzs_real part[PART];
     UNROLLED
-    for (unsigned k = 0; k < PART; k++) {
+    for (unsigned k = 0; k < PART; k++)
         part[k] = x[k];
-    }
     for (size_t i = 0; i < rows; i++, a += stride) {
         pzs_real sum = y[i];
         UNROLLED
-        for (unsigned k = 0; k < PART; k++) {
+        for (unsigned k = 0; k < PART; k++)
             sum += a[k] * part[k];
-        }
         y[i] = sum;
     }
 }
@@ -75,13 +74,11 @@ static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs
 {
     size_t j = 0;
     memset(y, 0, rows * sizeof *y);
-    for (; j + PART <= cols; j += PART) {
+    for (; j + PART <= cols; j += PART)
         multiply_part(y, a + j, cols, x + j, rows);
-    }
-    for (size_t i = 0; i < rows; ++i) {
-        for (size_t k = j; k < cols; ++k) {
+    for (size_t i = 0; i < rows; i++) {
+        for (size_t k = j; k < cols; k++)
             y[i] += a[i * cols + k] * x[k];
-        }
     }
 }
 
@@ -108,10 +105,9 @@ static inline window window_of(pzs_real last, pzs_real slew, pzs_real lower, pzs
 /* First input, at the volts before the step, whose slew window does not meet its limits. */
 static int32_t first_clash(const pzs_control *c, const pzs_real *last)
 {
-    for (uint32_t i = 0; i < c->problem->inputs; ++i) {
-        if (window_of(last[i], c->problem->slew[i], c->lower[i], c->upper[i]).clash) {
+    for (uint32_t i = 0; i < c->problem->inputs; i++) {
+        if (window_of(last[i], c->problem->slew[i], c->lower[i], c->upper[i]).clash)
             return (int32_t)i;
-        }
     }
     return -1;
 }
@@ -122,7 +118,7 @@ static uint32_t open_windows(pzs_real *restrict lo, pzs_real *restrict hi, const
                              const pzs_real *restrict upper, size_t width)
 {
     uint32_t outside = 0;
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++) {
         const window w = window_of(v[i], slew[i], lower[i], upper[i]);
         outside += (v[i] < w.lo ? 1u : 0u) + (v[i] > w.hi ? 1u : 0u);
         lo[i] = w.lo;
@@ -138,9 +134,8 @@ static int32_t enter(boxls *b, const pzs_control *c)
     int32_t clash = -1;
     if (open_windows(b->lo, b->hi, b->v, slew_of(c), c->lower, c->upper, width) != 0) {
         clash = first_clash(c, b->v);
-        for (uint32_t i = 0; i < b->n; ++i) {
+        for (uint32_t i = 0; i < b->n; i++)
             b->v[i] = boxls_cut(b->v[i], b->lo[i], b->hi[i]);
-        }
         boxls_true_gradient(b);
     } else {
         boxls_gradient(b);
@@ -152,7 +147,7 @@ static int32_t enter(boxls *b, const pzs_control *c)
 static void weigh(pzs_real *restrict weighted, pzs_real *restrict miss, const pzs_real *restrict w,
                   const pzs_real *restrict e, const pzs_real *restrict y, size_t m)
 {
-    for (size_t i = 0; i < m; ++i) {
+    for (size_t i = 0; i < m; i++) {
         miss[i] = e[i] - y[i];
         weighted[i] = w[i] * w[i] * miss[i];
     }
@@ -161,9 +156,8 @@ static void weigh(pzs_real *restrict weighted, pzs_real *restrict miss, const pz
 /* sum = x + 2 y */
 static void add_twice(pzs_real *restrict sum, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++)
         sum[i] = x[i] + 2 * y[i];
-    }
 }
 
 /*
@@ -188,7 +182,7 @@ static void shape_terms(pzs_real *restrict away, pzs_real *restrict slope, const
                         const pzs_real *restrict base, const pzs_real *restrict pull, const pzs_real *restrict want,
                         pzs_real effort, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++) {
         away[i] = v[i] - base[i];
         slope[i] = pull[i] - effort * away[i] - 2 * want[i];
     }
@@ -204,9 +198,8 @@ static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
 
 static void sum_size(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
 {
-    for (size_t i = 0; i < width; ++i) {
+    for (size_t i = 0; i < width; i++)
         z[i] = boxls_size(x[i] + y[i]);
-    }
 }
 
 /* Largest |B'W^2 e|. */
@@ -222,7 +215,7 @@ static void rebase(boxls *b, const pzs_control *c)
     const pzs_real effort = c->problem->effort;
     pzs_real *full = full_of(c);
     multiply(c->predicted, c->influence, b->v, c->problem->outputs, b->n);
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         full[i] += b->pull[i] - effort * (b->v[i] - b->base[i]);
         b->bias[i] = effort * (b->v[i] - c->problem->prefer[i]);
         b->base[i] = b->v[i];
@@ -236,7 +229,7 @@ static uint32_t note_active(uint8_t *restrict state, const pzs_real *restrict v,
                             const pzs_real *restrict hi, size_t n)
 {
     uint32_t active = 0;
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < n; i++) {
         const uint8_t at = v[i] > lo[i] ? (v[i] < hi[i] ? 0 : 2) : 1;
         state[i] = at;
         active += at != 0;
@@ -252,9 +245,8 @@ static pzs_status finish(pzs_control *c, pzs_status status, int32_t where)
 
 static pzs_status ready(const pzs_control *c, const void *argument)
 {
-    if (c == NULL || argument == NULL) {
+    if (c == NULL || argument == NULL)
         return PZS_E_ARGUMENT;
-    }
     return c->stage == READY ? PZS_OK : PZS_E_STAGE;
 }
 
@@ -289,9 +281,8 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_r
     c->passes = (uint16_t)b->used;
     c->passes_most = c->passes > c->passes_most ? c->passes : c->passes_most;
     c->active = (uint16_t)note_active(c->state, b->v, b->lo, b->hi, b->n);
-    if (!b->done) {
+    if (!b->done)
         return finish(c, PZS_W_PASSES, -1);
-    }
     return finish(c, clash < 0 ? PZS_OK : PZS_W_SLEW, clash);
 }
 
@@ -299,18 +290,16 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_r
 static pzs_status step(boxls *b, pzs_control *c, const pzs_real *error)
 {
     const pzs_real missed = project(b, c, error);
-    if (!boxls_finite(b->energy + missed) || guard_nonfinite(b->want, b->n) >= 0) {
+    if (!boxls_finite(b->energy + missed) || guard_nonfinite(b->want, b->n) >= 0)
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
-    }
     return step_to(b, c, error, missed);
 }
 
 pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 {
     const pzs_status status = ready(c, error);
-    if (status != PZS_OK) {
+    if (status != PZS_OK)
         return status;
-    }
     boxls b = view(c);
     return step(&b, c, error);
 }
@@ -320,9 +309,11 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 /* predicted = B volt again, after a pzs_step or a cut. */
 static void catch_up(boxls *b, const pzs_control *c)
 {
-    if (memcmp(b->v, b->base, b->n * sizeof(pzs_real)) != 0) {
+    uint32_t moved = 0;
+    for (uint32_t i = 0; i < b->n; i++)
+        moved += b->v[i] < b->base[i] || b->v[i] > b->base[i];
+    if (moved != 0)
         rebase(b, c);
-    }
 }
 
 /* Volts as they were, but inside the limits now in force. */
@@ -341,15 +332,12 @@ static pzs_status hold_last(boxls *b, pzs_control *c, int32_t where)
  */
 static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real difference, pzs_real most)
 {
-    if (!boxls_finite(difference)) {
+    if (!boxls_finite(difference))
         return 1;
-    }
-    if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + most) {
+    if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + most)
         c->frozen[i] = (uint8_t)(c->frozen[i] + (c->frozen[i] < FROZEN_TICKS));
-    }
-    if (c->frozen[i] >= FROZEN_TICKS) {
+    if (c->frozen[i] >= FROZEN_TICKS)
         return 1;
-    }
     c->disturbance[i] = difference;
     return 0;
 }
@@ -357,9 +345,8 @@ static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real diff
 static pzs_real largest_size(const pzs_real *x, uint32_t n)
 {
     pzs_real most = 0;
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; i++)
         most = boxls_size(x[i]) > most ? boxls_size(x[i]) : most;
-    }
     return most;
 }
 
@@ -369,7 +356,7 @@ static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
     const uint32_t m = c->problem->outputs;
     pzs_real most = -1; /* found when first asked for */
     uint32_t lost = 0;
-    for (uint32_t i = 0; i < m; ++i) {
+    for (uint32_t i = 0; i < m; i++) {
         const pzs_real difference = measured[i] - c->predicted[i];
         const int changed = measured[i] < c->measured[i] || measured[i] > c->measured[i];
         if (changed && boxls_finite(difference)) {
@@ -379,9 +366,8 @@ static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
             continue;
         }
         most = most < 0 ? largest_size(c->predicted, m) : most;
-        if (doubtful(c, i, measured[i], difference, most)) {
+        if (doubtful(c, i, measured[i], difference, most))
             *where = lost++ == 0 ? (int32_t)i : *where;
-        }
     }
     return lost;
 }
@@ -389,25 +375,21 @@ static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
 pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *measured)
 {
     const pzs_status status = ready(c, wanted);
-    if (status != PZS_OK) {
+    if (status != PZS_OK)
         return status;
-    }
     boxls b = view(c);
     const uint32_t m = c->problem->outputs;
     pzs_real *error = weighted_of(c) + 2u * m;
     int32_t where = -1;
     catch_up(&b, c);
     const uint32_t lost = measured != NULL ? sense(c, measured, &where) : 0;
-    if (lost == m) {
+    if (lost == m)
         return hold_last(&b, c, where);
-    }
-    for (uint32_t i = 0; i < m; ++i) {
+    for (uint32_t i = 0; i < m; i++)
         error[i] = wanted[i] - c->disturbance[i];
-    }
     const pzs_status stepped = step(&b, c, error);
-    if (stepped == PZS_E_NONFINITE) {
+    if (stepped == PZS_E_NONFINITE)
         return hold_last(&b, c, c->where);
-    }
     rebase(&b, c);
     c->rounding = 0;
     return stepped == PZS_OK && lost != 0 ? finish(c, PZS_W_SENSOR, where) : stepped;
@@ -418,12 +400,11 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
 /* First input whose limits hold no finite voltage or whose slew is negative or not a number, or -1. */
 static int32_t bad_limit(const pzs_problem *p)
 {
-    for (uint32_t i = 0; i < p->inputs; ++i) {
+    for (uint32_t i = 0; i < p->inputs; i++) {
         const pzs_real lower = p->lower[i], upper = p->upper[i];
         const int some = lower <= upper && (boxls_finite(lower) || boxls_finite(upper) || lower < upper);
-        if (!some || !(p->slew[i] >= 0)) {
+        if (!some || !(p->slew[i] >= 0))
             return (int32_t)i;
-        }
     }
     return -1;
 }
@@ -444,19 +425,15 @@ static pzs_status check(const pzs_problem *p, const pzs_real *influence, int32_t
     const int missing = p->weight == NULL || p->lower == NULL || p->upper == NULL || p->slew == NULL
                         || p->prefer == NULL || influence == NULL;
     *where = -1;
-    if (p->format != PZS_TABLE_FORMAT) {
+    if (p->format != PZS_TABLE_FORMAT)
         return PZS_E_FORMAT;
-    }
-    if (missing || p->inputs == 0 || p->inputs > PZS_MOST_INPUTS || p->outputs == 0 || !(p->effort >= 0)) {
+    if (missing || p->inputs == 0 || p->inputs > PZS_MOST_INPUTS || p->outputs == 0 || !(p->effort >= 0))
         return PZS_E_ARGUMENT;
-    }
-    if (guard_problem_crc(p) != p->crc) {
+    if (guard_problem_crc(p) != p->crc)
         return PZS_E_CRC;
-    }
     *where = bad_limit(p);
-    if (*where >= 0) {
+    if (*where >= 0)
         return PZS_E_LIMITS;
-    }
     *where = bad_number(p, influence);
     return *where >= 0 || !boxls_finite(p->effort) ? PZS_E_NONFINITE : PZS_OK;
 }
@@ -487,13 +464,11 @@ static void form_row(const pzs_control *c, const pzs_real *table, uint32_t k)
     if (table != NULL) {
         memcpy(row, table + (size_t)k * n, n * sizeof(pzs_real));
     } else {
-        for (uint32_t i = 0; i < m; ++i) {
+        for (uint32_t i = 0; i < m; i++)
             column[i] = weight[i] * weight[i] * c->influence[(size_t)i * n + k];
-        }
         boxls_add_rows(row, c->influence, n, column, m, n);
-        for (uint32_t j = 0; j < k; ++j) {
+        for (uint32_t j = 0; j < k; j++)
             row[j] = c->hessian[(size_t)j * width + k];
-        }
     }
     row[k] += c->problem->effort;
 }
@@ -502,7 +477,7 @@ static void form_row(const pzs_control *c, const pzs_real *table, uint32_t k)
 static void set_out(boxls *b, pzs_control *c)
 {
     const pzs_problem *p = c->problem;
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++) {
         c->lower[i] = p->lower[i];
         c->upper[i] = p->upper[i];
         slew_of(c)[i] = p->slew[i];
@@ -520,30 +495,25 @@ static void set_out(boxls *b, pzs_control *c)
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, const pzs_real *influence,
                             void *work, size_t bytes)
 {
-    if (control == NULL || problem == NULL || work == NULL) {
+    if (control == NULL || problem == NULL || work == NULL)
         return PZS_E_ARGUMENT;
-    }
     control->stage = 0;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
     const size_t need = PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
     pzs_control c = { .problem = problem, .influence = use, .where = -1, .stage = READY };
     const pzs_status status = check(problem, use, &c.where);
-    if (status != PZS_OK) {
+    if (status != PZS_OK)
         return finish(control, status, c.where);
-    }
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0) {
+    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
         return finish(control, PZS_E_WORKSPACE, (int32_t)need);
-    }
     memset(work, 0, need);
     lay_out(&c, work);
-    for (uint32_t k = 0; k < problem->inputs; ++k) {
+    for (uint32_t k = 0; k < problem->inputs; k++)
         form_row(&c, influence == NULL ? problem->hessian : NULL, k);
-    }
     boxls b = view(&c);
     const int32_t overflow = guard_nonfinite(c.hessian, b.n * b.width);
-    if (overflow >= 0) {
+    if (overflow >= 0)
         return finish(control, PZS_E_NONFINITE, overflow);
-    }
     set_out(&b, &c);
     c.passes_allowed = PZS_STEP_PASSES;
     *control = c;
@@ -553,16 +523,13 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
 pzs_status pzs_hold(pzs_control *c, uint16_t input, pzs_real volt)
 {
     const pzs_status status = ready(c, c);
-    if (status != PZS_OK) {
+    if (status != PZS_OK)
         return status;
-    }
     const pzs_problem *p = c->problem;
-    if (input >= p->inputs) {
+    if (input >= p->inputs)
         return finish(c, PZS_E_ARGUMENT, input);
-    }
-    if (!boxls_finite(volt)) {
+    if (!boxls_finite(volt))
         return finish(c, PZS_E_NONFINITE, input);
-    }
     c->lower[input] = c->upper[input] = boxls_cut(volt, p->lower[input], p->upper[input]);
     return finish(c, PZS_OK, -1);
 }
@@ -570,12 +537,10 @@ pzs_status pzs_hold(pzs_control *c, uint16_t input, pzs_real volt)
 pzs_status pzs_release(pzs_control *c, uint16_t input)
 {
     const pzs_status status = ready(c, c);
-    if (status != PZS_OK) {
+    if (status != PZS_OK)
         return status;
-    }
-    if (input >= c->problem->inputs) {
+    if (input >= c->problem->inputs)
         return finish(c, PZS_E_ARGUMENT, input);
-    }
     c->lower[input] = c->problem->lower[input];
     c->upper[input] = c->problem->upper[input];
     return finish(c, PZS_OK, -1);
@@ -587,25 +552,22 @@ pzs_status pzs_release(pzs_control *c, uint16_t input)
 static void solve_free(boxls *b)
 {
     memset(b->v, 0, b->width * sizeof(pzs_real));
-    for (uint32_t i = 0; i < b->n; ++i) {
+    for (uint32_t i = 0; i < b->n; i++)
         b->free[i] = 1;
-    }
     boxls_rebuild(b);
-    for (uint32_t round = 0; round < 3u; ++round) {
+    for (uint32_t round = 0; round < 3u; round++) {
         boxls_true_gradient(b);
         (void)boxls_aim(b, 0);
-        for (uint32_t i = 0; i < b->n; ++i) {
+        for (uint32_t i = 0; i < b->n; i++)
             b->v[i] += b->free[i] > 0 ? b->move[i] : 0;
-        }
     }
 }
 
 pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
 {
     const pzs_status status = volt != NULL ? ready(c, error) : PZS_E_ARGUMENT;
-    if (status != PZS_OK) {
+    if (status != PZS_OK)
         return status;
-    }
     boxls b = view(c);
     const size_t bytes = b.width * sizeof(pzs_real);
     (void)project(&b, c, error);
@@ -617,9 +579,8 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
     memcpy(b.free, b.hi, bytes);
     boxls_rebuild(&b);
     c->softness = 0;
-    if (guard_nonfinite(apart.v, b.n) >= 0) {
+    if (guard_nonfinite(apart.v, b.n) >= 0)
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
-    }
     memcpy(volt, apart.v, b.n * sizeof(pzs_real));
     return finish(c, PZS_OK, -1);
 }
@@ -627,8 +588,7 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
 pzs_status pzs_clipped(pzs_control *c, const pzs_real *error, pzs_real *volt)
 {
     const pzs_status status = pzs_unlimited(c, error, volt);
-    for (uint32_t i = 0; status == PZS_OK && i < c->problem->inputs; ++i) {
+    for (uint32_t i = 0; status == PZS_OK && i < c->problem->inputs; i++)
         volt[i] = boxls_cut(volt[i], c->lower[i], c->upper[i]);
-    }
     return status;
 }

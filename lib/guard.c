@@ -10,7 +10,7 @@ static const uint32_t nibble[16] = {
 uint32_t guard_crc(uint32_t crc, const void *data, size_t bytes)
 {
     const uint8_t *byte = data;
-    for (size_t i = 0; i < bytes; ++i) {
+    for (size_t i = 0; i < bytes; i++) {
         crc ^= byte[i];
         crc = (crc >> 4) ^ nibble[crc & 15u];
         crc = (crc >> 4) ^ nibble[crc & 15u];
@@ -21,11 +21,10 @@ uint32_t guard_crc(uint32_t crc, const void *data, size_t bytes)
 /* x - x is 0 for a finite number, NaN for NaN and the infinities. */
 int32_t guard_nonfinite(const pzs_real *x, uint32_t n)
 {
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; i++) {
         const pzs_real none = x[i] - x[i];
-        if (!(none <= 0)) {
+        if (!(none <= 0))
             return (int32_t)i;
-        }
     }
     return -1;
 }
@@ -40,14 +39,12 @@ static uint32_t array_crc(uint32_t crc, const void *data, size_t count, size_t s
  * led past count * dof entries, the most that rows can have, by a damaged start. */
 static uint32_t rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 {
-    if (rows->start == NULL) {
+    if (rows->start == NULL)
         return crc;
-    }
     crc = guard_crc(crc, rows->start, ((size_t)rows->count + 1u) * sizeof rows->start[0]);
     const uint32_t entries = rows->start[rows->count];
-    if (entries > (uint32_t)rows->count * dof) {
+    if (entries > (uint32_t)rows->count * dof)
         return ~crc;
-    }
     crc = array_crc(crc, rows->dof, entries, sizeof rows->dof[0]);
     return array_crc(crc, rows->value, entries, sizeof rows->value[0]);
 }

@@ -16,7 +16,9 @@
 
 #define MOST_INPUTS 64
 #define MOST_OUTPUTS 160
+#ifndef RANDOM_PROBLEMS
 #define RANDOM_PROBLEMS 10000
+#endif
 #define TOLERANCE PZS_BY_BITS(1e-6L, 1e-12L) /* objective over |W e|^2 */
 #define KKT_TOLERANCE PZS_BY_BITS(1e-2, 1e-9)
 

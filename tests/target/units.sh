@@ -10,8 +10,8 @@ memory='-Wl,--defsym=__flash=0,--defsym=__flash_size=0x200000,--defsym=__ram=0x2
 build() {
     # shellcheck disable=SC2046,SC2086
     "$ARM_CC" --specs=picolibc.specs --oslib=semihost --crt0=hosted $memory,--defsym=__stack_size=0x10000 \
-        $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=200 $include -Itests \
-        -I"$B/cmocka-arm/source/include" "tests/test_$1.c" $(sources 0) "$B/cmocka-arm/$2/cmocka.o" \
+        $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 $include -Itests \
+        -I"$B/cmocka-arm/source/include" "tests/test_$1.c" tests/testdata.c $(sources 0) "$B/cmocka-arm/$2/cmocka.o" \
         -lm -o "$scratch/$1.elf"
 }
 
@@ -45,6 +45,7 @@ if tap_needs "$ARM_CC" 'unit tests' && tap_needs "$QEMU" 'unit tests'; then
     if sh tests/target/cmocka.sh >"$scratch/found" 2>&1; then
         check linalg
         check control
+        check tick
     else
         tap 1 'CMocka builds for the target'
     fi
