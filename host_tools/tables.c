@@ -58,6 +58,31 @@ static void write_reals(writer *w, const char *name, const double *x, size_t n, 
     w->crc32 = crc_reals_32(w->crc32, x, n);
 }
 
+/* Largest float not above x, or not below it. */
+static double float_inside(double x, int upper)
+{
+    const float nearest = (float)x;
+    const int outside = upper ? (double)nearest > x : (double)nearest < x;
+    return (double)(outside ? nextafterf(nearest, upper ? -HUGE_VALF : HUGE_VALF) : nearest);
+}
+
+/* Limits: in float rounded towards the inside, so that no voltage passes the scene's own limit. */
+static void write_limits(writer *w, const char *name, const double *x, size_t n, int upper, const char *meaning)
+{
+    fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning, w->prefix, name, n);
+    for (size_t i = 0; i < n; i++) {
+        const double inside = float_inside(x[i], upper);
+        fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", w->file);
+        if (inside < x[i] || inside > x[i])
+            fprintf(w->file, "PZS_BY_BITS(%.17g, %.17g)", inside, x[i]);
+        else
+            write_real(w->file, x[i]);
+        fputs("),", w->file);
+        w->crc32 = crc_reals_32(w->crc32, &inside, 1);
+    }
+    fputs("\n};\n", w->file);
+}
+
 static void write_shorts(writer *w, const char *name, const uint16_t *x, size_t n, const char *meaning)
 {
     fprintf(w->file, "/* %s */\nstatic const uint16_t %s_%s[%zu] = {", meaning, w->prefix, name, n ? n : 1);
@@ -221,9 +246,9 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
         write_reals(w, "hessian", d->hessian, n * n, "B'W^2 B");
     }
     write_reals(w, "weight", d->weight, m, "W");
-    write_reals(w, "lower", d->lower, n, "voltage limits (V)");
-    write_reals(w, "upper", d->upper, n, "(V)");
-    write_reals(w, "slew", d->slew, n, "most change a step (V)");
+    write_limits(w, "lower", d->lower, n, 0, "voltage limits (V)");
+    write_limits(w, "upper", d->upper, n, 1, "(V)");
+    write_limits(w, "slew", d->slew, n, 1, "most change a step (V)");
     write_reals(w, "prefer", d->prefer, n, "voltages preferred by the effort term (V)");
     w->crc32 = crc_reals_32(w->crc32, &p.effort, 1);
     fprintf(w->file,

@@ -236,7 +236,7 @@ typedef struct pzs_control {
     pzs_real *tableau;         /* [inputs][width] the optimiser's own */
     pzs_real *lower, *upper;   /* [inputs] limits in force (V): table, narrowed by pzs_hold */
     pzs_real *volt;            /* [inputs] last safe volts (V) */
-    pzs_real *predicted;       /* [outputs] B volt (m) */
+    pzs_real *predicted;       /* [outputs] B volt as of the last tick (m) */
     pzs_real *disturbance;     /* [outputs] measured - predicted (m) */
     pzs_real *measured;        /* [outputs] last measurement (m) */
     pzs_real *work;            /* the optimiser's own */
@@ -284,7 +284,9 @@ pzs_status pzs_release(pzs_control *control, uint16_t input);
  *   error [outputs] in  wanted shape minus the shape without volts (m)
  * control->volt holds the answer: inside every limit to the last bit, no worse than the
  * last volts cut to the limits, optimal unless a warning says otherwise.
- * Warnings: PASSES, SLEW. Errors: STAGE, NONFINITE (volts held).
+ * Work is bounded: passes of at most inputs^2 multiply-adds each, besides at most 16 rebuilds of the
+ * tableau, inputs^3 each, where rounding asks for them.
+ * Warnings: PASSES, SLEW. Errors: ARGUMENT, STAGE, NONFINITE (volts held; where may be -1: an overflow).
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 

@@ -171,6 +171,22 @@ EOT
 run 0 solve "$dir/tube.yaml" --json && json "j['outputs']['a']==j['outputs']['b'] and j['nodes']==80"; check 'a closed tube is closed' $?
 run 0 solve "$dir/tube.yaml" --set 'supports.1={edge: theta2+, fix: clamped}' --json && json "j['outputs']['a']==[0]"; check 'a support on the seam holds from either side' $?
 run 2 solve "$dir/tube.yaml" --set mesh.theta2.elements=2 && says 'at least 3'; check 'two elements around are refused' $?
+run 0 tables plate-50-patches --set 'limits.voltage=[-133.3, 133.3]' --set limits.slew=0.1 --prefix a -o "$dir/a.h"
+cat >"$dir/l.c" <<'EOT'
+#include "a.h"
+static double work[1 << 16];
+int main(void)
+{
+    pzs_control c;
+    for (int k = 0; k < A_INPUTS; k++)
+        if ((double)a_lower[k] < -133.3 || (double)a_upper[k] > 133.3 || (double)a_slew[k] > 0.1) return 9;
+    return (int)pzs_control_init(&c, &a_problem, 0, work, sizeof work) + (a_target[0] > 1);
+}
+EOT
+for bits in 32 64; do
+    gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/l.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/l" && "$dir/l"
+    check "limits are rounded inwards, $bits bits" $?
+done
 
 # The README's table is what the demo prints, but for the last column: rounding differs between machines
 run 0 shape plate-50-patches --limit 200 --limit 100 --limit 500
