@@ -16,7 +16,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
+#include "clock.h"
 #include "../../lib/boxls.c"
 #include "../../lib/control.c"
 #ifdef WITH_DAQP
@@ -41,27 +41,6 @@ static struct {
 
 static double spent[SIDES][2][FRAMES][TURNS]; /* total, solver (us) */
 static double answer[SIDES][MOST_N], disagree;
-
-static double now(void)
-{
-    struct timespec t;
-
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
-static double median(double *x, int n)
-{
-    qsort(x, (size_t)n, sizeof *x, ascending);
-    return x[n / 2];
-}
 
 /* What reading the clock costs (us). */
 static double idle(void)
