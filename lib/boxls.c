@@ -32,7 +32,6 @@
  * (by the true gradients at both ends) is undone, and passes and rounds are counted. Volts
  * are feasible after every pass because they are only ever cut by comparison.
  */
-#include <math.h>
 #include <string.h>
 #include "boxls.h"
 #include "unrolled.h"
@@ -171,7 +170,7 @@ static void rank_one(pzs_real *restrict m, const pzs_real *restrict s, pzs_real 
 static void sweep(boxls *b, uint32_t k)
 {
     pzs_real *row = b->m + (size_t)k * b->width, *s = b->spare;
-    const pzs_real pivot = row[k], scale = 1 / boxls_root(boxls_size(pivot));
+    const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(boxls_size(pivot));
     for (uint32_t j = 0; j < b->width; j++)
         s[j] = row[j] * scale;
     rank_one(b->m, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1, b->n, b->width);

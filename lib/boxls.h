@@ -83,9 +83,4 @@ static inline int boxls_finite(pzs_real x)
     return none <= 0;
 }
 
-static inline pzs_real boxls_root(pzs_real x)
-{
-    return PZS_BY_BITS(sqrtf((float)x), sqrt((double)x));
-}
-
 #endif

@@ -11,7 +11,6 @@
  * after each step, which makes v the next base for free; a lone step renews its base where
  * rounding would show.
  */
-#include <math.h>
 #include <string.h>
 #include "boxls.h"
 #include "guard.h"
@@ -193,7 +192,7 @@ static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
 {
     shape_terms(b->spare, b->next, b->v, b->base, b->pull, b->want, effort, b->width & ~(PZS_TILE - 1u));
     const pzs_real rest = missed + boxls_dot(b->spare, b->next, b->n);
-    return rest > 0 && b->energy > 0 ? boxls_root(rest / b->energy) : 0;
+    return rest > 0 && b->energy > 0 ? PZS_SQRT(rest / b->energy) : 0;
 }
 
 static void sum_size(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
@@ -269,7 +268,7 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_r
     const pzs_real effort = c->problem->effort;
     const int32_t clash = enter(b, c);
     b->allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
-    b->exact = PZS_EPSILON * boxls_root((b->energy + missed) * c->stiffest);
+    b->exact = PZS_EPSILON * PZS_SQRT(b->energy + missed) * PZS_SQRT(c->stiffest);
     c->error_before = shape_error(b, effort, missed);
     missed = settle(b, c, error, missed);
     const pzs_real most = most_wanted(b, full_of(c));

@@ -276,6 +276,31 @@ static void test_hold_without_senses(void **state)
     }
 }
 
+/* Law: the volts do not depend on the unit of length, to the last bit, over fifteen orders of magnitude. */
+static void test_unit_of_length(void **state)
+{
+    (void)state;
+    pzs_real volt[N];
+    for (int power = 0; power < 4; power++) {
+        static const int exponent[4] = {0, -20, -10, 30};
+        const pzs_real unit = (pzs_real)ldexp(1, exponent[power]);
+        rig r;
+        rig_open(&r);
+        for (int i = 0; i < M * N; i++)
+            r.influence[i] *= unit;
+        for (int i = 0; i < M; i++)
+            r.wanted[i] *= unit;
+        r.problem.crc = guard_problem_crc(&r.problem);
+        assert_int_equal(rig_start(&r), PZS_OK);
+        for (int i = 0; i < 30; i++)
+            tick(&r, NULL, PZS_OK);
+        if (power == 0)
+            memcpy(volt, r.control.volt, sizeof volt);
+        assert_memory_equal(volt, r.control.volt, sizeof volt);
+        free(r.work);
+    }
+}
+
 /* Law: every way to start wrongly has its status, and a controller that never started refuses to tick. */
 static void test_misuse(void **state)
 {
@@ -352,7 +377,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slew_then_optimum), cmocka_unit_test(test_measured_disturbance), cmocka_unit_test(test_lost_sensors),
         cmocka_unit_test(test_stuck_sensor),      cmocka_unit_test(test_held_inputs),          cmocka_unit_test(test_misuse),
-        cmocka_unit_test(test_tick_after_step),   cmocka_unit_test(test_hold_without_senses),  cmocka_unit_test(test_long_walk),
+        cmocka_unit_test(test_tick_after_step),   cmocka_unit_test(test_hold_without_senses),  cmocka_unit_test(test_unit_of_length),
+        cmocka_unit_test(test_long_walk),
     };
     return cmocka_run_group_tests_name("tick", tests, NULL, NULL);
 }
