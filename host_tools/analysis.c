@@ -1,9 +1,11 @@
 /* A scene run through the library (analysis.h). */
+#define _POSIX_C_SOURCE 200809L
 #include "analysis.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include "guard.h"
 #include "linalg.h"
 
@@ -28,6 +30,13 @@ static int explain(const analysis *a, pzs_status status, char *error)
     return scene_fault(s, s->at_surface, error, "%s", pzs_status_text(status));
 }
 
+/* Assemble and factor the stiffness at rest. */
+static pzs_status at_rest(analysis *a)
+{
+    const pzs_status status = pzs_assemble(&a->model, NULL, NULL);
+    return status == PZS_OK ? pzs_factor(&a->model) : status;
+}
+
 int analysis_prepare(analysis *a, const scene *s, char *error)
 {
     memset(a, 0, sizeof *a);
@@ -37,10 +46,15 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
     a->work_bytes = PZS_MODEL_BYTES(structure->dof, linalg_reals(structure->first, structure->dof));
     a->work = malloc(a->work_bytes);
     pzs_status status = a->work ? pzs_model_init(&a->model, structure, a->work, a->work_bytes) : PZS_E_WORKSPACE;
+    if (status == PZS_OK && a->design.mesh.prescribed_count > 0 && s->kinematics == KINEMATICS_LINEAR) {
+        scene_fault(s, s->support[0].at, error, "a support with a value needs kinematics: nonlinear");
+        analysis_free(a);
+        return -1;
+    }
     if (status == PZS_OK)
-        status = pzs_assemble(&a->model, NULL, NULL);
-    if (status == PZS_OK)
-        status = pzs_factor(&a->model);
+        status = at_rest(a);
+    if (s->kinematics != KINEMATICS_LINEAR && (status == PZS_OK || s->contact.given))
+        status = path_open(&a->path, &a->design, &a->model);
     if (status == PZS_OK)
         return 0;
     explain(a, status, error);
@@ -48,9 +62,58 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
     return -1;
 }
 
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* What the nonlinear path met, in words; only errors fail. */
+static int explain_path(const analysis *a, char *error)
+{
+    const pzs_path *run = &a->path.run;
+    const scene *s = a->design.scene;
+    if (!PZS_IS_ERROR(a->status))
+        return 0;
+    if (a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_SYSTEMS)
+        return scene_fault(s, s->equilibrium.at, error, "%s: reached %.4g of the load in %u systems, %u load step%s; "
+                           "the last equilibrium has %u negative pivots",
+                           pzs_status_text(a->status), run->factor, run->systems, run->steps_taken, run->steps_taken == 1 ? "" : "s", run->negative);
+    return explain(a, a->status, error);
+}
+
+static int solve_path(analysis *a, double *u, char *error)
+{
+    const double begin = now();
+    a->status = pzs_equilibrium(&a->path.run, a->path.full);
+    a->seconds = now() - begin;
+    memcpy(u, a->path.run.u, (size_t)a->design.mesh.dof * sizeof *u);
+    return explain_path(a, error);
+}
+
+int analysis_is_nonlinear(const analysis *a)
+{
+    return a->design.scene->kinematics == KINEMATICS_NONLINEAR;
+}
+
+int analysis_outputs(const analysis *a, int k)
+{
+    const int rows = a->design.named_first[k + 1] - a->design.named_first[k];
+    return rows > 0 ? rows : 1;
+}
+
+double analysis_output(const analysis *a, int k, int i, const double *value)
+{
+    const scene_output *output = &a->design.scene->output[k];
+    return output->contact == CONTACT_NONE ? value[a->design.named_first[k] + i] : path_contact_output(&a->path, output);
+}
+
 int analysis_solve(analysis *a, double *u, char *error)
 {
     const design *d = &a->design;
+    if (analysis_is_nonlinear(a))
+        return solve_path(a, u, error);
     double *amount = calloc((size_t)d->structure.input.count + 1, sizeof *amount);
     if (!amount)
         return explain(a, PZS_E_WORKSPACE, error);
@@ -78,6 +141,7 @@ int analysis_influence(analysis *a, char *error)
 
 void analysis_free(analysis *a)
 {
+    path_close(&a->path);
     design_free(&a->design);
     free(a->work);
     free(a->influence);

@@ -102,8 +102,7 @@ static expr_point point_of(const mesh *m, int node)
     return at;
 }
 
-/* Quarter areas of the elements at each node. area [nodes] out */
-static void node_areas(const mesh *m, double *area)
+void design_node_areas(const mesh *m, double *area)
 {
     memset(area, 0, (size_t)m->nodes * sizeof *area);
     for (int e = 0; e < m->elements; e++)
@@ -127,7 +126,7 @@ static int build_targets(design *d, builder *rows, double *dense, int *node, cha
         free(area);
         return scene_fault(d->scene, target->what.at, error, "%d target nodes do not fit into memory", d->targets);
     }
-    node_areas(m, area);
+    design_node_areas(m, area);
     for (int i = 0; i < d->targets; i++)
         sum += area[node[i]];
     for (int i = 0; i < d->targets; i++) {
@@ -152,7 +151,7 @@ static int build_named(design *d, builder *rows, double *dense, int *node, char 
         return scene_fault(d->scene, d->scene->at_surface, error, "outputs do not fit into memory");
     for (int k = 0; k < d->scene->outputs; k++) {
         const scene_output *output = &d->scene->output[k];
-        const int count = mesh_select(&d->mesh, &output->where, node);
+        const int count = output->contact == CONTACT_NONE ? mesh_select(&d->mesh, &output->where, node) : 0;
         d->named_first[k] = (int)rows->rows;
         for (int i = 0; i < count; i++)
             append_output(&d->mesh, output, node[i], rows, dense);
@@ -173,14 +172,13 @@ static void scatter(const mesh *m, int element, double factor, const double *f, 
         }
 }
 
-/* Force of a unit on one element: a volt across ply, or a kelvin when ply < 0. */
-static void add_given(const mesh *m, int element, int ply, double factor, double *dense)
+/* h0 += factor times the resultants of a volt across ply, or of a kelvin when ply < 0 */
+static void add_given(const mesh *m, int element, int ply, double factor, double h0[LAMINATE_STRAINS])
 {
-    const uint16_t kind = m->element_kind[element];
-    double h0[LAMINATE_STRAINS], f[SHELL_MAX];
-    laminate_given(&m->laminate, &m->scene->element, &m->place[kind], ply, h0);
-    shell_given(&m->kind[kind], m->unknowns, h0, f);
-    scatter(m, element, factor, f, dense);
+    double one[LAMINATE_STRAINS];
+    laminate_given(&m->laminate, &m->scene->element, &m->place[m->element_kind[element]], ply, one);
+    for (int i = 0; i < LAMINATE_STRAINS; i++)
+        h0[i] += factor * one[i];
 }
 
 /* Is the element's centre in patch (i, j) of a grid? */
@@ -198,18 +196,43 @@ static int in_patch(const mesh *m, int element, const scene_patches *p, int i, i
     return 1;
 }
 
-/* Column of one amplifier: its patches, tied with their factors. */
-static void amplifier_column(const mesh *m, const scene_actuator *actuator, int i, int j, double *dense)
+int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, int element, double h0[LAMINATE_STRAINS])
 {
-    for (int e = 0; e < m->elements; e++) {
-        if (actuator->is_temperature)
-            add_given(m, e, -1, 1, dense);
-        for (int k = 0; k < actuator->drives; k++) {
-            const scene_patches *patches = &m->scene->patches[actuator->drive[k].patches];
-            if (in_patch(m, e, patches, i, j))
-                add_given(m, e, patches->layer, actuator->drive[k].factor, dense);
-        }
+    int acts = actuator->is_temperature;
+    memset(h0, 0, LAMINATE_STRAINS * sizeof *h0);
+    if (actuator->is_temperature)
+        add_given(m, element, -1, 1, h0);
+    for (int k = 0; k < actuator->drives; k++) {
+        const scene_patches *patches = &m->scene->patches[actuator->drive[k].patches];
+        if (!in_patch(m, element, patches, cell / actuator->grid[1], cell % actuator->grid[1]))
+            continue;
+        add_given(m, element, patches->layer, actuator->drive[k].factor, h0);
+        acts = 1;
     }
+    return acts;
+}
+
+void design_warming(const mesh *m, const double *kelvin, int element, double h0[LAMINATE_STRAINS])
+{
+    memset(h0, 0, LAMINATE_STRAINS * sizeof *h0);
+    add_given(m, element, -1, kelvin[m->element[element][0]], h0);
+}
+
+/* dense += force at rest of given resultants */
+static void add_resultants(const mesh *m, int element, const double h0[LAMINATE_STRAINS], double *dense)
+{
+    double f[SHELL_MAX];
+    shell_given(&m->kind[m->element_kind[element]], m->unknowns, h0, f);
+    scatter(m, element, 1, f, dense);
+}
+
+/* Column of one amplifier: its patches, tied with their factors. */
+static void amplifier_column(const mesh *m, const scene_actuator *actuator, int cell, double *dense)
+{
+    double h0[LAMINATE_STRAINS];
+    for (int e = 0; e < m->elements; e++)
+        if (design_actuation(m, actuator, cell, e, h0))
+            add_resultants(m, e, h0, dense);
 }
 
 /* Force per unit of load at a node, components in its triad; pressure acts along e3. */
@@ -319,10 +342,33 @@ static void load_column(const mesh *m, const scene_load *load, const double *val
         face_column(m, load, value, 0, dense);
         break;
     case LOAD_TEMPERATURE:
-        for (int e = 0; e < m->elements; e++)
-            add_given(m, e, -1, value[m->element[e][0]], dense);
+        for (int e = 0; e < m->elements; e++) {
+            double h0[LAMINATE_STRAINS];
+            design_warming(m, value, e, h0);
+            add_resultants(m, e, h0, dense);
+        }
         break;
     }
+}
+
+int design_load_values(const mesh *m, const scene_load *load, double *value, char *error)
+{
+    for (int n = 0; n < m->nodes; n++) {
+        const expr_point at = point_of(m, n);
+        value[n] = expr_value(load->value, &at);
+        if (!isfinite(value[n]))
+            return scene_fault(m->scene, load->at, error, "load is not a finite number at theta1 = %g, theta2 = %g", m->theta[n][0], m->theta[n][1]);
+    }
+    return 0;
+}
+
+int design_extras(const design *d)
+{
+    const scene *s = d->scene;
+    int extras = (d->mesh.prescribed_count > 0) + s->contact.given;
+    for (int k = 0; k < s->loads; k++)
+        extras += s->load[k].follower != FOLLOWER_NONE;
+    return s->kinematics == KINEMATICS_LINEAR ? 0 : extras;
 }
 
 static int build_inputs(design *d, builder *columns, double *dense, int *node, double *value, char *error)
@@ -332,21 +378,21 @@ static int build_inputs(design *d, builder *columns, double *dense, int *node, d
     for (int k = 0; k < s->actuators; k++)
         for (int c = 0; c < s->actuator[k].grid[0] * s->actuator[k].grid[1]; c++) {
             memset(dense, 0, (size_t)m->dof * sizeof *dense);
-            amplifier_column(m, &s->actuator[k], c / s->actuator[k].grid[1], c % s->actuator[k].grid[1], dense);
+            amplifier_column(m, &s->actuator[k], c, dense);
             append_row(columns, dense, m->dof);
         }
     d->amplifiers = (int)columns->rows;
     for (int k = 0; k < s->loads; k++) {
-        for (int n = 0; n < m->nodes; n++) {
-            const expr_point at = point_of(m, n);
-            value[n] = expr_value(s->load[k].value, &at);
-            if (!isfinite(value[n]))
-                return scene_fault(s, s->load[k].at, error, "load is not a finite number at theta1 = %g, theta2 = %g", m->theta[n][0], m->theta[n][1]);
-        }
+        if (design_load_values(m, &s->load[k], value, error) < 0)
+            return -1;
         memset(dense, 0, (size_t)m->dof * sizeof *dense);
         load_column(m, &s->load[k], value, node, dense);
         append_row(columns, dense, m->dof);
     }
+    d->loads = s->loads;
+    memset(dense, 0, (size_t)m->dof * sizeof *dense);
+    for (int k = 0; k < design_extras(d); k++)
+        append_row(columns, dense, m->dof);
     return 0;
 }
 

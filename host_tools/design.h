@@ -10,8 +10,9 @@
 typedef struct design {
     const scene *scene;
     mesh mesh;
-    pzs_structure structure; /* inputs: amplifiers, then loads; outputs: target nodes, then named outputs */
+    pzs_structure structure; /* inputs: amplifiers, loads, extras; outputs: target nodes, then named outputs */
     int amplifiers;          /* the first inputs */
+    int loads;               /* the next */
     int targets;             /* the first outputs */
     int *target_node;        /* [targets] node of each */
     int *named_first;        /* [scene outputs + 1] first row of each named output */
@@ -35,6 +36,29 @@ int design_build(design *d, const scene *s, char *error);
 int design_control(design *d, const double *influence, char *error);
 
 void design_free(design *d);
+
+/*
+ * Inputs that only the nonlinear path has, their rows empty: one for each follower load in the order of loads,
+ * then one for prescribed displacements, then one for the motion of a contact's body. None under linear kinematics.
+ */
+int design_extras(const design *d);
+
+/*
+ * Resultants of a volt (a kelvin) of an actuator's amplifier in one element.
+ *   cell  in   amplifier within the actuator, second index fastest
+ *   h0 [10] out times the element's area
+ * Returns whether it acts there.
+ */
+int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, int element, double h0[LAMINATE_STRAINS]);
+
+/* Resultants of a temperature load. kelvin [nodes] in, h0 [10] out. */
+void design_warming(const mesh *m, const double *kelvin, int element, double h0[LAMINATE_STRAINS]);
+
+/* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is not finite. */
+int design_load_values(const mesh *m, const scene_load *load, double *value, char *error);
+
+/* Quarter areas of the elements at each node. area [nodes] out */
+void design_node_areas(const mesh *m, double *area);
 
 /*
  * Displacement of a node as weights on its unknowns, (mean, difference/h) order.

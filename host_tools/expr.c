@@ -309,6 +309,14 @@ int expr_is_constant(const expr *e)
     return e->constant;
 }
 
+int expr_uses_theta(const expr *e)
+{
+    int i;
+    for (i = 0; i < e->length; i++)
+        if (e->code[i].op == OP_THETA1 || e->code[i].op == OP_THETA2) return 1;
+    return 0;
+}
+
 void expr_free(expr *e)
 {
     free(e);

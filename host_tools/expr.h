@@ -20,6 +20,9 @@ double expr_value(const expr *e, const expr_point *at);
 /* Does it use none of x y z theta1 theta2? */
 int expr_is_constant(const expr *e);
 
+/* Does it use theta1 or theta2? */
+int expr_uses_theta(const expr *e);
+
 void expr_free(expr *e);
 
 #endif

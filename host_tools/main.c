@@ -208,7 +208,8 @@ static void print_head(const analysis *a)
     printf("%s: %s\n", s->name, s->about ? s->about : "");
     printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", s->line[0].elements, s->line[1].elements,
            m->kinds, m->kinds == 1 ? "" : "s", m->nodes, m->dof, mesh_half_bandwidth(m));
-    printf("  condition %.1e after scaling: %s\n", a->model.condition,
+    if (a->model.condition > 0)
+        printf("  condition %.1e after scaling: %s\n", a->model.condition,
            a->model.condition < 1e7 ? "a float device is safe" : "a float device needs refinement, or use double");
 }
 
@@ -232,31 +233,79 @@ static void json_head(json *j, const analysis *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* One line for an output at a point, two (least and most) for one on many nodes. */
+/* Unit of an output: of length, or of force and pressure of a contact. */
+static const char *output_unit(const scene *s, const scene_output *output)
+{
+    switch (output->contact) {
+    case CONTACT_NONE:
+        return component_unit(s);
+    case CONTACT_NODES:
+        return "nodes";
+    case CONTACT_PRESSURE:
+        return "of pressure";
+    default:
+        return s->unit_force[0] ? s->unit_force : "force";
+    }
+}
+
+/* One line for an output at a point, or the least and the most of one on many nodes. */
 static void print_output(const analysis *a, int k, const double *value)
 {
     const scene_output *output = &a->design.scene->output[k];
-    const int first = a->design.named_first[k], end = a->design.named_first[k + 1];
-    double least = value[first], most = value[first];
-    for (int i = first; i < end; i++) {
-        least = fmin(least, value[i]);
-        most = fmax(most, value[i]);
+    const int count = analysis_outputs(a, k);
+    const char *unit = output_unit(a->design.scene, output);
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    for (int i = 0; i < count; i++) {
+        least = fmin(least, analysis_output(a, k, i, value));
+        most = fmax(most, analysis_output(a, k, i, value));
     }
-    if (end - first > 1) {
-        printf("  %-20s %16.9e .. %.9e %s on %d nodes\n", output->name, least, most, component_unit(a->design.scene), end - first);
+    if (count > 1) {
+        printf("  %-20s %16.9e .. %.9e %s on %d nodes\n", output->name, least, most, unit, count);
         return;
     }
-    printf("  %-20s %16.9e %s", output->name, value[first], component_unit(a->design.scene));
+    printf("  %-20s %16.9e %s", output->name, most, unit);
     if (isfinite(output->reference))
-        printf("   reference %.6e, ratio %.4f", output->reference, value[first] / output->reference);
+        printf("   reference %.6e, ratio %.4f", output->reference, most / output->reference);
     putchar('\n');
+}
+
+static void print_path(const pzs_path *run)
+{
+    printf("  %u load step%s, %u linear systems, %s (%u negative pivots), residual %.1e\n\n", run->steps_taken, run->steps_taken == 1 ? "" : "s",
+           run->systems, run->negative ? "UNSTABLE" : "stable", run->negative, run->residual);
 }
 
 static void print_outputs(const analysis *a, const double *value)
 {
-    printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
+    if (analysis_is_nonlinear(a))
+        print_path(&a->path.run);
+    else
+        printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
     for (int k = 0; k < a->design.scene->outputs; k++)
         print_output(a, k, value);
+}
+
+static void json_path(json *j, const analysis *a)
+{
+    const pzs_path *run = &a->path.run;
+    json_string(j, "status", pzs_status_text(a->status));
+    json_number(j, "load_factor", run->factor);
+    json_number(j, "steps", run->steps_taken);
+    json_number(j, "systems", run->systems);
+    json_number(j, "iterations", (double)run->systems - run->steps_taken);
+    json_number(j, "residual", run->residual);
+    json_number(j, "negative_pivots", run->negative);
+    json_open(j, "seconds", '{');
+    json_number(j, "total", a->seconds);
+    json_close(j, '}');
+}
+
+/* Values of one output under its name. */
+static void json_output(json *j, const analysis *a, int k, const double *value)
+{
+    const scene_output *output = &a->design.scene->output[k];
+    const double contact = analysis_output(a, k, 0, value);
+    json_numbers(j, output->name, output->contact == CONTACT_NONE ? value + a->design.named_first[k] : &contact, analysis_outputs(a, k));
 }
 
 static void json_outputs(const analysis *a, const double *value)
@@ -265,17 +314,22 @@ static void json_outputs(const analysis *a, const double *value)
     json j = {stdout, 0, {0}};
     json_open(&j, NULL, '{');
     json_head(&j, a);
-    json_number(&j, "residual", a->model.residual);
-    json_number(&j, "error", a->model.error);
-    json_number(&j, "passes", a->model.passes);
+    json_string(&j, "kinematics", analysis_is_nonlinear(a) ? "nonlinear" : "linear");
+    if (analysis_is_nonlinear(a)) {
+        json_path(&j, a);
+    } else {
+        json_number(&j, "residual", a->model.residual);
+        json_number(&j, "error", a->model.error);
+        json_number(&j, "passes", a->model.passes);
+    }
     json_open(&j, "outputs", '{');
     for (int k = 0; k < d->scene->outputs; k++)
-        json_numbers(&j, d->scene->output[k].name, value + d->named_first[k], d->named_first[k + 1] - d->named_first[k]);
+        json_output(&j, a, k, value);
     json_close(&j, '}');
     json_open(&j, "ratios", '{');
     for (int k = 0; k < d->scene->outputs; k++)
         if (isfinite(d->scene->output[k].reference))
-            json_number(&j, d->scene->output[k].name, value[d->named_first[k]] / d->scene->output[k].reference);
+            json_number(&j, d->scene->output[k].name, analysis_output(a, k, 0, value) / d->scene->output[k].reference);
     json_close(&j, '}');
     json_close(&j, '}');
 }
@@ -328,11 +382,14 @@ static int command_solve(const options *o)
     if (status)
         return status;
     double *u = calloc((size_t)a.design.mesh.dof, sizeof *u);
-    status = 1;
-    if (u && analysis_solve(&a, u, error) == 0)
+    snprintf(error, sizeof error, "out of memory");
+    const int failed = !u || analysis_solve(&a, u, error) < 0;
+    if (failed)
+        fprintf(stderr, "pzs: %s\n", error);
+    /* A path that ends early leaves an equilibrium worth seeing. */
+    if (u && (!failed || analysis_is_nonlinear(&a)))
         status = solved(o, &a, u);
-    else
-        fprintf(stderr, "pzs: %s\n", u ? error : "out of memory");
+    status = failed ? 1 : status;
     free(u);
     analysis_free(&a);
     scene_free(&s);

@@ -13,7 +13,7 @@ static int is_closed(const scene *s, int direction)
 {
     const scene_line *line = &s->line[direction];
     const double range = line->point[line->elements] - line->point[0];
-    return surface_periodic(&s->surface) == direction + 1 && fabs(range - full_turn) < 1e-6;
+    return surface_closes(&s->surface, direction + 1) && !line->slit && fabs(range - full_turn) < 1e-6;
 }
 
 int mesh_node(const mesh *m, int i, int j)
@@ -240,16 +240,59 @@ static int folded(int p, int n)
     return p % 2 ? n - 1 - p / 2 : p / 2;
 }
 
-static void apply_supports(mesh *m, int *node)
+/* Hold unknowns at 0; values [nodes][unknowns] out: what prescribed ones are to be, NAN elsewhere. */
+static int apply_supports(mesh *m, int *node, double *values, char *error)
 {
-    for (int k = 0; k < m->scene->supports; k++) {
-        const scene_support *support = &m->scene->support[k];
+    const scene *s = m->scene;
+    for (size_t i = 0; i < (size_t)m->nodes * m->unknowns; i++)
+        values[i] = (double)NAN;
+    for (int k = 0; k < s->supports; k++) {
+        const scene_support *support = &s->support[k];
         const int count = mesh_select(m, &support->where, node);
-        for (int c = 0; c < count; c++)
-            for (unsigned i = 0; i < m->unknowns; i++)
-                if (support->fix >> i & 1u)
-                    m->node_dof[(size_t)node[c] * m->unknowns + i] = PZS_FIXED;
+        for (int c = 0; c < count; c++) {
+            const surface_point *p = &m->point[node[c]];
+            const expr_point at = {p->x[0], p->x[1], p->x[2], m->theta[node[c]][0], m->theta[node[c]][1]};
+            const double value = support->value ? expr_value(support->value, &at) : 0;
+            if (!isfinite(value))
+                return scene_fault(s, support->at, error, "value is not a finite number at theta1 = %g, theta2 = %g", at.theta1, at.theta2);
+            for (unsigned i = 0; i < m->unknowns; i++) {
+                const size_t u = (size_t)node[c] * m->unknowns + i;
+                const int moved = (support->move >> i & 1u) != 0, fixed = m->node_dof[u] == PZS_FIXED;
+                const double before = fixed ? 0 : values[u], wanted = moved ? value : 0;
+                if (!(support->fix >> i & 1u))
+                    continue;
+                if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
+                    return scene_fault(s, support->at, error, "at theta1 = %g, theta2 = %g another support says %g, this one %g; keep one",
+                                       at.theta1, at.theta2, before, wanted);
+                if (moved && !fixed)
+                    values[u] = value;
+                else
+                    m->node_dof[u] = PZS_FIXED;
+            }
+        }
     }
+    return 0;
+}
+
+/* List the unknowns with a value of their own, in the order of their numbers. */
+static int list_prescribed(mesh *m, const double *values)
+{
+    const size_t all = (size_t)m->nodes * m->unknowns;
+    double *of_dof = malloc((size_t)m->dof * sizeof *of_dof);
+    m->prescribed_dof = calloc((size_t)m->dof, sizeof *m->prescribed_dof);
+    m->prescribed_value = calloc((size_t)m->dof, sizeof *m->prescribed_value);
+    if (of_dof && m->prescribed_dof && m->prescribed_value) {
+        for (size_t u = 0; u < all; u++)
+            if (m->node_dof[u] != PZS_FIXED)
+                of_dof[m->node_dof[u]] = values[u];
+        for (int i = 0; i < m->dof; i++)
+            if (!isnan(of_dof[i])) {
+                m->prescribed_dof[m->prescribed_count] = (uint16_t)i;
+                m->prescribed_value[m->prescribed_count++] = of_dof[i];
+            }
+    }
+    free(of_dof);
+    return of_dof && m->prescribed_dof && m->prescribed_value ? 0 : -1;
 }
 
 static void number_unknowns(mesh *m)
@@ -325,25 +368,40 @@ static int build_stiffness(mesh *m)
     return 0;
 }
 
+static int build_numbers(mesh *m, char *error)
+{
+    const scene *s = m->scene;
+    int *node = calloc((size_t)m->nodes, sizeof *node), status = -1;
+    double *values = calloc((size_t)m->nodes * m->unknowns, sizeof *values);
+    if (!node || !values)
+        scene_fault(s, s->line[0].at, error, "%d nodes do not fit into memory", m->nodes);
+    else if (apply_supports(m, node, values, error) == 0) {
+        number_unknowns(m);
+        if (m->dof == 0)
+            scene_fault(s, s->at_surface, error, "the supports leave nothing free");
+        else if (m->dof >= (int)PZS_FIXED)
+            scene_fault(s, s->line[0].at, error, "%d free unknowns; tables hold at most %u: use fewer elements", m->dof, PZS_FIXED - 1u);
+        else if ((status = list_prescribed(m, values)) < 0)
+            scene_fault(s, s->line[0].at, error, "%d unknowns do not fit into memory", m->dof);
+    }
+    free(node);
+    free(values);
+    return status;
+}
+
 static int fill(mesh *m, char *error)
 {
     const scene *s = m->scene;
-    int *node = NULL;
     if (laminate_build(s, &m->laminate, error) < 0)
         return -1;
     for (int a = 0; a < 2; a++)
         if (is_closed(s, a) && s->line[a].elements < 3)
             return scene_fault(s, s->line[a].at, error, "%d elements cannot close on themselves; take at least 3 around, better 12", s->line[a].elements);
-    if (!allocate(m) || !(node = calloc((size_t)m->nodes, sizeof *node)))
+    if (!allocate(m))
         return scene_fault(s, s->line[0].at, error, "%d nodes do not fit into memory", m->nodes);
     place_nodes(m);
-    apply_supports(m, node);
-    free(node);
-    number_unknowns(m);
-    if (m->dof == 0)
-        return scene_fault(s, s->at_surface, error, "the supports leave nothing free");
-    if (m->dof >= (int)PZS_FIXED)
-        return scene_fault(s, s->line[0].at, error, "%d free unknowns; tables hold at most %u: use fewer elements", m->dof, PZS_FIXED - 1u);
+    if (build_numbers(m, error) < 0)
+        return -1;
     find_envelope(m);
     if (build_kinds(m, error) < 0)
         return -1;
@@ -378,5 +436,7 @@ void mesh_free(mesh *m)
     free(m->stiffness);
     free(m->node_dof);
     free(m->first);
+    free(m->prescribed_dof);
+    free(m->prescribed_value);
     memset(m, 0, sizeof *m);
 }

@@ -26,6 +26,9 @@ typedef struct mesh {
     double *stiffness;            /* [kinds][packed] */
     uint16_t *node_dof;           /* [nodes][unknowns] */
     uint16_t *first;              /* [dof] */
+    int prescribed_count;         /* unknowns with a value of their own; they are numbered like free ones */
+    uint16_t *prescribed_dof;     /* [prescribed_count] ascending */
+    double *prescribed_value;     /* [prescribed_count] at full load */
 } mesh;
 
 /* Build from a checked scene, which must outlive the mesh. Returns 0, or -1 with error filled and *m empty. */

@@ -29,15 +29,19 @@ static int read_unknowns(reader *r, int node, void *to, const void *rule)
     return tree_fault(r->t, node, "'unknowns: 6' needs lin33; use element: corrected, or unknowns: 7");
 }
 
+static const choice kinematics[] = {
+    {"linear", KINEMATICS_LINEAR}, {"nonlinear", KINEMATICS_NONLINEAR}, {"auto", KINEMATICS_AUTO}, {NULL, 0}};
+
 static int read_kinematics(reader *r, int node, void *to, const void *rule)
 {
-    static const choice kinds[] = {{"linear", 0}, {"nonlinear", 1}, {"auto", 2}, {NULL, 0}};
+    scene *s = to;
     int kind = 0;
-    (void)to;
-    (void)rule;
-    if (read_choice(r, node, &kind, kinds) != 0) return -1;
-    return kind == 0 ? 0 : tree_fault(r->t, node, "'kinematics: %s' is not in this build; use linear", kinds[kind].word);
+    if (read_choice(r, node, &kind, rule) != 0) return -1;
+    s->kinematics = (scene_kinematics)kind;
+    return 0;
 }
+
+static const range relative = {0, 1, 1, "must lie between 0 and 1, ends left out; it is a relative error"};
 
 static const field sections[] = {
     {"name", read_name, offsetof(scene, name), NULL, 1},
@@ -45,7 +49,9 @@ static const field sections[] = {
     {"units", read_units, 0, NULL, 0},
     {"element", read_element, 0, NULL, 0},
     {"unknowns", read_unknowns, 0, NULL, 0},
-    {"kinematics", read_kinematics, 0, NULL, 0},
+    {"kinematics", read_kinematics, 0, kinematics, 0},
+    {"tolerance", read_real, offsetof(scene, tolerance), &relative, 0},
+    {"equilibrium", read_equilibrium, 0, NULL, 0},
     {"surface", read_surface, 0, NULL, 1},
     {"mesh", read_mesh, 0, NULL, 1},
     {"materials", read_materials, 0, NULL, 1},
@@ -56,6 +62,7 @@ static const field sections[] = {
     {"limits", read_limits, 0, NULL, 0},
     {"supports", read_supports, 0, NULL, 0},
     {"loads", read_loads, 0, NULL, 0},
+    {"contact", read_contact, 0, NULL, 0},
     {"outputs", read_outputs, 0, NULL, 0},
     {"target", read_target, 0, NULL, 0},
     {"compare", read_compare, 0, NULL, 0},
@@ -83,6 +90,11 @@ static int keep_origin(scene *s, const char *path, const char *const *set, int s
 static void set_defaults(scene *s)
 {
     s->element = element_corrected;
+    s->tolerance = 0.01;
+    s->equilibrium.steps = 1;
+    s->equilibrium.change = 1e-4;
+    s->equilibrium.mixed = 12;
+    s->equilibrium.systems = 400;
     s->reference_is_middle = 1;
     s->limits.lower = -HUGE_VAL;
     s->limits.upper = s->limits.slew = HUGE_VAL;
@@ -117,9 +129,12 @@ void scene_free(scene *s)
     int i;
     for (i = 0; i < s->sets; i++) free(s->set[i]);
     for (i = 0; i < s->actuators; i++) free(s->actuator[i].drive);
+    for (i = 0; i < s->supports; i++) expr_free(s->support[i].value);
     for (i = 0; i < s->loads; i++) expr_free(s->load[i].value);
     for (i = 0; i < s->compares; i++) free(s->compare[i].value);
+    expr_free(s->contact.body.value);
     expr_free(s->target.value);
+    spline_free(s->surface.meridian);
     free(s->path);
     free(s->set);
     free(s->about);

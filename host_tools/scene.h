@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "expr.h"
+#include "spline.h"
 
 enum { SCENE_NAME = 64, SCENE_ERROR = 400, SCENE_NODES = 60000 };
 
@@ -17,15 +18,31 @@ enum { SCENE_NAME = 64, SCENE_ERROR = 400, SCENE_NODES = 60000 };
 typedef struct scene_at { int line, column; } scene_at;
 
 typedef enum scene_surface_type {
-    SURFACE_PLATE, SURFACE_POLAR, SURFACE_CYLINDER, SURFACE_CONE, SURFACE_SPHERE
+    SURFACE_PLATE, SURFACE_POLAR, SURFACE_CYLINDER, SURFACE_CONE, SURFACE_SPHERE,
+    SURFACE_HYPERBOLOID, SURFACE_TORUS, SURFACE_REVOLUTION, SURFACE_SPIRAL
 } scene_surface_type;
 
 typedef struct scene_surface {
     scene_surface_type type;
-    double radius;       /* cylinder, sphere; cone: radius at theta1 = 0 */
+    double radius;       /* cylinder, sphere; cone: radius at theta1 = 0; torus: of the tube's axis */
     double angle;        /* cone: half angle, degrees */
-    int axial;           /* cylinder: which theta runs along the axis, 1 or 2 */
+    int axial;           /* cylinder, spiral: which theta runs along the axis, 1 or 2 */
+    double waist, height;        /* hyperboloid: radius waist sqrt(1 + (z/height)^2) */
+    double tube;                 /* torus: radius of the tube */
+    double inner, outer, turns;  /* spiral: radius inner at angle 0, outer after the turns */
+    spline *meridian;            /* revolution: (r, z) over the chord length */
 } scene_surface;
+
+typedef enum scene_kinematics { KINEMATICS_LINEAR, KINEMATICS_NONLINEAR, KINEMATICS_AUTO } scene_kinematics;
+
+/* How the nonlinear equations are solved. */
+typedef struct scene_equilibrium {
+    int steps;           /* load steps tried first */
+    double change;       /* of the step's increment at which it has converged, relative */
+    int mixed;           /* iteration from which the stiffness holds the resultants of the displacements; 0: plain Newton */
+    int systems;         /* budget of linear systems */
+    scene_at at;
+} scene_equilibrium;
 
 /* The formulation of the element: `element: source`, `element: corrected`, or a map of these. */
 typedef struct scene_element {
@@ -41,6 +58,7 @@ typedef struct scene_element {
 typedef struct scene_line {      /* mesh points along theta1 or theta2 */
     int elements;
     double *point;               /* [elements + 1] ascending */
+    int slit;                    /* a full turn whose ends do not join */
     scene_at at;
 } scene_line;
 
@@ -105,7 +123,9 @@ typedef struct scene_where {
 
 typedef struct scene_support {
     scene_where where;
-    unsigned fix;                /* bit i: unknown i of conventions order is zero */
+    unsigned fix;                /* bit i: unknown i of conventions order is given */
+    expr *value;                 /* displacement at full load; NULL: 0 */
+    unsigned move;               /* bit i: unknown i takes the value, the rest of fix is 0: u3 moves both faces alike */
     scene_at at;
 } scene_support;
 
@@ -115,6 +135,9 @@ typedef enum scene_component {
     COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z
 } scene_component;
 
+/* A pressure that follows the deformation: fixed size per reference area along the unit normal of the outer face, or true. */
+typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE } scene_follower;
+
 typedef struct scene_load {
     scene_load_type type;
     scene_where where;           /* point and line loads */
@@ -122,11 +145,38 @@ typedef struct scene_load {
     scene_component component;   /* direction; pressure is u3 */
     expr *value;                 /* per point, length, area; K; weight: gravity */
     int true_area;               /* face: per area of the loaded face, not of the reference surface */
+    scene_follower follower;     /* face: pressure; FOLLOWER_PRESSURE implies true_area */
     scene_at at;
 } scene_load;
 
+/* A rigid convex body; all vectors (x, y, z). */
+typedef enum scene_body_type { BODY_PLANE, BODY_CYLINDER, BODY_SPHERE, BODY_PSI } scene_body_type;
+typedef struct scene_body {
+    scene_body_type type;
+    double point[3];             /* on the plane, on the axis, the centre */
+    double normal[3];            /* plane: out of the body, unit */
+    double axis[3];              /* cylinder: along it, unit */
+    double radius;               /* cylinder, sphere */
+    expr *value;                 /* psi(x, y, z), above 0 outside */
+} scene_body;
+
+typedef struct scene_contact {
+    int given;
+    scene_face face;             /* inner or outer */
+    scene_body body;
+    double move[3];              /* of the body at full load */
+    double stiffness;            /* kappa: of contact, in units of the structure's own */
+    scene_at at, at_body;
+} scene_contact;
+
+/* What contact gives: the resultant force on the shell, the number of nodes in contact, the pressure at a place. */
+typedef enum scene_contact_output {
+    CONTACT_NONE, CONTACT_X, CONTACT_Y, CONTACT_Z, CONTACT_NODES, CONTACT_PRESSURE
+} scene_contact_output;
+
 typedef struct scene_output {
     char name[SCENE_NAME];
+    scene_contact_output contact;    /* not CONTACT_NONE: no displacement, and only CONTACT_PRESSURE has a place */
     scene_where where;
     scene_component component;
     scene_face face;
@@ -172,6 +222,9 @@ typedef struct scene {
     char unit_length[SCENE_NAME], unit_force[SCENE_NAME], unit_voltage[SCENE_NAME], unit_temperature[SCENE_NAME];
     uint32_t hash;               /* of the scene's text and its --set changes */
     scene_element element;
+    scene_kinematics kinematics;
+    double tolerance;            /* relative error the cheaper kinematics may cost under KINEMATICS_AUTO */
+    scene_equilibrium equilibrium;
     scene_surface surface;
     scene_line line[2];
     int reference_is_middle;
@@ -183,6 +236,7 @@ typedef struct scene {
     scene_actuator *actuator;
     scene_support *support;
     scene_load *load;
+    scene_contact contact;
     scene_output *output;
     scene_limits limits;
     scene_target target;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "surface.h"
 
 /* Relative to the span of the mesh: a coordinate this near a mesh line lies on it. */
 static const double on_line = 1e-9;
@@ -50,50 +51,86 @@ static int check_all_names(const scene *s, char *error)
 
 /* ---- surface and mesh ---- */
 
-/* Least radius of the reference surface about its axis, and the direction around it (0: no axis). */
-static double least_radius(const scene *s, int *around)
+/* The parameters at which geometry is looked at, fine enough for any curve a person draws. */
+enum { SAMPLES = 2000 };
+
+static double sample(const scene_line *line, int i)
 {
-    const double slope = sin(s->surface.angle * full_turn / 360);
-    const double low = s->line[0].point[0], high = s->line[0].point[s->line[0].elements];
-    *around = 2;
-    switch (s->surface.type) {
-    case SURFACE_POLAR: return low;
-    case SURFACE_CONE: return s->surface.radius + fmin(low * slope, high * slope);
-    case SURFACE_SPHERE: return low > 0 && high < full_turn / 2 * (1 - 1e-12) ? s->surface.radius : 0;
-    case SURFACE_CYLINDER:
-        *around = 3 - s->surface.axial;
-        return s->surface.radius;
-    default:
-        *around = 0;
-        return 1;
-    }
+    const double from = line->point[0], to = line->point[line->elements];
+    return i == SAMPLES ? to : from + (to - from) * i / SAMPLES;
 }
 
-static int check_radius(scene *s, double radius, char *error)
+/* A pole is a point of the mesh where the radius of a surface of revolution is not above 0. */
+static int check_poles(const scene *s, char *error)
 {
-    static const char *const cures[] = {"", "let theta1 (the radius) start above 0", "",
-                                        "keep radius + theta1 sin(angle) above 0",
-                                        "let theta1 run inside 0 and pi, leaving a small hole"};
-    const double lean = s->surface.type == SURFACE_CONE ? cos(s->surface.angle * full_turn / 360) : 1;
-    if (radius <= 0)
-        return scene_fault(s, s->line[0].at, error, "the mesh reaches a pole, where A2 = 0; %s", cures[s->surface.type]);
-    if (s->surface.type != SURFACE_POLAR && s->reference * lean >= radius)
-        return scene_fault(s, s->at_layers, error, "the layers reach %g below the reference surface, past the axis at "
-                           "%g; use thinner layers or a larger radius", s->reference, radius / lean);
+    static const char *const cures[] = {
+        "", "let theta1 (the radius) start above 0", "", "keep radius + theta1 sin(angle) above 0",
+        "let theta1 run inside 0 and pi, leaving a small hole", "", "keep radius + tube cos(theta1) above 0",
+        "let theta1 stay where the meridian's radius is above 0"};
+    const scene_line *line = &s->line[0];
+    double largest = 0, least = HUGE_VAL, at = 0;
+    int i;
+    for (i = 0; i <= SAMPLES; i++) {
+        double t = sample(line, i), r;
+        if (s->surface.type == SURFACE_TORUS && i < SAMPLES)     /* its least radius may lie between two samples */
+            t = fmax(t, fmin(sample(line, i + 1), (2 * floor(t / full_turn) + 1) * full_turn / 2));
+        r = surface_at(&s->surface, t, 0).a[1];
+        largest = fmax(largest, fabs(r));
+        if (r < least) at = t;
+        least = fmin(least, r);
+    }
+    if (least > 1e-12 * largest) return 0;
+    return scene_fault(s, line->at, error, "the mesh reaches a pole, where A2 = 0; %s (theta1 = %g)", cures[s->surface.type],
+                       at);
+}
+
+/* A spline's point should move about as fast as its parameter. */
+static int check_meridian(const scene *s, char *error)
+{
+    int i;
+    for (i = 0; i <= SAMPLES && s->surface.type == SURFACE_REVOLUTION; i++) {
+        const double t = sample(&s->line[0], i);
+        if (surface_at(&s->surface, t, 0).a[0] < 0.05)
+            return scene_fault(s, s->at_surface, error, "the meridian turns back on itself near theta1 = %g; give more points "
+                               "there, or smooth less", t);
+    }
     return 0;
 }
 
-static int check_surface(scene *s, char *error)
+/* The layers must stay on their side of the centres of curvature: 1 + k z > 0 at both faces. */
+static int check_depth(const scene *s, double h, char *error)
 {
-    int around;
-    const double radius = least_radius(s, &around);
-    const scene_line *line = around ? &s->line[around - 1] : NULL;
-    if (!around) return 0;
-    if (check_radius(s, radius, error) != 0) return -1;
-    if (line->point[line->elements] - line->point[0] <= full_turn * (1 + on_line)) return 0;
-    return scene_fault(s, line->at, error, "theta%d spans %g, more than a full turn; angles of a surface are radians: "
-                       "write 90*pi/180 for 90 degrees",
-                       around, line->point[line->elements] - line->point[0]);
+    const double z[2] = {-s->reference, h - s->reference};
+    int i, a, face;
+    for (i = 0; i <= SAMPLES; i++) {
+        const surface_point p = surface_at(&s->surface, sample(&s->line[0], i), sample(&s->line[1], i));
+        for (a = 0; a < 2; a++)
+            for (face = 0; face < 2; face++)
+                if (!(1 + p.k[a] * z[face] > 0))
+                    return scene_fault(s, s->at_layers, error, "the layers reach %g %s the reference surface, past the axis or "
+                                       "centre of curvature at %g; use thinner layers or a larger radius", fabs(z[face]),
+                                       face ? "above" : "below", fabs(1 / p.k[a]));
+    }
+    return 0;
+}
+
+static int check_turn(const scene *s, int direction, char *error)
+{
+    const scene_line *line = &s->line[direction - 1];
+    const double span = line->point[line->elements] - line->point[0];
+    if (!surface_closes(&s->surface, direction) || span <= full_turn * (1 + on_line)) return 0;
+    return scene_fault(s, line->at, error, "theta%d spans %g, more than a full turn; angles of a surface are radians: write "
+                       "90*pi/180 for 90 degrees", direction, span);
+}
+
+static int check_surface(const scene *s, char *error)
+{
+    double h = 0;
+    int i;
+    for (i = 0; i < s->layers; i++) h += s->layer[i].thickness;
+    if (surface_revolves(&s->surface) && check_poles(s, error) != 0) return -1;
+    if (check_meridian(s, error) != 0 || check_depth(s, h, error) != 0) return -1;
+    return check_turn(s, 1, error) != 0 ? -1 : check_turn(s, 2, error);
 }
 
 /* The mesh line nearest to a coordinate; *coordinate becomes its own if it lies on it. */
@@ -235,10 +272,23 @@ static int check_loads(const scene *s, char *error)
     return 0;
 }
 
+/* ---- kinematics ---- */
+
+static int check_kinematics(const scene *s, char *error)
+{
+    int i;
+    if (s->kinematics != KINEMATICS_LINEAR) return 0;
+    for (i = 0; i < s->supports; i++)
+        if (s->support[i].value)
+            return scene_fault(s, s->support[i].at, error, "a support with a 'value' needs kinematics: nonlinear");
+    if (s->contact.given) return scene_fault(s, s->contact.at, error, "contact needs kinematics: nonlinear");
+    return 0;
+}
+
 int scene_check(scene *s, char *error)
 {
     if (check_all_names(s, error) != 0 || check_layers(s, error) != 0 || check_surface(s, error) != 0 ||
         check_patches(s, error) != 0 || check_places(s, error) != 0)
         return -1;
-    return check_loads(s, error);
+    return check_loads(s, error) != 0 ? -1 : check_kinematics(s, error);
 }

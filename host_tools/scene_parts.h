@@ -4,11 +4,29 @@
 
 #include "scene_fields.h"
 
-/* scene_model.c: what there is. `to` is the scene. */
-field_read read_element, read_surface, read_mesh, read_materials, read_layers, read_reference, read_patches;
+/* scene_shape.c: its geometry. `to` is the scene, of all sections. */
+field_read read_surface, read_mesh;
 
-/* scene_task.c: what is done to it and asked of it. `to` is the scene. */
-field_read read_actuators, read_limits, read_supports, read_loads, read_outputs, read_target, read_compare;
+/* scene_model.c: what it is made of. */
+field_read read_element, read_materials, read_layers, read_reference, read_patches;
+
+/* scene_load.c: what holds, loads and touches it. */
+field_read read_supports, read_loads, read_contact;
+
+/* scene_task.c: what drives it and what is asked. */
+field_read read_equilibrium, read_actuators, read_limits, read_outputs, read_target, read_compare;
+
+/* scene_place.c: places (`to` is a scene_where), faces and directions. */
+field_read read_edge, read_point, read_at;
+int require_place(reader *r, int node, const scene_where *w);
+extern const choice place_axes[], place_faces[];
+extern const int place_components[];
+
+/* Rows of a table for the six directions, read by one function whose rule is the component. */
+#define DIRECTIONS(read) \
+    {"u1", read, 0, &place_components[0], 0}, {"u2", read, 0, &place_components[1], 0}, \
+    {"u3", read, 0, &place_components[2], 0}, {"x", read, 0, &place_components[3], 0}, \
+    {"y", read, 0, &place_components[4], 0}, {"z", read, 0, &place_components[5], 0}
 
 /* What a scene has that says nothing of its element. */
 extern const scene_element element_corrected;

@@ -1,4 +1,4 @@
-/* Sections of a scene that say what is done and asked: actuators, limits, supports, loads, outputs, target, compare. */
+/* Sections of a scene that say what drives it and what is asked: equilibrium, actuators, limits, outputs, target, compare. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -9,6 +9,26 @@
 static scene_at node_at(const reader *r, int node)
 {
     return r->t->node[node].at;
+}
+
+/* ---- equilibrium ---- */
+
+int read_equilibrium(reader *r, int node, void *to, const void *rule)
+{
+    static const range stepped = {1, 10000, 0, "must be from 1 to 10000"};
+    static const range mixed = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
+    static const range allowed = {1, 1000000, 0, "must be from 1 to 1000000"};
+    static const range small = {1e-12, 0.1, 0, "must lie between 1e-12 and 0.1"};
+    static const field fields[] = {
+        {"steps", read_int, offsetof(scene_equilibrium, steps), &stepped, 0},
+        {"change", read_real, offsetof(scene_equilibrium, change), &small, 0},
+        {"mixed", read_int, offsetof(scene_equilibrium, mixed), &mixed, 0},
+        {"systems", read_int, offsetof(scene_equilibrium, systems), &allowed, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    (void)rule;
+    s->equilibrium.at = node_at(r, node);
+    return read_map(r, node, fields, &s->equilibrium);
 }
 
 /* ---- actuators ---- */
@@ -198,253 +218,6 @@ int read_limits(reader *r, int node, void *to, const void *rule)
     return read_map(r, node, fields, &s->limits);
 }
 
-/* ---- places ---- */
-
-static const choice edges[] = {{"theta1-", EDGE_THETA1_MINUS}, {"theta1+", EDGE_THETA1_PLUS},
-                               {"theta2-", EDGE_THETA2_MINUS}, {"theta2+", EDGE_THETA2_PLUS}, {NULL, 0}};
-
-static int start_where(reader *r, int node, scene_where *w, scene_where_type type)
-{
-    if (w->at.column) return tree_fault(r->t, node, "two places; give either 'edge' or 'at'");
-    w->at = node_at(r, node);
-    w->type = type;
-    return 0;
-}
-
-static int read_edge(reader *r, int node, void *to, const void *rule)
-{
-    scene_where *w = to;
-    int edge = 0;
-    (void)rule;
-    if (start_where(r, node, w, WHERE_EDGE) != 0 || read_choice(r, node, &edge, edges) != 0) return -1;
-    w->edge = (scene_edge)edge;
-    return 0;
-}
-
-static int read_point(reader *r, int node, void *to, const void *rule)
-{
-    static const field fields[] = {
-        {"theta1", read_real, offsetof(scene_where, theta[0]), NULL, 1},
-        {"theta2", read_real, offsetof(scene_where, theta[1]), NULL, 1},
-        {NULL, NULL, 0, NULL, 0}};
-    (void)rule;
-    if (start_where(r, node, to, WHERE_POINT) != 0) return -1;
-    return read_map(r, node, fields, to);
-}
-
-static int read_at(reader *r, int node, void *to, const void *rule)
-{
-    const char *text = node_text(r, node);
-    if (text && strcmp(text, "nodes") == 0) return start_where(r, node, to, WHERE_NODES);
-    if (r->t->node[node].kind != TREE_MAP)
-        return tree_fault(r->t, node, "'at: %.60s' is no place; write {theta1: ..., theta2: ...}, nodes, or edge: "
-                          "theta1+ instead", text ? text : "[...]");
-    return read_point(r, node, to, rule);
-}
-
-static int require_place(reader *r, int node, const scene_where *w)
-{
-    if (w->at.column) return 0;
-    return tree_fault(r->t, node, "no place in this item of %.60s; add at: {theta1: ..., theta2: ...}, at: nodes or "
-                      "edge: theta1+", tree_name(r->t, node));
-}
-
-/* ---- supports ---- */
-
-enum {
-    MEAN_1 = 1, MEAN_2 = 2, MEAN_3 = 4, DIFFERENCE_1 = 8, DIFFERENCE_2 = 16, DIFFERENCE_3 = 32, SEVENTH = 64,
-    U1 = MEAN_1 | DIFFERENCE_1, U2 = MEAN_2 | DIFFERENCE_2, U3 = MEAN_3 | DIFFERENCE_3 | SEVENTH,
-    SIMPLE = 128, SYMMETRIC = 256            /* depend on the edge */
-};
-
-static const choice fixes[] = {
-    {"clamped", U1 | U2 | U3}, {"simple", SIMPLE}, {"symmetric", SYMMETRIC}, {"free", 0},
-    {"u1", U1}, {"u2", U2}, {"u3", U3}, {"u1 mean", MEAN_1}, {"u2 mean", MEAN_2}, {"u3 mean", MEAN_3},
-    {"u1 difference", DIFFERENCE_1}, {"u2 difference", DIFFERENCE_2}, {"u3 difference", DIFFERENCE_3}, {"u3M", SEVENTH},
-        {NULL, 0}};
-
-static int read_fix_word(reader *r, int node, scene_support *support)
-{
-    const int across_1 = support->where.edge == EDGE_THETA1_MINUS || support->where.edge == EDGE_THETA1_PLUS;
-    int fix = 0;
-    if (read_choice(r, node, &fix, fixes) != 0) return -1;
-    if (fix & (SIMPLE | SYMMETRIC)) {
-        if (support->where.type != WHERE_EDGE)
-            return tree_fault(r->t, node, "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, "
-                              "u3]", node_text(r, node));
-        fix = fix == SIMPLE ? (across_1 ? U2 : U1) | U3 : across_1 ? U1 : U2;
-    }
-    support->fix |= (unsigned)fix;
-    return 0;
-}
-
-static int read_fix(reader *r, int node, void *to, const void *rule)
-{
-    int i;
-    (void)rule;
-    if (r->t->node[node].kind != TREE_LIST) return read_fix_word(r, node, to);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_fix_word(r, i, to) != 0) return -1;
-    return 0;
-}
-
-int read_supports(reader *r, int node, void *to, const void *rule)
-{
-    static const field place[] = {
-        {"edge", read_edge, offsetof(scene_support, where), NULL, 0},
-        {"at", read_at, offsetof(scene_support, where), NULL, 0},
-        {"fix", read_fix, 0, NULL, 1},
-        {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
-    int i, k = 0;
-    (void)rule;
-    s->support = new_items(r, node, TREE_LIST, sizeof *s->support, &s->supports);
-    if (!s->support) return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        s->support[k].at = node_at(r, i);
-        if (read_map(r, i, place, &s->support[k]) != 0 || require_place(r, i, &s->support[k].where) != 0) return -1;
-    }
-    return 0;
-}
-
-/* ---- loads ---- */
-
-typedef struct load_text {
-    scene_load *load;
-    int types, directions, faces, areas;     /* how many were given */
-} load_text;
-
-static const int load_types[] = {LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE};
-static const int components[] = {COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z};
-static const choice axes[] = {{"x", COMPONENT_X}, {"y", COMPONENT_Y}, {"z", COMPONENT_Z}, {NULL, 0}};
-static const choice faces[] = {{"middle", FACE_MIDDLE}, {"inner", FACE_INNER}, {"outer", FACE_OUTER},
-                               {"mean", FACE_MEAN}, {NULL, 0}};
-
-static int read_constant(reader *r, int node, void *to, const void *rule)
-{
-    expr **e = to;
-    if (read_expr(r, node, to, rule) != 0) return -1;
-    if (expr_is_constant(*e)) return 0;
-    return tree_fault(r->t, node, "'%.60s: %.60s' varies over the surface; a constant is wanted here",
-                          tree_name(r->t, node), node_text(r, node));
-}
-
-static int read_weight(reader *r, int node, scene_load *load)
-{
-    typedef struct weight_text { int axis; expr *gravity; } weight_text;
-    static const field fields[] = {
-        {"axis", read_choice, offsetof(weight_text, axis), axes, 1},
-        {"gravity", read_constant, offsetof(weight_text, gravity), NULL, 1},
-        {NULL, NULL, 0, NULL, 0}};
-    weight_text text = {0, NULL};
-    int status = read_map(r, node, fields, &text);
-    load->component = (scene_component)text.axis;
-    load->value = text.gravity;
-    return status;
-}
-
-static int read_load_type(reader *r, int node, void *to, const void *rule)
-{
-    load_text *text = to;
-    scene_load *load = text->load;
-    int face = 0;
-    if (text->types++)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "a load is one of point, line, face, weight, temperature; "
-                             "write a second item");
-    load->type = (scene_load_type)*(const int *)rule;
-    switch (load->type) {
-    case LOAD_POINT: return read_point(r, node, &load->where, NULL);
-    case LOAD_LINE: return read_edge(r, node, &load->where, NULL);
-    case LOAD_WEIGHT: return read_weight(r, node, load);
-    case LOAD_TEMPERATURE: return read_constant(r, node, &load->value, NULL);
-    default: break;
-    }
-    if (read_choice(r, node, &face, faces) != 0) return -1;
-    load->face = (scene_face)face;
-    return 0;
-}
-
-static int read_direction(reader *r, int node, void *to, const void *rule)
-{
-    load_text *text = to;
-    if (text->load->value && !text->directions)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "weight and temperature say all; remove '%s'",
-                             r->t->node[node].key);
-    if (text->directions++)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "a load has one direction; write a second item for '%s'",
-                             r->t->node[node].key);
-    text->load->component = (scene_component)*(const int *)rule;
-    return read_expr(r, node, &text->load->value, NULL);
-}
-
-static int read_pressure(reader *r, int node, void *to, const void *rule)
-{
-    load_text *text = to;
-    (void)rule;
-    if (text->load->type != LOAD_FACE)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "'pressure' acts on a face; add face: outer, inner or middle");
-    return read_direction(r, node, to, &components[COMPONENT_U3]);
-}
-
-static int read_area(reader *r, int node, void *to, const void *rule)
-{
-    static const choice areas[] = {{"reference", 0}, {"true", 1}, {NULL, 0}};
-    load_text *text = to;
-    (void)rule;
-    if (text->load->type != LOAD_FACE)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "'area' belongs to a load on a face; remove it");
-    return read_choice(r, node, &text->load->true_area, areas);
-}
-
-/* Point and line loads act on both faces, half each, unless they say on which. */
-static int read_on(reader *r, int node, void *to, const void *rule)
-{
-    load_text *text = to;
-    int face = 0;
-    (void)rule;
-    if (text->load->type != LOAD_POINT && text->load->type != LOAD_LINE)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "'on' belongs to a point or line load; remove it");
-    if (read_choice(r, node, &face, faces) != 0) return -1;
-    text->load->face = (scene_face)face;
-    return 0;
-}
-
-#define DIRECTIONS(read) \
-    {"u1", read, 0, &components[0], 0}, {"u2", read, 0, &components[1], 0}, {"u3", read, 0, &components[2], 0}, \
-    {"x", read, 0, &components[3], 0}, {"y", read, 0, &components[4], 0}, {"z", read, 0, &components[5], 0}
-
-static int read_load(reader *r, int node, scene_load *load)
-{
-    static const field fields[] = {
-        {"point", read_load_type, 0, &load_types[0], 0}, {"line", read_load_type, 0, &load_types[1], 0},
-        {"face", read_load_type, 0, &load_types[2], 0}, {"weight", read_load_type, 0, &load_types[3], 0},
-        {"temperature", read_load_type, 0, &load_types[4], 0},
-        DIRECTIONS(read_direction), {"pressure", read_pressure, 0, NULL, 0}, {"area", read_area, 0, NULL, 0},
-        {"on", read_on, 0, NULL, 0}, {NULL, NULL, 0, NULL, 0}};
-    load_text text = {0};
-    text.load = load;
-    load->at = node_at(r, node);
-    if (read_map(r, node, fields, &text) != 0) return -1;
-    if (text.types == 0)
-        return tree_fault(r->t, node, "a load needs one of point: {theta1, theta2}, line: edge, face: outer, weight: "
-                          "{axis, gravity}, temperature: value");
-    if (!load->value)
-        return tree_fault(r->t, node, "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
-    return 0;
-}
-
-int read_loads(reader *r, int node, void *to, const void *rule)
-{
-    scene *s = to;
-    int i, k = 0;
-    (void)rule;
-    s->load = new_items(r, node, TREE_LIST, sizeof *s->load, &s->loads);
-    if (!s->load) return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_load(r, i, &s->load[k++]) != 0) return -1;
-    return 0;
-}
-
 /* ---- outputs, target, compare ---- */
 
 typedef struct output_text {
@@ -460,7 +233,7 @@ static int read_component(reader *r, int node, void *to, const void *rule)
     if (text->directions++)
         return tree_fault_at(r->t, r->t->node[node].key_at, "an output has one direction; write a second item for '%s'",
                              r->t->node[node].key);
-    if (read_choice(r, node, &face, faces) != 0) return -1;
+    if (read_choice(r, node, &face, place_faces) != 0) return -1;
     text->output.component = (scene_component)*(const int *)rule;
     text->output.face = (scene_face)face;
     return 0;
@@ -469,9 +242,31 @@ static int read_component(reader *r, int node, void *to, const void *rule)
 #define PLACE(member) \
     {"edge", read_edge, offsetof(output_text, member), NULL, 0}, {"at", read_at, offsetof(output_text, member), NULL, 0}
 
+static int read_contact_output(reader *r, int node, void *to, const void *rule)
+{
+    static const choice results[] = {{"x", CONTACT_X}, {"y", CONTACT_Y}, {"z", CONTACT_Z}, {"nodes", CONTACT_NODES},
+                                     {"pressure", CONTACT_PRESSURE}, {NULL, 0}};
+    output_text *text = to;
+    int result = 0;
+    (void)rule;
+    if (!r->s->contact.given)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "no contact in this scene; add contact: {face: outer, body: ...}");
+    if (text->directions++)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "an output is a displacement or of contact; write a second item");
+    if (read_choice(r, node, &result, results) != 0) return -1;
+    text->output.contact = (scene_contact_output)result;
+    return 0;
+}
+
 static int finish_output(reader *r, int node, output_text *text)
 {
+    const scene_contact_output contact = text->output.contact;
     text->output.at = node_at(r, node);
+    if (contact != CONTACT_NONE && contact != CONTACT_PRESSURE) {
+        if (text->output.where.at.column == 0) return 0;
+        return tree_fault_at(r->t, text->output.where.at, "the whole contact has one force and one number of nodes; remove "
+                             "the place");
+    }
     if (text->directions == 0)
         return tree_fault(r->t, node, "no direction in this item of %.60s; add one, as u3: middle or z: outer",
                           tree_name(r->t, node));
@@ -482,7 +277,7 @@ static int read_output(reader *r, int node, scene_output *to)
 {
     static const field fields[] = {
         {"name", read_name, offsetof(output_text, output.name), NULL, 1},
-        DIRECTIONS(read_component), PLACE(output.where),
+        DIRECTIONS(read_component), {"contact", read_contact_output, 0, NULL, 0}, PLACE(output.where),
         {"reference", read_real, offsetof(output_text, output.reference), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     output_text text;

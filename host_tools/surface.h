@@ -14,10 +14,16 @@ typedef struct surface_point {
 
 surface_point surface_at(const scene_surface *s, double theta1, double theta2);
 
-/* Exact area of the reference surface over a rectangle of the parameters. */
+/* Area of the reference surface over a rectangle of the parameters, to rounding where its pieces are smooth. */
 double surface_area(const scene_surface *s, const double theta1[2], const double theta2[2]);
 
-/* Direction (1 or 2) in which the surface closes on itself after 2 pi, or 0. */
-int surface_periodic(const scene_surface *s);
+/* Does theta1 (direction 1) or theta2 (2) come back to the same points after 2 pi? */
+int surface_closes(const scene_surface *s, int direction);
+
+/* Is it a surface of revolution: theta2 the azimuth, A2 the radius? */
+int surface_revolves(const scene_surface *s);
+
+/* The range of theta1 or theta2 that a surface has of itself; returns 0 where it has none. range [2] out */
+int surface_range(const scene_surface *s, int direction, double range[2]);
 
 #endif

@@ -60,6 +60,7 @@ typedef enum pzs_status {
     PZS_W_SLEW,      /* slew and limit do not meet at input `where`: the limit won */
     PZS_W_SENSOR,    /* measurement `where` is not finite or frozen: its last disturbance is kept */
     PZS_W_HELD,      /* no usable measurement or target: the last safe volts are held */
+    PZS_W_UNSTABLE,  /* an equilibrium with negative pivots: the structure will not stay there by itself */
 
     /* Errors: outputs untouched. */
     PZS_E_ARGUMENT,  /* null pointer, or a size or index out of range */
@@ -72,7 +73,12 @@ typedef enum pzs_status {
     PZS_E_LOOSE,     /* no stiffness left at unknown `where`: a loose part, or a missing support */
     PZS_E_NEGATIVE,  /* negative pivot at unknown `where` in a structure at rest */
     PZS_E_CONDITION, /* condition estimate above what this precision carries */
-    PZS_E_RESIDUAL   /* refinement ended with an estimated error above the root of epsilon */
+    PZS_E_RESIDUAL,  /* refinement ended with an estimated error above the root of epsilon */
+
+    /* Errors of the nonlinear path: the last equilibrium stands, `factor` of the way to the amounts asked for. */
+    PZS_E_DIVERGED,  /* no equilibrium found beyond it, down to 1/64 of a load step */
+    PZS_E_LIMIT,     /* the same, and the tangent loses its sign there: a limit or branching point is near */
+    PZS_E_SYSTEMS    /* budget of linear systems spent */
 } pzs_status;
 
 /* One line for a person; the text lives in flash and is linked only where it is called. */
@@ -204,6 +210,186 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y)
  * Errors as pzs_solve (columns before the failing input `where` are written).
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
+
+#if PZS_NONLINEAR
+/* ---- the nonlinear image: equilibrium at large rotation --------------- */
+
+/*
+ * Resultants that an input puts into the elements: actuation and temperature turn with the shell,
+ * while the force of a dead load, a row of structure.input, stays as it is.
+ */
+typedef struct pzs_given {
+    uint16_t values;             /* rows of value */
+    const uint32_t *start;       /* [inputs + 1]; an input without entries is a load */
+    const uint16_t *element;     /* [start[inputs]] */
+    const uint16_t *which;       /* [start[inputs]] row of value */
+    const pzs_real (*value)[10]; /* [values] H0 per unit of input times area (N m), order of pzs_kind.d */
+} pzs_given;
+
+/* Free unknowns that are moved rather than loaded: u[dof] = amount[input] value. */
+typedef struct pzs_prescribed {
+    uint16_t count;
+    uint16_t input;              /* an input whose row is empty */
+    const uint16_t *dof;         /* [count] */
+    const pzs_real *value;       /* [count] per unit of input, in the unknowns' units */
+} pzs_prescribed;
+
+/* What the nonlinear path needs besides a structure with kinds. All arrays const, in flash. */
+typedef struct pzs_nonlinear {
+    uint32_t format, scene;      /* those of the structure */
+    uint32_t crc;                /* over the arrays of given and prescribed, in their order */
+    pzs_given given;
+    pzs_prescribed prescribed;
+} pzs_nonlinear;
+
+/* A follower load or a contact that takes part in the iteration (lib/nonlinear.h). */
+typedef struct pzs_option {
+    struct pzs_option *next;
+    const struct pzs_option_calls *call;
+} pzs_option;
+
+typedef struct pzs_path {
+    pzs_model *model;
+    const pzs_nonlinear *tables;
+    pzs_option *option;          /* first of those attached, or NULL */
+    pzs_real *u;                 /* [dof] the shape reached (m and 1) */
+    pzs_real *amount;            /* [inputs] that hold it there */
+    pzs_real (*resultant)[22];   /* [elements] extrapolated, then true resultants (N m) */
+    pzs_real (*given)[10];       /* [elements] H0 of the amounts */
+    pzs_real *load;              /* [dof] forces applied at the last system, without reactions (N, N m) */
+    pzs_real *kept_u;            /* [dof] the last equilibrium, */
+    pzs_real *kept_amount;       /* [inputs] */
+    pzs_real (*kept_resultant)[22]; /* [elements] all of it */
+
+    pzs_real change;             /* choice: a step has settled when the last increment, and the next one to come, are
+                                    below this part of the step's displacement; 1e-4 */
+    uint16_t steps;              /* choice: load steps tried first; 1 */
+    uint16_t mixed;              /* choice: systems of a step with extrapolated resultants before those of the shape
+                                    take over; 12, 0: the plain Newton method */
+    uint32_t systems_allowed;    /* choice: budget of one call; 400 */
+
+    uint32_t systems;            /* linear systems solved in the last call */
+    uint32_t steps_taken;        /* load steps that settled */
+    uint32_t negative;           /* negative pivots of the tangent at u: 0 is a stable shape */
+    pzs_real factor;             /* part of the way from the shape before to the amounts asked for: 1 is all */
+    pzs_real residual;           /* |force imbalance| / |applied force| at u, scaled rows */
+    pzs_real quiet;              /* last increment over the step's displacement */
+    uint16_t iteration;          /* systems before the present one in its load step */
+    int32_t where;               /* index that goes with the last status, or -1 */
+    uint8_t stage;
+} pzs_path;
+
+/* Bytes of workspace for a path. */
+#define PZS_PATH_BYTES(dof, elements, inputs) \
+    (sizeof(pzs_real) * (3u * (size_t)(dof) + 54u * (size_t)(elements) + 2u * (size_t)(inputs)))
+
+/*
+ * Lay a path out in the workspace, at rest, unloaded, with its choices at their defaults.
+ *   model   in/out a model initialised on the structure; its envelope holds tangents from now on
+ *   tables  in     must outlive the path
+ * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (where = bytes needed), LOOSE.
+ */
+pzs_status pzs_path_init(pzs_path *path, pzs_model *model, const pzs_nonlinear *tables, void *work, size_t bytes);
+
+/* Back to rest, all amounts zero. */
+void pzs_path_rest(pzs_path *path);
+
+/*
+ * Equilibrium under the amounts, from the shape reached so far: the whole way in `steps` load steps, and where a
+ * step does not settle in 40 systems, in halves of it, down to 1/64. Newton's method with independent resultants.
+ *   amount [inputs] in
+ * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT, STAGE, NONFINITE; DIVERGED, LIMIT,
+ * SYSTEMS: path->u is the last equilibrium, at path->factor.
+ */
+pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount);
+
+/*
+ * Influence at the shape reached: outputs per unit of each input, by the tangent there.
+ *   influence [outputs][inputs] out (m/V)
+ * Errors: ARGUMENT, STAGE, NONFINITE (where = input).
+ */
+pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence);
+
+/* ---- option: follower loads (lib/follower.c) -------------------------- */
+
+/* A pressure that turns with a face. All arrays const, in flash. */
+typedef struct pzs_follower {
+    uint16_t input;           /* an input with an empty row: its amount scales the load */
+    uint8_t load_face;        /* where it acts: 0 inner face, 1 outer, 2 half on each */
+    uint8_t normal_face;      /* whose normal it follows: 0 inner, 1 outer */
+    uint8_t true_area;        /* 1: per area of the deformed normal_face; 0: per reference area, along the unit normal */
+    pzs_real share[3];        /* of a corner's pressure carried by itself, its neighbours, the opposite corner */
+    const pzs_real (*area)[4]; /* [kinds] area that goes with each corner (m2) */
+    const pzs_real *pressure; /* [nodes] per unit of input, positive along e3 (N/m2) */
+} pzs_follower;
+
+typedef struct pzs_follower_load {
+    pzs_option option;
+    const pzs_follower *tables;
+} pzs_follower_load;
+
+/*
+ * Let a follower load take part in a path; both must outlive it. Errors: ARGUMENT.
+ * Its tangent is symmetrised, so the solver stays symmetric.
+ */
+pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables);
+
+/* ---- option: contact with a rigid convex body (lib/contact.c) --------- */
+
+/* A body by its signed distance. */
+typedef struct pzs_body {
+    /* Distance of x from the body, > 0 outside (m); normal [3] = its gradient, hessian [3][3] (1/m). */
+    pzs_real (*gap)(const struct pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
+    pzs_real point[3];        /* on the plane, on the axis, centre (m) */
+    pzs_real axis[3];         /* unit normal of the plane (outward), unit axis of the cylinder */
+    pzs_real radius;          /* (m) */
+    const void *own;          /* for a gap function of the caller's */
+} pzs_body;
+
+pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
+pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
+pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
+
+/* The face that may touch. All arrays const, in flash. */
+typedef struct pzs_contact_face {
+    uint8_t face;             /* 0 inner, 1 outer */
+    uint16_t input;           /* an input with an empty row: its amount times motion displaces the body; 0xFFFF: none */
+    pzs_real motion[3];       /* (m) */
+    pzs_real size;            /* of mesh or body: gaps below 1e-8 of it are closed (m) */
+    const pzs_real (*place)[3];    /* [nodes] of the face at rest (m) */
+    const pzs_real (*triad)[3][3]; /* [nodes] rows e1 e2 e3 */
+    const pzs_real *area;     /* [nodes] quarter areas of the elements at the node (m2) */
+} pzs_contact_face;
+
+typedef struct pzs_contact {
+    pzs_option option;
+    const pzs_contact_face *face;
+    const pzs_body *body;
+    pzs_real *pressure;       /* [nodes] contact pressure per reference area (N/m2), 0 where nothing touches */
+    pzs_real *kept_pressure;  /* [nodes] at the last equilibrium */
+    pzs_real *facing;         /* [nodes] below 0 where the face points at the body */
+    uint8_t *touching;        /* [nodes] 1 in contact */
+    uint8_t *kept_touching;   /* [nodes] at the last equilibrium */
+    pzs_real stiffness;       /* choice: kappa, in units of the structure's own; 10. The answer does not depend on it. */
+    pzs_real force[3];        /* resultant on the shell (N) */
+    uint16_t nodes;           /* in contact */
+    uint8_t changed;          /* nodes came or went before the last system */
+    uint8_t warm;             /* the load step began with nodes of an equilibrium */
+    uint8_t loose;            /* the supports alone do not hold the shell */
+} pzs_contact;
+
+/* Bytes of workspace for a contact. */
+#define PZS_CONTACT_BYTES(nodes) ((3u * sizeof(pzs_real) + 2u) * (size_t)(nodes))
+
+/*
+ * Let a contact take part in a path at rest; face and body must outlive it. Where the supports do not hold the shell
+ * without the body, the body must touch it from the start. After an equilibrium contact->pressure, force and nodes
+ * hold what was found; `settled` contact means every gap open or closed to within 1e-8 of size (in float: of rounding),
+ * no pressure negative, none across a gap. Errors: ARGUMENT, WORKSPACE (path->where = bytes needed).
+ */
+pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
+                              void *work, size_t bytes);
+#endif
 
 /* ---- the control image: influence to volts ---------------------------- */
 

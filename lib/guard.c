@@ -98,6 +98,10 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_NEGATIVE: return "negative pivot in a structure at rest";
     case PZS_E_CONDITION: return "condition estimate above what this precision carries";
     case PZS_E_RESIDUAL: return "refinement ended with an estimated error above the root of epsilon";
+    case PZS_W_UNSTABLE: return "an equilibrium with negative pivots: not a stable shape";
+    case PZS_E_DIVERGED: return "no equilibrium found beyond the last one";
+    case PZS_E_LIMIT: return "a limit or branching point is near";
+    case PZS_E_SYSTEMS: return "budget of linear systems spent";
     default: return "unknown status";
     }
 }

@@ -114,12 +114,17 @@ int32_t linalg_scale(pzs_envelope *a, pzs_real *scale)
             return (int32_t)i;
         scale[i] = unit_scale(d);
     }
+    linalg_apply_scale(a, scale);
+    return -1;
+}
+
+void linalg_apply_scale(pzs_envelope *a, const pzs_real *scale)
+{
     for (uint32_t i = 0; i < a->n; i++) {
         pzs_real *entry = linalg_entry(a, i, a->first[i]);
         for (uint32_t j = a->first[i]; j <= i; j++, entry += PZS_TILE)
             *entry = *entry * scale[i] * scale[j];
     }
-    return -1;
 }
 
 pzs_real linalg_norm1(const pzs_envelope *a, pzs_real *sum)

@@ -32,6 +32,9 @@ pzs_real *linalg_entry(const pzs_envelope *a, uint32_t i, uint32_t j);
  */
 int32_t linalg_scale(pzs_envelope *a, pzs_real *scale);
 
+/* a_ij *= s_i s_j.  scale [n] in */
+void linalg_apply_scale(pzs_envelope *a, const pzs_real *scale);
+
 /* 1-norm of the symmetric matrix. sum [n] work. */
 pzs_real linalg_norm1(const pzs_envelope *a, pzs_real *sum);
 

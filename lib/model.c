@@ -1,10 +1,9 @@
 /* The linear image: tables -> assemble -> factor -> solve, influence (pzs.h). */
+#include "model.h"
 #include "guard.h"
 #include "linalg.h"
 #include "shell.h"
 #include <string.h>
-
-enum { STAGE_READY = 1, STAGE_ASSEMBLED = 2, STAGE_FACTORED = 3 };
 
 /* Most refinement passes of a solve; conjugate gradients preconditioned by the factor need 1 to 8. */
 enum { REFINE_PASSES = 16 };
@@ -129,24 +128,19 @@ static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
     return model->structure->node_dof + (size_t)node * model->structure->unknowns;
 }
 
-static pzs_real kind_factor(const pzs_model *model, uint16_t kind)
+pzs_real model_kind_factor(const pzs_model *model, uint32_t element)
 {
-    return model->stiffness_factor ? model->stiffness_factor[kind] : 1;
+    return model->stiffness_factor ? model->stiffness_factor[model->structure->element_kind[element]] : 1;
 }
 
-/* K += factor P' K_kind P for one element */
-static void add_element(pzs_model *model, uint32_t element)
+void model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor, const pzs_real *entry)
 {
-    const pzs_structure *s = model->structure;
-    const unsigned n = SHELL_NODES * s->unknowns;
-    const uint16_t kind = s->element_kind[element];
-    const pzs_real factor = kind_factor(model, kind);
-    const pzs_real *entry = s->stiffness + (size_t)kind * SHELL_PACKED(n);
+    const unsigned unknowns = model->structure->unknowns;
     uint16_t dof[SHELL_MAX];
-    for (unsigned r = 0; r < SHELL_NODES; r++)
-        for (unsigned i = 0; i < s->unknowns; i++)
-            dof[r * s->unknowns + i] = free_unknown(model, node_dofs(model, s->element[element][r])[i]);
-    for (unsigned i = 0; i < n; i++)
+    for (unsigned r = 0; r < count; r++)
+        for (unsigned i = 0; i < unknowns; i++)
+            dof[r * unknowns + i] = free_unknown(model, node_dofs(model, node[r])[i]);
+    for (unsigned i = 0; i < count * unknowns; i++)
         for (unsigned j = 0; j <= i; j++, entry++) {
             if (dof[i] == PZS_FIXED || dof[j] == PZS_FIXED)
                 continue;
@@ -182,8 +176,10 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
     model->stiffness_factor = stiffness_factor;
     model->held = held;
     linalg_clear(&model->k);
-    for (uint32_t e = 0; e < model->structure->elements; e++)
-        add_element(model, e);
+    const pzs_structure *s = model->structure;
+    for (uint32_t e = 0; e < s->elements; e++)
+        model_add_matrix(model, s->element[e], SHELL_NODES, model_kind_factor(model, e),
+                         s->stiffness + s->element_kind[e] * (size_t)SHELL_PACKED(SHELL_NODES * s->unknowns));
     for (uint32_t i = 0; held && i < model->k.n; i++)
         if (held[i])
             *linalg_entry(&model->k, i, i) = 1;
@@ -231,20 +227,19 @@ pzs_status pzs_factor(pzs_model *model)
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* u [4 unknowns] = P p for an element, zero where fixed */
-static void gather(const pzs_model *model, const uint16_t node[4], const pzs_real *p, pzs_real *u)
+void model_gather(const pzs_model *model, const uint16_t *node, unsigned count, const pzs_real *p, pzs_real *u)
 {
-    for (unsigned r = 0; r < SHELL_NODES; r++)
+    for (unsigned r = 0; r < count; r++)
         for (unsigned i = 0; i < model->structure->unknowns; i++) {
             const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
             *u++ = dof == PZS_FIXED ? 0 : p[dof];
         }
 }
 
-/* f += factor P' u */
-static void scatter(const pzs_model *model, const uint16_t node[4], pzs_real factor, const pzs_real *u, pzs_real *f)
+void model_scatter(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor, const pzs_real *u,
+                   pzs_real *f)
 {
-    for (unsigned r = 0; r < SHELL_NODES; r++)
+    for (unsigned r = 0; r < count; r++)
         for (unsigned i = 0; i < model->structure->unknowns; i++, u++) {
             const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
             if (dof != PZS_FIXED)
@@ -259,14 +254,13 @@ static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
     for (uint32_t e = 0; e < s->elements; e++) {
         const uint16_t kind = s->element_kind[e];
         pzs_real u[SHELL_MAX]; /* displacement, then force */
-        gather(model, s->element[e], p, u);
+        model_gather(model, s->element[e], SHELL_NODES, p, u);
         shell_force(&s->kind[kind], s->unknowns, u, u);
-        scatter(model, s->element[e], kind_factor(model, kind), u, f);
+        model_scatter(model, s->element[e], SHELL_NODES, model_kind_factor(model, e), u, f);
     }
 }
 
-/* z = S (L D L')^-1 S r: the factor as an approximate inverse of the unscaled K */
-static void precondition(const pzs_model *model, const pzs_real *r, pzs_real *z)
+void model_backsolve(const pzs_model *model, const pzs_real *r, pzs_real *z)
 {
     for (uint32_t i = 0; i < model->k.n; i++)
         z[i] = model->scale[i] * r[i];
@@ -283,8 +277,7 @@ static pzs_real inner(const pzs_real *x, const pzs_real *y, uint32_t n)
     return sum;
 }
 
-/* Norm of a force in the scaled unknowns, where every row weighs alike. */
-static pzs_real scaled_norm2(const pzs_model *model, const pzs_real *r)
+pzs_real model_scaled_norm2(const pzs_model *model, const pzs_real *r)
 {
     pzs_real sum = 0;
     for (uint32_t i = 0; i < model->k.n; i++)
@@ -303,7 +296,7 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     const uint32_t n = model->k.n;
     pzs_real *z = model->work + 2 * (size_t)n, *p = z + n, *kp = p + n;
     pzs_real energy = 0;
-    precondition(model, r, z);
+    model_backsolve(model, r, z);
     memcpy(p, z, n * sizeof *p);
     memset(u, 0, n * sizeof *u);
     pzs_real left = inner(r, z, n);
@@ -320,7 +313,7 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
         }
         energy += step * left;
         model->passes++;
-        precondition(model, r, z);
+        model_backsolve(model, r, z);
         const pzs_real next = inner(r, z, n);
         const pzs_real turn = next / left;
         for (uint32_t i = 0; i < n; i++)
@@ -329,8 +322,7 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     }
 }
 
-/* f += amount f_j, nothing where held */
-static void add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_real *f)
+void model_add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_real *f)
 {
     const pzs_rows *in = &model->structure->input;
     for (uint32_t t = in->start[j]; t < in->start[j + 1]; t++)
@@ -342,15 +334,15 @@ static void add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_r
 static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r, pzs_real *z)
 {
     const uint32_t n = model->k.n;
-    const pzs_real load = scaled_norm2(model, f), energy = inner(f, u, n);
+    const pzs_real load = model_scaled_norm2(model, f), energy = inner(f, u, n);
     memset(r, 0, n * sizeof *r);
     add_force(model, u, r);
     for (uint32_t i = 0; i < n; i++)
         r[i] = f[i] - r[i];
-    precondition(model, r, z);
+    model_backsolve(model, r, z);
     const pzs_real error = inner(r, z, n);
     /* Rounding may leave a tiny error negative; a NaN must stay one. */
-    model->residual = load <= 0 ? 0 : PZS_SQRT(scaled_norm2(model, r) / load);
+    model->residual = load <= 0 ? 0 : PZS_SQRT(model_scaled_norm2(model, r) / load);
     model->error = load <= 0 ? 0 : PZS_SQRT((error < 0 ? 0 : error) / energy);
 }
 
@@ -385,7 +377,7 @@ static void solve_unit(pzs_model *model, pzs_real *u)
     model->passes = 0;
     model->residual = model->error = -1;
     if (!model->structure->kind) {
-        precondition(model, f, u);
+        model_backsolve(model, f, u);
         return;
     }
     memcpy(r, f, model->k.n * sizeof *r);
@@ -416,13 +408,13 @@ pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u)
     memset(model->work, 0, model->k.n * sizeof *model->work);
     for (uint32_t j = 0; j < inputs; j++)
         if (amount[j] != 0)
-            add_input(model, j, amount[j], model->work);
+            model_add_input(model, j, amount[j], model->work);
     return fail(model, solve_loaded(model, u), -1);
 }
 
 /* ---- influence -------------------------------------------------------- */
 
-static pzs_real observe_row(const pzs_structure *s, const pzs_real *u, uint32_t row)
+pzs_real model_observe_row(const pzs_structure *s, const pzs_real *u, uint32_t row)
 {
     pzs_real sum = 0;
     for (uint32_t t = s->output.start[row]; t < s->output.start[row + 1]; t++)
@@ -433,7 +425,7 @@ static pzs_real observe_row(const pzs_structure *s, const pzs_real *u, uint32_t 
 void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y)
 {
     for (uint32_t row = 0; row < structure->output.count; row++)
-        y[row] = observe_row(structure, u, row);
+        y[row] = model_observe_row(structure, u, row);
 }
 
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
@@ -446,12 +438,12 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
     pzs_real *u = model->work + 5 * (size_t)model->k.n;
     for (uint32_t j = 0; j < s->input.count; j++) {
         memset(model->work, 0, model->k.n * sizeof *model->work);
-        add_input(model, j, 1, model->work);
+        model_add_input(model, j, 1, model->work);
         const pzs_status status = solve_loaded(model, u);
         if (status != PZS_OK)
             return fail(model, status, (int32_t)j);
         for (uint32_t i = 0; i < s->output.count; i++)
-            influence[(size_t)i * s->input.count + j] = observe_row(s, u, i);
+            influence[(size_t)i * s->input.count + j] = model_observe_row(s, u, i);
     }
     return fail(model, PZS_OK, -1);
 }

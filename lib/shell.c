@@ -294,7 +294,7 @@ void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u
     e[0][E12M] += kind->twist * e[0][E12D];
 }
 
-void shell_resultants(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
+static void resultants_of(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
 {
     memcpy(h, e, sizeof(pzs_real[4][10]));
     multiply_modes(kind, h);
@@ -307,7 +307,7 @@ static void corner_of_resultants(const pzs_kind *kind, pzs_real h[4][10], int r,
     t[E12D] += (pzs_real)0.25 * kind->twist * h[0][E12M];
 }
 
-void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *f)
+static void force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *f)
 {
     memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
@@ -337,8 +337,8 @@ static void tangent_times(const pzs_kind *kind, unsigned unknowns, const pzs_rea
         add_modes(de, e, r);
     }
     de[0][E12M] += kind->twist * de[0][E12D];
-    shell_resultants(kind, de, dh);
-    shell_force_at(kind, unknowns, u, dh, f);
+    resultants_of(kind, de, dh);
+    force_at(kind, unknowns, u, dh, f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const corner dv = corner_derivatives(kind, unknowns, v, r);
         pzs_real t[10];
@@ -349,7 +349,7 @@ static void tangent_times(const pzs_kind *kind, unsigned unknowns, const pzs_rea
     }
 }
 
-void shell_tangent(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *k)
+static void tangent_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *k)
 {
     const unsigned n = SHELL_NODES * unknowns;
     pzs_real v[SHELL_MAX] = {0}, f[SHELL_MAX];
@@ -360,6 +360,65 @@ void shell_tangent(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, p
         k += i + 1;
         v[i] = 0;
     }
+}
+
+static void pack(pzs_real h[4][10], pzs_real *resultant)
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < kept_strains[m]; i++)
+            *resultant++ = h[m][kept_strain[m][i]];
+}
+
+static void unpack(const pzs_real *resultant, pzs_real h[4][10])
+{
+    memset(h, 0, sizeof(pzs_real[4][10]));
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < kept_strains[m]; i++)
+            h[m][kept_strain[m][i]] = *resultant++;
+}
+
+void shell_resultants(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *du,
+                      const pzs_real *given, pzs_real *resultant)
+{
+    pzs_real e[4][10], h[4][10];
+    shell_strains_at(kind, unknowns, u, e);
+    if (du) {
+        pzs_real change[4][10];
+        memset(change, 0, sizeof change);
+        for (int r = 0; r < SHELL_NODES; r++) {
+            const corner d = corner_derivatives(kind, unknowns, u, r);
+            const corner all = moved(kind, &d, 1, r);
+            const shape now = shape_of(&all);
+            const corner dv = corner_derivatives(kind, unknowns, du, r);
+            pzs_real corner_e[10];
+            corner_strains(&now, &dv, kind->thickness, corner_e);
+            add_modes(change, corner_e, r);
+        }
+        change[0][E12M] += kind->twist * change[0][E12D];
+        for (int m = 0; m < SHELL_MODES; m++)
+            add_scaled(e[m], 1, change[m]), add_scaled(e[m] + 3, 1, change[m] + 3), add_scaled(e[m] + 6, 1, change[m] + 6), e[m][9] += change[m][9];
+    }
+    resultants_of(kind, e, h);
+    for (int i = 0; given && i < SHELL_STRAINS; i++)
+        h[0][i] += given[i];
+    pack(h, resultant);
+}
+
+void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *resultant, pzs_real *f)
+{
+    pzs_real h[4][10];
+    unpack(resultant, h);
+    force_at(kind, unknowns, u, h, f);
+}
+
+void shell_system(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *given,
+                  const pzs_real *resultant, pzs_real *f, pzs_real *k)
+{
+    pzs_real true_h[SHELL_RESULTANTS], h[4][10];
+    shell_resultants(kind, unknowns, u, NULL, given, true_h);
+    shell_force_at(kind, unknowns, u, true_h, f);
+    unpack(resultant ? resultant : true_h, h);
+    tangent_at(kind, unknowns, u, h, k);
 }
 
 #endif

@@ -37,24 +37,38 @@ void shell_given(const pzs_kind *kind, unsigned unknowns, const pzs_real *h0, pz
 
 #if PZS_NONLINEAR
 /*
- * Strains by mode at a displacement, exact to second order.  u [4 unknowns] in, e [4][10] out.
+ * The element at a displacement u. Strains e(u) by mode are exact to second order, L(u) is their first
+ * variation, A_m their (constant) second. Resultants H go with the modes' kept strains, packed: modes
+ * 00 01 10 11, each its kept strains in their order, times area/3^(r1+r2) (N m).
  */
+enum { SHELL_RESULTANTS = 22 };
+
+/* Strains by mode.  e [4][10] out, order of D. */
 void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real e[4][10]);
 
 /*
- * Residual side of the virtual work at a displacement:  f = sum_m L_m(u)^T H_m.
- *   h [4][10] in resultants by mode, times area/3^(r1+r2)
- */
-void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *f);
-
-/*
- * Tangent at a displacement under resultants h:  K = sum_m L_m^T D_m L_m + H_m A_m.
+ * One element's part of a mixed Newton system:
+ *   f = sum_m L_m^T H_m(u),  H(u) = D e(u) + H0         internal force at the true resultants
+ *   K = sum_m L_m^T D_m L_m + (resultants)_m A_m        tangent under the given resultants
+ *   given     [10] in   H0 of mode 00, times the element's area (N m), order of D; NULL: none
+ *   resultant [22] in   resultants of the geometric part, H0 in them; NULL: H(u) itself
+ *   f [4 unknowns] out (N, N m)
  *   k [SHELL_PACKED(4 unknowns)] out, lower triangle
  */
-void shell_tangent(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *k);
+void shell_system(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *given,
+                  const pzs_real *resultant, pzs_real *f, pzs_real *k);
 
-/* Resultants by mode h = D e.  e, h [4][10]. */
-void shell_resultants(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10]);
+/*
+ * Resultants extrapolated along du:  H = D (e(u) + L(u) du) + H0.
+ *   du        [4 unknowns] in  NULL: resultants at u itself
+ *   given     [10] in          as above
+ *   resultant [22] out
+ */
+void shell_resultants(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *du,
+                      const pzs_real *given, pzs_real *resultant);
+
+/* Force of resultants alone:  f = sum_m L_m(u)^T H_m.  resultant [22] in, f [4 unknowns] out. */
+void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *resultant, pzs_real *f);
 #endif
 
 #endif

@@ -137,23 +137,33 @@ static void check_columns(const testdata *t, const one *o, int layers)
     ASSERT_CLOSE(t->name, "force per kelvin", f, testdata_values(t, "kelvin"), n, 1e-12);
 }
 
+/* Strains that each mode keeps, in the order of D: the resultants' order. */
+static const int kept_count[4] = {10, 5, 5, 2};
+static const int kept[4][10] = {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, {0, 1, 4, 5, 8}, {2, 3, 4, 5, 9}, {4, 5}};
+
+/* Strain energy, half of strains times resultants. */
+static double energy_at(const pzs_kind *kind, unsigned unknowns, const double *u)
+{
+    double e[4][10], h[SHELL_RESULTANTS], energy = 0, *resultant = h;
+    shell_strains_at(kind, unknowns, u, e);
+    shell_resultants(kind, unknowns, u, NULL, NULL, h);
+    for (int m = 0; m < 4; m++)
+        for (int i = 0; i < kept_count[m]; i++)
+            energy += e[m][kept[m][i]] * *resultant++ / 2;
+    return energy;
+}
+
 /* Internal force, energy and tangent at a displacement. */
 static void check_at_shape(const testdata *t, const one *o)
 {
     const unsigned unknowns = o->mesh.unknowns;
     const int n = 4 * (int)unknowns;
-    const double *u = testdata_values(t, "U");
-    double e[4][10], h[4][10], f[28], k[SHELL_PACKED(28)], energy = 0;
-    shell_strains_at(&o->mesh.kind[0], unknowns, u, e);
-    shell_resultants(&o->mesh.kind[0], e, h);
-    for (int m = 0; m < 4; m++)
-        for (int i = 0; i < 10; i++)
-            energy += e[m][i] * h[m][i] / 2;
-    shell_force_at(&o->mesh.kind[0], unknowns, u, h, f);
-    shell_tangent(&o->mesh.kind[0], unknowns, u, h, k);
-    ASSERT_CLOSE(t->name, "energy", &energy, testdata_values(t, "energy"), 1, 1e-10);
-    ASSERT_CLOSE(t->name, "internal force", f, testdata_values(t, "force"), n, 1e-10);
-    ASSERT_CLOSE(t->name, "tangent", k, testdata_values(t, "tangent"), SHELL_PACKED(n), 1e-10);
+    const double *u = testdata_values(t, "U"), energy = energy_at(&o->mesh.kind[0], unknowns, u);
+    double f[28], k[SHELL_PACKED(28)];
+    shell_system(&o->mesh.kind[0], unknowns, u, NULL, NULL, f, k);
+    ASSERT_CLOSE(t->name, "energy", &energy, testdata_values(t, "energy"), 1, 1e-12);
+    ASSERT_CLOSE(t->name, "internal force", f, testdata_values(t, "force"), n, 1e-12);
+    ASSERT_CLOSE(t->name, "tangent", k, testdata_values(t, "tangent"), SHELL_PACKED(n), 1e-12);
 }
 
 /* Element witnessed by another program: D is given, geometry is compared node by node. */
@@ -291,38 +301,125 @@ static void test_six_zero_modes(void **state)
         }
 }
 
-/* Law: the tangent is the derivative of the internal force; forces are cubic, so a four-point difference is exact. */
+/* y = K x, K a packed lower triangle of n rows. */
+static void times(const double *k, const double *x, int n, double *y)
+{
+    for (int r = 0; r < n; r++) {
+        y[r] = 0;
+        for (int c = 0; c < n; c++)
+            y[r] += k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] * x[c];
+    }
+}
+
+static void fill(double *x, int n, double size, unsigned *seed)
+{
+    for (int i = 0; i < n; i++)
+        x[i] = size * pseudo_random(seed);
+}
+
+/* Elements under the laws at a shape: every surface in both formulations, corrected with 7 and 6 unknowns. */
+enum { SHAPES = 3 * SAMPLES };
+
+static unsigned build_shape(one *o, int shape)
+{
+    scene_element element = shape % 3 == 0 ? source : corrected;
+    element.unknowns = shape % 3 == 2 ? 6 : 7;
+    build_sample(o, &samples[shape / 3], &element);
+    return (unsigned)element.unknowns;
+}
+
+/* Law: the tangent under the true resultants, given ones among them, is the derivative of the internal force.
+ * Forces are cubic in u, so a four-point difference is exact. */
 static void test_tangent_is_derivative(void **state)
 {
     (void)state;
     static const double point[4] = {1, -1, 2, -2}, weight[4] = {8 / 12.0, -8 / 12.0, -1 / 12.0, 1 / 12.0};
-    for (int i = 0; i < SAMPLES; i++) {
+    for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 7;
-        double u[28], v[28], derivative[28] = {0}, product[28] = {0}, e[4][10], h[4][10], f[28], k[SHELL_PACKED(28)];
-        build_sample(&o, &samples[i], i % 2 ? &source : &corrected);
+        const unsigned unknowns = build_shape(&o, i);
         const pzs_kind *kind = &o.mesh.kind[0];
-        for (int j = 0; j < 28; j++) {
-            u[j] = 0.2 * pseudo_random(&seed);
-            v[j] = 0.1 * pseudo_random(&seed);
-        }
+        const int n = 4 * (int)unknowns;
+        double u[28], v[28], given[10], derivative[28] = {0}, product[28], f[28], k[SHELL_PACKED(28)], ignored[SHELL_PACKED(28)];
+        fill(u, n, 0.2, &seed);
+        fill(v, n, 0.1, &seed);
+        fill(given, 10, 0.01, &seed);
+        shell_system(kind, unknowns, u, given, NULL, f, k);
+        times(k, v, n, product);
         for (int p = 0; p < 4; p++) {
             double moved[28];
-            for (int j = 0; j < 28; j++)
+            for (int j = 0; j < n; j++)
                 moved[j] = u[j] + point[p] * v[j];
-            shell_strains_at(kind, 7, moved, e);
-            shell_resultants(kind, e, h);
-            shell_force_at(kind, 7, moved, h, f);
-            for (int j = 0; j < 28; j++)
+            shell_system(kind, unknowns, moved, given, NULL, f, ignored);
+            for (int j = 0; j < n; j++)
                 derivative[j] += weight[p] * f[j];
         }
-        shell_strains_at(kind, 7, u, e);
-        shell_resultants(kind, e, h);
-        shell_tangent(kind, 7, u, h, k);
-        for (int r = 0; r < 28; r++)
-            for (int c = 0; c < 28; c++)
-                product[r] += k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] * v[c];
-        ASSERT_CLOSE(samples[i].surface, "tangent times v", product, derivative, 28, 1e-13);
+        ASSERT_CLOSE(samples[i / 3].surface, "tangent times v", product, derivative, n, 1e-13);
+        mesh_free(&o.mesh);
+    }
+}
+
+/* Law: the geometric part is the derivative of the force of resultants that stay; that force is linear in u. */
+static void test_geometric_part(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SHAPES; i++) {
+        one o;
+        unsigned seed = 11;
+        const unsigned unknowns = build_shape(&o, i);
+        const pzs_kind *kind = &o.mesh.kind[0];
+        const int n = 4 * (int)unknowns;
+        const double none[SHELL_RESULTANTS] = {0};
+        double u[28], v[28], moved[28], resultant[SHELL_RESULTANTS], product[28], f[28], here[28], there[28];
+        double k[SHELL_PACKED(28)], material[SHELL_PACKED(28)];
+        fill(u, n, 0.2, &seed);
+        fill(v, n, 0.1, &seed);
+        fill(resultant, SHELL_RESULTANTS, 1, &seed);
+        for (int j = 0; j < n; j++)
+            moved[j] = u[j] + v[j];
+        shell_force_at(kind, unknowns, u, resultant, here);
+        shell_force_at(kind, unknowns, moved, resultant, there);
+        shell_system(kind, unknowns, u, NULL, resultant, f, k);
+        shell_system(kind, unknowns, u, NULL, none, f, material);
+        for (int j = 0; j < SHELL_PACKED(n); j++)
+            k[j] -= material[j];
+        for (int j = 0; j < n; j++)
+            there[j] -= here[j];
+        times(k, v, n, product);
+        ASSERT_CLOSE(samples[i / 3].surface, "geometric part times v", product, there, n, 1e-13);
+        mesh_free(&o.mesh);
+    }
+}
+
+/* Law: strains are quadratic, e(u + du) = e(u) + L(u) du + (e(du) - L(0) du), so extrapolated resultants are
+ * those of the new shape without the quadratic term; given resultants of mode 00 are added as they are. */
+static void test_extrapolation(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SHAPES; i++) {
+        one o;
+        unsigned seed = 5;
+        const unsigned unknowns = build_shape(&o, i);
+        const pzs_kind *kind = &o.mesh.kind[0];
+        const double zero[28] = {0};
+        double u[28], du[28], sum[28], given[10];
+        double there[SHELL_RESULTANTS], ahead[SHELL_RESULTANTS], alone[SHELL_RESULTANTS], linear[SHELL_RESULTANTS];
+        fill(u, 28, 0.2, &seed);
+        fill(du, 28, 0.2, &seed);
+        fill(given, 10, 0.01, &seed);
+        for (int j = 0; j < 28; j++)
+            sum[j] = u[j] + du[j];
+        shell_resultants(kind, unknowns, u, du, given, ahead);
+        shell_resultants(kind, unknowns, sum, NULL, given, there);
+        shell_resultants(kind, unknowns, du, NULL, NULL, alone);
+        shell_resultants(kind, unknowns, zero, du, NULL, linear);
+        for (int j = 0; j < SHELL_RESULTANTS; j++)
+            there[j] -= alone[j] - linear[j];
+        ASSERT_CLOSE(samples[i / 3].surface, "extrapolated resultants", ahead, there, SHELL_RESULTANTS, 1e-14);
+        shell_resultants(kind, unknowns, u, du, NULL, linear);
+        for (int j = 0; j < SHELL_RESULTANTS; j++)
+            linear[j] += j < 10 ? given[j] : 0;
+        ASSERT_CLOSE(samples[i / 3].surface, "given resultants", ahead, linear, SHELL_RESULTANTS, 0);
         mesh_free(&o.mesh);
     }
 }
@@ -331,21 +428,20 @@ static void test_tangent_is_derivative(void **state)
 static void test_table_is_tangent_at_zero(void **state)
 {
     (void)state;
-    for (int i = 0; i < SAMPLES; i++) {
+    for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 3;
-        double zero[28] = {0}, none[4][10], k[SHELL_PACKED(28)], u[28], f[28], product[28] = {0};
-        memset(none, 0, sizeof none);
-        build_sample(&o, &samples[i], i % 2 ? &source : &corrected);
-        shell_tangent(&o.mesh.kind[0], 7, zero, none, k);
-        ASSERT_CLOSE(samples[i].surface, "table matrix", o.mesh.stiffness, k, SHELL_PACKED(28), 8 * 2.2e-16);
-        for (int j = 0; j < 28; j++)
-            u[j] = pseudo_random(&seed);
-        shell_force(&o.mesh.kind[0], 7, u, f);
-        for (int r = 0; r < 28; r++)
-            for (int c = 0; c < 28; c++)
-                product[r] += k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] * u[c];
-        ASSERT_CLOSE(samples[i].surface, "strain-based force", f, product, 28, 28 * 8 * 2.2e-16);
+        const unsigned unknowns = build_shape(&o, i);
+        const int n = 4 * (int)unknowns;
+        const double zero[28] = {0};
+        double k[SHELL_PACKED(28)], u[28], f[28], product[28];
+        shell_system(&o.mesh.kind[0], unknowns, zero, NULL, NULL, f, k);
+        ASSERT_CLOSE(samples[i / 3].surface, "table matrix", o.mesh.stiffness, k, SHELL_PACKED(n), 8 * 2.2e-16);
+        ASSERT_CLOSE(samples[i / 3].surface, "force at rest", f, zero, n, 0);
+        fill(u, n, 1, &seed);
+        shell_force(&o.mesh.kind[0], unknowns, u, f);
+        times(k, u, n, product);
+        ASSERT_CLOSE(samples[i / 3].surface, "strain-based force", f, product, n, 28 * 8 * 2.2e-16);
         mesh_free(&o.mesh);
     }
 }
@@ -427,15 +523,11 @@ static void test_rigid_motion_at_a_point(void **state)
 static double rigid_energy(const sample *s, const scene_element *element)
 {
     one o;
-    double u[28], e[4][10], h[4][10], energy = 0, scale = 0;
+    double u[28], scale = 0;
     build_sample(&o, s, element);
     for (int r = 0; r < 4; r++)
         rigid_node(&o, &o.mesh.point[o.mesh.element[0][r]], u + 7 * r);
-    shell_strains_at(&o.mesh.kind[0], 7, u, e);
-    shell_resultants(&o.mesh.kind[0], e, h);
-    for (int m = 0; m < 4; m++)
-        for (int i = 0; i < 10; i++)
-            energy += e[m][i] * h[m][i] / 2;
+    const double energy = energy_at(&o.mesh.kind[0], 7, u);
     for (int i = 0; i < 10; i++)
         scale += o.mesh.kind[0].d[0][i * (i + 3) / 2];
     mesh_free(&o.mesh);
@@ -500,6 +592,8 @@ int main(void)
         cmocka_unit_test(test_oracle),
         cmocka_unit_test(test_six_zero_modes),
         cmocka_unit_test(test_tangent_is_derivative),
+        cmocka_unit_test(test_geometric_part),
+        cmocka_unit_test(test_extrapolation),
         cmocka_unit_test(test_table_is_tangent_at_zero),
         cmocka_unit_test(test_rigid_motion_at_a_point),
         cmocka_unit_test(test_rigid_motion_of_the_mesh),

@@ -15,18 +15,20 @@ class Model:
     `same` maps a cell (i, j) to a key; cells of one key share an element (default: none do).
     """
 
-    def __init__(self, surface, t1, t2, section, options, unknowns=7, same=None):
+    def __init__(self, surface, t1, t2, section, options, unknowns=7, same=None, closed=False):
+        """closed: the last line of t2 is the first one again and carries no nodes of its own."""
         self.surface, self.unknowns = surface, unknowns
         self.t1, self.t2 = np.asarray(t1, float), np.asarray(t2, float)
-        self.n1, self.n2 = len(self.t1), len(self.t2)
+        self.across = len(self.t2) - 1                     # elements along theta2
+        self.n1, self.n2 = len(self.t1), self.across + (not closed)
         self.size = self.n1 * self.n2 * unknowns
         self.fixed = np.zeros(self.size, bool)
-        self.h = section.h
+        self.h, self.zlow = section.h, section.zlow
         same = same or (lambda i, j: (i, j))
         made = {}
         self.elements, self.dofs = [], []
         for i in range(self.n1 - 1):
-            for j in range(self.n2 - 1):
+            for j in range(self.across):
                 key = same(i, j)
                 if key not in made:
                     made[key] = Element(surface, self.cell(i, j), section, options, unknowns)
@@ -101,10 +103,10 @@ class Model:
         """Sum over elements of element_force(element, i, j) -> [n] or [n][columns]."""
         out = None
         for e, (el, dof) in enumerate(zip(self.elements, self.dofs)):
-            f = element_force(el, e // (self.n2 - 1), e % (self.n2 - 1))
+            f = element_force(el, e // self.across, e % self.across)
             if out is None:
                 out = np.zeros((self.size,) + f.shape[1:])
-            out[dof] += f
+            np.add.at(out, dof, f)
         return out
 
     def distributed(self, field, where=0.0):

@@ -342,8 +342,9 @@ class Element:
         corners = [(t1a, t2a), (t1b, t2a), (t1b, t2b), (t1a, t2b)]
         self.corners = [surface.at(*c) for c in corners]
         self.triads = [c[1] for c in self.corners]
-        _, _, lame, k, _ = surface.at((t1a + t1b) / 2, (t2a + t2b) / 2)
-        params = np.array([t1b - t1a, t2b - t2a])
+        self.centre = surface.at((t1a + t1b) / 2, (t2a + t2b) / 2)
+        _, _, lame, k, _ = self.centre
+        self.params = params = np.array([t1b - t1a, t2b - t2a])
         x = [c[0] for c in self.corners]
         chords = [np.linalg.norm(x[1] + x[2] - x[0] - x[3]) / 2,
                   np.linalg.norm(x[2] + x[3] - x[0] - x[1]) / 2]

@@ -1,0 +1,336 @@
+/* Tables of the nonlinear path and a path on them (path.h). */
+#include "path.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "nonlinear.h"
+#include "shell.h"
+
+/* ---- given resultants ------------------------------------------------- */
+
+typedef struct builder {
+    uint32_t *start;
+    uint16_t *element, *which;
+    double (*value)[LAMINATE_STRAINS];
+    size_t entries, room, values, room_values;
+    int full; /* memory ran out */
+} builder;
+
+static void *grown(builder *b, void *old, size_t count, size_t size)
+{
+    void *bigger = realloc(old, count * size);
+    if (!bigger)
+        b->full = 1;
+    return bigger ? bigger : old;
+}
+
+/* Row of value that holds h0; added if new. */
+static size_t row_of(builder *b, const double h0[LAMINATE_STRAINS])
+{
+    for (size_t i = b->values; i > 0; i--)
+        if (memcmp(b->value[i - 1], h0, sizeof *b->value) == 0)
+            return i - 1;
+    if (b->values == b->room_values) {
+        b->room_values = 2 * b->room_values + 16;
+        b->value = grown(b, b->value, b->room_values, sizeof *b->value);
+    }
+    if (!b->full)
+        memcpy(b->value[b->values], h0, sizeof *b->value);
+    return b->full ? 0 : b->values++;
+}
+
+static void append(builder *b, int element, const double h0[LAMINATE_STRAINS])
+{
+    const size_t row = row_of(b, h0);
+    if (b->entries == b->room) {
+        b->room = 2 * b->room + 64;
+        b->element = grown(b, b->element, b->room, sizeof *b->element);
+        b->which = grown(b, b->which, b->room, sizeof *b->which);
+    }
+    if (b->full)
+        return;
+    b->element[b->entries] = (uint16_t)element;
+    b->which[b->entries++] = (uint16_t)row;
+}
+
+/* The entries of one actuator's amplifiers. */
+static void append_actuator(builder *b, const mesh *m, const scene_actuator *actuator)
+{
+    double h0[LAMINATE_STRAINS];
+    for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
+        for (int e = 0; e < m->elements; e++)
+            if (design_actuation(m, actuator, c, e, h0))
+                append(b, e, h0);
+        b->start[actuator->first + c + 1] = (uint32_t)b->entries;
+    }
+}
+
+static pzs_status build_given(path *p, double *value)
+{
+    const design *d = p->design;
+    const scene *s = d->scene;
+    const int inputs = d->structure.input.count;
+    builder b;
+    memset(&b, 0, sizeof b);
+    b.start = calloc((size_t)inputs + 1, sizeof *b.start);
+    if (!b.start)
+        return PZS_E_WORKSPACE;
+    for (int k = 0; k < s->actuators; k++)
+        append_actuator(&b, &d->mesh, &s->actuator[k]);
+    for (int k = 0; k < inputs - d->amplifiers; k++) {
+        double h0[LAMINATE_STRAINS];
+        char error[SCENE_ERROR];
+        if (k < s->loads && s->load[k].type == LOAD_TEMPERATURE && design_load_values(&d->mesh, &s->load[k], value, error) == 0)
+            for (int e = 0; e < d->mesh.elements; e++) {
+                design_warming(&d->mesh, value, e, h0);
+                append(&b, e, h0);
+            }
+        b.start[d->amplifiers + k + 1] = (uint32_t)b.entries;
+    }
+    p->tables.given.start = b.start;
+    p->tables.given.element = b.element;
+    p->tables.given.which = b.which;
+    p->tables.given.value = (const double (*)[LAMINATE_STRAINS])b.value;
+    p->tables.given.values = (uint16_t)b.values;
+    return b.full || b.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
+}
+
+/* ---- follower loads --------------------------------------------------- */
+
+/*
+ * Area that goes with the pressure of a corner. The corrected element's base vectors are chords, whose normal at
+ * rest leans by half the element's angle; the area is corrected so that at rest the pressure's part along e3 is exact.
+ */
+static double corner_area(const mesh *m, int element, int r, const pzs_follower *f)
+{
+    const uint16_t kind = m->element_kind[element];
+    const pzs_kind *table = &m->kind[kind];
+    const surface_point *point = &m->point[m->element[element][r]];
+    const double half = (f->normal_face ? 0.5 : -0.5) * table->thickness, z = m->laminate.z[f->normal_face];
+    double g[2][3], n[3];
+    if (!m->scene->element.cartesian)
+        return m->place[kind].area;
+    for (int a = 0; a < 2; a++)
+        for (int i = 0; i < 3; i++)
+            g[a][i] = table->g_mean[r][a][i] + half * table->g_diff[r][a][i];
+    for (int i = 0; i < 3; i++)
+        n[i] = g[0][(i + 1) % 3] * g[1][(i + 2) % 3] - g[0][(i + 2) % 3] * g[1][(i + 1) % 3];
+    const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    const double wanted = f->true_area ? (1 + point->k[0] * z) * (1 + point->k[1] * z) : 1;
+    return m->place[kind].area * wanted / (f->true_area ? n[2] : n[2] / size);
+}
+
+static pzs_status build_follower(path *p, const scene_load *load, uint16_t input)
+{
+    const mesh *m = &p->design->mesh;
+    pzs_follower *f = &p->follower[p->followers++];
+    double *pressure = calloc((size_t)m->nodes, sizeof *pressure);
+    double (*area)[4] = calloc((size_t)m->kinds, sizeof *area);
+    char error[SCENE_ERROR];
+    f->pressure = pressure;
+    f->area = (const double (*)[4])area;
+    if (!pressure || !area)
+        return PZS_E_WORKSPACE;
+    if (design_load_values(m, load, pressure, error) < 0)
+        return PZS_E_NONFINITE;
+    f->input = input;
+    f->load_face = load->face == FACE_INNER ? 0 : load->face == FACE_OUTER ? 1 : 2;
+    f->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
+    f->true_area = load->follower == FOLLOWER_PRESSURE;
+    for (int i = 0; i < 3; i++)
+        f->share[i] = m->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
+    for (int e = 0; e < m->elements; e++)
+        for (int r = 0; r < 4; r++)
+            area[m->element_kind[e]][r] = corner_area(m, e, r, f);
+    return pzs_attach_follower(&p->run, &p->load[p->followers - 1], f);
+}
+
+/* ---- contact ---------------------------------------------------------- */
+
+/* psi of the scene as a distance: psi / |grad psi|, by differences over 1e-4 of the mesh. */
+static double psi_gap(const pzs_body *body, const double x[3], double normal[3], double hessian[3][3])
+{
+    const expr *psi = body->own;
+    const double step = body->radius * 1e-4;
+    double value[27], slope = 0;
+    for (int i = 0; i < 27; i++) {
+        const expr_point at = {x[0] + step * (i / 9 - 1), x[1] + step * (i / 3 % 3 - 1), x[2] + step * (i % 3 - 1), 0, 0};
+        value[i] = expr_value(psi, &at);
+    }
+    const double *v = &value[13];
+    const int offset[3] = {9, 3, 1};
+    for (int i = 0; i < 3; i++) {
+        normal[i] = (v[offset[i]] - v[-offset[i]]) / (2 * step);
+        slope += normal[i] * normal[i];
+    }
+    slope = slope > 0 ? sqrt(slope) : 1;
+    for (int i = 0; i < 3; i++) {
+        normal[i] /= slope;
+        for (int j = 0; j < 3; j++)
+            hessian[i][j] = (i == j ? v[offset[i]] - 2 * v[0] + v[-offset[i]]
+                                    : (v[offset[i] + offset[j]] - v[offset[i] - offset[j]] - v[offset[j] - offset[i]]
+                                       + v[-offset[i] - offset[j]]) / 4) / (step * step * slope);
+    }
+    return *v / slope;
+}
+
+static void build_body(path *p, double size)
+{
+    const scene_body *from = &p->design->scene->contact.body;
+    pzs_body *body = &p->body;
+    memcpy(body->point, from->point, sizeof body->point);
+    memcpy(body->axis, from->type == BODY_PLANE ? from->normal : from->axis, sizeof body->axis);
+    body->radius = from->type == BODY_PSI ? size : from->radius;
+    body->own = from->value;
+    body->gap = from->type == BODY_PLANE ? pzs_gap_plane : from->type == BODY_CYLINDER ? pzs_gap_cylinder
+              : from->type == BODY_SPHERE ? pzs_gap_sphere : psi_gap;
+}
+
+static pzs_status build_contact(path *p, uint16_t input)
+{
+    const mesh *m = &p->design->mesh;
+    const scene_contact *contact = &p->design->scene->contact;
+    const size_t nodes = (size_t)m->nodes, bytes = PZS_CONTACT_BYTES(nodes);
+    double (*place)[3] = calloc(nodes, sizeof *place), (*triad)[3][3] = calloc(nodes, sizeof *triad);
+    double *area = calloc(nodes, sizeof *area), low[3], high[3];
+    p->face.place = (const double (*)[3])place;
+    p->face.triad = (const double (*)[3][3])triad;
+    p->face.area = area;
+    p->contact_work = malloc(bytes);
+    if (!place || !triad || !area || !p->contact_work)
+        return PZS_E_WORKSPACE;
+    p->face.face = contact->face == FACE_OUTER;
+    p->face.input = input;
+    memcpy(p->face.motion, contact->move, sizeof p->face.motion);
+    design_node_areas(m, area);
+    for (size_t n = 0; n < nodes; n++)
+        for (int i = 0; i < 3; i++) {
+            place[n][i] = m->point[n].x[i] + m->laminate.z[p->face.face] * m->point[n].e[2][i];
+            memcpy(triad[n][i], m->point[n].e[i], sizeof triad[n][i]);
+            low[i] = n ? fmin(low[i], place[n][i]) : place[n][i];
+            high[i] = n ? fmax(high[i], place[n][i]) : place[n][i];
+        }
+    for (int i = 0; i < 3; i++)
+        p->face.size = fmax(p->face.size, high[i] - low[i]);
+    build_body(p, p->face.size);
+    const pzs_status status = pzs_attach_contact(&p->run, &p->contact, &p->face, &p->body, p->contact_work, bytes);
+    p->contact.stiffness = contact->stiffness;
+    return status;
+}
+
+double path_contact_output(const path *p, const scene_output *output)
+{
+    switch (output->contact) {
+    case CONTACT_X:
+    case CONTACT_Y:
+    case CONTACT_Z:
+        return p->contact.force[output->contact - CONTACT_X];
+    case CONTACT_NODES:
+        return p->contact.nodes;
+    case CONTACT_PRESSURE:
+        return p->contact.pressure[mesh_node(&p->design->mesh, output->where.node[0], output->where.node[1])];
+    case CONTACT_NONE:
+        break;
+    }
+    return (double)NAN;
+}
+
+/* ---- open ------------------------------------------------------------- */
+
+/* Full loads and applied volts; a follower's amount is that of its extra input. */
+static void set_full(path *p)
+{
+    const design *d = p->design;
+    for (int k = 0; k < d->scene->actuators; k++)
+        for (int c = 0; c < d->scene->actuator[k].grid[0] * d->scene->actuator[k].grid[1]; c++)
+            p->full[d->scene->actuator[k].first + c] = d->scene->actuator[k].applied;
+    for (int k = 0; k < d->loads; k++)
+        p->full[d->amplifiers + k] = d->scene->load[k].follower == FOLLOWER_NONE;
+    for (int k = d->amplifiers + d->loads; k < d->structure.input.count; k++)
+        p->full[k] = 1;
+}
+
+static pzs_status start(path *p, pzs_model *model)
+{
+    const design *d = p->design;
+    const pzs_structure *s = &d->structure;
+    const size_t bytes = PZS_PATH_BYTES(s->dof, s->elements, s->input.count);
+    int input = d->amplifiers + d->loads;
+    p->full = calloc((size_t)s->input.count + 1, sizeof *p->full);
+    p->follower = calloc((size_t)d->loads + 1, sizeof *p->follower);
+    p->load = calloc((size_t)d->loads + 1, sizeof *p->load);
+    p->work = malloc(bytes);
+    double *value = calloc((size_t)s->nodes, sizeof *value);
+    pzs_status status = p->full && p->follower && p->load && p->work && value ? build_given(p, value) : PZS_E_WORKSPACE;
+    free(value);
+    p->tables.format = PZS_TABLE_FORMAT;
+    p->tables.scene = s->scene;
+    for (int k = 0; k < d->loads; k++)
+        input += d->scene->load[k].follower != FOLLOWER_NONE;
+    p->tables.prescribed.count = (uint16_t)d->mesh.prescribed_count;
+    p->tables.prescribed.input = (uint16_t)input;
+    p->tables.prescribed.dof = d->mesh.prescribed_dof;
+    p->tables.prescribed.value = d->mesh.prescribed_value;
+    p->tables.crc = status == PZS_OK ? nonlinear_crc(&p->tables, s->input.count) : 0;
+    return status == PZS_OK ? pzs_path_init(&p->run, model, &p->tables, p->work, bytes) : status;
+}
+
+static pzs_status attach(path *p)
+{
+    const design *d = p->design;
+    int input = d->amplifiers + d->loads;
+    pzs_status status = PZS_OK;
+    for (int k = 0; k < d->loads && status == PZS_OK; k++)
+        if (d->scene->load[k].follower != FOLLOWER_NONE)
+            status = build_follower(p, &d->scene->load[k], (uint16_t)input++);
+    input += d->mesh.prescribed_count > 0;
+    return status == PZS_OK && d->scene->contact.given ? build_contact(p, (uint16_t)input) : status;
+}
+
+pzs_status path_open(path *p, const design *d, pzs_model *model)
+{
+    memset(p, 0, sizeof *p);
+    p->design = d;
+    pzs_status status = start(p, model);
+    if (status == PZS_OK)
+        status = attach(p);
+    if (status != PZS_OK) {
+        path_close(p);
+        return status;
+    }
+    const scene_equilibrium *choice = &d->scene->equilibrium;
+    set_full(p);
+    p->run.steps = (uint16_t)choice->steps;
+    p->run.change = choice->change;
+    p->run.mixed = (uint16_t)choice->mixed;
+    p->run.systems_allowed = (uint32_t)choice->systems;
+    return PZS_OK;
+}
+
+/* The library's tables are const for their readers; they were allocated here. */
+static void release(const void *table)
+{
+    union { const void *table; void *memory; } owned = {table};
+    free(owned.memory);
+}
+
+void path_close(path *p)
+{
+    release(p->tables.given.start);
+    release(p->tables.given.element);
+    release(p->tables.given.which);
+    release(p->tables.given.value);
+    for (int k = 0; k < p->followers; k++) {
+        release(p->follower[k].pressure);
+        release(p->follower[k].area);
+    }
+    release(p->face.place);
+    release(p->face.triad);
+    release(p->face.area);
+    free(p->follower);
+    free(p->load);
+    free(p->full);
+    free(p->work);
+    free(p->contact_work);
+    memset(p, 0, sizeof *p);
+}

@@ -1,0 +1,39 @@
+/*
+ * What the nonlinear path needs of a scene besides its structure: given resultants, prescribed displacements,
+ * follower loads and contact as the library's tables, and a path that runs on them.
+ */
+#ifndef PATH_H
+#define PATH_H
+
+#include "design.h"
+
+typedef struct path {
+    const design *design;
+    pzs_nonlinear tables;
+    pzs_follower *follower;        /* [followers] */
+    pzs_follower_load *load;       /* [followers] */
+    int followers;
+    pzs_contact_face face;
+    pzs_body body;
+    pzs_contact contact;           /* attached where the scene has one */
+    pzs_path run;
+    double *full;                  /* [inputs] the scene's loads and applied volts */
+    void *work, *contact_work;
+} path;
+
+/*
+ * Build the tables and a path at rest.
+ *   d      in     design of a scene whose kinematics is not linear; must outlive the path
+ *   model  in/out initialised on d's structure
+ * Returns PZS_OK, or the library's status; on failure *p is empty.
+ */
+pzs_status path_open(path *p, const design *d, pzs_model *model);
+void path_close(path *p);
+
+/*
+ * Value of an output of contact.
+ *   output in  its contact is not CONTACT_NONE
+ */
+double path_contact_output(const path *p, const scene_output *output);
+
+#endif

@@ -1,0 +1,402 @@
+/*
+ * Contact with a rigid convex body (pzs.h): a primal-dual active set with a proximal multiplier, inside Newton's method.
+ *
+ * Per node of the face: reference area w, gap g and its gradient n at the moved place, pressure p (minus the multiplier),
+ * stiffness e. A node in contact carries  f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)  with the p that the last
+ * system predicted, and each solve predicts  p <- p - e (g + n . d).  At the end g = 0, so the answer is free of e.
+ */
+#include "face.h"
+#include "model.h"
+#include "nonlinear.h"
+#include "shell.h"
+#include <string.h>
+
+/* Gap and pressure are weighed against each other with this part of the structure's own stiffness. */
+#define WEIGHING ((pzs_real)1e-5)
+/* While a warm step moves by more than this part of its way, its nodes stay as they were. */
+#define QUIET ((pzs_real)0.2)
+
+static pzs_contact *contact_of(pzs_option *option)
+{
+    return (pzs_contact *)option;
+}
+
+static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* ---- bodies ----------------------------------------------------------- */
+
+/*
+ * Gap to the sphere or circle of radius about 0, at the vector from its centre; `along` is the unit axis or NULL. In the
+ * centre itself all directions lead out: the normal and second derivatives are 0 there.
+ */
+static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_real *along, pzs_real normal[3],
+                          pzs_real hessian[3][3])
+{
+    const pzs_real distance = PZS_SQRT(dot(from, from));
+    const pzs_real inverse = distance > radius * PZS_EPSILON ? 1 / distance : 0;
+    for (int i = 0; i < 3; i++)
+        normal[i] = inverse * from[i];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            hessian[i][j] = inverse * ((i == j ? 1 : 0) - normal[i] * normal[j] - (along ? along[i] * along[j] : 0));
+    return distance - radius;
+}
+
+pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3])
+{
+    memset(hessian, 0, sizeof(pzs_real[3][3]));
+    memcpy(normal, body->axis, sizeof body->axis);
+    const pzs_real from[3] = {x[0] - body->point[0], x[1] - body->point[1], x[2] - body->point[2]};
+    return dot(from, normal);
+}
+
+pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3])
+{
+    pzs_real from[3] = {x[0] - body->point[0], x[1] - body->point[1], x[2] - body->point[2]};
+    const pzs_real along = dot(from, body->axis);
+    for (int i = 0; i < 3; i++)
+        from[i] -= along * body->axis[i];
+    return gap_round(body->radius, from, body->axis, normal, hessian);
+}
+
+pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3])
+{
+    const pzs_real from[3] = {x[0] - body->point[0], x[1] - body->point[1], x[2] - body->point[2]};
+    return gap_round(body->radius, from, NULL, normal, hessian);
+}
+
+/* ---- one node --------------------------------------------------------- */
+
+/* A node against the body: gap, its gradient in global axes and in the node's triad, its second derivatives there. */
+typedef struct place {
+    pzs_real gap, global[3], normal[3], hessian[3][3];
+} place;
+
+static pzs_real height(const pzs_contact *c, const pzs_path *path)
+{
+    return face_height(path->model->structure, c->face->face);
+}
+
+/* Displacement of a node of the face, in its triad. p [dof] in */
+static void displacement(const pzs_contact *c, const pzs_path *path, uint16_t node, const pzs_real *p, pzs_real w[3])
+{
+    pzs_real all[1][3];
+    face_gather(path->model, &node, 1, height(c, path), p, all);
+    memcpy(w, all[0], sizeof all[0]);
+}
+
+static place place_of(const pzs_contact *c, const pzs_path *path, uint16_t node)
+{
+    const pzs_contact_face *f = c->face;
+    const pzs_real(*triad)[3] = f->triad[node];
+    const pzs_real moved = f->input < path->model->structure->input.count ? path->amount[f->input] : 0;
+    pzs_real w[3], x[3], global[3][3];
+    place at;
+    displacement(c, path, node, path->u, w);
+    for (int i = 0; i < 3; i++)
+        x[i] = f->place[node][i] - moved * f->motion[i] + w[0] * triad[0][i] + w[1] * triad[1][i] + w[2] * triad[2][i];
+    at.gap = c->body->gap(c->body, x, at.global, global);
+    for (int i = 0; i < 3; i++) {
+        const pzs_real turned[3] = {dot(triad[i], global[0]), dot(triad[i], global[1]), dot(triad[i], global[2])};
+        at.normal[i] = dot(triad[i], at.global);
+        for (int j = 0; j < 3; j++)
+            at.hessian[i][j] = dot(triad[j], turned);
+    }
+    return at;
+}
+
+/* The structure's own stiffness per area at a node, by its unknowns along e3; 0 where nothing of the face can move. */
+static pzs_real own_stiffness(const pzs_contact *c, const pzs_path *path, uint16_t node)
+{
+    static const uint8_t order[6] = {5, 2, 3, 4, 0, 1};
+    const pzs_structure *s = path->model->structure;
+    for (int k = 0; k < 6 && c->face->area[node] > 0; k++) {
+        const uint16_t dof = s->node_dof[(size_t)node * s->unknowns + order[k]];
+        if (dof == PZS_FIXED || (path->model->held && path->model->held[dof]))
+            continue;
+        const pzs_real scale = path->model->scale[dof] * (order[k] < 3 ? 1 : s->kind[0].thickness);
+        return 1 / (scale * scale * c->face->area[node]);
+    }
+    return 0;
+}
+
+/* ---- which nodes ------------------------------------------------------ */
+
+/* Gaps of this size are closed. */
+static pzs_real closed(const pzs_contact *c)
+{
+    const pzs_real rounding = 32 * PZS_EPSILON;
+    return c->face->size * (rounding > (pzs_real)1e-8 ? rounding : (pzs_real)1e-8);
+}
+
+/* facing = normal of the deformed face, out of the shell, times that of the body, summed over the elements of a node. */
+static void find_facing(pzs_contact *c, const pzs_path *path)
+{
+    const pzs_structure *s = path->model->structure;
+    const pzs_real z = height(c, path);
+    memset(c->facing, 0, s->nodes * sizeof *c->facing);
+    for (uint32_t e = 0; e < s->elements; e++) {
+        pzs_real w[SHELL_NODES][3];
+        face_gather(path->model, s->element[e], SHELL_NODES, z, path->u, w);
+        for (unsigned r = 0; r < SHELL_NODES; r++) {
+            const uint16_t node = s->element[e][r];
+            const place at = place_of(c, path, node);
+            pzs_real eta[3];
+            face_normal(&s->kind[s->element_kind[e]], z, (const pzs_real(*)[3])w, r, eta, NULL);
+            c->facing[node] += c->face->face == 0 ? -dot(eta, at.normal) : dot(eta, at.normal);
+        }
+    }
+}
+
+/* Does a node belong into contact, by gap alone (start of a cold step) or by gap and pressure? */
+static int belongs(const pzs_contact *c, const pzs_path *path, uint16_t node, int by_gap)
+{
+    const pzs_real own = own_stiffness(c, path, node);
+    if (!(c->facing[node] < 0) || own <= 0)
+        return 0;
+    const pzs_real gap = place_of(c, path, node).gap;
+    if (by_gap)
+        return gap <= closed(c);
+    return c->touching[node] ? c->pressure[node] - WEIGHING * own * gap > 0 : gap < -closed(c);
+}
+
+/* The node of smallest gap that points at the body, or -1. */
+static int32_t nearest(const pzs_contact *c, const pzs_path *path)
+{
+    int32_t best = -1;
+    pzs_real least = 0;
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
+        if (!(c->facing[n] < 0) || own_stiffness(c, path, n) <= 0)
+            continue;
+        const pzs_real gap = place_of(c, path, n).gap;
+        if (best < 0 || gap < least) {
+            best = n;
+            least = gap;
+        }
+    }
+    return best;
+}
+
+static void choose(pzs_contact *c, const pzs_path *path, int by_gap)
+{
+    uint32_t count = 0;
+    int32_t lone = -1;
+    find_facing(c, path);
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++)
+        count += (uint32_t)belongs(c, path, n, by_gap);
+    if (count == 0 && c->loose)
+        lone = nearest(c, path);
+    c->changed = 0;
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
+        const uint8_t now = n == lone || (lone < 0 && belongs(c, path, n, by_gap));
+        if (now != c->touching[n])
+            c->changed = 1;
+        c->touching[n] = now;
+        if (!now)
+            c->pressure[n] = 0;
+    }
+}
+
+static void prepare(pzs_option *option, pzs_path *path)
+{
+    pzs_contact *c = contact_of(option);
+    if (path->iteration == 0) {
+        c->warm = 0;
+        for (uint16_t n = 0; n < path->model->structure->nodes; n++)
+            c->warm |= c->touching[n];
+    }
+    c->changed = 0;
+    if (path->iteration == 0 ? !c->warm : !c->warm || path->quiet < QUIET)
+        choose(c, path, path->iteration == 0);
+}
+
+static int settled(pzs_option *option, pzs_path *path)
+{
+    pzs_contact *c = contact_of(option);
+    if (c->changed)
+        return 0;
+    find_facing(c, path);
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
+        const pzs_real gap = c->touching[n] ? place_of(c, path, n).gap : 0;
+        if (gap > closed(c) || gap < -closed(c) || belongs(c, path, n, 0) != c->touching[n])
+            return 0;
+    }
+    return 1;
+}
+
+/* ---- forces ----------------------------------------------------------- */
+
+/* Stiffness w (e n n' - p Hess g) of a node's face onto its unknowns. */
+static void add_stiffness(const pzs_contact *c, pzs_path *path, uint16_t node, const place *at, pzs_real e)
+{
+    const pzs_real z = height(c, path);
+    pzs_real k[SHELL_PACKED(7)] = {0};
+    for (unsigned i = 0; i < 6; i++)
+        for (unsigned j = 0; j <= i; j++)
+            k[SHELL_PACKED(i) + j] = (i < 3 ? 1 : z) * (j < 3 ? 1 : z)
+                * (e * at->normal[i % 3] * at->normal[j % 3] - c->pressure[node] * at->hessian[i % 3][j % 3]);
+    model_add_matrix(path->model, &node, 1, c->face->area[node], k);
+}
+
+static void add(pzs_option *option, pzs_path *path, pzs_real *load)
+{
+    pzs_contact *c = contact_of(option);
+    memset(c->force, 0, sizeof c->force);
+    c->nodes = 0;
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
+        if (!c->touching[n])
+            continue;
+        const place at = place_of(c, path, n);
+        const pzs_real e = c->stiffness * own_stiffness(c, path, n);
+        const pzs_real push = c->face->area[n] * (c->pressure[n] - e * at.gap);
+        pzs_real force[1][3];
+        for (int i = 0; i < 3; i++) {
+            force[0][i] = push * at.normal[i];
+            c->force[i] += c->face->area[n] * c->pressure[n] * at.global[i];
+        }
+        face_scatter(path->model, &n, 1, height(c, path), (const pzs_real(*)[3])force, load);
+        add_stiffness(c, path, n, &at, e);
+        c->nodes++;
+    }
+}
+
+static void solved(pzs_option *option, pzs_path *path, const pzs_real *du)
+{
+    pzs_contact *c = contact_of(option);
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
+        if (!c->touching[n])
+            continue;
+        const place at = place_of(c, path, n);
+        pzs_real d[3];
+        displacement(c, path, n, du, d);
+        c->pressure[n] -= c->stiffness * own_stiffness(c, path, n) * (at.gap + dot(at.normal, d));
+    }
+}
+
+/* Force per unit of the body's motion m: its gap falls by n . m, its normal turns by -Hess g m. */
+static void unit(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *out)
+{
+    const pzs_contact *c = contact_of(option);
+    for (uint16_t n = 0; input == c->face->input && n < path->model->structure->nodes; n++) {
+        if (!c->touching[n])
+            continue;
+        const place at = place_of(c, path, n);
+        const pzs_real e = c->stiffness * own_stiffness(c, path, n);
+        pzs_real force[1][3], m[3];
+        for (int i = 0; i < 3; i++)
+            m[i] = dot(c->face->triad[n][i], c->face->motion);
+        for (int i = 0; i < 3; i++)
+            force[0][i] = c->face->area[n] * (e * dot(at.normal, m) * at.normal[i] - c->pressure[n] * dot(at.hessian[i], m));
+        face_scatter(path->model, &n, 1, height(c, path), (const pzs_real(*)[3])force, out);
+    }
+}
+
+/* ---- state ------------------------------------------------------------ */
+
+static void keep(pzs_option *option, pzs_path *path)
+{
+    pzs_contact *c = contact_of(option);
+    memcpy(c->kept_pressure, c->pressure, path->model->structure->nodes * sizeof *c->pressure);
+    memcpy(c->kept_touching, c->touching, path->model->structure->nodes);
+}
+
+static void restore(pzs_option *option, pzs_path *path)
+{
+    pzs_contact *c = contact_of(option);
+    memcpy(c->pressure, c->kept_pressure, path->model->structure->nodes * sizeof *c->pressure);
+    memcpy(c->touching, c->kept_touching, path->model->structure->nodes);
+}
+
+static void rest(pzs_option *option, pzs_path *path)
+{
+    pzs_contact *c = contact_of(option);
+    memset(c->pressure, 0, path->model->structure->nodes * sizeof *c->pressure);
+    memset(c->touching, 0, path->model->structure->nodes);
+    memset(c->force, 0, sizeof c->force);
+    c->nodes = 0;
+    keep(option, path);
+}
+
+/* ---- attach ----------------------------------------------------------- */
+
+static int is_fixed(const pzs_path *path, uint16_t dof)
+{
+    const pzs_prescribed *p = &path->tables->prescribed;
+    int fixed = dof == PZS_FIXED || (path->model->held && path->model->held[dof]);
+    for (uint32_t i = 0; i < p->count && !fixed; i++)
+        fixed = p->dof[i] == dof;
+    return fixed;
+}
+
+/* gram [6][6] += row row', row = what a rigid motion (translation, rotation times size) does to unknown k < 6 of a node. */
+static void add_support(const pzs_contact *c, pzs_real z, uint16_t node, int k, pzs_real gram[6][6])
+{
+    const pzs_real(*triad)[3] = c->face->triad[node], *e = triad[k % 3];
+    pzs_real arm[3], row[6];
+    for (int i = 0; i < 3; i++)
+        arm[i] = k < 3 ? (c->face->place[node][i] - z * triad[2][i] - c->face->place[0][i]) / c->face->size : triad[2][i];
+    for (int i = 0; i < 3; i++) {
+        row[i] = k < 3 ? e[i] : 0;
+        row[3 + i] = arm[(i + 1) % 3] * e[(i + 2) % 3] - arm[(i + 2) % 3] * e[(i + 1) % 3];
+    }
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++)
+            gram[i][j] += row[i] * row[j];
+}
+
+/* Do the supports leave the shell a rigid motion? Then its nearest node stays in contact. */
+static int is_loose(const pzs_contact *c, const pzs_path *path)
+{
+    const pzs_structure *s = path->model->structure;
+    pzs_real gram[6][6] = {{0}}, least[6];
+    for (uint16_t n = 0; n < s->nodes; n++)
+        for (int k = 0; k < 6; k++)
+            if (is_fixed(path, s->node_dof[(size_t)n * s->unknowns + (size_t)k]))
+                add_support(c, height(c, path), n, k, gram);
+    for (int i = 0; i < 6; i++)
+        least[i] = (pzs_real)1e-5 * gram[i][i];
+    for (int p = 0; p < 6; p++) {
+        if (!(gram[p][p] > least[p]))
+            return 1;
+        for (int i = p + 1; i < 6; i++)
+            for (int j = p + 1; j < 6; j++)
+                gram[i][j] -= gram[i][p] * gram[p][j] / gram[p][p];
+    }
+    return 0;
+}
+
+static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, unit};
+
+static int face_complete(const pzs_path *path, const pzs_contact_face *f)
+{
+    return f->place && f->triad && f->area && f->face <= 1 && f->size > 0
+        && (f->input < path->model->structure->input.count || f->input == 0xFFFFu);
+}
+
+pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
+                              void *work, size_t bytes)
+{
+    if (!path || !path->model || !contact || !face || !body || !body->gap || !work || !face_complete(path, face))
+        return PZS_E_ARGUMENT;
+    const uint16_t nodes = path->model->structure->nodes;
+    if (bytes < PZS_CONTACT_BYTES(nodes) || (uintptr_t)work % sizeof(pzs_real) != 0) {
+        path->where = (int32_t)PZS_CONTACT_BYTES(nodes);
+        return PZS_E_WORKSPACE;
+    }
+    memset(contact, 0, sizeof *contact);
+    contact->face = face;
+    contact->body = body;
+    contact->pressure = work;
+    contact->kept_pressure = contact->pressure + nodes;
+    contact->facing = contact->kept_pressure + nodes;
+    contact->touching = (uint8_t *)(contact->facing + nodes);
+    contact->kept_touching = contact->touching + nodes;
+    contact->stiffness = 10;
+    contact->loose = (uint8_t)is_loose(contact, path);
+    rest(&contact->option, path);
+    nonlinear_attach(path, &contact->option, &calls);
+    return PZS_OK;
+}

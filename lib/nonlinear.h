@@ -1,0 +1,33 @@
+/*
+ * How follower loads and contacts take part in the nonlinear path. An option is a structure that begins with a
+ * pzs_option, a table of the calls below (NULL: nothing to do), and a function that attaches it to a path.
+ */
+#ifndef PZS_NONLINEAR_H
+#define PZS_NONLINEAR_H
+
+#include "pzs.h"
+
+struct pzs_option_calls {
+    /* Before each system of a load step: decide what is active. path->iteration counts from 0. */
+    void (*prepare)(pzs_option *option, pzs_path *path);
+    /* Forces at path->u onto load [dof], minus their derivative onto the model's matrix. */
+    void (*add)(pzs_option *option, pzs_path *path, pzs_real *load);
+    /* After each solve, path->u not yet moved by du [dof]. */
+    void (*solved)(pzs_option *option, pzs_path *path, const pzs_real *du);
+    /* Is nothing left to change at path->u? */
+    int (*settled)(pzs_option *option, pzs_path *path);
+    /* Remember the present state; go back to it; forget both: the shell is at rest. */
+    void (*keep)(pzs_option *option, pzs_path *path);
+    void (*restore)(pzs_option *option, pzs_path *path);
+    void (*rest)(pzs_option *option, pzs_path *path);
+    /* Force at path->u per unit of input j, onto force [dof]. */
+    void (*unit)(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *force);
+};
+
+/* CRC of the arrays of a pzs_nonlinear, as stored in its crc field. */
+uint32_t nonlinear_crc(const pzs_nonlinear *tables, uint32_t inputs);
+
+/* Put an option in front of those attached; its state counts as that of the last equilibrium. */
+void nonlinear_attach(pzs_path *path, pzs_option *option, const struct pzs_option_calls *call);
+
+#endif
