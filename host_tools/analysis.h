@@ -13,7 +13,8 @@ typedef struct analysis {
     void *work;
     size_t work_bytes;
     path path;          /* where the scene's kinematics is not linear */
-    double *influence;  /* [outputs][inputs], after analysis_influence */
+    int nonlinear;      /* which of the two analysis_solve and analysis_reach run; first what the scene says */
+    double *influence;  /* [outputs][inputs] at rest, after analysis_influence */
     pzs_status status;  /* of the last equilibrium */
     double seconds;     /* that it took */
 } analysis;
@@ -25,42 +26,29 @@ typedef struct analysis {
 int analysis_prepare(analysis *a, const scene *s, char *error);
 
 /*
- * Displacement under the scene's loads and applied volts. u [dof] out.
- * Nonlinear: by load steps; where they end before the full load, the last equilibrium is in u and the message says so.
+ * Displacement under the scene's loads and applied volts, from rest. u [dof] out.
+ * Nonlinear: where the load steps end before the full load, the last equilibrium is in u and the message says so.
  */
 int analysis_solve(analysis *a, double *u, char *error);
 
-/* Whether analysis_solve runs the nonlinear path. */
-int analysis_is_nonlinear(const analysis *a);
+/*
+ * The same under other volts.
+ *   volt [amplifiers] in
+ *   warm           in  nonlinear: from the shape reached last instead of from rest
+ */
+int analysis_reach(analysis *a, const double *volt, int warm, double *u, char *error);
 
 /* Value of the scene's k-th output at its i-th node. value [output rows] in, rows of the structure. */
 double analysis_output(const analysis *a, int k, int i, const double *value);
 /* Its number of values. */
 int analysis_outputs(const analysis *a, int k);
 
-/* Influence of every input on every output, and from it the voltage problem of the design. */
+/* Influence at rest of every input on every output, and from it the voltage problem of the design. */
 int analysis_influence(analysis *a, char *error);
 
+/* The message of a status of the library, with the place it names on the mesh. Returns -1. */
+int analysis_explain(const analysis *a, pzs_status status, char *error);
+
 void analysis_free(analysis *a);
-
-typedef struct analysis_volts {
-    char name[SCENE_NAME + 32]; /* what these volts are */
-    double *volt;               /* [amplifiers] */
-    double *shape;              /* [targets] B v and the displacement under the loads */
-    double error;               /* |W (B v - wanted)| / |W wanted| */
-    double optimality;          /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
-    double limit[2];            /* the tightest limits of any amplifier */
-    int active, passes;
-} analysis_volts;
-
-/*
- * The bounded optimum for the scene's target.
- *   limit  in  voltage limit that replaces the scene's, or NAN for the scene's own, or INFINITY for none
- * analysis_clipped: the unlimited optimum cut to that limit. analysis_given: volts as they are.
- */
-int analysis_optimum(analysis *a, double limit, analysis_volts *v, char *error);
-int analysis_clipped(analysis *a, double limit, analysis_volts *v, char *error);
-int analysis_given(analysis *a, const char *name, const double *volt, analysis_volts *v, char *error);
-void analysis_volts_free(analysis_volts *v);
 
 #endif

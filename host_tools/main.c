@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include "analysis.h"
 #include "json.h"
 #include "report.h"
 #include "tables.h"
+#include "voltages.h"
 
 enum { EXIT_USAGE = 2, MOST_SETS = 64, MOST_LIMITS = 16, PATH_ROOM = 4096 };
 
@@ -29,7 +29,8 @@ static const char *const help =
     "  --json             numbers for machines on standard output\n"
     "  --report FILE.html pictures and tables in one page\n"
     "  --vtk FILE.vtk     deformed shape for ParaView\n"
-    "  --image IMAGE      tables: control (influence matrix) or linear (element matrices); default control\n"
+    "  --image IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
+    "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
     "  -o FILE            tables: output file\n"
     "\n"
@@ -71,9 +72,10 @@ static int take_value(options *o, const char *name, const char *value)
             return usage_error("--limit wants a positive voltage, not", value);
         o->limit[o->limits++] = limit;
     } else if (strcmp(name, "--image") == 0) {
-        if (strcmp(value, "control") != 0 && strcmp(value, "linear") != 0)
-            return usage_error("--image is control or linear, not", value);
-        o->image = strcmp(value, "linear") == 0 ? TABLES_LINEAR : TABLES_CONTROL;
+        for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
+            o->image++;
+        if (o->image == TABLES_IMAGES)
+            return usage_error("--image is control, linear or nonlinear, not", value);
     } else if (strcmp(name, "--report") == 0) {
         o->report = value;
     } else if (strcmp(name, "--vtk") == 0) {
@@ -277,7 +279,7 @@ static void print_path(const pzs_path *run)
 
 static void print_outputs(const analysis *a, const double *value)
 {
-    if (analysis_is_nonlinear(a))
+    if (a->nonlinear)
         print_path(&a->path.run);
     else
         printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
@@ -314,8 +316,8 @@ static void json_outputs(const analysis *a, const double *value)
     json j = {stdout, 0, {0}};
     json_open(&j, NULL, '{');
     json_head(&j, a);
-    json_string(&j, "kinematics", analysis_is_nonlinear(a) ? "nonlinear" : "linear");
-    if (analysis_is_nonlinear(a)) {
+    json_string(&j, "kinematics", a->nonlinear ? "nonlinear" : "linear");
+    if (a->nonlinear) {
         json_path(&j, a);
     } else {
         json_number(&j, "residual", a->model.residual);
@@ -373,6 +375,32 @@ static int solved(const options *o, analysis *a, const double *u)
     return status;
 }
 
+/* Run both, keep the cheaper one where it differs from the other by no more than the scene's tolerance. u [dof] out. */
+static int solve_auto(analysis *a, double *u, char *error)
+{
+    const size_t dof = (size_t)a->design.mesh.dof;
+    const scene *s = a->design.scene;
+    double *linear = calloc(dof, sizeof *linear), apart = 0, size = 0;
+    int failed = !linear || analysis_solve(a, linear, error) < 0;
+    a->nonlinear = 1;
+    failed = failed || analysis_solve(a, u, error) < 0;
+    for (size_t i = 0; !failed && i < dof; i++) {
+        const double scale = a->model.scale[i] > 0 ? 1 / a->model.scale[i] : 1;
+        apart += pow(scale * (linear[i] - u[i]), 2);
+        size += pow(scale * u[i], 2);
+    }
+    const double cost = size > 0 ? sqrt(apart / size) : 0;
+    if (!failed && cost <= s->tolerance) {
+        a->nonlinear = 0;
+        memcpy(u, linear, dof * sizeof *u);
+    }
+    if (!failed)
+        fprintf(stderr, "pzs: kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n", cost, s->tolerance,
+                a->nonlinear ? "nonlinear is needed" : "linear is enough");
+    free(linear);
+    return failed ? -1 : 0;
+}
+
 static int command_solve(const options *o)
 {
     scene s;
@@ -383,11 +411,11 @@ static int command_solve(const options *o)
         return status;
     double *u = calloc((size_t)a.design.mesh.dof, sizeof *u);
     snprintf(error, sizeof error, "out of memory");
-    const int failed = !u || analysis_solve(&a, u, error) < 0;
+    const int failed = !u || (s.kinematics == KINEMATICS_AUTO ? solve_auto(&a, u, error) : analysis_solve(&a, u, error)) < 0;
     if (failed)
         fprintf(stderr, "pzs: %s\n", error);
     /* A path that ends early leaves an equilibrium worth seeing. */
-    if (u && (!failed || analysis_is_nonlinear(&a)))
+    if (u && (!failed || a.nonlinear))
         status = solved(o, &a, u);
     status = failed ? 1 : status;
     free(u);
@@ -401,7 +429,7 @@ static int command_solve(const options *o)
 typedef struct shape_run {
     scene scene;
     analysis analysis;
-    analysis_volts *volts;  /* [count] optimum without limits, then optimum and clipped per limit, then compared */
+    voltages *volts;  /* [count] optimum without limits, then optimum and clipped per limit, then compared */
     int count, compared;    /* compared: the first of the scene's own volts */
 } shape_run;
 
@@ -413,30 +441,32 @@ static double largest(const double *x, int n)
     return most;
 }
 
-/* Optima without limits and within each limit, clipping beside, then the scene's volts to compare. */
+/* Optima without limits and within each limit, clipping and on a nonlinear structure the linear optimum beside,
+ * then the scene's volts to compare. */
 static int shape_results(shape_run *run, const options *o, char *error)
 {
     const scene *s = &run->scene;
     const double own[1] = {(double)NAN};
     const double *limit = o->limits ? o->limit : own;
-    const size_t most = 1 + 2 * (size_t)(o->limits ? o->limits : 1) + (size_t)s->compares;
+    const size_t most = 1 + 3 * (size_t)(o->limits ? o->limits : 1) + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
-    if (analysis_optimum(&run->analysis, HUGE_VAL, &run->volts[run->count++], error) < 0)
+    if (voltages_optimum(&run->analysis, HUGE_VAL, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < (o->limits ? o->limits : 1); i++)
-        if (analysis_optimum(&run->analysis, limit[i], &run->volts[run->count++], error) < 0
-            || analysis_clipped(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
+        if (voltages_optimum(&run->analysis, limit[i], &run->volts[run->count++], error) < 0
+            || (run->analysis.nonlinear && voltages_linear(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
+            || voltages_clipped(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
     run->compared = run->count;
     for (int i = 0; i < s->compares; i++)
-        if (analysis_given(&run->analysis, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
+        if (voltages_given(&run->analysis, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
             return -1;
     return 0;
 }
 
-static void limit_text(const analysis_volts *v, char text[32])
+static void limit_text(const voltages *v, char text[32])
 {
     if (isinf(v->limit[0]) && isinf(v->limit[1]))
         snprintf(text, 32, "none");
@@ -451,7 +481,7 @@ static double rounded_volt(double volt)
 }
 
 /* Volts of each actuator as its grid lies on the surface: a row along theta2 for each step of theta1. */
-static void print_volts(const scene *s, const analysis_volts *v)
+static void print_volts(const scene *s, const voltages *v)
 {
     printf("\n  %s, volts:\n", v->name);
     for (int k = 0; k < s->actuators; k++) {
@@ -465,6 +495,27 @@ static void print_volts(const scene *s, const analysis_volts *v)
     }
 }
 
+/* What the volts of the linear model cost on the nonlinear structure: the error that the smaller image adds. */
+static double cost_of_linear(const shape_run *run)
+{
+    return run->volts[2].error - run->volts[1].error;
+}
+
+static const char *image_needed(const shape_run *run)
+{
+    return cost_of_linear(run) <= run->scene.tolerance ? "control" : "nonlinear";
+}
+
+static void print_choice(const shape_run *run)
+{
+    const voltages *best = &run->volts[1];
+    printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n", best->relinearised,
+           best->relinearised == 1 ? "" : "s", best->systems);
+    printf("the linear model's volts cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
+           100 * run->scene.tolerance, strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
+                                                                                 : "needs the nonlinear image");
+}
+
 static void print_shape(const shape_run *run)
 {
     const design *d = &run->analysis.design;
@@ -472,7 +523,7 @@ static void print_shape(const shape_run *run)
     printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, run->analysis.model.residual);
     printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
     for (int i = 0; i < run->count; i++) {
-        const analysis_volts *v = &run->volts[i];
+        const voltages *v = &run->volts[i];
         char limits[32];
         limit_text(v, limits);
         printf("  %-26s %-16s %11.3f%% %7d %12.2f ", v->name, limits, 100 * v->error, v->active, largest(v->volt, d->amplifiers));
@@ -484,9 +535,11 @@ static void print_shape(const shape_run *run)
     print_volts(&run->scene, &run->volts[1]);
     for (int i = run->compared; i < run->count; i++)
         print_volts(&run->scene, &run->volts[i]);
-    const analysis_volts *best = &run->volts[1];
+    const voltages *best = &run->volts[1];
     char limits[32];
     limit_text(best, limits);
+    if (run->analysis.nonlinear)
+        print_choice(run);
     printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
 }
 
@@ -498,9 +551,14 @@ static void json_shape(const shape_run *run)
     json_head(&j, &run->analysis);
     json_number(&j, "amplifiers", d->amplifiers);
     json_number(&j, "targets", d->targets);
+    json_string(&j, "kinematics", run->analysis.nonlinear ? "nonlinear" : "linear");
+    if (run->analysis.nonlinear) {
+        json_number(&j, "cost_of_linear", cost_of_linear(run));
+        json_string(&j, "image", image_needed(run));
+    }
     json_open(&j, "results", '[');
     for (int i = 0; i < run->count; i++) {
-        const analysis_volts *v = &run->volts[i];
+        const voltages *v = &run->volts[i];
         json_open(&j, NULL, '{');
         json_string(&j, "name", v->name);
         json_numbers(&j, "limits", v->limit, 2);
@@ -508,27 +566,13 @@ static void json_shape(const shape_run *run)
         json_number(&j, "active", v->active);
         json_number(&j, "passes", v->passes);
         json_number(&j, "kkt", v->optimality);
+        json_number(&j, "relinearised", v->relinearised);
+        json_number(&j, "systems", v->systems);
         json_numbers(&j, "volts", v->volt, d->amplifiers);
         json_close(&j, '}');
     }
     json_close(&j, ']');
     json_close(&j, '}');
-}
-
-/* Displacement of the whole structure under volts on the amplifiers alone. */
-static int shape_vtk(shape_run *run, const char *path)
-{
-    analysis *a = &run->analysis;
-    double *amount = calloc((size_t)a->design.structure.input.count, sizeof *amount);
-    double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
-    int status = 1;
-    if (amount && u) {
-        memcpy(amount, run->volts[1].volt, (size_t)a->design.amplifiers * sizeof *amount);
-        status = pzs_solve(&a->model, amount, u) == PZS_OK ? write_vtk(a, u, path) : 1;
-    }
-    free(amount);
-    free(u);
-    return status;
 }
 
 static int command_shape(const options *o)
@@ -540,16 +584,17 @@ static int command_shape(const options *o)
     if (status)
         return status;
     status = EXIT_USAGE;
+    run.analysis.nonlinear = run.scene.kinematics != KINEMATICS_LINEAR;
     if (analysis_influence(&run.analysis, error) == 0 && shape_results(&run, o, error) == 0) {
         (o->as_json ? json_shape : print_shape)(&run);
-        status = o->vtk ? shape_vtk(&run, o->vtk) : 0;
+        status = o->vtk ? write_vtk(&run.analysis, run.volts[1].u, o->vtk) : 0;
         if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
             status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count));
     } else {
         fprintf(stderr, "pzs: %s\n", error);
     }
     for (int i = 0; i < run.count; i++)
-        analysis_volts_free(&run.volts[i]);
+        voltages_free(&run.volts[i]);
     free(run.volts);
     analysis_free(&run.analysis);
     scene_free(&run.scene);
@@ -567,6 +612,30 @@ static void table_prefix(const options *o, const scene *s, char prefix[SCENE_NAM
             *c = '_';
 }
 
+/* Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem where it has a target. */
+static int prepare_tables(analysis *a, tables_image image, char *error)
+{
+    const scene *s = a->design.scene;
+    if (image != TABLES_NONLINEAR)
+        return analysis_influence(a, error);
+    if (s->kinematics == KINEMATICS_LINEAR)
+        return scene_fault(s, s->at_surface, error, "a nonlinear image needs kinematics: nonlinear (or auto)");
+    double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
+    a->nonlinear = 1;
+    const int failed = !u || analysis_solve(a, u, error) < 0;
+    free(u);
+    return failed ? -1 : s->target.given ? analysis_influence(a, error) : 0;
+}
+
+static void print_tables(const options *o, const analysis *a)
+{
+    const design *d = &a->design;
+    printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", o->output, tables_image_name[o->image], d->scene->name,
+           d->amplifiers, d->targets, d->mesh.dof);
+    if (o->image == TABLES_NONLINEAR)
+        printf("condition %.1e after scaling: %s\n", a->model.condition, tables_fit_float(a) ? "float or double" : "refused in float");
+}
+
 static int command_tables(const options *o)
 {
     scene s;
@@ -578,15 +647,14 @@ static int command_tables(const options *o)
     int status = open_analysis(o, &s, &a);
     if (status)
         return status;
-    if (analysis_influence(&a, error) < 0) {
+    if (prepare_tables(&a, o->image, error) < 0) {
         fprintf(stderr, "pzs: %s\n", error);
         status = EXIT_USAGE;
     } else if ((status = output_begin(&f, o->output)) == 0) {
         table_prefix(o, &s, prefix);
         status = output_end(&f, tables_write(f.file, &a, o->image, prefix));
         if (status == 0)
-            printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", o->output,
-                   o->image == TABLES_LINEAR ? "linear" : "control", s.name, a.design.amplifiers, a.design.targets, a.design.mesh.dof);
+            print_tables(o, &a);
     }
     analysis_free(&a);
     scene_free(&s);

@@ -240,36 +240,42 @@ static int folded(int p, int n)
     return p % 2 ? n - 1 - p / 2 : p / 2;
 }
 
-/* Hold unknowns at 0; values [nodes][unknowns] out: what prescribed ones are to be, NAN elsewhere. */
+/* Give the unknowns of one node what a support says; values as in apply_supports. */
+static int hold(mesh *m, const scene_support *support, int node, double *values, char *error)
+{
+    const surface_point *p = &m->point[node];
+    const expr_point at = {p->x[0], p->x[1], p->x[2], m->theta[node][0], m->theta[node][1]};
+    const double value = support->value ? expr_value(support->value, &at) : 0;
+    if (!isfinite(value))
+        return scene_fault(m->scene, support->at, error, "value is not a finite number at theta1 = %g, theta2 = %g", at.theta1, at.theta2);
+    for (unsigned i = 0; i < m->unknowns; i++) {
+        const size_t u = (size_t)node * m->unknowns + i;
+        const int moved = (support->move >> i & 1u) != 0, fixed = m->node_dof[u] == PZS_FIXED;
+        const double before = fixed ? 0 : values[u], wanted = moved ? value : 0;
+        if (!(support->fix >> i & 1u))
+            continue;
+        if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
+            return scene_fault(m->scene, support->at, error, "at theta1 = %g, theta2 = %g another support says %g, this one %g; keep one",
+                               at.theta1, at.theta2, before, wanted);
+        if (moved && !fixed)
+            values[u] = value;
+        else
+            m->node_dof[u] = PZS_FIXED;
+    }
+    return 0;
+}
+
+/* Mark what is held at 0; values [nodes][unknowns] out: what the prescribed unknowns are to be, NAN for the others. */
 static int apply_supports(mesh *m, int *node, double *values, char *error)
 {
-    const scene *s = m->scene;
     for (size_t i = 0; i < (size_t)m->nodes * m->unknowns; i++)
         values[i] = (double)NAN;
-    for (int k = 0; k < s->supports; k++) {
-        const scene_support *support = &s->support[k];
+    for (int k = 0; k < m->scene->supports; k++) {
+        const scene_support *support = &m->scene->support[k];
         const int count = mesh_select(m, &support->where, node);
-        for (int c = 0; c < count; c++) {
-            const surface_point *p = &m->point[node[c]];
-            const expr_point at = {p->x[0], p->x[1], p->x[2], m->theta[node[c]][0], m->theta[node[c]][1]};
-            const double value = support->value ? expr_value(support->value, &at) : 0;
-            if (!isfinite(value))
-                return scene_fault(s, support->at, error, "value is not a finite number at theta1 = %g, theta2 = %g", at.theta1, at.theta2);
-            for (unsigned i = 0; i < m->unknowns; i++) {
-                const size_t u = (size_t)node[c] * m->unknowns + i;
-                const int moved = (support->move >> i & 1u) != 0, fixed = m->node_dof[u] == PZS_FIXED;
-                const double before = fixed ? 0 : values[u], wanted = moved ? value : 0;
-                if (!(support->fix >> i & 1u))
-                    continue;
-                if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
-                    return scene_fault(s, support->at, error, "at theta1 = %g, theta2 = %g another support says %g, this one %g; keep one",
-                                       at.theta1, at.theta2, before, wanted);
-                if (moved && !fixed)
-                    values[u] = value;
-                else
-                    m->node_dof[u] = PZS_FIXED;
-            }
-        }
+        for (int c = 0; c < count; c++)
+            if (hold(m, support, node[c], values, error) < 0)
+                return -1;
     }
     return 0;
 }

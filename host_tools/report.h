@@ -6,7 +6,7 @@
 #define REPORT_H
 
 #include <stdio.h>
-#include "analysis.h"
+#include "voltages.h"
 
 /*
  * Displacement field of a result on the mesh.
@@ -28,7 +28,7 @@ int report_solve(FILE *file, const analysis *a, const double *u, const double *o
  * HTML page of `pzs shape`: target and reached shape, misfit maps, voltages on their patches, error table.
  *   volts [count] results, each drawn; one solve each
  */
-int report_shape(FILE *file, analysis *a, const analysis_volts *volts, int count);
+int report_shape(FILE *file, analysis *a, const voltages *volts, int count);
 
 /* Legacy VTK file: quadrilaterals with one displacement vector field per entry. */
 int report_vtk(FILE *file, const mesh *m, const report_field *field, int fields);

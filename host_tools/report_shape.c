@@ -10,7 +10,7 @@
 
 /* One set of volts with all that is drawn of it. */
 typedef struct result {
-    const analysis_volts *volts;
+    const voltages *volts;
     double *vector;          /* [nodes][3] displacement reached */
     double *wanted;          /* [nodes][3] the same with the target's component as wanted; NaN elsewhere */
     double *misfit;          /* [nodes] reached minus wanted; NaN where nothing is wanted */
@@ -30,7 +30,7 @@ typedef struct page {
     double factor;           /* magnification of every drawing */
     double target;           /* largest wanted displacement */
     draw_scale misfit, volt; /* shared by every set */
-    double residual, error;  /* largest of the drawn solves */
+    double residual;         /* largest of the drawn shapes */
 } page;
 
 /* ---- results ---------------------------------------------------------- */
@@ -51,23 +51,6 @@ static int result_room(result *r, const design *d)
     r->misfit = calloc(nodes, sizeof *r->misfit);
     r->outline = calloc((size_t)d->amplifiers + 1, sizeof *r->outline);
     return r->vector && r->wanted && r->misfit && r->outline ? 0 : -1;
-}
-
-/* Displacement under the volts alone. vector [nodes][3] out */
-static int result_solve(analysis *a, const analysis_volts *volts, double *vector)
-{
-    const design *d = &a->design;
-    double *amount = calloc((size_t)d->structure.input.count + 1, sizeof *amount);
-    double *u = calloc((size_t)d->mesh.dof, sizeof *u);
-    int failed = -1;
-    if (amount && u) {
-        memcpy(amount, volts->volt, (size_t)d->amplifiers * sizeof *amount);
-        failed = pzs_solve(&a->model, amount, u) == PZS_OK ? 0 : -1;
-        report_displacement(&d->mesh, u, vector);
-    }
-    free(amount);
-    free(u);
-    return failed;
 }
 
 static void result_misfit(const design *d, result *r)
@@ -95,7 +78,7 @@ static void result_misfit(const design *d, result *r)
 /* At one of the limits this set obeyed, or beyond those of the scene. */
 static void result_outline(const design *d, result *r)
 {
-    const analysis_volts *v = r->volts;
+    const voltages *v = r->volts;
     for (int k = 0; k < d->amplifiers; k++) {
         const double volt = v->volt[k];
         const int at = volt == v->limit[0] || volt == v->limit[1] || volt == d->lower[k] || volt == d->upper[k];
@@ -106,11 +89,12 @@ static void result_outline(const design *d, result *r)
     }
 }
 
-static int result_fill(analysis *a, const analysis_volts *volts, result *r)
+static int result_fill(const analysis *a, const voltages *volts, result *r)
 {
     r->volts = volts;
-    if (result_room(r, &a->design) < 0 || result_solve(a, volts, r->vector) < 0)
+    if (result_room(r, &a->design) < 0)
         return -1;
+    report_displacement(&a->design.mesh, volts->u, r->vector);
     result_misfit(&a->design, r);
     result_outline(&a->design, r);
     return 0;
@@ -151,12 +135,12 @@ static void page_scales(page *p)
 
 /* ---- words ------------------------------------------------------------ */
 
-static int is_limited(const analysis_volts *v)
+static int is_limited(const voltages *v)
 {
     return isfinite(v->limit[0]) || isfinite(v->limit[1]);
 }
 
-static void write_limits(const page *p, const analysis_volts *v)
+static void write_limits(const page *p, const voltages *v)
 {
     if (!is_limited(v)) {
         fputs("&ndash;", p->file);
@@ -172,7 +156,7 @@ static void write_limits(const page *p, const analysis_volts *v)
     html_quantity(p->file, v->limit[1], p->volt.unit);
 }
 
-static void write_name(const page *p, const analysis_volts *v)
+static void write_name(const page *p, const voltages *v)
 {
     html_text(p->file, v->name);
     if (is_limited(v)) {
@@ -184,15 +168,15 @@ static void write_name(const page *p, const analysis_volts *v)
 /* The first set within limits, as asked for, and what the best without limits would leave. */
 static void write_verdict(const page *p)
 {
-    const analysis_volts *asked = NULL, *unlimited = NULL;
+    const voltages *asked = NULL, *unlimited = NULL;
     for (int k = 0; k < p->results; k++) {
-        const analysis_volts *v = p->result[k].volts;
+        const voltages *v = p->result[k].volts;
         if (is_limited(v) && !asked)
             asked = v;
         if (!is_limited(v) && (!unlimited || v->error < unlimited->error))
             unlimited = v;
     }
-    const analysis_volts *best = asked ? asked : unlimited;
+    const voltages *best = asked ? asked : unlimited;
     if (!best)
         return;
     fputs("<p class=\"verdict\"><b>Shape error ", p->file);
@@ -348,7 +332,7 @@ static int draw_set(const page *p, const result *r)
 
 /* ---- page ------------------------------------------------------------- */
 
-static int page_fill(page *p, const analysis_volts *volts)
+static int page_fill(page *p, const voltages *volts)
 {
     p->plan = calloc((size_t)p->d->scene->actuators + 1, sizeof *p->plan);
     p->result = calloc((size_t)p->results + 1, sizeof *p->result);
@@ -358,8 +342,7 @@ static int page_fill(page *p, const analysis_volts *volts)
     for (int k = 0; k < p->results; k++) {
         if (result_fill(p->a, &volts[k], &p->result[k]) < 0)
             return -1;
-        p->residual = k ? fmax(p->residual, p->a->model.residual) : p->a->model.residual;
-        p->error = k ? fmax(p->error, p->a->model.error) : p->a->model.error;
+        p->residual = k ? fmax(p->residual, volts[k].residual) : volts[k].residual;
     }
     page_scales(p);
     return 0;
@@ -369,7 +352,7 @@ static int page_write(const page *p)
 {
     int failed = 0;
     html_begin(p->file, p->d->scene->name);
-    parts_head(p->file, p->a, "Volts for a wanted shape", p->residual, p->error);
+    parts_head(p->file, p->a, "Volts for a wanted shape", p->residual, p->a->nonlinear ? -1 : p->a->model.error);
     write_verdict(p);
     fputs("<section>\n<h2>Sets of volts</h2>\n", p->file);
     write_table(p);
@@ -387,7 +370,7 @@ static int page_write(const page *p)
     return failed;
 }
 
-int report_shape(FILE *file, analysis *a, const analysis_volts *volts, int count)
+int report_shape(FILE *file, analysis *a, const voltages *volts, int count)
 {
     page p = {.file = file, .a = a, .d = &a->design, .results = count};
     int failed = page_fill(&p, volts);

@@ -135,7 +135,7 @@ typedef enum scene_component {
     COMPONENT_U1, COMPONENT_U2, COMPONENT_U3, COMPONENT_X, COMPONENT_Y, COMPONENT_Z
 } scene_component;
 
-/* A pressure that follows the deformation: fixed size per reference area along the unit normal of the outer face, or true. */
+/* A pressure that turns with the shell: fixed size per reference area along the outer face's unit normal, or a true one. */
 typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE } scene_follower;
 
 typedef struct scene_load {

@@ -91,8 +91,8 @@ static int check_meridian(const scene *s, char *error)
     for (i = 0; i <= SAMPLES && s->surface.type == SURFACE_REVOLUTION; i++) {
         const double t = sample(&s->line[0], i);
         if (surface_at(&s->surface, t, 0).a[0] < 0.05)
-            return scene_fault(s, s->at_surface, error, "the meridian turns back on itself near theta1 = %g; give more points "
-                               "there, or smooth less", t);
+            return scene_fault(s, s->at_surface, error, "the meridian turns back on itself near theta1 = %g; give more "
+                               "points there, or smooth less", t);
     }
     return 0;
 }
@@ -106,10 +106,10 @@ static int check_depth(const scene *s, double h, char *error)
         const surface_point p = surface_at(&s->surface, sample(&s->line[0], i), sample(&s->line[1], i));
         for (a = 0; a < 2; a++)
             for (face = 0; face < 2; face++)
-                if (!(1 + p.k[a] * z[face] > 0))
-                    return scene_fault(s, s->at_layers, error, "the layers reach %g %s the reference surface, past the axis or "
-                                       "centre of curvature at %g; use thinner layers or a larger radius", fabs(z[face]),
-                                       face ? "above" : "below", fabs(1 / p.k[a]));
+                if (!(1 + p.k[a] * z[face] > on_line))
+                    return scene_fault(s, s->at_layers, error, "the layers reach %g %s the reference surface, past the "
+                                       "axis or centre of curvature at %g; use thinner layers or a larger radius",
+                                       fabs(z[face]), face ? "above" : "below", fabs(1 / p.k[a]));
     }
     return 0;
 }

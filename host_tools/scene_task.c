@@ -1,4 +1,4 @@
-/* Sections of a scene that say what drives it and what is asked: equilibrium, actuators, limits, outputs, target, compare. */
+/* Sections of a scene that say what drives it and is asked: equilibrium, actuators, limits, outputs, target, compare. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -250,9 +250,11 @@ static int read_contact_output(reader *r, int node, void *to, const void *rule)
     int result = 0;
     (void)rule;
     if (!r->s->contact.given)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "no contact in this scene; add contact: {face: outer, body: ...}");
+        return tree_fault_at(r->t, r->t->node[node].key_at, "no contact in this scene; add contact: {face: outer, "
+                             "body: ...}");
     if (text->directions++)
-        return tree_fault_at(r->t, r->t->node[node].key_at, "an output is a displacement or of contact; write a second item");
+        return tree_fault_at(r->t, r->t->node[node].key_at, "an output is a displacement or of contact; write a second "
+                             "item");
     if (read_choice(r, node, &result, results) != 0) return -1;
     text->output.contact = (scene_contact_output)result;
     return 0;

@@ -9,7 +9,8 @@ typedef struct spline spline;
  *   point      [n][2]  in   in order, no two neighbours equal; n >= 4, or n >= 2 with tangents
  *   tangent    [2][2]  in   directions at the first and last point (any length), or NULL: not-a-knot ends
  *   smoothing          in   lambda >= 0 of sum |p_i - s(t_i)|^2 + lambda integral |s''|^2 dt, in length^3; 0 interpolates
- * Returns NULL when memory runs out, two neighbours coincide or the numbers leave the range of a double. spline_free releases it.
+ * Returns NULL when memory runs out, two neighbours coincide or the numbers leave the range of a double;
+ * spline_free releases it.
  */
 spline *spline_fit(int n, const double (*point)[2], const double (*tangent)[2], double smoothing);
 void spline_free(spline *s);

@@ -1,4 +1,7 @@
-/* Reference surfaces (surface.h): plates, cylinders over a plane curve, surfaces of revolution. A1 never depends on theta2: B2 = 0. */
+/*
+ * Reference surfaces (surface.h): plates, cylinders over a plane curve, surfaces of revolution.
+ * A1 never depends on theta2: B2 = 0.
+ */
 #include "surface.h"
 #include <math.h>
 #include <string.h>

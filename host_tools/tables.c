@@ -10,6 +10,8 @@
 #include "guard.h"
 #include "shell.h"
 
+const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonlinear"};
+
 /* ---- checksums -------------------------------------------------------- */
 
 static uint32_t crc_reals_32(uint32_t crc, const double *x, size_t n)
@@ -164,14 +166,24 @@ static void write_kinds(writer *w, const mesh *m)
 static void write_rows(writer *w, const char *name, const pzs_rows *rows, uint16_t count, const char *meaning)
 {
     char array[64];
-    const uint32_t terms = rows->count ? rows->start[count] : 0;
+    if (count == 0)
+        return;
+    const uint32_t terms = rows->start[count];
     fprintf(w->file, "/* %s */\n", meaning);
     snprintf(array, sizeof array, "%s_start", name);
-    write_longs(w, array, rows->start, rows->count ? count + 1u : 0);
+    write_longs(w, array, rows->start, count + 1u);
     snprintf(array, sizeof array, "%s_dof", name);
     write_shorts(w, array, rows->dof, terms, "free unknowns");
     snprintf(array, sizeof array, "%s_value", name);
     write_reals(w, array, rows->value, terms, "their weights");
+}
+
+static void name_rows(const writer *w, const char *name, uint16_t count)
+{
+    if (count == 0)
+        fputs("    {0, NULL, NULL, NULL},\n", w->file);
+    else
+        fprintf(w->file, "    {%u, %s_%s_start, %s_%s_dof, %s_%s_value},\n", count, w->prefix, name, w->prefix, name, w->prefix, name);
 }
 
 /* Padded entries of the factor for a tile of rows, the rule of linalg.h. */
@@ -198,10 +210,11 @@ static pzs_structure controlled(const analysis *a)
     return s;
 }
 
-static void write_structure(writer *w, const analysis *a)
+static void write_structure(writer *w, const analysis *a, tables_image image)
 {
     const mesh *m = &a->design.mesh;
-    const pzs_structure s = controlled(a);
+    const int whole = image == TABLES_NONLINEAR;
+    const pzs_structure s = whole ? a->design.structure : controlled(a);
     const size_t packed = SHELL_PACKED(4 * (size_t)m->unknowns);
     const uint16_t counts[5] = {s.nodes, s.elements, s.kinds, s.unknowns, s.dof};
     w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
@@ -211,20 +224,162 @@ static void write_structure(writer *w, const analysis *a)
     write_shorts(w, "first", m->first, (size_t)m->dof, "first column of each row of the factor");
     write_reals(w, "stiffness", m->stiffness, (size_t)m->kinds * packed, "element matrices, packed lower triangles (N/m, N)");
     write_kinds(w, m);
-    write_rows(w, "input", &s.input, s.input.count, "force per volt of each amplifier");
-    write_rows(w, "output", &s.output, s.output.count, "displacement of each target node");
+    write_rows(w, "input", &s.input, s.input.count, whole ? "force per unit of each amplifier, load and extra input" : "force per volt of each amplifier");
+    write_rows(w, "output", &s.output, s.output.count, whole ? "displacement of each target node and output" : "displacement of each target node");
     fprintf(w->file,
             "#define %s_DOF %d\n"
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n"
             "static const pzs_structure %s_structure = {\n"
             "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, %u,\n"
-            "    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n"
-            "    {%u, %s_input_start, %s_input_dof, %s_input_value},\n"
-            "    {%u, %s_output_start, %s_output_dof, %s_output_value},\n};\n\n",
+            "    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n",
             w->upper, m->dof, w->upper, m->dof, padded_entries(m, 4), padded_entries(m, 8), padded_entries(m, 16), w->prefix,
             s.format, (unsigned)s.scene, (unsigned)~w->crc32, (unsigned)s.crc, s.nodes, s.elements, s.kinds, s.unknowns, s.dof,
-            w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, w->prefix,
-            s.input.count, w->prefix, w->prefix, w->prefix, s.output.count, w->prefix, w->prefix, w->prefix);
+            w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, w->prefix);
+    name_rows(w, "input", s.input.count);
+    name_rows(w, "output", s.output.count);
+    fputs("};\n\n", w->file);
+}
+
+/* ---- nonlinear path --------------------------------------------------- */
+
+/* n blocks of reals. length [depth] in: those of one block. */
+static void write_blocks(writer *w, const char *name, const double *x, size_t n, const int *length, int depth, const char *meaning)
+{
+    size_t size = 1;
+    fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu]", meaning, w->prefix, name, n);
+    for (int i = 0; i < depth; i++) {
+        fprintf(w->file, "[%d]", length[i]);
+        size *= (size_t)length[i];
+    }
+    fputs(" = {", w->file);
+    for (size_t i = 0; i < n; i++) {
+        fputs("\n    ", w->file);
+        nested(w->file, x + i * size, length, depth);
+        fputs(",", w->file);
+    }
+    fputs("\n};\n", w->file);
+    w->crc32 = crc_reals_32(w->crc32, x, n * size);
+}
+
+/* Actuation, temperature and prescribed displacements. */
+static void write_path(writer *w, const pzs_nonlinear *t, uint16_t inputs)
+{
+    const int strains = LAMINATE_STRAINS;
+    const uint32_t entries = t->given.start ? t->given.start[inputs] : 0;
+    w->crc32 = GUARD_CRC_START;
+    if (entries > 0) {
+        fputs("/* elements on which each input acts by resultants */\n", w->file);
+        write_longs(w, "given_start", t->given.start, inputs + 1u);
+        write_shorts(w, "given_element", t->given.element, entries, "element");
+        write_shorts(w, "given_which", t->given.which, entries, "row of the resultants");
+        write_blocks(w, "given_value", *t->given.value, t->given.values, &strains, 1, "resultants per unit of an input (N m)");
+    }
+    if (t->prescribed.count > 0) {
+        write_shorts(w, "prescribed_dof", t->prescribed.dof, t->prescribed.count, "free unknowns that are moved");
+        write_reals(w, "prescribed_value", t->prescribed.value, t->prescribed.count, "by");
+    }
+    fprintf(w->file, "static const pzs_nonlinear %s_nonlinear = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu),\n",
+            w->prefix, t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc);
+    if (entries > 0)
+        fprintf(w->file, "    {%u, %s_given_start, %s_given_element, %s_given_which, %s_given_value},\n", t->given.values,
+                w->prefix, w->prefix, w->prefix, w->prefix);
+    else
+        fputs("    {0, NULL, NULL, NULL, NULL},\n", w->file);
+    if (t->prescribed.count > 0)
+        fprintf(w->file, "    {%u, %u, %s_prescribed_dof, %s_prescribed_value},\n};\n\n", t->prescribed.count, t->prescribed.input,
+                w->prefix, w->prefix);
+    else
+        fputs("    {0, 0, NULL, NULL},\n};\n\n", w->file);
+}
+
+static void list_vector(writer *w, const double x[3])
+{
+    const int length = 3;
+    nested(w->file, x, &length, 1);
+}
+
+static void write_followers(writer *w, const path *p)
+{
+    const mesh *m = &p->design->mesh;
+    const int corners = 4;
+    char name[64];
+    for (int k = 0; k < p->followers; k++) {
+        snprintf(name, sizeof name, "follower_area_%d", k);
+        write_blocks(w, name, *p->follower[k].area, (size_t)m->kinds, &corners, 1, "area of each corner, by kind");
+        snprintf(name, sizeof name, "follower_pressure_%d", k);
+        write_reals(w, name, p->follower[k].pressure, (size_t)m->nodes, "pressure of each node");
+    }
+    fprintf(w->file, "#define %s_FOLLOWERS %d\n", w->upper, p->followers);
+    if (p->followers > 0)
+        fprintf(w->file, "static const pzs_follower %s_follower[%d] = {\n", w->prefix, p->followers);
+    for (int k = 0; k < p->followers; k++) {
+        const pzs_follower *f = &p->follower[k];
+        fprintf(w->file, "    {%u, %u, %u, %u, ", f->input, f->load_face, f->normal_face, f->true_area);
+        list_vector(w, f->share);
+        fprintf(w->file, ", %s_follower_area_%d, %s_follower_pressure_%d},\n", w->prefix, k, w->prefix, k);
+    }
+    fputs(p->followers > 0 ? "};\n\n" : "\n", w->file);
+}
+
+/* The face that may touch, and the body; a body given by a formula wants a distance function of the firmware's own. */
+static void write_contact(writer *w, const path *p)
+{
+    static const char *const gap[] = {[BODY_PLANE] = "pzs_gap_plane", [BODY_CYLINDER] = "pzs_gap_cylinder", [BODY_SPHERE] = "pzs_gap_sphere"};
+    static const int matrix[2] = {3, 3};
+    const scene_contact *contact = &p->design->scene->contact;
+    const size_t nodes = (size_t)p->design->mesh.nodes;
+    const pzs_contact_face *face = &p->face;
+    if (!contact->given)
+        return;
+    write_blocks(w, "contact_place", *face->place, nodes, matrix, 1, "places of the face that may touch, at rest");
+    write_blocks(w, "contact_triad", **face->triad, nodes, matrix, 2, "their triads");
+    write_reals(w, "contact_area", face->area, nodes, "their areas");
+    fprintf(w->file, "static const pzs_contact_face %s_contact_face = {\n    %u, %u, ", w->prefix, face->face, face->input);
+    list_vector(w, face->motion);
+    fprintf(w->file, ", PZS_R(%.17g), %s_contact_place, %s_contact_triad, %s_contact_area,\n};\n",
+            face->size, w->prefix, w->prefix, w->prefix);
+    if (contact->body.type == BODY_PSI)
+        fprintf(w->file, "#ifndef %s_GAP\n#error \"the body is a formula: define %s_GAP as its distance function (pzs_body.gap)\"\n#endif\n",
+                w->upper, w->upper);
+    fprintf(w->file, "static const pzs_body %s_body = {\n    %s%s, ", w->prefix,
+            contact->body.type == BODY_PSI ? w->upper : gap[contact->body.type], contact->body.type == BODY_PSI ? "_GAP" : "");
+    list_vector(w, p->body.point);
+    fputs(", ", w->file);
+    list_vector(w, p->body.axis);
+    fprintf(w->file, ", PZS_R(%.17g), NULL,\n};\n#define %s_CONTACT_BYTES PZS_CONTACT_BYTES(%zu)\n"
+            "#define %s_CONTACT_STIFFNESS PZS_R(%.17g)\n\n", p->body.radius, w->upper, nodes, w->upper, p->contact.stiffness);
+}
+
+/* Sizes and choices of the path, and what the host found with them. */
+static int write_equilibrium(writer *w, const analysis *a)
+{
+    const pzs_structure *s = &a->design.structure;
+    const pzs_path *run = &a->path.run;
+    double *reached = calloc((size_t)s->output.count + 1, sizeof *reached);
+    if (!reached)
+        return -1;
+    fprintf(w->file,
+            "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n#define %s_PATH_BYTES PZS_PATH_BYTES(%u, %u, %u)\n\n"
+            "/* choices of the scene, for the path */\n#define %s_STEPS %u\n#define %s_MIXED %u\n#define %s_SYSTEMS %u\n"
+            "#define %s_CHANGE PZS_R(%.17g)\n\n",
+            w->upper, s->input.count, w->upper, s->output.count, w->upper, s->dof, s->elements, s->input.count,
+            w->upper, run->steps, w->upper, run->mixed, w->upper, (unsigned)run->systems_allowed, w->upper, run->change);
+    write_reals(w, "full", a->path.full, s->input.count, "amounts of the scene: applied volts, loads, extra inputs");
+    pzs_observe(s, run->u, reached);
+    if (s->output.count > 0)
+        write_reals(w, "reached", reached, s->output.count, "outputs under these amounts, as the host found them in double");
+    fputs("\n", w->file);
+    free(reached);
+    return 0;
+}
+
+static int write_nonlinear(writer *w, const analysis *a)
+{
+    write_structure(w, a, TABLES_NONLINEAR);
+    write_path(w, &a->path.tables, a->design.structure.input.count);
+    write_followers(w, &a->path);
+    write_contact(w, &a->path);
+    return write_equilibrium(w, a);
 }
 
 /* ---- voltage problem -------------------------------------------------- */
@@ -258,31 +413,61 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
             w->prefix, p.format, (unsigned)p.scene, (unsigned)~w->crc32, (unsigned)guard_problem_crc(&p), n, m,
             influence ? w->prefix : "NULL", influence ? "_influence" : "", influence ? w->prefix : "NULL", influence ? "_hessian" : "",
             w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, p.effort);
-    write_reals(w, "target", d->wanted, m, "displacement of each target node that the volts must make");
+    if (image == TABLES_NONLINEAR)
+        write_reals(w, "target", d->target, m, "displacement wanted of each target node, under the loads");
+    else
+        write_reals(w, "target", d->wanted, m, "displacement of each target node that the volts must make");
 }
 
 /* ---- header ----------------------------------------------------------- */
 
-int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix)
+static void write_head(const writer *w, const analysis *a, const char *image)
 {
     const scene *s = a->design.scene;
-    writer w = {file, prefix, "", 0};
-    for (size_t i = 0; prefix[i] && i + 1 < sizeof w.upper; i++)
-        w.upper[i] = (char)toupper((unsigned char)prefix[i]);
-    fprintf(file,
+    fprintf(w->file,
             "/*\n * Tables of scene %s, %s image. Made by `pzs tables`; do not edit.\n * %s\n"
             " * Lengths in %s, forces in %s, volts in %s.\n */\n"
             "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
-            "#if PZS_TABLE_FORMAT != %u\n#error \"these tables were made for another version of the library: run `pzs tables` again\"\n#endif\n\n"
-            "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
-            s->name, image == TABLES_CONTROL ? "control" : "linear", s->about ? s->about : "", s->unit_length, s->unit_force, s->unit_voltage,
-            w.upper, w.upper, PZS_TABLE_FORMAT, w.upper, a->design.amplifiers, w.upper, a->design.targets, w.upper,
-            a->design.amplifiers, a->design.targets);
-    if (image == TABLES_LINEAR) {
-        write_structure(&w, a);
+            "#if PZS_TABLE_FORMAT != %u\n#error \"these tables were made for another version of the library: run `pzs tables` again\"\n#endif\n\n",
+            s->name, image, s->about ? s->about : "", s->unit_length, s->unit_force, s->unit_voltage, w->upper, w->upper, PZS_TABLE_FORMAT);
+}
+
+/* What a nonlinear image asks of its compilation. */
+static void write_demands(const writer *w, const analysis *a)
+{
+    fputs("#if !PZS_NONLINEAR\n#error \"a nonlinear image: compile library and firmware with -DPZS_NONLINEAR=1\"\n#endif\n", w->file);
+    if (!tables_fit_float(a))
+        fprintf(w->file, "#if PZS_REAL_BITS == 32\n#error \"condition %.1e: above %.0e the nonlinear path needs double, -DPZS_REAL_BITS=64\"\n"
+                "#endif\n", a->model.condition, TABLES_FLOAT_CONDITION);
+    fputs("\n", w->file);
+}
+
+int tables_fit_float(const analysis *a)
+{
+    return a->model.condition < TABLES_FLOAT_CONDITION;
+}
+
+int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix)
+{
+    const int controlled = a->design.problem.inputs > 0;
+    writer w = {file, prefix, "", 0};
+    int status = 0;
+    for (size_t i = 0; prefix[i] && i + 1 < sizeof w.upper; i++)
+        w.upper[i] = (char)toupper((unsigned char)prefix[i]);
+    write_head(&w, a, tables_image_name[image]);
+    if (image == TABLES_NONLINEAR)
+        write_demands(&w, a);
+    if (controlled)
+        fprintf(file, "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
+                w.upper, a->design.amplifiers, w.upper, a->design.targets, w.upper, a->design.amplifiers, a->design.targets);
+    if (image == TABLES_NONLINEAR) {
+        status = write_nonlinear(&w, a);
+    } else if (image == TABLES_LINEAR) {
+        write_structure(&w, a, image);
         fprintf(file, "#define %s_LINEAR 1\n\n", w.upper);
     }
-    write_problem(&w, a, image);
+    if (controlled)
+        write_problem(&w, a, image);
     fputs("#endif\n", file);
-    return ferror(file) ? -1 : 0;
+    return ferror(file) ? -1 : status;
 }

@@ -5,10 +5,17 @@
 #include <stdio.h>
 #include "analysis.h"
 
-typedef enum tables_image { TABLES_CONTROL, TABLES_LINEAR } tables_image;
+typedef enum tables_image { TABLES_CONTROL, TABLES_LINEAR, TABLES_NONLINEAR, TABLES_IMAGES } tables_image;
+extern const char *const tables_image_name[TABLES_IMAGES];
+
+/* The nonlinear path has no refinement: float carries it while the scaled stiffness is conditioned better than this. */
+#define TABLES_FLOAT_CONDITION 1e7
+int tables_fit_float(const analysis *a);
 
 /*
  * Write the tables of an image as a C header.
+ *   a       in  after analysis_influence; a nonlinear image: after analysis_solve, and where the scene has a target
+ *               after analysis_influence (without one there is no voltage problem in the tables)
  *   prefix  in  of every name, a C identifier
  * The same scene gives the same bytes: no dates, no paths. Returns 0, or -1 when writing failed.
  */

@@ -374,7 +374,7 @@ typedef struct pzs_contact {
     pzs_real force[3];        /* resultant on the shell (N) */
     uint16_t nodes;           /* in contact */
     uint8_t changed;          /* nodes came or went before the last system */
-    uint8_t warm;             /* the load step began with nodes of an equilibrium */
+    uint8_t warm;             /* the load step began with the nodes of the last equilibrium alone */
     uint8_t loose;            /* the supports alone do not hold the shell */
 } pzs_contact;
 

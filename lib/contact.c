@@ -151,28 +151,29 @@ static void find_facing(pzs_contact *c, const pzs_path *path)
     }
 }
 
-/* Does a node belong into contact, by gap alone (start of a cold step) or by gap and pressure? */
-static int belongs(const pzs_contact *c, const pzs_path *path, uint16_t node, int by_gap)
+/* May a node touch at all: does it point at the body, and can it move? */
+static int may_touch(const pzs_contact *c, const pzs_path *path, uint16_t node)
 {
-    const pzs_real own = own_stiffness(c, path, node);
-    if (!(c->facing[node] < 0) || own <= 0)
-        return 0;
-    const pzs_real gap = place_of(c, path, node).gap;
-    if (by_gap)
-        return gap <= closed(c);
-    return c->touching[node] ? c->pressure[node] - WEIGHING * own * gap > 0 : gap < -closed(c);
+    return c->facing[node] < 0 && own_stiffness(c, path, node) > 0;
 }
 
-/* The node of smallest gap that points at the body, or -1. */
+/* Does a node belong into contact, by its gap and pressure? */
+static int belongs(const pzs_contact *c, const pzs_path *path, uint16_t node)
+{
+    if (!may_touch(c, path, node))
+        return 0;
+    const pzs_real gap = place_of(c, path, node).gap;
+    return c->touching[node] ? c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * gap : gap < -closed(c);
+}
+
+/* The node of smallest gap that may touch, or -1. */
 static int32_t nearest(const pzs_contact *c, const pzs_path *path)
 {
     int32_t best = -1;
     pzs_real least = 0;
     for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
-        if (!(c->facing[n] < 0) || own_stiffness(c, path, n) <= 0)
-            continue;
-        const pzs_real gap = place_of(c, path, n).gap;
-        if (best < 0 || gap < least) {
+        const pzs_real gap = may_touch(c, path, n) ? place_of(c, path, n).gap : 0;
+        if (may_touch(c, path, n) && (best < 0 || gap < least)) {
             best = n;
             least = gap;
         }
@@ -180,37 +181,50 @@ static int32_t nearest(const pzs_contact *c, const pzs_path *path)
     return best;
 }
 
-static void choose(pzs_contact *c, const pzs_path *path, int by_gap)
+/* Nodes in contact for the first system of a load step: those of the last equilibrium and those that a motion of the
+ * body ran into; without any of the former, those whose gap is closed. */
+static void begin(pzs_contact *c, const pzs_path *path)
 {
+    const uint16_t nodes = path->model->structure->nodes;
+    uint32_t given = 0, added = 0;
+    for (uint16_t n = 0; n < nodes; n++)
+        given += c->touching[n];
+    for (uint16_t n = 0; n < nodes; n++)
+        if (!c->touching[n] && may_touch(c, path, n) && place_of(c, path, n).gap <= (given > 0 ? -closed(c) : closed(c))) {
+            c->touching[n] = 1;
+            added++;
+        }
+    c->changed = added > 0;
+    c->warm = given > 0 && added == 0;
+}
+
+/* Nodes in contact by gap and pressure; of a loose shell the nearest one stays. */
+static void choose(pzs_contact *c, const pzs_path *path)
+{
+    const uint16_t nodes = path->model->structure->nodes;
     uint32_t count = 0;
-    int32_t lone = -1;
-    find_facing(c, path);
-    for (uint16_t n = 0; n < path->model->structure->nodes; n++)
-        count += (uint32_t)belongs(c, path, n, by_gap);
-    if (count == 0 && c->loose)
-        lone = nearest(c, path);
-    c->changed = 0;
-    for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
-        const uint8_t now = n == lone || (lone < 0 && belongs(c, path, n, by_gap));
-        if (now != c->touching[n])
-            c->changed = 1;
+    for (uint16_t n = 0; n < nodes; n++) {
+        const uint8_t now = (uint8_t)belongs(c, path, n);
+        c->changed |= now != c->touching[n];
         c->touching[n] = now;
+        count += now;
         if (!now)
             c->pressure[n] = 0;
     }
+    const int32_t lone = count == 0 && c->loose ? nearest(c, path) : -1;
+    if (lone >= 0)
+        c->touching[lone] = 1;
 }
 
 static void prepare(pzs_option *option, pzs_path *path)
 {
     pzs_contact *c = contact_of(option);
-    if (path->iteration == 0) {
-        c->warm = 0;
-        for (uint16_t n = 0; n < path->model->structure->nodes; n++)
-            c->warm |= c->touching[n];
-    }
     c->changed = 0;
-    if (path->iteration == 0 ? !c->warm : !c->warm || path->quiet < QUIET)
-        choose(c, path, path->iteration == 0);
+    find_facing(c, path);
+    if (path->iteration == 0)
+        begin(c, path);
+    else if (!c->warm || path->quiet < QUIET)
+        choose(c, path);
 }
 
 static int settled(pzs_option *option, pzs_path *path)
@@ -221,7 +235,7 @@ static int settled(pzs_option *option, pzs_path *path)
     find_facing(c, path);
     for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
         const pzs_real gap = c->touching[n] ? place_of(c, path, n).gap : 0;
-        if (gap > closed(c) || gap < -closed(c) || belongs(c, path, n, 0) != c->touching[n])
+        if (gap > closed(c) || gap < -closed(c) || belongs(c, path, n) != c->touching[n])
             return 0;
     }
     return 1;

@@ -1,22 +1,6 @@
 /* The GEX7P4 element (shell.h). */
-#include "shell.h"
+#include "shell_corner.h"
 #include <string.h>
-
-enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
-
-/* Corner on the other side of r along theta1 and theta2. */
-static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
-
-/* xi1^r1 xi2^r2 at the corners, by mode 00 01 10 11. */
-static const pzs_real mode_sign[4][4] = {{1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
-
-/* Derivatives of a displacement at a corner: lam mean and difference/h by direction, beta mean, q. */
-typedef struct corner {
-    pzs_real mean[2][3];
-    pzs_real diff[2][3];
-    pzs_real beta[3];
-    pzs_real q;
-} corner;
 
 /*
  * The shape of a corner that strains are taken at: base vectors plus derivatives of the
@@ -279,146 +263,94 @@ static corner moved(const pzs_kind *kind, const corner *d, pzs_real share, int r
     return s;
 }
 
-/* Strains are quadratic, so the variation at half the displacement, applied to all of it, is exact. */
-void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real e[4][10])
+static void derivatives(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, corner d[4])
 {
-    memset(e, 0, sizeof(pzs_real[4][10]));
+    for (int r = 0; r < SHELL_NODES; r++)
+        d[r] = corner_derivatives(kind, unknowns, u, r);
+}
+
+/* e += L(share u) v, the first variation of the strains by mode without the twist term.
+ * d, v [4] in derivatives of u and v at the corners */
+static void add_variation(const pzs_kind *kind, const corner d[4], pzs_real share, const corner v[4], pzs_real e[4][10])
+{
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner d = corner_derivatives(kind, unknowns, u, r);
-        const corner middle = moved(kind, &d, (pzs_real)0.5, r);
-        const shape half = shape_of(&middle);
+        const corner at = moved(kind, &d[r], share, r);
+        const shape s = shape_of(&at);
         pzs_real corner_e[10];
-        corner_strains(&half, &d, kind->thickness, corner_e);
+        corner_strains(&s, &v[r], kind->thickness, corner_e);
         add_modes(e, corner_e, r);
+    }
+}
+
+/* e(u) + L(u) du by mode; du may be NULL. Strains are quadratic, so the variation at half of u, applied to u, is exact. */
+static void strains_ahead(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *du, pzs_real e[4][10])
+{
+    corner d[4], v[4];
+    memset(e, 0, sizeof(pzs_real[4][10]));
+    derivatives(kind, unknowns, u, d);
+    add_variation(kind, d, (pzs_real)0.5, d, e);
+    if (du) {
+        derivatives(kind, unknowns, du, v);
+        add_variation(kind, d, 1, v, e);
     }
     e[0][E12M] += kind->twist * e[0][E12D];
 }
 
-static void resultants_of(const pzs_kind *kind, pzs_real e[4][10], pzs_real h[4][10])
+void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real e[4][10])
 {
-    memcpy(h, e, sizeof(pzs_real[4][10]));
-    multiply_modes(kind, h);
-}
-
-/* Stresses at corner r that go with resultants h by mode, twist term included. */
-static void corner_of_resultants(const pzs_kind *kind, pzs_real h[4][10], int r, pzs_real t[10])
-{
-    corner_of_modes(h, r, t);
-    t[E12D] += (pzs_real)0.25 * kind->twist * h[0][E12M];
-}
-
-static void force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *f)
-{
-    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const corner d = corner_derivatives(kind, unknowns, u, r);
-        const corner all = moved(kind, &d, 1, r);
-        const shape now = shape_of(&all);
-        pzs_real t[10];
-        corner_of_resultants(kind, h, r, t);
-        const corner force = corner_stresses(&now, t, kind->thickness);
-        corner_scatter(kind, unknowns, &force, r, f);
-    }
-}
-
-/* Column of the tangent in direction v: material part through the strains of v, geometric part of h. */
-static void tangent_times(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10],
-                          const pzs_real *v, pzs_real *f)
-{
-    pzs_real de[4][10], dh[4][10];
-    memset(de, 0, sizeof de);
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const corner d = corner_derivatives(kind, unknowns, u, r);
-        const corner all = moved(kind, &d, 1, r);
-        const shape now = shape_of(&all);
-        const corner dv = corner_derivatives(kind, unknowns, v, r);
-        pzs_real e[10];
-        corner_strains(&now, &dv, kind->thickness, e);
-        add_modes(de, e, r);
-    }
-    de[0][E12M] += kind->twist * de[0][E12D];
-    resultants_of(kind, de, dh);
-    force_at(kind, unknowns, u, dh, f);
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const corner dv = corner_derivatives(kind, unknowns, v, r);
-        pzs_real t[10];
-        corner_of_resultants(kind, h, r, t);
-        const shape change = shape_of(&dv);
-        const corner force = corner_stresses(&change, t, kind->thickness);
-        corner_scatter(kind, unknowns, &force, r, f);
-    }
-}
-
-static void tangent_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real h[4][10], pzs_real *k)
-{
-    const unsigned n = SHELL_NODES * unknowns;
-    pzs_real v[SHELL_MAX] = {0}, f[SHELL_MAX];
-    for (unsigned i = 0; i < n; i++) {
-        v[i] = 1;
-        tangent_times(kind, unknowns, u, h, v, f);
-        memcpy(k, f, (i + 1) * sizeof *k);
-        k += i + 1;
-        v[i] = 0;
-    }
-}
-
-static void pack(pzs_real h[4][10], pzs_real *resultant)
-{
-    for (int m = 0; m < SHELL_MODES; m++)
-        for (int i = 0; i < kept_strains[m]; i++)
-            *resultant++ = h[m][kept_strain[m][i]];
-}
-
-static void unpack(const pzs_real *resultant, pzs_real h[4][10])
-{
-    memset(h, 0, sizeof(pzs_real[4][10]));
-    for (int m = 0; m < SHELL_MODES; m++)
-        for (int i = 0; i < kept_strains[m]; i++)
-            h[m][kept_strain[m][i]] = *resultant++;
+    strains_ahead(kind, unknowns, u, NULL, e);
 }
 
 void shell_resultants(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *du,
                       const pzs_real *given, pzs_real *resultant)
 {
-    pzs_real e[4][10], h[4][10];
-    shell_strains_at(kind, unknowns, u, e);
-    if (du) {
-        pzs_real change[4][10];
-        memset(change, 0, sizeof change);
-        for (int r = 0; r < SHELL_NODES; r++) {
-            const corner d = corner_derivatives(kind, unknowns, u, r);
-            const corner all = moved(kind, &d, 1, r);
-            const shape now = shape_of(&all);
-            const corner dv = corner_derivatives(kind, unknowns, du, r);
-            pzs_real corner_e[10];
-            corner_strains(&now, &dv, kind->thickness, corner_e);
-            add_modes(change, corner_e, r);
-        }
-        change[0][E12M] += kind->twist * change[0][E12D];
-        for (int m = 0; m < SHELL_MODES; m++)
-            add_scaled(e[m], 1, change[m]), add_scaled(e[m] + 3, 1, change[m] + 3), add_scaled(e[m] + 6, 1, change[m] + 6), e[m][9] += change[m][9];
-    }
-    resultants_of(kind, e, h);
+    pzs_real h[4][10];
+    strains_ahead(kind, unknowns, u, du, h);
+    multiply_modes(kind, h);
     for (int i = 0; given && i < SHELL_STRAINS; i++)
         h[0][i] += given[i];
-    pack(h, resultant);
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < kept_strains[m]; i++)
+            *resultant++ = h[m][kept_strain[m][i]];
+}
+
+void shell_corners(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, corner shape[4])
+{
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        shape[r] = moved(kind, &d, 1, r);
+    }
+}
+
+void shell_stresses(const pzs_kind *kind, const pzs_real *resultant, pzs_real t[4][10])
+{
+    pzs_real h[4][10];
+    memset(h, 0, sizeof h);
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < kept_strains[m]; i++)
+            h[m][kept_strain[m][i]] = *resultant++;
+    h[0][E12D] += kind->twist * h[0][E12M];
+    for (int r = 0; r < SHELL_NODES; r++)
+        corner_of_modes(h, r, t[r]);
+}
+
+void shell_corner_force(const pzs_kind *kind, unsigned unknowns, const corner at[4], pzs_real t[4][10], pzs_real *f)
+{
+    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const shape s = shape_of(&at[r]);
+        const corner force = corner_stresses(&s, t[r], kind->thickness);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
 }
 
 void shell_force_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *resultant, pzs_real *f)
 {
-    pzs_real h[4][10];
-    unpack(resultant, h);
-    force_at(kind, unknowns, u, h, f);
-}
-
-void shell_system(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, const pzs_real *given,
-                  const pzs_real *resultant, pzs_real *f, pzs_real *k)
-{
-    pzs_real true_h[SHELL_RESULTANTS], h[4][10];
-    shell_resultants(kind, unknowns, u, NULL, given, true_h);
-    shell_force_at(kind, unknowns, u, true_h, f);
-    unpack(resultant ? resultant : true_h, h);
-    tangent_at(kind, unknowns, u, h, k);
+    pzs_real t[4][10];
+    corner at[4];
+    shell_corners(kind, unknowns, u, at);
+    shell_stresses(kind, resultant, t);
+    shell_corner_force(kind, unknowns, at, t, f);
 }
 
 #endif

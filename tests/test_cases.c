@@ -281,11 +281,11 @@ static void test_bimorph_tip(void **state)
         assert_true(fabs(ratio("bimorph-actuator", changes[i], 0, 0) - 1) < 1e-6);
 }
 
-static void shape_of(run *r, const char *changes, analysis_volts *v)
+static void shape_of(run *r, const char *changes, voltages *v)
 {
     char error[SCENE_ERROR] = "";
     run_open(r, "bimorph-actuator", changes, 0);
-    if (analysis_influence(&r->analysis, error) < 0 || analysis_optimum(&r->analysis, INFINITY, v, error) < 0)
+    if (analysis_influence(&r->analysis, error) < 0 || voltages_optimum(&r->analysis, INFINITY, v, error) < 0)
         fail_msg("%s", error);
 }
 
@@ -296,13 +296,13 @@ static void test_equal_voltages(void **state)
 {
     (void)state;
     run r;
-    analysis_volts v;
+    voltages v;
     shape_of(&r, SOURCE FIVE ";target={u3: middle, at: nodes, value: x^2/2}", &v);
     assert_int_equal(r.analysis.design.amplifiers, 5);
     for (int k = 0; k < 5; k++)
         assert_true(fabs(2 * v.volt[k] / 14492.7536231884 - 1) < 1e-6);
     assert_true(v.error < 1e-8);
-    analysis_volts_free(&v);
+    voltages_free(&v);
     run_close(&r);
 }
 
@@ -315,13 +315,13 @@ static void test_tip_force(void **state)
     (void)state;
     static const double beam[5] = {-1615.4, -1186.3, -884.5, -512.3, -190.4};
     run r;
-    analysis_volts v;
+    voltages v;
     shape_of(&r, SOURCE FIVE ";actuators.v.applied=0;target={u3: middle, at: nodes, value: 0, weight: area}"
              ";loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.5e-3}, {point: {theta1: 0.1, theta2: 0.005}, u3: 0.5e-3}]", &v);
     for (int k = 0; k < 5; k++)
         assert_true(fabs(2 * v.volt[k] / beam[k] - 1) < (k < 4 ? 1.2e-3 : 1e-2));
     assert_true(fabs(v.error - 0.00053) < 1e-5);
-    analysis_volts_free(&v);
+    voltages_free(&v);
     run_close(&r);
 }
 
@@ -331,8 +331,8 @@ static void test_tip_force(void **state)
 static void check_plate(analysis *a, double limit, double shape_error, int active)
 {
     char error[SCENE_ERROR] = "";
-    analysis_volts v;
-    if (analysis_optimum(a, limit, &v, error) < 0)
+    voltages v;
+    if (voltages_optimum(a, limit, &v, error) < 0)
         fail_msg("%s", error);
     for (int k = 0; k < 25; k++)
         assert_true(v.volt[k] >= -limit && v.volt[k] <= limit);
@@ -340,7 +340,7 @@ static void check_plate(analysis *a, double limit, double shape_error, int activ
         fail_msg("limit %g: shape error %.6f, known %.5f", limit, v.error, shape_error);
     assert_int_equal(v.active, active);
     assert_true(v.optimality <= 1e-9);
-    analysis_volts_free(&v);
+    voltages_free(&v);
 }
 
 /* Law: the bounded optimum of the plate is that of an independent program, with and without limits. */
@@ -348,7 +348,7 @@ static void test_plate_shapes(void **state)
 {
     (void)state;
     run r;
-    analysis_volts v;
+    voltages v;
     char error[SCENE_ERROR] = "";
     run_open(&r, "plate-50-patches", "", 0);
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
@@ -356,12 +356,12 @@ static void test_plate_shapes(void **state)
     check_plate(&r.analysis, 500, .05560, 2);
     check_plate(&r.analysis, 200, .08975, 6);
     check_plate(&r.analysis, 100, .36114, 18);
-    assert_int_equal(analysis_clipped(&r.analysis, 200, &v, error), 0);
+    assert_int_equal(voltages_clipped(&r.analysis, 200, &v, error), 0);
     assert_true(fabs(v.error - .520) < 5e-4);
-    analysis_volts_free(&v);
-    assert_int_equal(analysis_given(&r.analysis, "published", r.scene.compare[0].value, &v, error), 0);
+    voltages_free(&v);
+    assert_int_equal(voltages_given(&r.analysis, "published", r.scene.compare[0].value, &v, error), 0);
     assert_true(fabs(v.error - .0706) < 5e-5);
-    analysis_volts_free(&v);
+    voltages_free(&v);
     run_close(&r);
 }
 
@@ -378,15 +378,15 @@ static void test_plate_volts(void **state)
     fclose(file);
     for (int i = 0; i < 3; i++) {
         run r;
-        analysis_volts v;
+        voltages v;
         char error[SCENE_ERROR] = "";
         const double *known = testdata_values(&t, key[i]);
         run_open(&r, "plate-50-patches", changes[i], 0);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
-        assert_int_equal(analysis_optimum(&r.analysis, i == 2 ? 200 : INFINITY, &v, error), 0);
+        assert_int_equal(voltages_optimum(&r.analysis, i == 2 ? 200 : INFINITY, &v, error), 0);
         for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction is 250 times softer */
             assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
-        analysis_volts_free(&v);
+        voltages_free(&v);
         run_close(&r);
     }
     testdata_free(&t);

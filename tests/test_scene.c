@@ -43,6 +43,23 @@ static const char *const base[LINES] = {
     "compare: [{name: c, values: [1, 2]}]",
 };
 
+/* The same for the noise, with the words of large displacements. */
+static const char *const rich[LINES] = {
+    "name: t",
+    "kinematics: auto",
+    "surface: {type: revolution, meridian: [[5, 0], [6, -1], [6, -2], [5, -3]], smoothing: 0.1, ends: [[1, 0], [-1, 0]]}",
+    "mesh: {theta1: {elements: 4, centre: 0.6}, theta2: {from: 0, to: 2*pi, elements: 4, slit: true}}",
+    "materials: {steel: {E: 200e9, nu: 0.3}}",
+    "layers: [{material: steel, thickness: 1e-3}]",
+    "equilibrium: {steps: 2, change: 1e-6, mixed: 0, systems: 50}",
+    "tolerance: 0.1",
+    "supports: [{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3, value: x}]",
+    "loads: [{face: inner, pressure: 1, follower: pressure}]",
+    "contact: {face: outer, body: {type: psi, value: x^2+y-1}, move: [1, 0, 0], stiffness: 5}",
+    "outputs: [{name: N, contact: x}, {name: p, contact: pressure, at: nodes}]",
+    "about: noise",
+};
+
 static void write_bytes(const char *bytes, size_t count)
 {
     FILE *out = fopen(file, "wb");
@@ -59,6 +76,15 @@ static void write_base(int line, const char *text)
     for (i = 0; i < LINES; i++)
         n += (size_t)snprintf(all + n, sizeof all - n, "%s\n", i == line - 1 ? text : base[i]);
     write_bytes(all, n);
+}
+
+static void write_lines(const char *const *lines)
+{
+    FILE *out = fopen(file, "wb");
+    int i;
+    assert_non_null(out);
+    for (i = 0; i < LINES; i++) fprintf(out, "%s\n", lines[i]);
+    fclose(out);
 }
 
 static void expect_fault(const char *const *set, int sets, const char *expected)
@@ -387,7 +413,7 @@ static void test_shipped(void **state)
         count++;
     }
     closedir(folder);
-    assert_true(count >= 9);
+    assert_true(count >= 20);
 }
 
 /* What is written is what is read: the plate with 50 patches. */
@@ -468,6 +494,52 @@ static void test_changes(void **state)
     scene_free(&s);
 }
 
+/* The words of large displacements mean what they say; what is not said has its default. */
+static void test_nonlinear_words(void **state)
+{
+    static const char *const set[] = {
+        "kinematics=auto", "tolerance=1/50", "equilibrium={steps: 3, change: 1e-6, mixed: 0, systems: 50}",
+        "supports.1={edge: theta1+, fix: [u3, u1 mean], value: 2*x}", "loads=[{face: inner, pressure: 2, follower: pressure}, {face: middle, pressure: 1, follower: normal}]",
+        "contact={face: inner, body: {type: cylinder, point: [1, 2, 3], axis: [0, 3, 4], radius: 5}, move: [0, 0, -1]}",
+        "outputs.1={name: N, contact: z, reference: 7}", "outputs.2={name: p, contact: pressure, at: nodes}",
+        "mesh.theta1={from: -1, to: 3, elements: 4, centre: 0.6}", "outputs.tip.at.theta1=3", "patches=[]", "actuators=[]", "compare=[]"};
+    static const char *const bodies[] = {
+        "contact.body={type: plane, point: [0, 0, 1], normal: [0, 0, 2]}", "contact.body={type: sphere, point: [0, 0, 1], radius: 2}",
+        "contact.body={type: psi, value: x^2+y^2+z^2-1}"};
+    const expr_point at = {1, 2, 3, 0, 0};
+    scene s;
+    int i;
+    (void)state;
+    write_base(12, "");
+    expect_good(&s, file, set, (int)(sizeof set / sizeof *set));
+    assert_true(s.kinematics == KINEMATICS_AUTO && s.tolerance == 0.02);
+    assert_true(s.equilibrium.steps == 3 && s.equilibrium.change == 1e-6 && s.equilibrium.mixed == 0 && s.equilibrium.systems == 50);
+    assert_true(s.support[1].fix == 0x65 && s.support[1].move == 0x05 && expr_value(s.support[1].value, &at) == 2 && !s.support[0].value);
+    assert_true(s.load[0].follower == FOLLOWER_PRESSURE && s.load[0].true_area && s.load[1].follower == FOLLOWER_NORMAL && !s.load[1].true_area);
+    assert_true(s.contact.given && s.contact.face == FACE_INNER && s.contact.body.type == BODY_CYLINDER && s.contact.stiffness == 10);
+    assert_true(s.contact.body.point[2] == 3 && s.contact.body.axis[2] == 0.8 && s.contact.body.radius == 5 && s.contact.move[2] == -1);
+    assert_true(s.output[0].contact == CONTACT_NONE && s.output[1].contact == CONTACT_Z && s.output[1].reference == 7);
+    assert_true(s.output[2].contact == CONTACT_PRESSURE && s.output[2].where.type == WHERE_NODES);
+    for (i = 0; i <= 4; i++) {       /* 1 + 2 (0.6 s + 0.4 s^3) */
+        const double x = i / 2.0 - 1;
+        assert_true(fabs(s.line[0].point[i] - (1 + 2 * (0.6 * x + 0.4 * x * x * x))) < 1e-15);
+    }
+    scene_free(&s);
+    for (i = 0; i < 3; i++) {
+        static const scene_body_type types[] = {BODY_PLANE, BODY_SPHERE, BODY_PSI};
+        const char *const both[] = {set[0], set[5], bodies[i]};
+        write_base(0, "");
+        expect_good(&s, file, both, 3);
+        assert_true(s.contact.body.type == types[i] && (i != 0 || s.contact.body.normal[2] == 1));
+        assert_true(i != 2 || expr_value(s.contact.body.value, &at) == 13);
+        scene_free(&s);
+    }
+    expect_good(&s, file, NULL, 0);
+    assert_true(s.kinematics == KINEMATICS_LINEAR && s.tolerance == 0.01 && !s.contact.given && s.load[0].follower == FOLLOWER_NONE);
+    assert_true(s.equilibrium.steps == 1 && s.equilibrium.change == 1e-4 && s.equilibrium.mixed == 12 && s.equilibrium.systems == 400);
+    scene_free(&s);
+}
+
 /* ---- expressions ---- */
 
 /* Expressions keep the rules of arithmetic. */
@@ -528,13 +600,18 @@ static size_t mutate(char *text, size_t n, unsigned *state)
 static void test_noise(void **state)
 {
     unsigned random = 12345;
+    scene whole;
     int i;
     (void)state;
+    write_lines(rich);
+    expect_good(&whole, file, NULL, 0);
+    scene_free(&whole);
     for (i = 0; i < MUTATIONS; i++) {
+        const char *const *lines = i % 2 ? rich : base;
         char text[TEXT], error[SCENE_ERROR];
         size_t n = 0, k;
         scene s;
-        for (k = 0; k < LINES; k++) n += (size_t)snprintf(text + n, sizeof text - n, "%s\n", base[k]);
+        for (k = 0; k < LINES; k++) n += (size_t)snprintf(text + n, sizeof text - n, "%s\n", lines[k]);
         for (k = next_random(&random, 3) + 1; k > 0; k--) n = mutate(text, n, &random);
         write_bytes(text, n);
         if (scene_read(&s, file, NULL, 0, error) == 0) {
@@ -551,7 +628,7 @@ int main(int arguments, char **argument)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_lines), cmocka_unit_test(test_bad_sets), cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_shipped), cmocka_unit_test(test_meaning), cmocka_unit_test(test_supports),
-        cmocka_unit_test(test_changes), cmocka_unit_test(test_expressions), cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_changes), cmocka_unit_test(test_nonlinear_words), cmocka_unit_test(test_expressions), cmocka_unit_test(test_noise),
     };
     int descriptor = mkstemp(file), failed;
     if (descriptor < 0) return 1;

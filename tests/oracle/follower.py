@@ -50,7 +50,7 @@ def cross_matrix(v):
 class Pressure:
     """pressure: function (t1, t2) -> p at load factor 1, positive along +e3."""
 
-    def __init__(self, model, pressure, face, kind="unit", form=None, tangent="symmetrised", tilt=1.0):
+    def __init__(self, model, pressure, face, kind="unit", form=None, tangent="symmetrised", tilt=1 / 3):
         """face: 0 inner, 1 outer; form: default consistent for local kinematics, lumped for Cartesian."""
         self.kind, self.tangent, self.tilt = kind, tangent, tilt
         self.form = form or ("lumped" if model.elements[0].cartesian else "consistent")

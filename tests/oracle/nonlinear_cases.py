@@ -97,7 +97,7 @@ def given_of(el, free):
     return -el.D[0] @ free
 
 
-def pressed_ring(n, preset, kind="unit", form=None, tangent="symmetrised", unknowns=7, tilt=1.0):
+def pressed_ring(n, preset, kind="unit", form=None, tangent="symmetrised", unknowns=7, tilt=1 / 3):
     """Ring under follower pressure, quarter, n x 1; outputs u3M/r at 0 and -u3M/r at 90 degrees.
 
     r = 100, h = b = 1, E = 2.1e7, nu = .3, plane strain; theta1 0 to 90 degrees, theta2 the axis; theta1 edges symmetric;
@@ -149,8 +149,8 @@ def ring_on_body(n, preset, base=1000.0, plane_strain=False, kappa=1.0, unknowns
 def cylinder_on_cylinder(n1, n2, preset, load=87.5, kappa=1.0, unknowns=7):
     """Cylinder pressed on a crossed rigid cylinder, quarter, n1 x n2; outputs Pc~, -u3M(A), -u3M(B).
 
-    R = 100, h = 1, half length 100, E = 2.1e7, nu = .3; theta1 axial 0 to 100, theta2 0 (touching) to 180 degrees; u2 = 0
-    ... edges: theta1- u1 = 0 (symmetry), theta2 edges u2 = 0, theta1+ free.  Force P/4 at A (0, 180), B (100, 180).
+    R = 100, h = 1, half length 100, E = 2.1e7, nu = .3; theta1 axial 0 to 100, theta2 0 (touching) to 180
+    degrees; theta1- and the theta2 edges symmetric, theta1+ free.  Force P/4 at A (0, 180), B (100, 180).
     """
     m = Model(cylinder(100.0), np.linspace(0, 100, n1 + 1), np.radians(np.linspace(0, 180, n2 + 1)),
               Section([(1.0, 0, isotropic(2.1e7, 0.3))]), preset, unknowns, uniform)
@@ -169,11 +169,11 @@ TYRE = ply([500, 10, 10, 3.5, 3.5, 3.448276, 0.4, 0.4, 0.45])
 TORUS_PLIES = [(1.2, a, TYRE) for a in (-45, 45, -45, 45)]
 
 
-def torus_inflation(n, preset, kind="unit", tangent="symmetrised", form=None, tilt=1.0, degrees=1.0):
+def torus_inflation(n, preset, kind="unit", tangent="symmetrised", form=None, tilt=1 / 3, degrees=1.0):
     """Axisymmetric sector of the cross-ply torus under .5 MPa inside; output u3M at the crown.
 
-    Middle surface r = 200 + 50 cos a, z = -50 sin a, theta1 = a in +-120 degrees (n elements), theta2 one element of 1 degree
-    whose two nodes share their unknowns; ends clamped; four plies of 1.2 at -45 45 -45 45 from theta1, inside first.
+    Middle surface r = 200 + 50 cos a, z = -50 sin a, theta1 = a in +-120 degrees (n elements), theta2 one
+    element of `degrees` whose two nodes share their unknowns; ends clamped; four plies of 1.2 at -45 45 -45 45 from theta1, inside first.
     """
     m = Model(torus(200.0, 50.0), np.radians(np.linspace(-120, 120, n + 1)), np.radians([-degrees / 2, degrees / 2]),
               Section(TORUS_PLIES), preset, 7, ring, closed=True)
@@ -219,8 +219,7 @@ def torus_contact(n1, n2, preset, kind="unit", tangent="symmetrised", plane=Fals
 def spline_torus(n, points, ends, preset, kind="unit", tangent="symmetrised"):
     """torus_inflation with the meridian a cubic spline through `points` of its points, chord-length parameter.
 
-    ends: scipy's bc_type ("not-a-knot", "natural", ((1, slope), (1, slope))) or "given" for the true end tangents; n elements uniform in the
-    parameter of each interval.  Outputs u3M at the crown.
+    ends: "not-a-knot", "natural" or "given" (the true end tangents); n elements, uniform in each interval.  Outputs u3M at the crown.
     """
     angle = np.radians(np.linspace(-120, 120, points))
     xz = np.column_stack([200 + 50 * np.cos(angle), -50 * np.sin(angle)])

@@ -1,0 +1,310 @@
+/* Voltages for a target (voltages.h). */
+#include "voltages.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "guard.h"
+
+enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
+
+/* ---- the voltage problem with other limits ---------------------------- */
+
+typedef struct trial {
+    pzs_problem problem;
+    pzs_control control;
+    double *bounds; /* [3][amplifiers] lower, upper, slew */
+    void *work;
+} trial;
+
+static void trial_free(trial *t)
+{
+    free(t->bounds);
+    free(t->work);
+}
+
+/* influence [targets][amplifiers] in, or NULL: the design's, at rest */
+static pzs_status trial_start(trial *t, const design *d, double limit, const double *influence)
+{
+    const size_t n = (size_t)d->amplifiers, bytes = PZS_CONTROL_BYTES(d->amplifiers, d->targets);
+    memset(t, 0, sizeof *t);
+    t->problem = d->problem;
+    t->bounds = calloc(3 * n, sizeof *t->bounds);
+    t->work = malloc(bytes);
+    if (!t->bounds || !t->work)
+        return PZS_E_WORKSPACE;
+    for (size_t k = 0; k < n; k++) {
+        t->bounds[k] = isnan(limit) ? d->lower[k] : -limit;
+        t->bounds[n + k] = isnan(limit) ? d->upper[k] : limit;
+        t->bounds[2 * n + k] = HUGE_VAL;
+    }
+    t->problem.lower = t->bounds;
+    t->problem.upper = t->bounds + n;
+    t->problem.slew = t->bounds + 2 * n;
+    if (influence) {
+        t->problem.influence = influence;
+        t->problem.hessian = NULL;
+    }
+    t->problem.crc = 0;
+    t->problem.crc = guard_problem_crc(&t->problem);
+    return pzs_control_init(&t->control, &t->problem, NULL, t->work, bytes);
+}
+
+/* The tightest limits, and how many of v->volt are at theirs. */
+static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
+{
+    v->limit[0] = -HUGE_VAL;
+    v->limit[1] = HUGE_VAL;
+    v->active = 0;
+    for (int k = 0; k < p->inputs; k++) {
+        v->limit[0] = fmax(v->limit[0], p->lower[k]);
+        v->limit[1] = fmin(v->limit[1], p->upper[k]);
+        v->active += volt[k] == p->lower[k] || volt[k] == p->upper[k];
+    }
+}
+
+/*
+ * The bounded optimum: reached in one step; a budget that runs out continues where it stopped.
+ *   influence as in trial_start
+ *   wanted [targets] in     what B volt should be
+ *   reach            in     most change of any volt from `volt`, or INFINITY
+ *   volt [amplifiers] in/out
+ */
+static pzs_status best_volts(const design *d, double limit, const double *influence, const double *wanted, double reach,
+                             voltages *v, double *volt)
+{
+    trial t;
+    pzs_status status = trial_start(&t, d, limit, influence);
+    for (int k = 0; status == PZS_OK && isfinite(reach) && k < d->amplifiers; k++) {
+        t.control.lower[k] = fmax(t.problem.lower[k], volt[k] - reach);
+        t.control.upper[k] = fmin(t.problem.upper[k], volt[k] + reach);
+        t.control.volt[k] = volt[k];
+    }
+    for (int again = 0; status == PZS_OK && again < 10; again++) {
+        status = pzs_step(&t.control, wanted);
+        v->passes += t.control.passes;
+        if (status != PZS_W_PASSES)
+            break;
+        status = PZS_OK;
+    }
+    if (!PZS_IS_ERROR(status)) {
+        memcpy(volt, t.control.volt, (size_t)d->amplifiers * sizeof *volt);
+        v->optimality = t.control.optimality;
+        note_limits(&t.problem, volt, v);
+        status = PZS_OK;
+    }
+    trial_free(&t);
+    return status;
+}
+
+/* ---- volts and their shape -------------------------------------------- */
+
+static int start(const analysis *a, voltages *v, const char *name)
+{
+    memset(v, 0, sizeof *v);
+    snprintf(v->name, sizeof v->name, "%s", name);
+    v->volt = calloc((size_t)a->design.amplifiers, sizeof *v->volt);
+    v->shape = calloc((size_t)a->design.targets, sizeof *v->shape);
+    v->u = calloc((size_t)a->design.mesh.dof, sizeof *v->u);
+    v->optimality = (double)NAN;
+    v->limit[0] = -HUGE_VAL;
+    v->limit[1] = HUGE_VAL;
+    return v->volt && v->shape && v->u ? 0 : -1;
+}
+
+static int out_of_memory(const analysis *a, char *error)
+{
+    return analysis_explain(a, PZS_E_WORKSPACE, error);
+}
+
+/* Target rows of a displacement, and their error. */
+static double shape_of(const analysis *a, const double *u, double *shape)
+{
+    const design *d = &a->design;
+    double missed = 0, wanted = 0;
+    for (int i = 0; i < d->targets; i++) {
+        shape[i] = 0;
+        for (uint32_t t = d->structure.output.start[i]; t < d->structure.output.start[i + 1]; t++)
+            shape[i] += d->structure.output.value[t] * u[d->structure.output.dof[t]];
+        missed += pow(d->weight[i] * (shape[i] - d->target[i]), 2);
+        wanted += pow(d->weight[i] * d->wanted[i], 2);
+    }
+    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+}
+
+/* Shape of v->volt on the structure asked about. */
+static int reach(analysis *a, voltages *v, int warm, char *error)
+{
+    if (analysis_reach(a, v->volt, warm, v->u, error) < 0)
+        return -1;
+    v->error = shape_of(a, v->u, v->shape);
+    v->residual = a->nonlinear ? a->path.run.residual : a->model.residual;
+    v->systems += a->nonlinear ? (int)a->path.run.systems : 0;
+    return 0;
+}
+
+int voltages_linear(analysis *a, double limit, voltages *v, char *error)
+{
+    if (start(a, v, isinf(limit) ? "linear optimum, no limits" : "linear optimum in limits") < 0)
+        return out_of_memory(a, error);
+    const pzs_status status = best_volts(&a->design, limit, NULL, a->design.wanted, HUGE_VAL, v, v->volt);
+    if (status != PZS_OK)
+        return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+    if (reach(a, v, 0, error) < 0)
+        return -1;
+    if (a->nonlinear)
+        v->optimality = (double)NAN; /* no claim on another structure than the one it was found for */
+    return 0;
+}
+
+int voltages_clipped(analysis *a, double limit, voltages *v, char *error)
+{
+    trial t;
+    if (start(a, v, "no limits, then clipped") < 0)
+        return out_of_memory(a, error);
+    pzs_status status = trial_start(&t, &a->design, limit, NULL);
+    if (status == PZS_OK)
+        status = pzs_clipped(&t.control, a->design.wanted, v->volt);
+    if (status == PZS_OK)
+        note_limits(&t.problem, v->volt, v);
+    trial_free(&t);
+    if (status != PZS_OK)
+        return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+    return reach(a, v, 0, error);
+}
+
+int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error)
+{
+    if (start(a, v, name) < 0)
+        return out_of_memory(a, error);
+    memcpy(v->volt, volt, (size_t)a->design.amplifiers * sizeof *v->volt);
+    return reach(a, v, 0, error);
+}
+
+void voltages_free(voltages *v)
+{
+    free(v->volt);
+    free(v->shape);
+    free(v->u);
+    memset(v, 0, sizeof *v);
+}
+
+/* ---- Gauss-Newton on the nonlinear structure -------------------------- */
+
+/* What the optimum makes small: the misfit, and the effort in its unit. */
+static double objective(const analysis *a, const voltages *v)
+{
+    const design *d = &a->design;
+    double sum = 0;
+    for (int i = 0; i < d->targets; i++)
+        sum += pow(d->weight[i] * (v->shape[i] - d->target[i]), 2);
+    for (int k = 0; k < d->amplifiers; k++)
+        sum += d->problem.effort * pow(v->volt[k] - d->prefer[k], 2);
+    return sum;
+}
+
+/* Arrays of one Gauss-Newton run; one allocation, at `all`. */
+typedef struct newton {
+    double *all;       /* [outputs][inputs] influence at the shape reached */
+    double *influence; /* [targets][amplifiers] its part */
+    double *wanted;    /* [targets] what influence times volts should be */
+    double *from;      /* [amplifiers] volts of the shape reached */
+    double reach;      /* most change of any volt for which the influence is trusted */
+} newton;
+
+/* Influence at the shape reached. */
+static pzs_status relinearise(analysis *a, newton *g, voltages *v)
+{
+    const design *d = &a->design;
+    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
+    const pzs_status status = pzs_influence_at(&a->path.run, g->all);
+    for (size_t i = 0; status == PZS_OK && i < (size_t)d->targets; i++) {
+        g->wanted[i] = d->target[i] - v->shape[i];
+        for (size_t k = 0; k < n; k++) {
+            g->influence[i * n + k] = g->all[i * inputs + k];
+            g->wanted[i] += g->influence[i * n + k] * v->volt[k];
+        }
+    }
+    v->relinearised++;
+    memcpy(g->from, v->volt, n * sizeof *g->from);
+    return status;
+}
+
+/* The objective that the linearised structure promises for v->volt. */
+static double promised(const analysis *a, const newton *g, const voltages *v)
+{
+    const design *d = &a->design;
+    double sum = 0;
+    for (int i = 0; i < d->targets; i++) {
+        double miss = -g->wanted[i];
+        for (int k = 0; k < d->amplifiers; k++)
+            miss += g->influence[(size_t)i * (size_t)d->amplifiers + (size_t)k] * v->volt[k];
+        sum += pow(d->weight[i] * miss, 2);
+    }
+    for (int k = 0; k < d->amplifiers; k++)
+        sum += d->problem.effort * pow(v->volt[k] - d->prefer[k], 2);
+    return sum;
+}
+
+static double largest_change(const analysis *a, const newton *g, const voltages *v)
+{
+    double most = 0;
+    for (int k = 0; k < a->design.amplifiers; k++)
+        most = fmax(most, fabs(v->volt[k] - g->from[k]));
+    return most;
+}
+
+/*
+ * Move to the linearised optimum within reach; the reach follows how well the last promise was kept, and a move that
+ * helps nothing is taken back and tried again closer. Returns the part of the objective it fell by; 0: nothing helps.
+ */
+static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_status *status, char *error)
+{
+    const size_t n = (size_t)a->design.amplifiers;
+    const double before = objective(a, v);
+    for (int refused = 0; refused < MOST_REFUSED; refused++) {
+        *status = best_volts(&a->design, limit, g->influence, g->wanted, g->reach, v, v->volt);
+        if (*status != PZS_OK)
+            return 0;
+        const double change = largest_change(a, g, v), promise = promised(a, g, v);
+        const int reached = reach(a, v, 1, error) == 0;
+        const double kept = (before - objective(a, v)) / (before - promise);
+        if (!reached || !(kept > 0.75))
+            g->reach = change / (kept > 0.25 && reached ? 1 : 4);
+        else if (change >= 0.99 * g->reach)
+            g->reach = 2 * change;
+        if (reached && objective(a, v) < before)
+            return 1 - objective(a, v) / before;
+        memcpy(v->volt, g->from, n * sizeof *v->volt);
+    }
+    return 0;
+}
+
+static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
+{
+    const design *d = &a->design;
+    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
+    const size_t all = (size_t)d->structure.output.count * inputs;
+    double fell = 1;
+    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + m + n, sizeof *g.all)};
+    g.influence = g.all + all;
+    g.wanted = g.influence + m * n;
+    g.from = g.wanted + m;
+    pzs_status status = g.all ? PZS_OK : PZS_E_WORKSPACE;
+    while (status == PZS_OK && fell > 1e-3 && v->relinearised < MOST_RELINEARISED) {
+        status = relinearise(a, &g, v);
+        if (status == PZS_OK)
+            fell = improve(a, limit, &g, v, &status, error);
+    }
+    const int back = status == PZS_OK && fell <= 0 ? reach(a, v, 1, error) : 0; /* the refused moves left the shape elsewhere */
+    free(g.all);
+    return status == PZS_OK ? back : analysis_explain(a, status, error);
+}
+
+int voltages_optimum(analysis *a, double limit, voltages *v, char *error)
+{
+    if (voltages_linear(a, limit, v, error) < 0)
+        return -1;
+    snprintf(v->name, sizeof v->name, "%s", isinf(limit) ? "optimum, no limits" : "optimum within limits");
+    return a->nonlinear ? gauss_newton(a, limit, v, error) : 0;
+}

@@ -1,0 +1,39 @@
+/*
+ * Voltages for a scene's target: the bounded optimum on the linear or the nonlinear structure, and others to
+ * compare with it. Each is a set of volts with the shape it really reaches on the structure asked about.
+ */
+#ifndef VOLTAGES_H
+#define VOLTAGES_H
+
+#include "analysis.h"
+
+typedef struct voltages {
+    char name[SCENE_NAME + 32]; /* what these volts are */
+    double *volt;               /* [amplifiers] */
+    double *u;                  /* [dof] displacement under them and the scene's loads */
+    double *shape;              /* [targets] its part that the target is about */
+    double error;               /* |W (shape - target)| / |W (target - shape without volts)|, linear */
+    double optimality;          /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
+    double limit[2];            /* the tightest limits of any amplifier */
+    double residual;            /* of the displacement */
+    int active, passes;
+    int relinearised;           /* times the influence was computed anew at the shape reached */
+    int systems;                /* linear systems solved on the nonlinear structure */
+} voltages;
+
+/*
+ * The bounded optimum for the scene's target, after analysis_influence. On the nonlinear structure (a->nonlinear):
+ * Gauss-Newton with the influence at the shape reached, from the linear optimum, steps halved where the error does
+ * not fall, until it stops falling.
+ *   limit  in  voltage limit that replaces the scene's, or NAN for the scene's own, or INFINITY for none
+ * voltages_linear: the optimum of the linear model, its shape that of the structure asked about.
+ * voltages_clipped: the unlimited linear optimum cut to that limit. voltages_given: volts as they are.
+ * Each returns 0, or -1 with error filled.
+ */
+int voltages_optimum(analysis *a, double limit, voltages *v, char *error);
+int voltages_linear(analysis *a, double limit, voltages *v, char *error);
+int voltages_clipped(analysis *a, double limit, voltages *v, char *error);
+int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error);
+void voltages_free(voltages *v);
+
+#endif

@@ -1,0 +1,96 @@
+"""Time to reach an error, code by code:  compare.py [--json] [FILE ...]   (without files: the standard input)
+
+Reads the JSON lines of run.py and of our own bench (code "piezoshape"). The error of a run is the worse of its two
+displacements' errors against the converged answers in cases.py. Per case and tolerance: the fastest run of each code that
+reaches it and its time over ours. Exit status 2 without runs or on a line that is none.
+"""
+
+import argparse
+import fileinput
+import json
+import math
+import sys
+
+from cases import CONVERGED
+
+OURS, TOLERANCES = "piezoshape", (0.02, 0.005)
+
+
+def error(run):
+    """The worse of the two displacements' relative errors."""
+    return max(abs(run[k] / wanted - 1) for k, wanted in zip("ab", CONVERGED[run["case"]]))
+
+
+def read(lines):
+    """The runs of all lines that are not blank."""
+    runs = []
+    for line in filter(str.strip, lines):
+        run = json.loads(line)
+        run["error"] = error(run)
+        words = isinstance(run["code"], str) and isinstance(run["mesh"], str)
+        if not (words and math.isfinite(run["error"]) and run["seconds"] > 0):
+            raise ValueError(line)
+        runs.append(run)
+    return runs
+
+
+def compare(runs):
+    """One row per case, tolerance and code: the fastest run that reaches it (None where none does), its time over ours."""
+    rows = []
+    for case in CONVERGED:
+        here = [run for run in runs if run["case"] == case]
+        codes = sorted({run["code"] for run in here}, key=lambda code: (code != OURS, code))
+        for tolerance in TOLERANCES if here else ():
+            best = {code: min((run for run in here if run["code"] == code and run["error"] <= tolerance),
+                              key=lambda run: run["seconds"], default=None) for code in codes}
+            ours = best.get(OURS)
+            for code in codes:
+                ratio = best[code]["seconds"] / ours["seconds"] if ours and best[code] else None
+                rows.append({"case": case, "tolerance": tolerance, "code": code, "run": best[code], "ratio": ratio})
+    return rows
+
+
+def show(rows, runs):
+    for row in rows:
+        run = row["run"]
+        text = f"{row['case']:<12}{100 * row['tolerance']:>4g} %  {row['code']:<12}"
+        if run is None:
+            least = min((r for r in runs if (r["case"], r["code"]) == (row["case"], row["code"])),
+                        key=lambda r: r["error"])
+            print(f"{text}none reaches it; the best is {least['mesh']} {least.get('element', '')}".rstrip()
+                  + f", error {100 * least['error']:.2f} %")
+            continue
+        ratio = "" if row["ratio"] is None or row["code"] == OURS else f"  {row['ratio']:.3g} x ours"
+        print(f"{text}{1000 * run['seconds']:>9.1f} ms  {run['mesh']:<7} {run.get('element', ''):<14} {run['steps']} steps "
+              f"{run['iterations']} iterations, error {100 * run['error']:.2f} %{ratio}")
+    for case in sorted({run["case"] for run in runs}):
+        if not any(run["case"] == case and run["code"] == OURS for run in runs):
+            print(f"{case:<12}no run of {OURS}: no ratios")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="one JSON line per row")
+    parser.add_argument("file", nargs="*", help="files of JSON lines")
+    options = parser.parse_args()
+    try:
+        runs = read(fileinput.input(options.file))
+    except OSError as fault:
+        sys.exit(f"compare.py: {fault}")
+    except (ValueError, KeyError, TypeError) as fault:
+        print(f"compare.py: not a run: {fault}", file=sys.stderr)
+        return 2
+    if not runs:
+        print("compare.py: no runs", file=sys.stderr)
+        return 2
+    rows = compare(runs)
+    if options.json:
+        for row in rows:
+            print(json.dumps(row))
+    else:
+        show(rows, runs)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
