@@ -82,6 +82,7 @@ $(call for_variants,control,64 32 san64 san32,@tests/testdata.o)
 $(call for_variants,tick,64 32 san64 san32,)
 $(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
+$(call for_variants,surface,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)
 $(call for_variants,cases,64,@tests/testdata.o @host.a)
 
@@ -111,6 +112,9 @@ tables: $(B)/pzs
 	$(B)/pzs tables plate-50-patches --set limits.slew=20 --image linear --prefix demo -o firmware_demo/tables/plate_linear.h
 	$(B)/pzs tables plate-50-patches --set limits.slew=20 --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 \
 	    --image linear --prefix demo -o firmware_demo/tables/plate5_linear.h
+	$(B)/pzs tables plate-50-patches --set kinematics=nonlinear --image nonlinear --prefix demo -o firmware_demo/tables/plate_nonlinear.h
+	$(B)/pzs tables hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4 \
+	    --image nonlinear --prefix demo -o firmware_demo/tables/hemisphere4_nonlinear.h
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

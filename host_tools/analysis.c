@@ -92,6 +92,21 @@ int analysis_outputs(const analysis *a, int k)
     return rows > 0 ? rows : 1;
 }
 
+const char *analysis_unit(const analysis *a, int k)
+{
+    const scene *s = a->design.scene;
+    switch (s->output[k].contact) {
+    case CONTACT_NONE:
+        return s->unit_length[0] ? s->unit_length : "length";
+    case CONTACT_NODES:
+        return "nodes";
+    case CONTACT_PRESSURE:
+        return "of pressure";
+    default:
+        return s->unit_force[0] ? s->unit_force : "force";
+    }
+}
+
 double analysis_output(const analysis *a, int k, int i, const double *value)
 {
     const scene_output *output = &a->design.scene->output[k];

@@ -40,8 +40,9 @@ int analysis_reach(analysis *a, const double *volt, int warm, double *u, char *e
 
 /* Value of the scene's k-th output at its i-th node. value [output rows] in, rows of the structure. */
 double analysis_output(const analysis *a, int k, int i, const double *value);
-/* Its number of values. */
+/* Its number of values, and their unit. */
 int analysis_outputs(const analysis *a, int k);
+const char *analysis_unit(const analysis *a, int k);
 
 /* Influence at rest of every input on every output, and from it the voltage problem of the design. */
 int analysis_influence(analysis *a, char *error);

@@ -215,11 +215,6 @@ static void print_head(const analysis *a)
            a->model.condition < 1e7 ? "a float device is safe" : "a float device needs refinement, or use double");
 }
 
-static const char *component_unit(const scene *s)
-{
-    return s->unit_length[0] ? s->unit_length : "length";
-}
-
 static void json_head(json *j, const analysis *a)
 {
     const mesh *m = &a->design.mesh;
@@ -235,27 +230,12 @@ static void json_head(json *j, const analysis *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* Unit of an output: of length, or of force and pressure of a contact. */
-static const char *output_unit(const scene *s, const scene_output *output)
-{
-    switch (output->contact) {
-    case CONTACT_NONE:
-        return component_unit(s);
-    case CONTACT_NODES:
-        return "nodes";
-    case CONTACT_PRESSURE:
-        return "of pressure";
-    default:
-        return s->unit_force[0] ? s->unit_force : "force";
-    }
-}
-
 /* One line for an output at a point, or the least and the most of one on many nodes. */
 static void print_output(const analysis *a, int k, const double *value)
 {
     const scene_output *output = &a->design.scene->output[k];
     const int count = analysis_outputs(a, k);
-    const char *unit = output_unit(a->design.scene, output);
+    const char *unit = analysis_unit(a, k);
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (int i = 0; i < count; i++) {
         least = fmin(least, analysis_output(a, k, i, value));

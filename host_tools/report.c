@@ -26,11 +26,11 @@ void report_displacement(const mesh *m, const double *u, double *vector)
 typedef struct spread { double low, high, mean; int count; } spread;
 
 /* Values of a named output: one of a point, many of an edge or of all nodes. */
-static spread spread_of(const design *d, const double *output, int k)
+static spread spread_of(const analysis *a, const double *output, int k)
 {
-    spread s = {0, 0, 0, d->named_first[k + 1] - d->named_first[k]};
+    spread s = {0, 0, 0, analysis_outputs(a, k)};
     for (int i = 0; i < s.count; i++) {
-        const double value = output[d->named_first[k] + i];
+        const double value = analysis_output(a, k, i, output);
         s.low = i ? fmin(s.low, value) : value;
         s.high = i ? fmax(s.high, value) : value;
         s.mean += value / s.count;
@@ -38,42 +38,45 @@ static spread spread_of(const design *d, const double *output, int k)
     return s;
 }
 
-static void write_output(FILE *file, const design *d, const double *output, int k)
+static void write_output(FILE *file, const analysis *a, const double *output, int k)
 {
-    const scene_output *named = &d->scene->output[k];
-    const spread s = spread_of(d, output, k);
+    const scene_output *named = &a->design.scene->output[k];
+    const spread s = spread_of(a, output, k);
+    const char *unit = analysis_unit(a, k);
     fputs("<tr><th scope=\"row\">", file);
     html_text(file, named->name);
     fputs("</th><td>", file);
     if (s.count == 1) {
-        html_quantity(file, s.mean, d->scene->unit_length);
+        html_quantity(file, s.mean, unit);
     } else {
         html_number(file, s.low);
         fputs(" to ", file);
-        html_quantity(file, s.high, d->scene->unit_length);
+        html_quantity(file, s.high, unit);
         fprintf(file, "<br><span class=\"soft\">%d nodes, mean ", s.count);
         html_number(file, s.mean);
         fputs("</span>", file);
     }
     fputs("</td><td>", file);
-    html_quantity(file, named->reference, d->scene->unit_length);
+    html_quantity(file, named->reference, unit);
     fputs("</td><td>", file);
-    if (s.count > 0 && isfinite(output[d->named_first[k]] / named->reference))
-        fprintf(file, "%.4f", output[d->named_first[k]] / named->reference);
+    const double ratio = analysis_output(a, k, 0, output) / named->reference;
+    if (isfinite(ratio))
+        fprintf(file, "%.4f", ratio);
     else
         fputs("&ndash;", file);
     fputs("</td></tr>\n", file);
 }
 
-static void write_outputs(FILE *file, const design *d, const double *output)
+static void write_outputs(FILE *file, const analysis *a, const double *output)
 {
+    const design *d = &a->design;
     if (d->scene->outputs == 0)
         return;
     fputs("<div class=\"wide\"><table><caption>Outputs; the ratio is value over reference, of the first node where there are more</caption>"
           "<thead><tr><th scope=\"col\">Output</th><th scope=\"col\">Value</th><th scope=\"col\">Reference</th><th scope=\"col\">Ratio</th></tr></thead><tbody>\n",
           file);
     for (int k = 0; k < d->scene->outputs; k++)
-        write_output(file, d, output, k);
+        write_output(file, a, output, k);
     fputs("</tbody></table></div>\n", file);
 }
 
@@ -91,9 +94,10 @@ static double sizes(const mesh *m, const double *vector, double *size)
     return most;
 }
 
-static int draw_deformed(FILE *file, const mesh *m, const double *vector, const double *size, double most)
+/* Large displacements are drawn as they are, small ones magnified. */
+static int draw_deformed(FILE *file, const mesh *m, int nonlinear, const double *vector, const double *size, double most)
 {
-    const double factor = parts_magnification(m, most, 0.1);
+    const double factor = nonlinear ? 1 : parts_magnification(m, most, 0.1);
     const draw_scale scale = {0, most, m->scene->unit_length};
     draw_view view;
     draw_view_begin(&view, m);
@@ -151,18 +155,34 @@ static void draw_components(FILE *file, const mesh *m, const double *vector, dou
     fputs("</div>\n</section>\n", file);
 }
 
+/* Map of the contact pressure, where there is a contact. */
+static void draw_contact(FILE *file, const analysis *a)
+{
+    const mesh *m = &a->design.mesh;
+    draw_scale scale = {0, 0, ""};
+    if (!a->nonlinear || !m->scene->contact.given)
+        return;
+    for (int n = 0; n < m->nodes; n++)
+        scale.most = fmax(scale.most, a->path.contact.pressure[n]);
+    fputs("<section>\n<h2>Contact pressure</h2>\n<figure>\n", file);
+    plane_map(file, m, a->path.contact.pressure, &scale, "contact pressure");
+    draw_legend(file, &scale);
+    fputs("</figure>\n</section>\n", file);
+}
+
 static int write_solve(FILE *file, const analysis *a, const double *output, const double *vector, double *size)
 {
     const design *d = &a->design;
     html_begin(file, d->scene->name);
-    parts_head(file, a, "Displacement under loads and applied volts", a->model.residual, a->model.error);
+    parts_head(file, a, "Displacement under loads and applied volts", a->nonlinear ? a->path.run.residual : a->model.residual, a->model.error);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", file);
-    const int failed = draw_deformed(file, &d->mesh, vector, size, sizes(&d->mesh, vector, size));
+    const int failed = draw_deformed(file, &d->mesh, a->nonlinear, vector, size, sizes(&d->mesh, vector, size));
     fputs("<div>\n", file);
-    write_outputs(file, d, output);
+    write_outputs(file, a, output);
     parts_conditions(file, d);
     parts_layers(file, d->scene);
     fputs("</div>\n</div>\n</section>\n", file);
+    draw_contact(file, a);
     draw_components(file, &d->mesh, vector, size);
     html_end(file);
     return failed;

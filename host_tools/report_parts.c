@@ -27,6 +27,22 @@ static void fact_check(FILE *file, const char *name, double value)
     fact_end(file);
 }
 
+/* How the shape was found, and whether it stays. */
+static void path_facts(FILE *file, const pzs_path *run)
+{
+    fact(file, "Load steps");
+    fprintf(file, "%u, %u linear systems", run->steps_taken, run->systems);
+    fact_end(file);
+    fact(file, "Equilibrium");
+    fprintf(file, run->negative ? "unstable, %u negative pivots" : "stable", run->negative);
+    fact_end(file);
+    if (run->factor < 1) {
+        fact(file, "Part of the load reached");
+        html_rough(file, run->factor);
+        fact_end(file);
+    }
+}
+
 static void facts(FILE *file, const analysis *a, double residual, double error)
 {
     const mesh *m = &a->design.mesh;
@@ -46,7 +62,10 @@ static void facts(FILE *file, const analysis *a, double residual, double error)
     fact_end(file);
     fact_check(file, "Condition after scaling", a->model.condition);
     fact_check(file, "Residual of forces", residual);
-    fact_check(file, "Estimated error in energy", error);
+    if (a->nonlinear)
+        path_facts(file, &a->path.run);
+    else
+        fact_check(file, "Estimated error in energy", error);
     fact(file, "Scene");
     fprintf(file, "%08lx", (unsigned long)s->hash);
     fact_end(file);

@@ -124,7 +124,7 @@ static void page_scales(page *p)
         p->volt.most = fmax(p->volt.most, p->result[k].volt);
         most = fmax(most, largest_vector(m, p->result[k].vector));
     }
-    p->factor = parts_magnification(m, fmax(most, p->target), 0.2);
+    p->factor = p->a->nonlinear ? 1 : parts_magnification(m, fmax(most, p->target), 0.2);
     draw_view_begin(&p->view, m);
     for (int k = 0; k < p->results; k++) {
         parts_include(&p->view, m, p->result[k].vector, p->factor);

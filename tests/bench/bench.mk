@@ -28,6 +28,12 @@ bench-device: setup-test
 	@echo 'Instructions on the device, counted by QEMU (not cycles)'
 	@B=$(B) sh tests/bench/device.sh
 
+# The whole library for this machine.
+$(eval $(call variant,fast,$(filter-out -std=% -I%,$(FAST)) -DPZS_REAL_BITS=64 -DPZS_TILE=8))
+$(B)/bench/path: $(B)/fast/tests/bench/bench_path.o $(B)/fast/host.a $(B)/fast/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ -lyaml -lm -o $@
+
 # bench_step holds lib/boxls.c and lib/control.c itself, to time the solver apart from the product B'e.
 $(B)/daqp/libdaqp.a:
 	@CC='$(CC)' sh tests/bench/get_daqp.sh $(B)/daqp

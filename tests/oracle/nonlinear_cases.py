@@ -173,7 +173,8 @@ def torus_inflation(n, preset, kind="unit", tangent="symmetrised", form=None, ti
     """Axisymmetric sector of the cross-ply torus under .5 MPa inside; output u3M at the crown.
 
     Middle surface r = 200 + 50 cos a, z = -50 sin a, theta1 = a in +-120 degrees (n elements), theta2 one
-    element of `degrees` whose two nodes share their unknowns; ends clamped; four plies of 1.2 at -45 45 -45 45 from theta1, inside first.
+    element of `degrees` whose two nodes share their unknowns; ends clamped; four plies of
+    1.2 at -45 45 -45 45 from theta1, inside first.
     """
     m = Model(torus(200.0, 50.0), np.radians(np.linspace(-120, 120, n + 1)), np.radians([-degrees / 2, degrees / 2]),
               Section(TORUS_PLIES), preset, 7, ring, closed=True)
@@ -219,7 +220,8 @@ def torus_contact(n1, n2, preset, kind="unit", tangent="symmetrised", plane=Fals
 def spline_torus(n, points, ends, preset, kind="unit", tangent="symmetrised"):
     """torus_inflation with the meridian a cubic spline through `points` of its points, chord-length parameter.
 
-    ends: "not-a-knot", "natural" or "given" (the true end tangents); n elements, uniform in each interval.  Outputs u3M at the crown.
+    ends: "not-a-knot", "natural" or "given" (the true end tangents); n elements, uniform in each interval.
+    Output u3M at the crown.
     """
     angle = np.radians(np.linspace(-120, 120, points))
     xz = np.column_stack([200 + 50 * np.cos(angle), -50 * np.sin(angle)])
