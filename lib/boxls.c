@@ -42,25 +42,31 @@
 #define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
 #define DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
 
-/* Columns summed together: what the registers hold. */
-#define SPAN PZS_BY_TILE(12u, 32u, 32u)
+/* Tiles of columns taken in one go: as many as the registers hold, and what fills up. */
+#define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
+#define SOME PZS_BY_TILE(2, 4, 4)
+#define LANES 8u /* sums side by side in a dot product */
 
 /* ---- sums ------------------------------------------------------------------ */
 
-/* Sums run over four quarters side by side: four independent chains, and the same bits at any vector width. */
+/* Entry i of a full group is summed in lane i: independent chains, and the same bits at any vector width. */
 pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, size_t n)
 {
-    const size_t h = n / 4u;
-    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < h; i++) {
-        s0 += x[i] * y[i];
-        s1 += x[i + h] * y[i + h];
-        s2 += x[i + 2u * h] * y[i + 2u * h];
-        s3 += x[i + 3u * h] * y[i + 3u * h];
+    pzs_real sum[LANES] = {0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES) {
+        UNROLLED
+        for (unsigned k = 0; k < LANES; k++)
+            sum[k] += x[i + k] * y[i + k];
     }
-    for (size_t i = 4u * h; i < n; i++)
-        s0 += x[i] * y[i];
-    return (s0 + s1) + (s2 + s3);
+    for (; i + 4u <= n; i += 4u) { /* the lanes they have in a full group: zeros that fill a tile change nothing */
+        UNROLLED
+        for (unsigned k = 0; k < 4u; k++)
+            sum[k] += x[i + k] * y[i + k];
+    }
+    for (; i < n; i++)
+        sum[0] += x[i] * y[i];
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
 pzs_real boxls_largest(const pzs_real *x, size_t n)
@@ -77,54 +83,63 @@ pzs_real boxls_largest(const pzs_real *x, size_t n)
     return s2 > s0 ? s2 : s0;
 }
 
-/* y [SPAN] += sum of x_i times SPAN entries of row i, the sums held in registers. */
-static void add_span(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
-                     size_t rows)
-{
-    pzs_real sum[SPAN];
-    UNROLLED
-    for (unsigned j = 0; j < SPAN; j++)
-        sum[j] = y[j];
-    for (size_t i = 0; i < rows; i++, a += stride) {
-        const pzs_real xi = x[i];
-        UNROLLED
-        for (unsigned j = 0; j < SPAN; j++)
-            sum[j] += xi * a[j];
+#define EACH_ENTRY(COUNT) UNROLLED for (int t = 0; t < (COUNT); t++) UNROLLED for (int j = 0; j < PZS_TILE; j++)
+
+/*
+ * y = sum of x_i times row i, over COUNT tiles of columns side by side, the last of them at column `last`: where it
+ * overlaps the one before, both form the same sums.
+ */
+#define SUM_TILES(name, COUNT) \
+    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
+                     size_t rows, size_t last) \
+    { \
+        pzs_real sum[COUNT][PZS_TILE]; \
+        const pzs_real *b = a + last; \
+        EACH_ENTRY(COUNT) \
+            sum[t][j] = 0; \
+        for (size_t i = 0; i < rows; i++, a += stride, b += stride) { \
+            const pzs_real xi = x[i]; \
+            EACH_ENTRY(COUNT) \
+                sum[t][j] += xi * (t + 1 < (COUNT) ? a[t * PZS_TILE + j] : b[j]); \
+        } \
+        for (int t = 0; PZS_TILE > 4 && t < (COUNT); t++) \
+            memcpy(y + (t + 1 < (COUNT) ? (size_t)t * PZS_TILE : last), sum[t], sizeof sum[t]); \
+        EACH_ENTRY(PZS_TILE > 4 ? 0 : (COUNT)) \
+            y[(t + 1 < (COUNT) ? (size_t)t * PZS_TILE : last) + (size_t)j] = sum[t][j]; \
     }
-    UNROLLED
-    for (unsigned j = 0; j < SPAN; j++)
-        y[j] = sum[j];
+
+SUM_TILES(sum_many, MANY)
+SUM_TILES(sum_some, SOME)
+SUM_TILES(sum_one, 1)
+
+/* Fewer columns than a tile. */
+static void sum_few(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
+                    size_t rows, size_t cols)
+{
+    for (size_t j = 0; j < cols; j++) {
+        y[j] = 0;
+        for (size_t i = 0; i < rows; i++)
+            y[j] += x[i] * a[i * stride + j];
+    }
 }
 
-/* The columns that fill no span. Wide vectors take a span of them all the same where it ends inside the array,
- * and drop the rest. */
-static void add_rest(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
-                     size_t rows, size_t columns)
-{
-    size_t done = 0;
-    if (PZS_TILE > 4 && rows * stride >= stride + SPAN) {
-        pzs_real wide[SPAN] = {0};
-        done = rows - 1u - SPAN / stride;
-        memcpy(wide, y, columns * sizeof(pzs_real));
-        add_span(wide, a, stride, x, done);
-        memcpy(y, wide, columns * sizeof(pzs_real));
-    }
-    for (size_t j = 0; j < columns; j++) {
-        pzs_real sum = y[j];
-        for (size_t i = done; i < rows; i++)
-            sum += x[i] * a[i * stride + j];
-        y[j] = sum;
-    }
-}
-
-void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
+void boxls_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
                     size_t cols)
 {
-    size_t j = 0;
-    for (; j + SPAN <= cols; j += SPAN)
-        add_span(y + j, a + j, stride, x, rows);
-    if (j < cols)
-        add_rest(y + j, a + j, stride, x, rows, cols - j);
+    if (cols < PZS_TILE)
+        sum_few(y, a, stride, x, rows, cols);
+    for (size_t j = 0; cols >= PZS_TILE && j < cols;) {
+        const size_t tiles = (cols - j + PZS_TILE - 1u) / PZS_TILE;
+        const size_t now = tiles >= MANY ? MANY : tiles >= SOME ? SOME : 1, end = j + now * PZS_TILE;
+        const size_t last = (end < cols ? end : cols) - PZS_TILE, from = now > 1u ? j : last;
+        if (now == MANY)
+            sum_many(y + from, a + from, stride, x, rows, last - from);
+        else if (now == SOME)
+            sum_some(y + from, a + from, stride, x, rows, last - from);
+        else
+            sum_one(y + from, a + from, stride, x, rows, 0);
+        j = end;
+    }
 }
 
 /* y = A x, A [n][width] symmetric. */
@@ -132,9 +147,7 @@ static void symmetric(pzs_real *restrict y, const pzs_real *restrict a, const pz
                       uint32_t padded)
 {
     const uint32_t width = padded & ~(PZS_TILE - 1u); /* tells the compiler that no remainder is left */
-    for (uint32_t j = 0; j < width; j++)
-        y[j] = 0;
-    boxls_add_rows(y, a, width, x, n, width);
+    boxls_sum_rows(y, a, width, x, n, width);
 }
 
 void boxls_place(boxls *b, pzs_real *work)
@@ -231,16 +244,21 @@ static inline size_t whole(uint32_t width)
     return width & ~(PZS_TILE - 1u);
 }
 
-static void combine(pzs_real *restrict grad, const pzs_real *restrict pull, const pzs_real *restrict bias,
-                    const pzs_real *restrict want, size_t width)
+/* grad = pull + bias - want; where inputs are free, next is the same, elsewhere 0. */
+static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_real *restrict pull,
+                    const pzs_real *restrict bias, const pzs_real *restrict want, const pzs_real *restrict free,
+                    size_t width)
 {
-    for (size_t i = 0; i < width; i++)
-        grad[i] = (pull[i] + bias[i]) - want[i];
+    for (size_t i = 0; i < width; i++) {
+        const pzs_real g = (pull[i] + bias[i]) - want[i];
+        grad[i] = g;
+        next[i] = free[i] > 0 ? g : 0;
+    }
 }
 
 void boxls_gradient(boxls *b)
 {
-    combine(b->grad, b->pull, b->bias, b->want, whole(b->width));
+    combine(b->grad, b->next, b->pull, b->bias, b->want, b->free, whole(b->width));
 }
 
 /* away = v - base, far = |v - base|. */
@@ -256,16 +274,9 @@ static void distance(pzs_real *restrict away, pzs_real *restrict far, const pzs_
 void boxls_true_gradient(boxls *b)
 {
     distance(b->spare, b->next, b->v, b->base, whole(b->width));
-    b->rough = PZS_EPSILON * boxls_dot(b->diag, b->next, b->n);
+    b->rough = PZS_EPSILON * boxls_dot(b->diag, b->next, b->width);
     symmetric(b->pull, b->h, b->spare, b->n, b->width);
     boxls_gradient(b);
-}
-
-/* The gradient where inputs are free, else 0. */
-static void where_free(pzs_real *restrict x, const pzs_real *restrict free, const pzs_real *restrict grad, size_t width)
-{
-    for (size_t i = 0; i < width; i++)
-        x[i] = free[i] > 0 ? grad[i] : 0;
 }
 
 /*
@@ -278,6 +289,12 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, con
 {
     uint32_t open = 0;
     for (size_t i = 0; i < width; i++) {
+        if (PZS_TILE == 4 && free[i] > 0) { /* the same with fewer instructions, where there are no vectors */
+            const pzs_real x = v[i] + move[i];
+            next[i] = x;
+            open += x < lo[i] || x > hi[i];
+            continue;
+        }
         const pzs_real way = free[i] > 0 ? move[i] : 0, slope = free[i] > 0 ? 0 : grad[i] - move[i];
         const pzs_real x = v[i] + way, down = x > lo[i] ? slope : 0, up = x < hi[i] ? -slope : 0;
         const pzs_real most = down > up ? down : up;
@@ -290,8 +307,7 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, con
 
 uint32_t boxls_aim(boxls *b, pzs_real noise)
 {
-    where_free(b->spare, b->free, b->grad, whole(b->width));
-    symmetric(b->move, b->m, b->spare, b->n, b->width);
+    symmetric(b->move, b->m, b->next, b->n, b->width);
     return look_ahead(b->move, b->next, b->free, b->grad, b->v, b->lo, b->hi, noise, whole(b->width));
 }
 
@@ -305,10 +321,10 @@ static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const p
     }
 }
 
-/* Largest violated optimality condition. */
-static pzs_real violation(const boxls *b)
+/* Largest violated optimality condition at v, where the gradient is grad. */
+static pzs_real violation(const boxls *b, const pzs_real *v, const pzs_real *grad)
 {
-    downhill(b->spare, b->v, b->lo, b->hi, b->grad, whole(b->width));
+    downhill(b->spare, v, b->lo, b->hi, grad, whole(b->width));
     return boxls_largest(b->spare, b->width);
 }
 
@@ -460,13 +476,25 @@ static void release(boxls *b, uint32_t k)
     }
 }
 
-/* Passes from the true gradient to where the tableau sees no violation; returns those used. */
+/* Whether no free input has a gradient above the noise; next holds these gradients. */
+static int at_rest(const boxls *b)
+{
+    uint32_t i = 0;
+    while (i < b->n && boxls_size(b->next[i]) <= b->noise)
+        i++;
+    return i == b->n;
+}
+
+/* Passes from the true gradient to where the tableau sees no violation; returns those used, 0 at the optimum. */
 static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
 {
     const uint32_t most = 2u * b->n + 8u < allowed ? 2u * b->n + 8u : allowed;
     uint32_t used = 0, k = 0;
     int blocked = 1;
+    const int rest = at_rest(b);
     if (boxls_aim(b, noise) == 0) {
+        if (rest)
+            return 0;
         memcpy(b->v, b->next, b->width * sizeof(pzs_real));
         return 1;
     }
@@ -496,44 +524,59 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
  */
 static int fell(const boxls *b)
 {
-    difference(b->spare, b->next, b->v, b->start, b->grad, b->start_grad, whole(b->width));
-    const pzs_real change = boxls_dot(b->spare, b->next, b->n);
-    const pzs_real far = boxls_dot(b->spare, b->spare, b->n);
+    difference(b->spare, b->move, b->v, b->start, b->grad, b->start_grad, whole(b->width));
+    const pzs_real change = boxls_dot(b->spare, b->move, b->width);
+    const pzs_real far = boxls_dot(b->spare, b->spare, b->width);
     return change < 0 && far * (b->rough * b->rough) < b->energy * b->energy;
 }
 
-/* One round. Returns nonzero if it was kept; else volts and gradient are as before. */
-static int run_round(boxls *b)
+/* One round; one that gained nothing leaves volts and gradient as they were. */
+static void run_round(boxls *b)
 {
     const size_t bytes = b->width * sizeof(pzs_real);
     memcpy(b->start, b->v, bytes);
     memcpy(b->start_grad, b->grad, bytes);
-    b->used += run_passes(b, b->noise / 2, b->allowed - b->used);
-    boxls_true_gradient(b);
-    if (fell(b))
-        return 1;
-    memcpy(b->v, b->start, bytes);
-    boxls_true_gradient(b);
-    return 0;
+    const uint32_t passes = run_passes(b, b->noise / 2, b->allowed - b->used);
+    b->used += passes;
+    if (passes != 0)
+        boxls_true_gradient(b);
+    if (passes != 0 && !fell(b)) {
+        memcpy(b->v, b->start, bytes);
+        boxls_true_gradient(b);
+    }
+}
+
+/* What is left at v, and how much of it may be rounding. */
+static void judge(boxls *b)
+{
+    b->left = violation(b, b->v, b->grad);
+    b->noise = NOISE * (b->exact + b->rough);
+}
+
+/* Sweep anew after a round that gained little; a tableau that is fresh already takes more inputs as dependent. */
+static void renew(boxls *b, int fresh)
+{
+    const pzs_real most = DEPENDENT * 4 * (pzs_real)b->n * PZS_EPSILON;
+    b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
+    boxls_rebuild(b);
+    boxls_gradient(b);
 }
 
 void boxls_optimise(boxls *b)
 {
-    const pzs_real most = DEPENDENT * 4 * (pzs_real)b->n * PZS_EPSILON;
     int fresh = 0;
-    b->left = violation(b);
     b->noise = NOISE * (b->exact + b->rough);
-    b->done = !(b->left > b->noise);
+    b->done = 0;
+    if (b->used >= b->allowed) {
+        judge(b);
+        b->done = !(b->left > b->noise);
+    }
     for (uint32_t round = 0; round < ROUNDS && !b->done && b->used < b->allowed; round++) {
-        const pzs_real before = b->left;
-        if (run_round(b)) {
-            b->left = violation(b);
-            b->noise = NOISE * (b->exact + b->rough);
-        }
+        run_round(b);
+        judge(b);
         b->done = settled(b);
-        if (!b->done && b->left * POOR > before && b->used < b->allowed) {
-            b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
-            boxls_rebuild(b);
+        if (!b->done && b->used < b->allowed && b->left * POOR > violation(b, b->start, b->start_grad)) {
+            renew(b, fresh);
             fresh = 1;
         }
     }

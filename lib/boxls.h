@@ -29,7 +29,8 @@ typedef struct boxls {
     pzs_real *move;         /* swept: way to go (V); standing: gradient after it */
     pzs_real *diag;         /* of H */
     pzs_real *start, *start_grad; /* of the round */
-    pzs_real *next, *spare;
+    pzs_real *next;         /* grad on F, 0 on S; after boxls_aim the volts aimed at */
+    pzs_real *spare;
     pzs_real soft;          /* trace of the inverse of H on F (V2/m2), 0 where not known */
     pzs_real floor;         /* pivots below this part of their diagonal count as dependent */
     pzs_real rough;         /* epsilon times what rounding of pull is made of (m2/V) */
@@ -43,8 +44,8 @@ typedef struct boxls {
 /* Point the vectors that the optimiser keeps into work [BOXLS_VECTORS][width]; n and width are set. */
 void boxls_place(boxls *b, pzs_real *work);
 
-/* y [cols] += sum over the rows of x_i times row i of a [rows][stride]. */
-void boxls_add_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
+/* y [cols] = sum over the rows of x_i times row i of a [rows][stride]. */
+void boxls_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
                     size_t cols);
 
 /* x . y; and the largest of x, not below zero: there n is a multiple of 4. */
@@ -54,11 +55,11 @@ pzs_real boxls_largest(const pzs_real *x, size_t n);
 /* Sweep anew from H every input marked as swept. */
 void boxls_rebuild(boxls *b);
 
-/* grad from pull; and the same with pull and rough from H. */
+/* grad from pull, its part on F in next; and the same with pull and rough from H. */
 void boxls_gradient(boxls *b);
 void boxls_true_gradient(boxls *b);
 
-/* move from grad and the tableau, next = v after it. Returns how many inputs that leaves unsettled. */
+/* move from grad, its part in next and the tableau; next = v after it. Returns how many inputs that leaves unsettled. */
 uint32_t boxls_aim(boxls *b, pzs_real noise);
 
 /* From a true gradient to the optimum; adds to used, sets left, noise and done. Volts never leave lo..hi. */

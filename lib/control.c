@@ -17,7 +17,8 @@
 #include "unrolled.h"
 
 #define READY 1u
-#define PART 12u         /* inputs multiplied together: what the registers hold */
+#define FOURS PZS_BY_BITS(7, 3) /* fours of inputs multiplied together: what the registers hold, and what fills up */
+#define FEW PZS_BY_BITS(3, 2)
 #define FROZEN_TICKS 8u  /* a measurement that repeats so often while its output moves is frozen */
 #define FROZEN_PART 64   /* "moves": by more than 1/FROZEN_PART of |measured| + |predicted| in a tick */
 
@@ -51,79 +52,87 @@ static pzs_real *weighted_of(const pzs_control *c)
     return full_of(c) + width_of(c->problem->inputs);
 }
 
-/* y_i += PART entries of row i times x, the x held in registers. */
-static void multiply_part(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
-                          size_t rows)
-{
-    pzs_real part[PART];
-    UNROLLED
-    for (unsigned k = 0; k < PART; k++)
-        part[k] = x[k];
-    for (size_t i = 0; i < rows; i++, a += stride) {
-        pzs_real sum = y[i];
-        UNROLLED
-        for (unsigned k = 0; k < PART; k++)
-            sum += a[k] * part[k];
-        y[i] = sum;
+/* y_i += COUNT fours of entries of row i times x, the x held in registers. */
+#define MULTIPLY(name, COUNT) \
+    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
+                     size_t rows) \
+    { \
+        pzs_real part[4 * (COUNT)]; \
+        UNROLLED \
+        for (unsigned k = 0; k < 4 * (COUNT); k++) \
+            part[k] = x[k]; \
+        for (size_t i = 0; i < rows; i++, a += stride) { \
+            pzs_real sum = y[i]; \
+            UNROLLED \
+            for (unsigned k = 0; k < 4 * (COUNT); k++) \
+                sum += a[k] * part[k]; \
+            y[i] = sum; \
+        } \
     }
-}
 
-/* y [rows] = a x, a [rows][cols]; each sum in ascending order. */
+MULTIPLY(multiply_many, FOURS)
+MULTIPLY(multiply_some, FEW)
+MULTIPLY(multiply_one, 1)
+
+/*
+ * y [rows] = a x, a [rows][cols]; each sum in ascending order. x is zero up to whole fours, which read on into the row
+ * below where there is one.
+ */
 static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t rows, size_t cols)
 {
-    size_t j = 0;
+    const size_t last = 1u + 3u / cols, whole = last < rows ? rows - last : 0;
     memset(y, 0, rows * sizeof *y);
-    for (; j + PART <= cols; j += PART)
-        multiply_part(y, a + j, cols, x + j, rows);
-    for (size_t i = 0; i < rows; i++) {
-        for (size_t k = j; k < cols; k++)
+    for (size_t j = 0, now; j < cols; j += 4u * now) {
+        const size_t fours = (cols - j + 3u) / 4u;
+        now = fours >= FOURS ? FOURS : fours >= FEW ? FEW : 1u;
+        if (now == FOURS)
+            multiply_many(y, a + j, cols, x + j, whole);
+        else if (now == FEW)
+            multiply_some(y, a + j, cols, x + j, whole);
+        else
+            multiply_one(y, a + j, cols, x + j, whole);
+    }
+    for (size_t i = whole; i < rows; i++) {
+        for (size_t k = 0; k < cols; k++)
             y[i] += a[i * cols + k] * x[k];
     }
 }
 
 /* ---- step ---------------------------------------------------------------------- */
 
-typedef struct window {
-    pzs_real lo, hi;
-    uint32_t clash; /* 1 where slew and limit do not meet */
-} window;
-
-/* What an input may reach in this step; rounding may narrow the slew window, never widen it. */
-static inline window window_of(pzs_real last, pzs_real slew, pzs_real lower, pzs_real upper)
-{
-    const pzs_real limit = last < lower ? lower : upper;
-    pzs_real lo = last - slew, hi = last + slew;
-    lo += last - lo > slew ? PZS_EPSILON * boxls_size(lo) : 0;
-    hi -= hi - last > slew ? PZS_EPSILON * boxls_size(hi) : 0;
-    lo = lo > lower ? lo : lower;
-    hi = hi < upper ? hi : upper;
-    const window w = { lo > hi ? limit : lo, lo > hi ? limit : hi, lo > hi };
-    return w;
-}
-
-/* First input, at the volts before the step, whose slew window does not meet its limits. */
-static int32_t first_clash(const pzs_control *c, const pzs_real *last)
-{
-    for (uint32_t i = 0; i < c->problem->inputs; i++) {
-        if (window_of(last[i], c->problem->slew[i], c->lower[i], c->upper[i]).clash)
-            return (int32_t)i;
-    }
-    return -1;
-}
-
-/* Limits of this step, lo and hi. Returns how many volts stand outside. */
+/*
+ * What inputs may reach in this step; rounding may narrow a slew window, never widen it. Returns how many volts
+ * stand outside.
+ */
 static uint32_t open_windows(pzs_real *restrict lo, pzs_real *restrict hi, const pzs_real *restrict v,
                              const pzs_real *restrict slew, const pzs_real *restrict lower,
                              const pzs_real *restrict upper, size_t width)
 {
     uint32_t outside = 0;
     for (size_t i = 0; i < width; i++) {
-        const window w = window_of(v[i], slew[i], lower[i], upper[i]);
-        outside += (v[i] < w.lo ? 1u : 0u) + (v[i] > w.hi ? 1u : 0u);
-        lo[i] = w.lo;
-        hi[i] = w.hi;
+        const pzs_real last = v[i], most = slew[i], down = last - most, up = last + most;
+        const pzs_real from = last - down > most ? down + PZS_EPSILON * boxls_size(down) : down;
+        const pzs_real to = up - last > most ? up - PZS_EPSILON * boxls_size(up) : up;
+        const pzs_real low = from > lower[i] ? from : lower[i], high = to < upper[i] ? to : upper[i];
+        outside += (last < low ? 1u : 0u) + (last > high ? 1u : 0u);
+        lo[i] = low;
+        hi[i] = high;
     }
     return outside;
+}
+
+/* Cut the volts to their windows; where slew and limit do not meet, to the limit. Returns the first such input, or -1. */
+static int32_t cut_volts(boxls *b, const pzs_control *c)
+{
+    int32_t clash = -1;
+    for (uint32_t i = 0; i < b->n; i++) {
+        if (b->lo[i] > b->hi[i]) {
+            b->lo[i] = b->hi[i] = b->v[i] < c->lower[i] ? c->lower[i] : c->upper[i];
+            clash = clash < 0 ? (int32_t)i : clash;
+        }
+        b->v[i] = boxls_cut(b->v[i], b->lo[i], b->hi[i]);
+    }
+    return clash;
 }
 
 /* Start a step: windows, volts cut to them, their gradient. Returns the first clash of slew and limit, or -1. */
@@ -132,9 +141,7 @@ static int32_t enter(boxls *b, const pzs_control *c)
     const size_t width = b->width & ~(PZS_TILE - 1u);
     int32_t clash = -1;
     if (open_windows(b->lo, b->hi, b->v, slew_of(c), c->lower, c->upper, width) != 0) {
-        clash = first_clash(c, b->v);
-        for (uint32_t i = 0; i < b->n; i++)
-            b->v[i] = boxls_cut(b->v[i], b->lo[i], b->hi[i]);
+        clash = cut_volts(b, c);
         boxls_true_gradient(b);
     } else {
         boxls_gradient(b);
@@ -152,27 +159,20 @@ static void weigh(pzs_real *restrict weighted, pzs_real *restrict miss, const pz
     }
 }
 
-/* sum = x + 2 y */
-static void add_twice(pzs_real *restrict sum, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
-{
-    for (size_t i = 0; i < width; i++)
-        sum[i] = x[i] + 2 * y[i];
-}
-
 /*
- * want = B'W^2 (e - B base); returns missed = |W (e - B base)|^2. With full = B'W^2 B base,
- * energy = |W e|^2 = missed + base . (full + 2 want), not below what rounding leaves of it.
+ * want = B'W^2 (e - B base) with shown = B base + disturbance; returns missed = |W (e - B base)|^2. With
+ * full = B'W^2 B base, energy = |W e|^2 = missed + base . (full + 2 want), not below what rounding leaves of it.
+ * Both are finite only where want is.
  */
-static pzs_real project(boxls *b, const pzs_control *c, const pzs_real *error)
+static pzs_real project(boxls *b, const pzs_control *c, const pzs_real *wanted, const pzs_real *shown)
 {
     const uint32_t m = c->problem->outputs;
     pzs_real *weighted = weighted_of(c), *miss = weighted + m;
-    weigh(weighted, miss, c->problem->weight, error, c->predicted, m);
-    memset(b->want, 0, b->width * sizeof(pzs_real));
-    boxls_add_rows(b->want, c->influence, b->n, weighted, m, b->n);
-    add_twice(b->spare, full_of(c), b->want, b->width & ~(PZS_TILE - 1u));
-    const pzs_real missed = boxls_dot(weighted, miss, m), energy = missed + boxls_dot(b->base, b->spare, b->n);
-    b->energy = energy > PZS_EPSILON * missed ? energy : PZS_EPSILON * missed;
+    weigh(weighted, miss, c->problem->weight, wanted, shown, m);
+    boxls_sum_rows(b->want, c->influence, b->n, weighted, m, b->n);
+    const pzs_real missed = boxls_dot(weighted, miss, m);
+    b->energy = missed + boxls_dot(b->base, full_of(c), b->width) + 2 * boxls_dot(b->base, b->want, b->width);
+    b->energy = b->energy < PZS_EPSILON * missed ? PZS_EPSILON * missed : b->energy;
     return missed;
 }
 
@@ -190,8 +190,11 @@ static void shape_terms(pzs_real *restrict away, pzs_real *restrict slope, const
 /* |W (B v - e)| / |W e|, where B v - e = (B base - e) + B (v - base). */
 static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
 {
-    shape_terms(b->spare, b->next, b->v, b->base, b->pull, b->want, effort, b->width & ~(PZS_TILE - 1u));
-    const pzs_real rest = missed + boxls_dot(b->spare, b->next, b->n);
+    pzs_real rest = missed;
+    if (b->rough > 0) { /* off the base */
+        shape_terms(b->spare, b->move, b->v, b->base, b->pull, b->want, effort, b->width & ~(PZS_TILE - 1u));
+        rest += boxls_dot(b->spare, b->move, b->width);
+    }
     return rest > 0 && b->energy > 0 ? PZS_SQRT(rest / b->energy) : 0;
 }
 
@@ -249,13 +252,23 @@ static pzs_status ready(const pzs_control *c, const void *argument)
     return c->stage == READY ? PZS_OK : PZS_E_STAGE;
 }
 
+/* What measurements should show: predicted + disturbance. */
+static const pzs_real *expected(const pzs_control *c)
+{
+    const uint32_t m = c->problem->outputs;
+    pzs_real *sum = weighted_of(c) + 2u * m;
+    for (uint32_t i = 0; i < m; i++)
+        sum[i] = c->predicted[i] + c->disturbance[i];
+    return sum;
+}
+
 /* Optimise; where far from the base rounding could cost accuracy, once more from the residual. Returns missed. */
-static pzs_real settle(boxls *b, const pzs_control *c, const pzs_real *error, pzs_real missed)
+static pzs_real settle(boxls *b, const pzs_control *c, const pzs_real *wanted, const pzs_real *shown, pzs_real missed)
 {
     boxls_optimise(b);
     if (boxls_coarse(b)) {
         rebase(b, c);
-        missed = project(b, c, error);
+        missed = project(b, c, wanted, shown == c->predicted ? shown : expected(c));
         boxls_gradient(b);
         boxls_optimise(b);
     }
@@ -263,14 +276,14 @@ static pzs_real settle(boxls *b, const pzs_control *c, const pzs_real *error, pz
 }
 
 /* The step itself, once want, missed and energy are there. */
-static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_real missed)
+static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *wanted, const pzs_real *shown, pzs_real missed)
 {
     const pzs_real effort = c->problem->effort;
     const int32_t clash = enter(b, c);
     b->allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
-    b->exact = PZS_EPSILON * PZS_SQRT(b->energy + missed) * PZS_SQRT(c->stiffest);
+    b->exact = PZS_EPSILON * PZS_SQRT(b->energy + missed) * c->stiffest;
     c->error_before = shape_error(b, effort, missed);
-    missed = settle(b, c, error, missed);
+    missed = settle(b, c, wanted, shown, missed);
     const pzs_real most = most_wanted(b, full_of(c));
     c->error_after = shape_error(b, effort, missed);
     c->optimality = b->left > 0 && most > 0 ? b->left / most : 0;
@@ -286,12 +299,12 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *error, pzs_r
 }
 
 /* The step, on a view that the caller keeps. */
-static pzs_status step(boxls *b, pzs_control *c, const pzs_real *error)
+static pzs_status step(boxls *b, pzs_control *c, const pzs_real *wanted, const pzs_real *shown)
 {
-    const pzs_real missed = project(b, c, error);
-    if (!boxls_finite(b->energy + missed) || guard_nonfinite(b->want, b->n) >= 0)
-        return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
-    return step_to(b, c, error, missed);
+    const pzs_real missed = project(b, c, wanted, shown);
+    if (!boxls_finite(b->energy + missed))
+        return finish(c, PZS_E_NONFINITE, guard_nonfinite(wanted, c->problem->outputs));
+    return step_to(b, c, wanted, shown, missed);
 }
 
 pzs_status pzs_step(pzs_control *c, const pzs_real *error)
@@ -300,7 +313,7 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
     if (status != PZS_OK)
         return status;
     boxls b = view(c);
-    return step(&b, c, error);
+    return step(&b, c, error, c->predicted);
 }
 
 /* ---- tick ------------------------------------------------------------------------ */
@@ -308,10 +321,10 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 /* predicted = B volt again, after a pzs_step or a cut. */
 static void catch_up(boxls *b, const pzs_control *c)
 {
-    uint32_t moved = 0;
-    for (uint32_t i = 0; i < b->n; i++)
-        moved += b->v[i] < b->base[i] || b->v[i] > b->base[i];
-    if (moved != 0)
+    uint32_t i = 0;
+    while (i < b->n && !(b->v[i] != b->base[i]))
+        i++;
+    if (i < b->n)
         rebase(b, c);
 }
 
@@ -323,24 +336,6 @@ static pzs_status hold_last(boxls *b, pzs_control *c, int32_t where)
     return finish(c, PZS_W_HELD, where);
 }
 
-/*
- * A measurement that is not finite, or has the same bits as before. Returns nonzero where the sensor is not to be
- * trusted: not finite, or the same bits for FROZEN_TICKS ticks in which the prediction moved
- * (seen as a change of measured - predicted while measured stands still). An output moves when it does so
- * by more than 1/FROZEN_PART of `most`, the largest prediction of any: below that lies the resolution of sensors.
- */
-static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real difference, pzs_real most)
-{
-    if (!boxls_finite(difference))
-        return 1;
-    if (FROZEN_PART * boxls_size(difference - c->disturbance[i]) > boxls_size(measured) + most)
-        c->frozen[i] = (uint8_t)(c->frozen[i] + (c->frozen[i] < FROZEN_TICKS));
-    if (c->frozen[i] >= FROZEN_TICKS)
-        return 1;
-    c->disturbance[i] = difference;
-    return 0;
-}
-
 static pzs_real largest_size(const pzs_real *x, uint32_t n)
 {
     pzs_real most = 0;
@@ -349,23 +344,54 @@ static pzs_real largest_size(const pzs_real *x, uint32_t n)
     return most;
 }
 
+/*
+ * A measurement that is not finite, or has the same bits as before. Returns nonzero where the sensor is not to be
+ * trusted: not finite, or the same bits for FROZEN_TICKS ticks in which the prediction moved
+ * (seen as a change of measured - predicted while measured stands still). An output moves when it does so
+ * by more than 1/FROZEN_PART of `most`, the largest prediction of any, found when first asked for: below that lies
+ * the resolution of sensors.
+ */
+static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real *most)
+{
+    const pzs_real difference = measured - c->predicted[i];
+    if (!boxls_finite(difference))
+        return 1;
+    const pzs_real moved = FROZEN_PART * boxls_size(difference - c->disturbance[i]) - boxls_size(measured);
+    if (moved > 0 && *most < 0)
+        *most = largest_size(c->predicted, c->problem->outputs);
+    if (moved > 0 && moved > *most)
+        c->frozen[i] = (uint8_t)(c->frozen[i] + (c->frozen[i] < FROZEN_TICKS));
+    if (c->frozen[i] >= FROZEN_TICKS)
+        return 1;
+    c->disturbance[i] = difference;
+    return 0;
+}
+
+/* The disturbances of measurements that are finite and new, from input i on. Returns the first that is not, or m. */
+static uint32_t sense_new(const pzs_control *c, const pzs_real *measured, uint32_t i, uint32_t m)
+{
+    const pzs_real *predicted = c->predicted;
+    pzs_real *before = c->measured, *disturbance = c->disturbance;
+    uint8_t *frozen = c->frozen;
+    for (; i < m; i++) {
+        const pzs_real seen = measured[i], difference = seen - predicted[i];
+        if (!(seen != before[i]) || !boxls_finite(difference))
+            break;
+        before[i] = seen;
+        disturbance[i] = difference;
+        frozen[i] = 0;
+    }
+    return i;
+}
+
 /* All disturbances. Returns the number of outputs without a usable measurement, the first in where. */
 static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
 {
     const uint32_t m = c->problem->outputs;
-    pzs_real most = -1; /* found when first asked for */
+    pzs_real most = -1;
     uint32_t lost = 0;
-    for (uint32_t i = 0; i < m; i++) {
-        const pzs_real difference = measured[i] - c->predicted[i];
-        const int changed = measured[i] < c->measured[i] || measured[i] > c->measured[i];
-        if (changed && boxls_finite(difference)) {
-            c->measured[i] = measured[i];
-            c->disturbance[i] = difference;
-            c->frozen[i] = 0;
-            continue;
-        }
-        most = most < 0 ? largest_size(c->predicted, m) : most;
-        if (doubtful(c, i, measured[i], difference, most))
+    for (uint32_t i = sense_new(c, measured, 0, m); i < m; i = sense_new(c, measured, i + 1u, m)) {
+        if (doubtful(c, i, measured[i], &most))
             *where = lost++ == 0 ? (int32_t)i : *where;
     }
     return lost;
@@ -378,15 +404,12 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
         return status;
     boxls b = view(c);
     const uint32_t m = c->problem->outputs;
-    pzs_real *error = weighted_of(c) + 2u * m;
     int32_t where = -1;
     catch_up(&b, c);
     const uint32_t lost = measured != NULL ? sense(c, measured, &where) : 0;
     if (lost == m)
         return hold_last(&b, c, where);
-    for (uint32_t i = 0; i < m; i++)
-        error[i] = wanted[i] - c->disturbance[i];
-    const pzs_status stepped = step(&b, c, error);
+    const pzs_status stepped = step(&b, c, wanted, measured != NULL && lost == 0 ? measured : expected(c));
     if (stepped == PZS_E_NONFINITE)
         return hold_last(&b, c, c->where);
     rebase(&b, c);
@@ -465,7 +488,7 @@ static void form_row(const pzs_control *c, const pzs_real *table, uint32_t k)
     } else {
         for (uint32_t i = 0; i < m; i++)
             column[i] = weight[i] * weight[i] * c->influence[(size_t)i * n + k];
-        boxls_add_rows(row, c->influence, n, column, m, n);
+        boxls_sum_rows(row, c->influence, n, column, m, n);
         for (uint32_t j = 0; j < k; j++)
             row[j] = c->hessian[(size_t)j * width + k];
     }
@@ -484,7 +507,7 @@ static void set_out(boxls *b, pzs_control *c)
         b->diag[i] = b->h[(size_t)i * b->width + i];
         b->free[i] = 1;
     }
-    c->stiffest = boxls_largest(b->diag, b->width);
+    c->stiffest = PZS_SQRT(boxls_largest(b->diag, b->width));
     b->floor = c->dependence = 4 * (pzs_real)b->n * PZS_EPSILON;
     boxls_true_gradient(b); /* pull = H v, from the base zero */
     rebase(b, c);
@@ -569,7 +592,7 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
         return status;
     boxls b = view(c);
     const size_t bytes = b.width * sizeof(pzs_real);
-    (void)project(&b, c, error);
+    (void)project(&b, c, error, c->predicted);
     memcpy(b.hi, b.free, bytes);
     boxls apart = b; /* its volts and pull apart from the controller's */
     apart.v = b.start;

@@ -7,7 +7,7 @@
  *
  * Without WITH_DAQP only our side is measured. n inputs over a grid of m outputs, 200 frames of a
  * slowly moving target, run in a circle so that every start is warm; limits are chosen so
- * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, boxls_add_rows
+ * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, boxls_sum_rows
  * of lib/boxls.c, included here), then solve; DAQP has its factor of H beforehand and keeps its
  * working set; of its two ways to start (with and without a look at the unlimited optimum) the faster counts.
  * Each frame is timed in TURNS circles, both sides in turn; its time is the median. Shown are the mean and
@@ -130,9 +130,9 @@ static void our_step(int t, int turn)
 {
     const double from = now();
     boxls b = view(&ours.control);
-    const double missed = project(&b, &ours.control, ours.target[t]);
+    const double missed = project(&b, &ours.control, ours.target[t], ours.control.predicted);
     const double between = now();
-    (void)step_to(&b, &ours.control, ours.target[t], missed);
+    (void)step_to(&b, &ours.control, ours.target[t], ours.control.predicted, missed);
     const double end = now();
 
     spent[0][0][t][turn] = end - from;
@@ -169,8 +169,7 @@ static void peer_step(int way, int t, int turn)
     const double from = now();
     for (int i = 0; i < ours.m; i++)
         peer[way].weighted[i] = ours.weight[i] * ours.weight[i] * ours.target[t][i];
-    memset(peer[way].f, 0, sizeof peer[way].f);
-    boxls_add_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
+    boxls_sum_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
     const double between = now();
     for (int i = 0; i < ours.n; i++)
         peer[way].f[i] = -peer[way].f[i];
