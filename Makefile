@@ -84,7 +84,10 @@ $(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)
+$(call for_variants,options,64 32 san64 san32,)
+$(call for_variants,simulate,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,cases,64,@tests/testdata.o @host.a)
+$(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
 
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
@@ -98,6 +101,9 @@ check-long: setup-test
 	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/test_tick.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
+	    tests/test_simulate.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
+	    && $(B)/long-simulate
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in source corrected; do \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done
 	@echo 'long checks passed'

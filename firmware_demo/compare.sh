@@ -14,6 +14,7 @@ printf '%-22s %-10s %-10s %6s %6s %9s %9s %9s %6s\n' image volts host active pas
 for pair in "$@"; do
     target=$dir/${pair%%:*}.out
     host=$dir/${pair##*:}.out
+    grep -q '^cost tick' "$target" || continue # no control loop: its lines follow below
     printf '%-22s %-10s %-10s %6s %6s %9s %9s %9s %6s\n' "${pair%%:*}" "$(field "$target" result volts)" \
         "$(field "$host" result volts)" "$(field "$target" result active)" "$(field "$target" result passes)" \
         "$(field "$target" 'cost tick' mean)" "$(field "$target" 'cost tick' worst)" "$(field "$target" 'cost tick' warm)" "$(field "$target" 'cost stack' used)"
@@ -23,7 +24,8 @@ printf '(mean, worst, warm - a slowly moving target: instructions of one control
 for pair in "$@"; do
     target=$dir/${pair%%:*}.out
     host=$dir/${pair##*:}.out
-    sed -n "s/^cost model/${pair%%:*}:/p" "$target"
+    sed -n "/^cost tick/d;/^cost stack/d;s/^cost /${pair%%:*}: /p" "$target"
+    grep -q '^cost tick' "$target" || grep '^equilibrium \|^output \|^result ' "$target"
     grep -v '^cost' "$target" | tr -d '\r' >"$target.bits"
     grep -v '^cost' "$host" >"$target.host"
     if ! grep -q '^exit 0$' "$target"; then

@@ -55,7 +55,9 @@ shift 2
     }
     $1 == "object" {
         printf "%-30s %8d %8d\n", $2, $3, $4
-        check("flash", $3, limit["object", $2, 3])
+        name = $2
+        if (!(("object", name, 3) in limit)) sub(/-nonlinear/, "", name)
+        check("flash", $3, limit["object", name, 3])
         check("ram", $4, 0)
         verdict()
     }

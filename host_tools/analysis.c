@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include "electrodes.h"
 #include "guard.h"
 #include "linalg.h"
 #include "model.h"
@@ -35,8 +36,23 @@ static pzs_status at_rest(analysis *a)
 {
     if (a->model.stage == STAGE_FACTORED)
         return PZS_OK;
-    const pzs_status status = pzs_assemble(&a->model, NULL, NULL);
-    return status == PZS_OK ? pzs_factor(&a->model) : status;
+    pzs_status status = pzs_assemble(&a->model, NULL, NULL);
+    if (status == PZS_OK)
+        status = pzs_factor(&a->model);
+    return status == PZS_OK && a->electric.model ? pzs_electric_factor(&a->electric) : status;
+}
+
+static pzs_status open_electrodes(analysis *a)
+{
+    const pzs_electrodes *t = &a->design.electrodes;
+    const uint16_t inputs = a->design.structure.input.count;
+    const size_t bytes = PZS_ELECTRIC_BYTES(t->count, t->count, inputs);
+    a->amount = calloc(inputs + 1u, sizeof *a->amount);
+    a->charge = calloc(t->count + 1u, sizeof *a->charge);
+    a->electric_work = malloc(bytes);
+    if (!a->amount || !a->charge || !a->electric_work)
+        return PZS_E_WORKSPACE;
+    return t->count > 0 ? pzs_electric_init(&a->electric, &a->model, t, a->electric_work, bytes) : PZS_OK;
 }
 
 int analysis_prepare(analysis *a, const scene *s, char *error)
@@ -53,6 +69,8 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
         analysis_free(a);
         return -1;
     }
+    if (status == PZS_OK)
+        status = open_electrodes(a);
     if (status == PZS_OK)
         status = at_rest(a);
     a->nonlinear = s->kinematics == KINEMATICS_NONLINEAR;
@@ -79,7 +97,7 @@ static int explain_path(const analysis *a, char *error)
     const scene *s = a->design.scene;
     if (!PZS_IS_ERROR(a->status))
         return 0;
-    if (a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_SYSTEMS)
+    if (a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT || a->status == PZS_E_SYSTEMS)
         return scene_fault(s, s->equilibrium.at, error, "%s: reached %.4g of the load in %u systems, %u load step%s; "
                            "the last equilibrium has %u negative pivots",
                            pzs_status_text(a->status), run->factor, run->systems, run->steps_taken, run->steps_taken == 1 ? "" : "s", run->negative);
@@ -89,12 +107,17 @@ static int explain_path(const analysis *a, char *error)
 int analysis_outputs(const analysis *a, int k)
 {
     const int rows = a->design.named_first[k + 1] - a->design.named_first[k];
-    return rows > 0 ? rows : 1;
+    const scene_output *output = &a->design.scene->output[k];
+    return output->electric != ELECTRIC_NONE ? output->count : rows > 0 ? rows : 1;
 }
 
 const char *analysis_unit(const analysis *a, int k)
 {
     const scene *s = a->design.scene;
+    if (s->output[k].electric == ELECTRIC_VOLTAGE)
+        return s->unit_voltage[0] ? s->unit_voltage : "voltage";
+    if (s->output[k].electric == ELECTRIC_CHARGE)
+        return "of charge";
     switch (s->output[k].contact) {
     case CONTACT_NONE:
         return s->unit_length[0] ? s->unit_length : "length";
@@ -110,6 +133,10 @@ const char *analysis_unit(const analysis *a, int k)
 double analysis_output(const analysis *a, int k, int i, const double *value)
 {
     const scene_output *output = &a->design.scene->output[k];
+    if (output->electric != ELECTRIC_NONE) {
+        const int input = electrodes_input(&a->design, output, i);
+        return output->electric == ELECTRIC_VOLTAGE ? a->amount[input] : a->charge[electrodes_of(&a->design, input)];
+    }
     return output->contact == CONTACT_NONE ? value[a->design.named_first[k] + i] : path_contact_output(&a->path, output);
 }
 
@@ -122,6 +149,8 @@ static pzs_status reach_nonlinear(analysis *a, const double *amount, int warm, d
     a->status = pzs_equilibrium(run, amount);
     a->seconds = now() - begin;
     memcpy(u, run->u, (size_t)a->design.mesh.dof * sizeof *u);
+    memcpy(a->amount, run->amount, a->design.structure.input.count * sizeof *a->amount);
+    pzs_charges_at(run, &a->design.electrodes, a->charge);
     return a->status;
 }
 
@@ -129,8 +158,13 @@ static pzs_status reach_linear(analysis *a, const double *amount, double *u)
 {
     const double begin = now();
     a->status = at_rest(a);
+    memcpy(a->amount, amount, a->design.structure.input.count * sizeof *a->amount);
+    if (a->status == PZS_OK && a->electric.model)
+        a->status = pzs_open_volts(&a->electric, a->amount);
+    if (a->status == PZS_OK && a->electric.model)
+        a->status = pzs_charges(&a->electric, a->amount, a->charge);
     if (a->status == PZS_OK)
-        a->status = pzs_solve(&a->model, amount, u);
+        a->status = pzs_solve(&a->model, a->amount, u);
     a->seconds = now() - begin;
     return a->status;
 }
@@ -149,7 +183,7 @@ int analysis_reach(analysis *a, const double *volt, int warm, double *u, char *e
     return a->nonlinear ? explain_path(a, error) : status == PZS_OK ? 0 : analysis_explain(a, status, error);
 }
 
-int analysis_solve(analysis *a, double *u, char *error)
+static int solve_applied(analysis *a, double *u, char *error)
 {
     const design *d = &a->design;
     double *volt = calloc((size_t)d->amplifiers + 1, sizeof *volt);
@@ -163,6 +197,43 @@ int analysis_solve(analysis *a, double *u, char *error)
     return failed;
 }
 
+/* Difference of two displacements over the size of the second, every unknown by its stiffness. */
+static double distance(const analysis *a, const double *x, const double *y)
+{
+    double apart = 0, size = 0;
+    for (int i = 0; i < a->design.mesh.dof; i++) {
+        apart += pow((x[i] - y[i]) / a->model.scale[i], 2);
+        size += pow(y[i] / a->model.scale[i], 2);
+    }
+    return size > 0 ? sqrt(apart / size) : 0;
+}
+
+/* Run both, keep the cheaper one where it differs from the other by no more than the scene's tolerance. */
+static int solve_auto(analysis *a, double *u, char *error)
+{
+    const size_t bytes = (size_t)a->design.mesh.dof * sizeof *u;
+    double *linear = malloc(bytes);
+    if (!linear)
+        return analysis_explain(a, PZS_E_WORKSPACE, error);
+    a->nonlinear = 0;
+    int failed = solve_applied(a, linear, error);
+    a->nonlinear = 1;
+    if (!failed)
+        failed = solve_applied(a, u, error);
+    a->cost = failed ? (double)NAN : distance(a, linear, u);
+    if (a->cost <= a->design.scene->tolerance) {
+        a->nonlinear = 0;
+        memcpy(u, linear, bytes);
+    }
+    free(linear);
+    return failed;
+}
+
+int analysis_solve(analysis *a, double *u, char *error)
+{
+    return a->design.scene->kinematics == KINEMATICS_AUTO ? solve_auto(a, u, error) : solve_applied(a, u, error);
+}
+
 int analysis_influence(analysis *a, char *error)
 {
     const pzs_structure *s = &a->design.structure;
@@ -172,6 +243,8 @@ int analysis_influence(analysis *a, char *error)
     pzs_status status = at_rest(a);
     if (status == PZS_OK)
         status = pzs_influence(&a->model, a->influence);
+    if (status == PZS_OK && a->electric.model)
+        status = pzs_influence_open(&a->electric, a->influence);
     if (status != PZS_OK)
         return analysis_explain(a, status, error);
     return design_control(&a->design, a->influence, error);
@@ -183,5 +256,8 @@ void analysis_free(analysis *a)
     design_free(&a->design);
     free(a->work);
     free(a->influence);
+    free(a->electric_work);
+    free(a->amount);
+    free(a->charge);
     memset(a, 0, sizeof *a);
 }

@@ -13,10 +13,15 @@ typedef struct analysis {
     void *work;
     size_t work_bytes;
     path path;          /* where the scene's kinematics is not linear */
+    pzs_electric electric; /* where the design has electrodes, after the stiffness at rest is factored */
+    void *electric_work;
+    double *amount;     /* [inputs] of the last displacement, volts of open electrodes as they were found */
+    double *charge;     /* [electrodes] at the last displacement */
     int nonlinear;      /* which of the two analysis_solve and analysis_reach run; first what the scene says */
     double *influence;  /* [outputs][inputs] at rest, after analysis_influence */
     pzs_status status;  /* of the last equilibrium */
     double seconds;     /* that it took */
+    double cost;        /* kinematics auto: difference of the linear displacement over the nonlinear one */
 } analysis;
 
 /*
@@ -26,7 +31,8 @@ typedef struct analysis {
 int analysis_prepare(analysis *a, const scene *s, char *error);
 
 /*
- * Displacement under the scene's loads and applied volts, from rest. u [dof] out.
+ * Displacement under the scene's loads and applied volts, from rest. u [dof] out. Kinematics auto: both, and then
+ * a->nonlinear says which one is in u, the linear one where its cost is within the scene's tolerance.
  * Nonlinear: where the load steps end before the full load, the last equilibrium is in u and the message says so.
  */
 int analysis_solve(analysis *a, double *u, char *error);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "electrodes.h"
 #include "guard.h"
 #include "shell.h"
 
@@ -151,7 +152,8 @@ static int build_named(design *d, builder *rows, double *dense, int *node, char 
         return scene_fault(d->scene, d->scene->at_surface, error, "outputs do not fit into memory");
     for (int k = 0; k < d->scene->outputs; k++) {
         const scene_output *output = &d->scene->output[k];
-        const int count = output->contact == CONTACT_NONE ? mesh_select(&d->mesh, &output->where, node) : 0;
+        const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
+        const int count = moves ? mesh_select(&d->mesh, &output->where, node) : 0;
         d->named_first[k] = (int)rows->rows;
         for (int i = 0; i < count; i++)
             append_output(&d->mesh, output, node[i], rows, dense);
@@ -181,19 +183,19 @@ static void add_given(const mesh *m, int element, int ply, double factor, double
         h0[i] += factor * one[i];
 }
 
-/* Is the element's centre in patch (i, j) of a grid? */
-static int in_patch(const mesh *m, int element, const scene_patches *p, int i, int j)
+int design_patch(const mesh *m, int element, const scene_patches *p)
 {
     double t[2][2];
     const double *range[2] = {p->theta1, p->theta2};
-    const int index[2] = {i, j};
+    int patch = 0;
     mesh_cell(m, element, t[0], t[1]);
     for (int a = 0; a < 2; a++) {
         const double share = ((t[a][0] + t[a][1]) / 2 - range[a][0]) / (range[a][1] - range[a][0]) * p->grid[a];
-        if (!(share > index[a] && share < index[a] + 1))
-            return 0;
+        if (!(share > 0 && share < p->grid[a]))
+            return -1;
+        patch = patch * p->grid[a] + (int)share;
     }
-    return 1;
+    return patch;
 }
 
 int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, int element, double h0[LAMINATE_STRAINS])
@@ -204,7 +206,7 @@ int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, in
         add_given(m, element, -1, 1, h0);
     for (int k = 0; k < actuator->drives; k++) {
         const scene_patches *patches = &m->scene->patches[actuator->drive[k].patches];
-        if (!in_patch(m, element, patches, cell / actuator->grid[1], cell % actuator->grid[1]))
+        if (design_patch(m, element, patches) != cell)
             continue;
         add_given(m, element, patches->layer, actuator->drive[k].factor, h0);
         acts = 1;
@@ -212,10 +214,19 @@ int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, in
     return acts;
 }
 
-void design_warming(const mesh *m, const double *kelvin, int element, double h0[LAMINATE_STRAINS])
+laminate_field design_kelvin(const scene_load *load)
 {
-    memset(h0, 0, LAMINATE_STRAINS * sizeof *h0);
-    add_given(m, element, -1, kelvin[m->element[element][0]], h0);
+    const expr_point anywhere = {0, 0, 0, 0, 0};
+    laminate_field field = {-1, {0, 0}};
+    field.kelvin[0] = expr_value(load->value, &anywhere);
+    field.kelvin[1] = load->outer ? expr_value(load->outer, &anywhere) : field.kelvin[0];
+    return field;
+}
+
+void design_warming(const mesh *m, const scene_load *load, int element, double h0[LAMINATE_STRAINS])
+{
+    const laminate_field field = design_kelvin(load);
+    laminate_resultants(&m->laminate, &m->scene->element, &m->place[m->element_kind[element]], &field, h0);
 }
 
 /* dense += force at rest of given resultants */
@@ -226,13 +237,17 @@ static void add_resultants(const mesh *m, int element, const double h0[LAMINATE_
     scatter(m, element, 1, f, dense);
 }
 
-/* Column of one amplifier: its patches, tied with their factors. */
-static void amplifier_column(const mesh *m, const scene_actuator *actuator, int cell, double *dense)
+/* Columns of the amplifiers of an actuator or of a sensor's electrodes: their patches, tied with their factors. */
+static void amplifier_columns(const mesh *m, const scene_actuator *actuator, builder *columns, double *dense)
 {
     double h0[LAMINATE_STRAINS];
-    for (int e = 0; e < m->elements; e++)
-        if (design_actuation(m, actuator, cell, e, h0))
-            add_resultants(m, e, h0, dense);
+    for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++) {
+        memset(dense, 0, (size_t)m->dof * sizeof *dense);
+        for (int e = 0; e < m->elements; e++)
+            if (design_actuation(m, actuator, cell, e, h0))
+                add_resultants(m, e, h0, dense);
+        append_row(columns, dense, m->dof);
+    }
 }
 
 /* Force per unit of load at a node, components in its triad; pressure acts along e3. */
@@ -344,7 +359,7 @@ static void load_column(const mesh *m, const scene_load *load, const double *val
     case LOAD_TEMPERATURE:
         for (int e = 0; e < m->elements; e++) {
             double h0[LAMINATE_STRAINS];
-            design_warming(m, value, e, h0);
+            design_warming(m, load, e, h0);
             add_resultants(m, e, h0, dense);
         }
         break;
@@ -376,11 +391,7 @@ static int build_inputs(design *d, builder *columns, double *dense, int *node, d
     const scene *s = d->scene;
     const mesh *m = &d->mesh;
     for (int k = 0; k < s->actuators; k++)
-        for (int c = 0; c < s->actuator[k].grid[0] * s->actuator[k].grid[1]; c++) {
-            memset(dense, 0, (size_t)m->dof * sizeof *dense);
-            amplifier_column(m, &s->actuator[k], c, dense);
-            append_row(columns, dense, m->dof);
-        }
+        amplifier_columns(m, &s->actuator[k], columns, dense);
     d->amplifiers = (int)columns->rows;
     for (int k = 0; k < s->loads; k++) {
         if (design_load_values(m, &s->load[k], value, error) < 0)
@@ -393,6 +404,9 @@ static int build_inputs(design *d, builder *columns, double *dense, int *node, d
     memset(dense, 0, (size_t)m->dof * sizeof *dense);
     for (int k = 0; k < design_extras(d); k++)
         append_row(columns, dense, m->dof);
+    d->sensor_first = (int)columns->rows;
+    for (int k = 0; k < s->sensors; k++)
+        amplifier_columns(m, &s->sensor[k], columns, dense);
     return 0;
 }
 
@@ -445,7 +459,7 @@ int design_build(design *d, const scene *s, char *error)
 {
     memset(d, 0, sizeof *d);
     d->scene = s;
-    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0)
+    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0 && electrodes_build(d, error) == 0)
         return 0;
     design_free(d);
     return -1;
@@ -537,7 +551,7 @@ int design_control(design *d, const double *influence, char *error)
     for (size_t i = 0; i < (size_t)d->targets; i++) {
         memcpy(d->influence + i * n, influence + i * inputs, n * sizeof *d->influence);
         d->wanted[i] = d->target[i];
-        for (size_t load = n; load < inputs; load++)
+        for (size_t load = n; load < n + (size_t)d->loads; load++)
             d->wanted[i] -= influence[i * inputs + load];
     }
     p->effort = build_hessian(d);
@@ -566,6 +580,7 @@ void design_free(design *d)
     free((void *)(uintptr_t)d->structure.output.start);
     free((void *)(uintptr_t)d->structure.output.dof);
     free((void *)(uintptr_t)d->structure.output.value);
+    electrodes_free(d);
     free(d->target_node);
     free(d->named_first);
     free(d->target);

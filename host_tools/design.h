@@ -10,9 +10,11 @@
 typedef struct design {
     const scene *scene;
     mesh mesh;
-    pzs_structure structure; /* inputs: amplifiers, loads, extras; outputs: target nodes, then named outputs */
+    pzs_structure structure; /* inputs: amplifiers, loads, extras, sensors; outputs: target nodes, then named outputs */
+    pzs_electrodes electrodes; /* amplifiers in volts and sensors, where the scene asks for volts or charges; or none */
     int amplifiers;          /* the first inputs */
     int loads;               /* the next */
+    int sensor_first;        /* first input of the sensors' electrodes, the last */
     int targets;             /* the first outputs */
     int *target_node;        /* [targets] node of each */
     int *named_first;        /* [scene outputs + 1] first row of each named output */
@@ -51,8 +53,12 @@ int design_extras(const design *d);
  */
 int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, int element, double h0[LAMINATE_STRAINS]);
 
-/* Resultants of a temperature load. kelvin [nodes] in, h0 [10] out. */
-void design_warming(const mesh *m, const double *kelvin, int element, double h0[LAMINATE_STRAINS]);
+/* Temperatures of the inner and outer face under a temperature load; resultants of it in one element, h0 [10] out. */
+laminate_field design_kelvin(const scene_load *load);
+void design_warming(const mesh *m, const scene_load *load, int element, double h0[LAMINATE_STRAINS]);
+
+/* Patch of a grid, second index fastest, on which the element lies, or -1. */
+int design_patch(const mesh *m, int element, const scene_patches *patches);
 
 /* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is not finite. */
 int design_load_values(const mesh *m, const scene_load *load, double *value, char *error);

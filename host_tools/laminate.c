@@ -110,6 +110,9 @@ static int build_ply(const scene_material *m, const scene_layer *layer, laminate
             stress[i] -= c[i][j] * m->alpha[j];
     }
     turn_back(t, stress, ply->kelvin);
+    /* D3 = e strain + permittivity E3 + p kelvin along the poling; the upper electrode holds -D3. */
+    ply->capacitance = m->permittivity / layer->thickness;
+    ply->pyro = layer->poling < 0 ? m->pyroelectric : -m->pyroelectric;
     ply->weight = m->density;
     return 0;
 }
@@ -174,14 +177,32 @@ static void integrate_stiffness(const laminate *l, const scene_element *element,
     }
 }
 
+/* Size of a field at height z, in its unit. */
+static double field_at(const laminate *l, const laminate_field *field, double z)
+{
+    return field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * (z - l->z[0]) / l->h;
+}
+
+/* Stress of a unit of the field in ply p. */
+static const double *field_stress_of(const laminate *l, const laminate_field *field, int p)
+{
+    return field->ply >= 0 ? l->ply[p].volt : l->ply[p].kelvin;
+}
+
+static int field_acts(const laminate_place *place, const laminate_field *field, int p)
+{
+    return (field->ply < 0 || field->ply == p) && place->present >> p & 1u;
+}
+
+/* h0 += integral of N stress field c1 c2/s dz over a ply */
 static void integrate_stress(const laminate *l, const scene_element *element, const laminate_place *place,
-                             const laminate_ply *ply, const double stress[6], double h0[N])
+                             const laminate_ply *ply, const laminate_field *field, const double stress[6], double h0[N])
 {
     const double half = (ply->z[1] - ply->z[0]) / 2, middle = (l->z[0] + l->z[1]) / 2;
     for (int g = 0; g < POINTS; g++) {
         const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
         double share[6];
-        const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+        const double weight = half * gauss_w[g] * metric_at(element, place, z, share) * field_at(l, field, z);
         for (int i = 0; i < N; i++)
             h0[i] += weight * (is_difference[i] ? (z - middle) / l->h : 1) * stress[voigt[i]] / share[voigt[i]];
     }
@@ -301,35 +322,74 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element, co
         stress[i] = given[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * given[2] : 0);
 }
 
-/*
- * Resultants that hold back the free thickness strain of the package: with lin33 each ply thickens freely,
- * by -s33/C_33 in the mean, and the mean of e33 takes it up.
- */
-static void add_thickening(const laminate *l, const scene_element *element, const laminate_place *place, double held, double h0[N])
+/* Thickness strain that holds a field back: that of the plies' free thickening, in the mean over the package. */
+static double held_thickening(const laminate *l, const laminate_place *place, const laminate_field *field)
 {
-    double d[N][N];
+    double held = 0;
+    for (int p = 0; p < l->plies; p++) {
+        const laminate_ply *ply = &l->ply[p];
+        if (field_acts(place, field, p))
+            held += field_stress_of(l, field, p)[2] / ply->c[2][2] * field_at(l, field, (ply->z[0] + ply->z[1]) / 2)
+                  * (ply->z[1] - ply->z[0]) / l->h;
+    }
+    return held;
+}
+
+/* D with the linear part of e33 relaxed. */
+static int relaxed_stiffness(const laminate *l, const scene_element *element, const laminate_place *place, double d[N][N])
+{
     integrate_stiffness(l, element, place, d);
-    if (relax_e33(d) < 0)
-        return;
+    return relax_e33(d);
+}
+
+/*
+ * With lin33 each ply thickens freely, by -s33/C_33 in the mean, and the mean of e33 takes it up: besides the plies'
+ * stresses there are resultants that hold this thickening back.
+ */
+void laminate_resultants(const laminate *l, const scene_element *element, const laminate_place *place,
+                         const laminate_field *field, double h0[N])
+{
+    const double held = element->lin33 ? held_thickening(l, place, field) : 0;
+    double d[N][N];
+    memset(h0, 0, N * sizeof *h0);
+    for (int p = 0; p < l->plies; p++) {
+        double stress[6];
+        if (!field_acts(place, field, p))
+            continue;
+        ply_stress(&l->ply[p], element, field_stress_of(l, field, p), stress);
+        integrate_stress(l, element, place, &l->ply[p], field, stress, h0);
+    }
+    const int thickens = element->lin33 && relaxed_stiffness(l, element, place, d) == 0;
     for (int i = 0; i < N; i++)
-        h0[i] += d[i][M33] * held;
+        h0[i] = (h0[i] + (thickens ? d[i][M33] * held : 0)) * place->area;
 }
 
 void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[N])
 {
-    double held = 0;
-    memset(h0, 0, N * sizeof *h0);
-    for (int p = 0; p < l->plies; p++) {
-        double stress[6];
-        if ((ply >= 0 && p != ply) || !(place->present >> p & 1u))
-            continue;
-        const double *given = ply < 0 ? l->ply[p].kelvin : l->ply[p].volt;
-        ply_stress(&l->ply[p], element, given, stress);
-        integrate_stress(l, element, place, &l->ply[p], stress, h0);
-        held += given[2] / l->ply[p].c[2][2] * (l->ply[p].z[1] - l->ply[p].z[0]) / l->h;
+    const laminate_field field = {ply, {1, 1}};
+    laminate_resultants(l, element, place, &field, h0);
+}
+
+/*
+ * The second derivative of the package's electric enthalpy by both fields, its sign turned. With lin33 the thickness
+ * strain of ply p is that of the package plus its own free one less the mean of all, n_p - n; these strains do work on
+ * each other, which leaves the integral of C33 n_p n_p' less n n' D_33 to the charge.
+ */
+double laminate_charge(const laminate *l, const scene_element *element, const laminate_place *place, int ply,
+                       const laminate_field *field)
+{
+    const laminate_field volt = {ply, {0, 0}};
+    const laminate_ply *own = &l->ply[ply];
+    const double half = (own->z[1] - own->z[0]) / 2;
+    const double direct = field->ply >= 0 ? own->capacitance : own->pyro;
+    const double thickening = element->lin33 ? own->volt[2] * field_stress_of(l, field, ply)[2] / own->c[2][2] : 0;
+    double d[N][N], share[6], charge = 0;
+    for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
+        const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
+        charge += half * gauss_w[g] * metric_at(element, place, z, share) * field_at(l, field, z)
+                * (direct / (2 * half) + thickening);
     }
-    if (element->lin33)
-        add_thickening(l, element, place, held, h0);
-    for (int i = 0; i < N; i++)
-        h0[i] *= place->area;
+    if (element->lin33 && place->present >> ply & 1u && relaxed_stiffness(l, element, place, d) == 0)
+        charge -= held_thickening(l, place, &volt) * held_thickening(l, place, field) * d[M33][M33];
+    return charge * place->area;
 }

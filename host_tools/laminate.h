@@ -1,6 +1,7 @@
 /*
  * A package of plies to the element's resultants: H = D E + H0 in the ten strains
- * 11m 11d 22m 22d 33m 33d 12m 12d 13 23, m the mean and d the difference of the faces.
+ * 11m 11d 22m 22d 33m 33d 12m 12d 13 23, m the mean and d the difference of the faces; and the charge of its
+ * electrodes: -H0 E of a volt, and what flows while the strains E are held.
  */
 #ifndef LAMINATE_H
 #define LAMINATE_H
@@ -14,6 +15,8 @@ typedef struct laminate_ply {
     double c[6][6];    /* stiffness in the shell's axes, Voigt order 11 22 33 23 13 12 */
     double volt[6];    /* given stress per volt across the ply */
     double kelvin[6];  /* given stress per kelvin (negative of the stress of a held ply's expansion) */
+    double capacitance; /* charge of the held ply's upper electrode per volt and area */
+    double pyro;        /* and per kelvin and area */
     double weight;     /* density */
 } laminate_ply;
 
@@ -41,7 +44,24 @@ int laminate_build(const scene *s, laminate *l, char *error);
  */
 int laminate_modes(const laminate *l, const scene_element *element, const laminate_place *place, double d[4][LAMINATE_PACKED]);
 
-/* H0 of a given stress in one ply, or in all when ply < 0 (then kelvin), times area. h0 [10] out. */
+/* A field that is given: a volt across a ply, or where ply < 0 a temperature, linear between the faces. */
+typedef struct laminate_field {
+    int ply;
+    double kelvin[2];  /* inner, outer face */
+} laminate_field;
+
+/* H0 of the stresses of a field, times area. h0 [10] out. */
+void laminate_resultants(const laminate *l, const scene_element *element, const laminate_place *place,
+                         const laminate_field *field, double h0[10]);
+
+/* The same for a volt across a ply, or a uniform kelvin where ply < 0. */
 void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[10]);
+
+/*
+ * Charge that a field draws to the upper electrode of a ply while the strains are held, times area.
+ * The charge of an electrode is this less H0 of its volt times the strains of mode 00.
+ */
+double laminate_charge(const laminate *l, const scene_element *element, const laminate_place *place, int ply,
+                       const laminate_field *field);
 
 #endif

@@ -7,8 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include "json.h"
+#include <unistd.h>
+#include "print.h"
+#include "print_simulate.h"
 #include "report.h"
+#include "report_simulate.h"
 #include "tables.h"
 #include "voltages.h"
 
@@ -22,6 +25,7 @@ static const char *const help =
     "  pzs solve  SCENE                 displacement under the scene's loads and applied volts\n"
     "  pzs shape  SCENE                 volts that bring the shape to the scene's target, and its error\n"
     "  pzs tables SCENE -o FILE.h       C tables for a firmware\n"
+    "  pzs simulate SCENE               the controller in closed loop with a structure it does not quite know\n"
     "\n"
     "SCENE is a file, or the name of a shipped scene. Options:\n"
     "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
@@ -29,6 +33,7 @@ static const char *const help =
     "  --json             numbers for machines on standard output\n"
     "  --report FILE.html pictures and tables in one page\n"
     "  --vtk FILE.vtk     deformed shape for ParaView\n"
+    "  --csv FILE.csv     simulate: error, state and volts of every tick\n"
     "  --image IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
     "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
@@ -38,6 +43,7 @@ static const char *const help =
     "  pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8\n"
     "  pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html\n"
     "  pzs tables plate-50-patches --image linear --prefix plate -o plate.h\n"
+    "  pzs simulate plate-closed-loop --report loop.html --csv loop.csv\n"
     "\n"
     "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.\n";
 
@@ -46,7 +52,7 @@ typedef struct options {
     const char *set[MOST_SETS];
     double limit[MOST_LIMITS];
     int sets, limits, as_json;
-    const char *report, *vtk, *output, *prefix;
+    const char *report, *vtk, *csv, *output, *prefix;
     tables_image image;
 } options;
 
@@ -80,6 +86,8 @@ static int take_value(options *o, const char *name, const char *value)
         o->report = value;
     } else if (strcmp(name, "--vtk") == 0) {
         o->vtk = value;
+    } else if (strcmp(name, "--csv") == 0) {
+        o->csv = value;
     } else if (strcmp(name, "--prefix") == 0) {
         o->prefix = value;
     } else if (strcmp(name, "-o") == 0) {
@@ -109,8 +117,8 @@ static int parse(options *o, int argc, char **argv)
             i++;
         }
     }
-    const char *const file[4] = {o->scene, o->report, o->vtk, o->output};
-    for (int i = 0; i < 4; i++)
+    const char *const file[5] = {o->scene, o->report, o->vtk, o->csv, o->output};
+    for (int i = 0; i < 5; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && strcmp(file[i], file[j]) == 0)
                 return usage_error("two files under one name:", file[i]);
@@ -201,120 +209,7 @@ static int output_end(output_file *f, int failed)
     return status;
 }
 
-/* ---- numbers for people ----------------------------------------------- */
-
-static void print_head(const analysis *a)
-{
-    const scene *s = a->design.scene;
-    const mesh *m = &a->design.mesh;
-    printf("%s: %s\n", s->name, s->about ? s->about : "");
-    printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", s->line[0].elements, s->line[1].elements,
-           m->kinds, m->kinds == 1 ? "" : "s", m->nodes, m->dof, mesh_half_bandwidth(m));
-    if (a->model.condition > 0)
-        printf("  condition %.1e after scaling: %s\n", a->model.condition,
-           a->model.condition < 1e7 ? "a float device is safe" : "a float device needs refinement, or use double");
-}
-
-static void json_head(json *j, const analysis *a)
-{
-    const mesh *m = &a->design.mesh;
-    json_string(j, "scene", a->design.scene->name);
-    json_string(j, "unit_length", a->design.scene->unit_length);
-    json_number(j, "elements", m->elements);
-    json_number(j, "kinds", m->kinds);
-    json_number(j, "nodes", m->nodes);
-    json_number(j, "dof", m->dof);
-    json_number(j, "half_bandwidth", mesh_half_bandwidth(m));
-    json_number(j, "condition", a->model.condition);
-}
-
 /* ---- solve ------------------------------------------------------------ */
-
-/* One line for an output at a point, or the least and the most of one on many nodes. */
-static void print_output(const analysis *a, int k, const double *value)
-{
-    const scene_output *output = &a->design.scene->output[k];
-    const int count = analysis_outputs(a, k);
-    const char *unit = analysis_unit(a, k);
-    double least = HUGE_VAL, most = -HUGE_VAL;
-    for (int i = 0; i < count; i++) {
-        least = fmin(least, analysis_output(a, k, i, value));
-        most = fmax(most, analysis_output(a, k, i, value));
-    }
-    if (count > 1) {
-        printf("  %-20s %16.9e .. %.9e %s on %d nodes\n", output->name, least, most, unit, count);
-        return;
-    }
-    printf("  %-20s %16.9e %s", output->name, most, unit);
-    if (isfinite(output->reference))
-        printf("   reference %.6e, ratio %.4f", output->reference, most / output->reference);
-    putchar('\n');
-}
-
-static void print_path(const pzs_path *run)
-{
-    printf("  %u load step%s, %u linear systems, %s (%u negative pivots), residual %.1e\n\n", run->steps_taken, run->steps_taken == 1 ? "" : "s",
-           run->systems, run->negative ? "UNSTABLE" : "stable", run->negative, run->residual);
-}
-
-static void print_outputs(const analysis *a, const double *value)
-{
-    if (a->nonlinear)
-        print_path(&a->path.run);
-    else
-        printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
-    for (int k = 0; k < a->design.scene->outputs; k++)
-        print_output(a, k, value);
-}
-
-static void json_path(json *j, const analysis *a)
-{
-    const pzs_path *run = &a->path.run;
-    json_string(j, "status", pzs_status_text(a->status));
-    json_number(j, "load_factor", run->factor);
-    json_number(j, "steps", run->steps_taken);
-    json_number(j, "systems", run->systems);
-    json_number(j, "iterations", (double)run->systems - run->steps_taken);
-    json_number(j, "residual", run->residual);
-    json_number(j, "negative_pivots", run->negative);
-    json_open(j, "seconds", '{');
-    json_number(j, "total", a->seconds);
-    json_close(j, '}');
-}
-
-/* Values of one output under its name. */
-static void json_output(json *j, const analysis *a, int k, const double *value)
-{
-    const scene_output *output = &a->design.scene->output[k];
-    const double contact = analysis_output(a, k, 0, value);
-    json_numbers(j, output->name, output->contact == CONTACT_NONE ? value + a->design.named_first[k] : &contact, analysis_outputs(a, k));
-}
-
-static void json_outputs(const analysis *a, const double *value)
-{
-    const design *d = &a->design;
-    json j = {stdout, 0, {0}};
-    json_open(&j, NULL, '{');
-    json_head(&j, a);
-    json_string(&j, "kinematics", a->nonlinear ? "nonlinear" : "linear");
-    if (a->nonlinear) {
-        json_path(&j, a);
-    } else {
-        json_number(&j, "residual", a->model.residual);
-        json_number(&j, "error", a->model.error);
-        json_number(&j, "passes", a->model.passes);
-    }
-    json_open(&j, "outputs", '{');
-    for (int k = 0; k < d->scene->outputs; k++)
-        json_output(&j, a, k, value);
-    json_close(&j, '}');
-    json_open(&j, "ratios", '{');
-    for (int k = 0; k < d->scene->outputs; k++)
-        if (isfinite(d->scene->output[k].reference))
-            json_number(&j, d->scene->output[k].name, analysis_output(a, k, 0, value) / d->scene->output[k].reference);
-    json_close(&j, '}');
-    json_close(&j, '}');
-}
 
 static int write_vtk(const analysis *a, const double *u, const char *path)
 {
@@ -341,44 +236,13 @@ static int solved(const options *o, analysis *a, const double *u)
     if (!value)
         return 1;
     pzs_observe(s, u, value);
-    if (o->as_json)
-        json_outputs(a, value);
-    else {
-        print_head(a);
-        print_outputs(a, value);
-    }
+    (o->as_json ? print_solve_json : print_solve)(a, value);
     if (o->vtk)
         status = write_vtk(a, u, o->vtk);
     if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
         status = output_end(&f, report_solve(f.file, a, u, value));
     free(value);
     return status;
-}
-
-/* Run both, keep the cheaper one where it differs from the other by no more than the scene's tolerance. u [dof] out. */
-static int solve_auto(analysis *a, double *u, char *error)
-{
-    const size_t dof = (size_t)a->design.mesh.dof;
-    const scene *s = a->design.scene;
-    double *linear = calloc(dof, sizeof *linear), apart = 0, size = 0;
-    int failed = !linear || analysis_solve(a, linear, error) < 0;
-    a->nonlinear = 1;
-    failed = failed || analysis_solve(a, u, error) < 0;
-    for (size_t i = 0; !failed && i < dof; i++) {
-        const double scale = a->model.scale[i] > 0 ? 1 / a->model.scale[i] : 1;
-        apart += pow(scale * (linear[i] - u[i]), 2);
-        size += pow(scale * u[i], 2);
-    }
-    const double cost = size > 0 ? sqrt(apart / size) : 0;
-    if (!failed && cost <= s->tolerance) {
-        a->nonlinear = 0;
-        memcpy(u, linear, dof * sizeof *u);
-    }
-    if (!failed)
-        fprintf(stderr, "pzs: kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n", cost, s->tolerance,
-                a->nonlinear ? "nonlinear is needed" : "linear is enough");
-    free(linear);
-    return failed ? -1 : 0;
 }
 
 static int command_solve(const options *o)
@@ -391,7 +255,7 @@ static int command_solve(const options *o)
         return status;
     double *u = calloc((size_t)a.design.mesh.dof, sizeof *u);
     snprintf(error, sizeof error, "out of memory");
-    const int failed = !u || (s.kinematics == KINEMATICS_AUTO ? solve_auto(&a, u, error) : analysis_solve(&a, u, error)) < 0;
+    const int failed = !u || analysis_solve(&a, u, error) < 0;
     if (failed)
         fprintf(stderr, "pzs: %s\n", error);
     /* A path that ends early leaves an equilibrium worth seeing. */
@@ -405,21 +269,6 @@ static int command_solve(const options *o)
 }
 
 /* ---- shape ------------------------------------------------------------ */
-
-typedef struct shape_run {
-    scene scene;
-    analysis analysis;
-    voltages *volts;  /* [count] optimum without limits, then optimum and clipped per limit, then compared */
-    int count, compared;    /* compared: the first of the scene's own volts */
-} shape_run;
-
-static double largest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
 
 /* Optima without limits and within each limit, clipping and on a nonlinear structure the linear optimum beside,
  * then the scene's volts to compare. */
@@ -446,115 +295,6 @@ static int shape_results(shape_run *run, const options *o, char *error)
     return 0;
 }
 
-static void limit_text(const voltages *v, char text[32])
-{
-    if (isinf(v->limit[0]) && isinf(v->limit[1]))
-        snprintf(text, 32, "none");
-    else
-        snprintf(text, 32, "%g .. %g", v->limit[0], v->limit[1]);
-}
-
-/* No sign on a printed zero. */
-static double rounded_volt(double volt)
-{
-    return fabs(volt) < 0.005 ? 0 : volt;
-}
-
-/* Volts of each actuator as its grid lies on the surface: a row along theta2 for each step of theta1. */
-static void print_volts(const scene *s, const voltages *v)
-{
-    printf("\n  %s, volts:\n", v->name);
-    for (int k = 0; k < s->actuators; k++) {
-        const scene_actuator *actuator = &s->actuator[k];
-        for (int i = 0; i < actuator->grid[0]; i++) {
-            printf("    %-12s", i == 0 ? actuator->name : "");
-            for (int j = 0; j < actuator->grid[1]; j++)
-                printf(" %9.2f", rounded_volt(v->volt[actuator->first + i * actuator->grid[1] + j]));
-            putchar('\n');
-        }
-    }
-}
-
-/* What the volts of the linear model cost on the nonlinear structure: the error that the smaller image adds. */
-static double cost_of_linear(const shape_run *run)
-{
-    return run->volts[2].error - run->volts[1].error;
-}
-
-static const char *image_needed(const shape_run *run)
-{
-    return cost_of_linear(run) <= run->scene.tolerance ? "control" : "nonlinear";
-}
-
-static void print_choice(const shape_run *run)
-{
-    const voltages *best = &run->volts[1];
-    printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n", best->relinearised,
-           best->relinearised == 1 ? "" : "s", best->systems);
-    printf("the linear model's volts cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
-           100 * run->scene.tolerance, strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
-                                                                                 : "needs the nonlinear image");
-}
-
-static void print_shape(const shape_run *run)
-{
-    const design *d = &run->analysis.design;
-    print_head(&run->analysis);
-    printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, run->analysis.model.residual);
-    printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
-    for (int i = 0; i < run->count; i++) {
-        const voltages *v = &run->volts[i];
-        char limits[32];
-        limit_text(v, limits);
-        printf("  %-26s %-16s %11.3f%% %7d %12.2f ", v->name, limits, 100 * v->error, v->active, largest(v->volt, d->amplifiers));
-        if (isfinite(v->optimality))
-            printf("%10.1e\n", v->optimality);
-        else
-            puts("         -");
-    }
-    print_volts(&run->scene, &run->volts[1]);
-    for (int i = run->compared; i < run->count; i++)
-        print_volts(&run->scene, &run->volts[i]);
-    const voltages *best = &run->volts[1];
-    char limits[32];
-    limit_text(best, limits);
-    if (run->analysis.nonlinear)
-        print_choice(run);
-    printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
-}
-
-static void json_shape(const shape_run *run)
-{
-    const design *d = &run->analysis.design;
-    json j = {stdout, 0, {0}};
-    json_open(&j, NULL, '{');
-    json_head(&j, &run->analysis);
-    json_number(&j, "amplifiers", d->amplifiers);
-    json_number(&j, "targets", d->targets);
-    json_string(&j, "kinematics", run->analysis.nonlinear ? "nonlinear" : "linear");
-    if (run->analysis.nonlinear) {
-        json_number(&j, "cost_of_linear", cost_of_linear(run));
-        json_string(&j, "image", image_needed(run));
-    }
-    json_open(&j, "results", '[');
-    for (int i = 0; i < run->count; i++) {
-        const voltages *v = &run->volts[i];
-        json_open(&j, NULL, '{');
-        json_string(&j, "name", v->name);
-        json_numbers(&j, "limits", v->limit, 2);
-        json_number(&j, "shape_error", v->error);
-        json_number(&j, "active", v->active);
-        json_number(&j, "passes", v->passes);
-        json_number(&j, "kkt", v->optimality);
-        json_number(&j, "relinearised", v->relinearised);
-        json_number(&j, "systems", v->systems);
-        json_numbers(&j, "volts", v->volt, d->amplifiers);
-        json_close(&j, '}');
-    }
-    json_close(&j, ']');
-    json_close(&j, '}');
-}
-
 static int command_shape(const options *o)
 {
     static shape_run run;
@@ -566,7 +306,7 @@ static int command_shape(const options *o)
     status = EXIT_USAGE;
     run.analysis.nonlinear = run.scene.kinematics != KINEMATICS_LINEAR;
     if (analysis_influence(&run.analysis, error) == 0 && shape_results(&run, o, error) == 0) {
-        (o->as_json ? json_shape : print_shape)(&run);
+        (o->as_json ? print_shape_json : print_shape)(&run);
         status = o->vtk ? write_vtk(&run.analysis, run.volts[1].u, o->vtk) : 0;
         if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
             status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count));
@@ -578,6 +318,82 @@ static int command_shape(const options *o)
     free(run.volts);
     analysis_free(&run.analysis);
     scene_free(&run.scene);
+    return status;
+}
+
+/* ---- simulate --------------------------------------------------------- */
+
+/* Who looks at every tick. */
+typedef struct onlookers {
+    const scene *scene;
+    FILE *csv;
+    simulate_record record;
+    int bar, shown; /* a terminal is there; percent on it */
+} onlookers;
+
+static void look(void *context, const simulate_sample *sample)
+{
+    onlookers *w = context;
+    const int percent = (int)(100.0 * (sample->tick + 1.0) / w->scene->simulate.ticks);
+    record_tick(&w->record, sample);
+    if (w->csv && sample->law == LAW_CONTROLLER)
+        print_csv_tick(w->csv, w->scene, sample);
+    if (!w->bar || percent == w->shown)
+        return;
+    w->shown = percent;
+    fprintf(stderr, "\r%-10s [%.*s%*s] %3d%%", sample->law == LAW_CONTROLLER ? "controller" : "clamped", percent / 2,
+            "##################################################", 50 - percent / 2, "", percent);
+    if (percent == 100)
+        fprintf(stderr, "\r%70s\r", "");
+}
+
+/* Both laws with their onlookers, then what was best. Returns 0, or an exit code. */
+static int run_simulation(simulation *run, const options *o, onlookers *w, char *error)
+{
+    output_file csv;
+    int status = o->csv ? output_begin(&csv, o->csv) : 0;
+    if (status)
+        return status;
+    w->csv = o->csv ? csv.file : NULL;
+    if (w->csv)
+        print_csv_head(w->csv, w->scene);
+    const int failed = simulate_run(run, LAW_CONTROLLER, look, w, error) < 0 || simulate_run(run, LAW_CLAMP, look, w, error) < 0
+                    || simulate_optima(run, error) < 0;
+    if (failed)
+        fprintf(stderr, "%spzs: %s\n", w->bar ? "\n" : "", error);
+    status = o->csv ? output_end(&csv, 0) : 0;
+    return failed ? 1 : status;
+}
+
+static int command_simulate(const options *o)
+{
+    scene s;
+    analysis a;
+    simulation run;
+    onlookers w = {.scene = &s, .bar = isatty(2), .shown = -1};
+    output_file f;
+    char error[SCENE_ERROR];
+    int status = open_analysis(o, &s, &a);
+    if (status)
+        return status;
+    memset(&run, 0, sizeof run);
+    if (!s.simulate.given)
+        scene_fault(&s, s.limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
+    if (!s.simulate.given || analysis_influence(&a, error) < 0 || simulate_open(&run, &a, error) < 0) {
+        fprintf(stderr, "pzs: %s\n", error);
+        status = EXIT_USAGE;
+    } else if (record_open(&w.record, &run) < 0) {
+        status = usage_error("out of memory for", o->scene);
+    } else if ((status = run_simulation(&run, o, &w, error)) == 0) {
+        (o->as_json ? print_simulation_json : print_simulation)(&run);
+        if (o->report && (status = output_begin(&f, o->report)) == 0)
+            status = output_end(&f, report_simulate(f.file, &run, &w.record));
+        status |= run.count[LAW_CONTROLLER].beyond > 0 || run.count[LAW_CONTROLLER].not_finite > 0;
+    }
+    record_close(&w.record);
+    simulate_close(&run);
+    analysis_free(&a);
+    scene_free(&s);
     return status;
 }
 
@@ -676,7 +492,8 @@ static int run_command(int argc, char **argv)
     static const struct {
         const char *name;
         int (*run)(const options *);
-    } commands[] = {{"solve", command_solve}, {"shape", command_shape}, {"tables", command_tables}, {"check", command_check}};
+    } commands[] = {{"solve", command_solve}, {"shape", command_shape}, {"tables", command_tables}, {"check", command_check},
+                  {"simulate", command_simulate}};
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         fputs(help, argc < 2 ? stderr : stdout);
         return argc < 2 ? EXIT_USAGE : 0;

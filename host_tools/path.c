@@ -53,15 +53,15 @@ static void append(builder *b, int element, const double h0[LAMINATE_STRAINS])
     b->which[b->entries++] = (uint16_t)row;
 }
 
-/* The entries of one actuator's amplifiers. */
-static void append_actuator(builder *b, const mesh *m, const scene_actuator *actuator)
+/* The entries of one actuator's amplifiers or one sensor's electrodes; first: input of the first of them. */
+static void append_actuator(builder *b, const mesh *m, const scene_actuator *actuator, int first)
 {
     double h0[LAMINATE_STRAINS];
     for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
         for (int e = 0; e < m->elements; e++)
             if (design_actuation(m, actuator, c, e, h0))
                 append(b, e, h0);
-        b->start[actuator->first + c + 1] = (uint32_t)b->entries;
+        b->start[first + c + 1] = (uint32_t)b->entries;
     }
 }
 
@@ -76,17 +76,19 @@ static pzs_status build_given(path *p, double *value)
     if (!b.start)
         return PZS_E_WORKSPACE;
     for (int k = 0; k < s->actuators; k++)
-        append_actuator(&b, &d->mesh, &s->actuator[k]);
-    for (int k = 0; k < inputs - d->amplifiers; k++) {
+        append_actuator(&b, &d->mesh, &s->actuator[k], s->actuator[k].first);
+    for (int k = 0; k < d->sensor_first - d->amplifiers; k++) {
         double h0[LAMINATE_STRAINS];
         char error[SCENE_ERROR];
         if (k < s->loads && s->load[k].type == LOAD_TEMPERATURE && design_load_values(&d->mesh, &s->load[k], value, error) == 0)
             for (int e = 0; e < d->mesh.elements; e++) {
-                design_warming(&d->mesh, value, e, h0);
+                design_warming(&d->mesh, &s->load[k], e, h0);
                 append(&b, e, h0);
             }
         b.start[d->amplifiers + k + 1] = (uint32_t)b.entries;
     }
+    for (int k = 0; k < s->sensors; k++)
+        append_actuator(&b, &d->mesh, &s->sensor[k], d->sensor_first + s->sensor[k].first);
     p->tables.given.start = b.start;
     p->tables.given.element = b.element;
     p->tables.given.which = b.which;
@@ -246,7 +248,7 @@ static void set_full(path *p)
             p->full[d->scene->actuator[k].first + c] = d->scene->actuator[k].applied;
     for (int k = 0; k < d->loads; k++)
         p->full[d->amplifiers + k] = d->scene->load[k].follower == FOLLOWER_NONE;
-    for (int k = d->amplifiers + d->loads; k < d->structure.input.count; k++)
+    for (int k = d->amplifiers + d->loads; k < d->sensor_first; k++)
         p->full[k] = 1;
 }
 
@@ -275,11 +277,24 @@ static pzs_status start(path *p, pzs_model *model)
     return status == PZS_OK ? pzs_path_init(&p->run, model, &p->tables, p->work, bytes) : status;
 }
 
+static pzs_status build_circuit(path *p)
+{
+    const design *d = p->design;
+    int open = 0;
+    for (int k = 0; k < d->scene->sensors; k++)
+        open += d->scene->sensor[k].open * d->scene->sensor[k].grid[0] * d->scene->sensor[k].grid[1];
+    const size_t bytes = PZS_CIRCUIT_BYTES(d->electrodes.count, open);
+    if (open == 0)
+        return PZS_OK;
+    p->circuit_work = malloc(bytes);
+    return p->circuit_work ? pzs_attach_circuit(&p->run, &p->circuit, &d->electrodes, p->circuit_work, bytes) : PZS_E_WORKSPACE;
+}
+
 static pzs_status attach(path *p)
 {
     const design *d = p->design;
     int input = d->amplifiers + d->loads;
-    pzs_status status = PZS_OK;
+    pzs_status status = build_circuit(p);
     for (int k = 0; k < d->loads && status == PZS_OK; k++)
         if (d->scene->load[k].follower != FOLLOWER_NONE)
             status = build_follower(p, &d->scene->load[k], (uint16_t)input++);
@@ -332,5 +347,6 @@ void path_close(path *p)
     free(p->full);
     free(p->work);
     free(p->contact_work);
+    free(p->circuit_work);
     memset(p, 0, sizeof *p);
 }

@@ -16,9 +16,10 @@ typedef struct path {
     pzs_contact_face face;
     pzs_body body;
     pzs_contact contact;           /* attached where the scene has one */
+    pzs_circuit circuit;           /* attached where the scene has an open electrode */
     pzs_path run;
     double *full;                  /* [inputs] the scene's loads and applied volts */
-    void *work, *contact_work;
+    void *work, *contact_work, *circuit_work;
 } path;
 
 /*

@@ -59,6 +59,7 @@ static const field sections[] = {
     {"reference", read_reference, 0, NULL, 0},
     {"patches", read_patches, 0, NULL, 0},
     {"actuators", read_actuators, 0, NULL, 0},
+    {"sensors", read_sensors, 0, NULL, 0},
     {"limits", read_limits, 0, NULL, 0},
     {"supports", read_supports, 0, NULL, 0},
     {"loads", read_loads, 0, NULL, 0},
@@ -66,6 +67,7 @@ static const field sections[] = {
     {"outputs", read_outputs, 0, NULL, 0},
     {"target", read_target, 0, NULL, 0},
     {"compare", read_compare, 0, NULL, 0},
+    {"simulate", read_simulate, 0, NULL, 0},
     {NULL, NULL, 0, NULL, 0}};
 
 static char *duplicate(const char *text)
@@ -129,8 +131,10 @@ void scene_free(scene *s)
     int i;
     for (i = 0; i < s->sets; i++) free(s->set[i]);
     for (i = 0; i < s->actuators; i++) free(s->actuator[i].drive);
+    for (i = 0; i < s->sensors; i++) free(s->sensor[i].drive);
     for (i = 0; i < s->supports; i++) expr_free(s->support[i].value);
     for (i = 0; i < s->loads; i++) expr_free(s->load[i].value);
+    for (i = 0; i < s->loads; i++) expr_free(s->load[i].outer);
     for (i = 0; i < s->compares; i++) free(s->compare[i].value);
     expr_free(s->contact.body.value);
     expr_free(s->target.value);
@@ -144,11 +148,13 @@ void scene_free(scene *s)
     free(s->layer);
     free(s->patches);
     free(s->actuator);
+    free(s->sensor);
     free(s->support);
     free(s->load);
     free(s->output);
     free(s->limits.each);
     free(s->compare);
+    free_simulate(&s->simulate);
     memset(s, 0, sizeof *s);
 }
 
@@ -171,11 +177,9 @@ static int from_suffix(const scene_actuator *a, const char *suffix)
     return strcmp(written, suffix) == 0 ? a->first + (i - 1) * a->grid[1] + j - 1 : -1;
 }
 
-int scene_find_amplifier(const scene *s, const char *name, int *first, int *count)
+static int find(const scene_actuator *a, int actuators, const char *name, int *first, int *count)
 {
-    int i;
-    for (i = 0; i < s->actuators; i++) {
-        const scene_actuator *a = &s->actuator[i];
+    for (; actuators > 0; actuators--, a++) {
         size_t n = strlen(a->name);
         if (strncmp(a->name, name, n) != 0) continue;
         *first = name[n] ? from_suffix(a, name + n) : a->first;
@@ -183,6 +187,16 @@ int scene_find_amplifier(const scene *s, const char *name, int *first, int *coun
         if (*first >= 0) return 1;
     }
     return 0;
+}
+
+int scene_find_amplifier(const scene *s, const char *name, int *first, int *count)
+{
+    return find(s->actuator, s->actuators, name, first, count);
+}
+
+int scene_find_sensor(const scene *s, const char *name, int *first, int *count)
+{
+    return find(s->sensor, s->sensors, name, first, count);
 }
 
 int scene_fault(const scene *s, scene_at at, char *error, const char *format, ...)

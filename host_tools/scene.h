@@ -69,6 +69,7 @@ typedef struct scene_material {
     double piezo_e[5];                             /* e31 e32 e33 e24 e15 (C/m2) when has_e */
     int has_d, has_e;
     double permittivity;                           /* at constant strain (F/m), 0 if not given */
+    double pyroelectric;                           /* along the poling at constant strain (C/m2 K) */
     double alpha[3];                               /* thermal expansion (1/K) */
     double density;                                /* weight is force per volume = density * gravity */
     double field_limit;                            /* depolarisation field (V/m), 0: none */
@@ -97,7 +98,7 @@ typedef struct scene_drive { int patches; double factor; } scene_drive;
 
 /*
  * One amplifier per patch of its grids, tied with signs, first index along theta1, second fastest;
- * or a whole temperature.
+ * or a whole temperature. A sensor is the same without an amplifier.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
@@ -105,7 +106,8 @@ typedef struct scene_actuator {
     scene_drive *drive;
     int is_temperature;
     double applied;              /* V (K) on each of its amplifiers when the scene is simply solved */
-    int first, grid[2];          /* first amplifier; grid[0] * grid[1] of them */
+    int open;                    /* sensor: open circuit, else short */
+    int first, grid[2];          /* first amplifier, or first among the sensors' electrodes; grid[0] * grid[1] of them */
     scene_at at;
 } scene_actuator;
 
@@ -144,6 +146,7 @@ typedef struct scene_load {
     scene_face face;
     scene_component component;   /* direction; pressure is u3 */
     expr *value;                 /* per point, length, area; K; weight: gravity */
+    expr *outer;                 /* temperature: at the outer face, value then at the inner; NULL: uniform */
     int true_area;               /* face: per area of the loaded face, not of the reference surface */
     scene_follower follower;     /* face: pressure; FOLLOWER_PRESSURE implies true_area */
     scene_at at;
@@ -174,9 +177,14 @@ typedef enum scene_contact_output {
     CONTACT_NONE, CONTACT_X, CONTACT_Y, CONTACT_Z, CONTACT_NODES, CONTACT_PRESSURE
 } scene_contact_output;
 
+/* Of electrodes: volts, or the charge of the side towards +e3. */
+typedef enum scene_electric_output { ELECTRIC_NONE, ELECTRIC_VOLTAGE, ELECTRIC_CHARGE } scene_electric_output;
+
 typedef struct scene_output {
     char name[SCENE_NAME];
     scene_contact_output contact;    /* not CONTACT_NONE: no displacement, and only CONTACT_PRESSURE has a place */
+    scene_electric_output electric;  /* not ELECTRIC_NONE: neither, and no place; of these electrodes: */
+    int of_sensor, first, count;     /* sensors' or amplifiers */
     scene_where where;
     scene_component component;
     scene_face face;
@@ -213,6 +221,46 @@ typedef struct scene_limits {
     scene_at at;
 } scene_limits;
 
+/* What happens at a tick of a simulation. */
+typedef enum scene_event_type {
+    EVENT_TARGET, EVENT_VALUE,               /* a factor of the target, another target */
+    EVENT_LOAD, EVENT_TEMPERATURE,           /* on the structure; the controller does not know */
+    EVENT_DEAD, EVENT_STUCK, EVENT_ALIVE,    /* electrodes: at 0 V, at their last voltage, as they should be */
+    EVENT_NAN, EVENT_FROZEN,                 /* a share of the sensors */
+    EVENT_LOST                               /* ticks in which the controller does not run */
+} scene_event_type;
+
+typedef struct scene_event {
+    scene_event_type type;
+    int tick;                    /* ascending over the events */
+    double amount;               /* factor of target or load, temperature, share of the sensors */
+    int ticks;                   /* nan, frozen, lost: for how long */
+    int load;                    /* its number */
+    int amplifiers, *amplifier;  /* dead, stuck, alive: [amplifiers] */
+    int told;                    /* dead, stuck: ticks until the controller is told, -1: never */
+    expr *value;                 /* another target */
+    scene_at at;
+} scene_event;
+
+/* A structure that is not quite the scene's, sensors, amplifiers and a schedule, for the controller to live with. */
+typedef struct scene_simulate {
+    int given;
+    int ticks, seed;
+    double rate;                 /* ticks a second, for the time axis */
+    int at_target;               /* influence: the controller's tables are made at the nonlinear optimum, not at rest */
+    scene_kinematics kinematics; /* of the plant: linear or nonlinear */
+    double *stiffness, *d;       /* [materials] factors that the controller does not know */
+    double hysteresis;           /* width of the largest loop over the range of the volts */
+    double noise;                /* of the sensors, standard deviation */
+    int delay;                   /* of the sensors, ticks */
+    double step, dead_band;      /* of the amplifiers, V */
+    double fault_chance;         /* of a random fault in a tick */
+    int fault_until;             /* tick from which there are none */
+    int events;
+    scene_event *event;
+    scene_at at;
+} scene_simulate;
+
 typedef struct scene {
     char *path;                  /* file it was read from */
     char **set;                  /* [sets] changes that were applied */
@@ -229,11 +277,11 @@ typedef struct scene {
     scene_line line[2];
     int reference_is_middle;
     double reference;            /* z of the reference surface above the inner face */
-    int materials, layers, patch_grids, actuators, supports, loads, outputs, compares;
+    int materials, layers, patch_grids, actuators, sensors, supports, loads, outputs, compares;
     scene_material *material;
     scene_layer *layer;
     scene_patches *patches;
-    scene_actuator *actuator;
+    scene_actuator *actuator, *sensor;
     scene_support *support;
     scene_load *load;
     scene_contact contact;
@@ -241,7 +289,9 @@ typedef struct scene {
     scene_limits limits;
     scene_target target;
     scene_compare *compare;
+    scene_simulate simulate;
     int amplifiers;              /* of all actuators, in their order */
+    int electrodes;              /* of all sensors, in their order */
     scene_at at_surface, at_layers;
 } scene;
 
@@ -261,6 +311,9 @@ void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24]);
 
 /* The amplifiers [*first, *first + *count) of an actuator or of one amplifier's name; returns whether there are any. */
 int scene_find_amplifier(const scene *s, const char *name, int *first, int *count);
+
+/* The same among the electrodes of the sensors. */
+int scene_find_sensor(const scene *s, const char *name, int *first, int *count);
 
 /* Fill error with "file:line:column: ..." for a fault found after reading; returns -1. */
 int scene_fault(const scene *s, scene_at at, char *error, const char *format, ...);

@@ -39,6 +39,7 @@ static int check_all_names(const scene *s, char *error)
     if (CHECK_NAMES("layers", layer, layers, scene_layer) != 0 ||
         CHECK_NAMES("patches", patches, patch_grids, scene_patches) != 0 ||
         CHECK_NAMES("actuators", actuator, actuators, scene_actuator) != 0 ||
+        CHECK_NAMES("sensors", sensor, sensors, scene_actuator) != 0 ||
         CHECK_NAMES("outputs", output, outputs, scene_output) != 0 ||
         CHECK_NAMES("compare items", compare, compares, scene_compare) != 0)
         return -1;
@@ -46,6 +47,11 @@ static int check_all_names(const scene *s, char *error)
         if (scene_find_amplifier(s, s->actuator[i].name, &first, &count) && first != s->actuator[i].first)
             return scene_fault(s, s->actuator[i].at, error, "'%s' is also the name of an amplifier of another "
                                "actuator; rename it", s->actuator[i].name);
+    for (i = 0; i < s->sensors; i++)
+        if (scene_find_amplifier(s, s->sensor[i].name, &first, &count) ||
+            (scene_find_sensor(s, s->sensor[i].name, &first, &count) && first != s->sensor[i].first))
+            return scene_fault(s, s->sensor[i].at, error, "'%s' is also the name of another electrode; rename it",
+                               s->sensor[i].name);
     return 0;
 }
 
@@ -257,17 +263,22 @@ static int expands(const scene_material *m)
     return m->alpha[0] != 0 || m->alpha[1] != 0 || m->alpha[2] != 0;
 }
 
+static int is_pyroelectric(const scene_material *m)
+{
+    return m->pyroelectric != 0;
+}
+
 static int check_loads(const scene *s, char *error)
 {
     int i;
     for (i = 0; i < s->loads; i++) {
         if (s->load[i].type == LOAD_WEIGHT && !any_material(s, has_density))
             return scene_fault(s, s->load[i].at, error, "weight without density; give a layer's material 'density'");
-        if (s->load[i].type == LOAD_TEMPERATURE && !any_material(s, expands))
+        if (s->load[i].type == LOAD_TEMPERATURE && !any_material(s, expands) && !any_material(s, is_pyroelectric))
             return scene_fault(s, s->load[i].at, error, "a temperature moves nothing; give a layer's material 'alpha'");
     }
     for (i = 0; i < s->actuators; i++)
-        if (s->actuator[i].is_temperature && !any_material(s, expands))
+        if (s->actuator[i].is_temperature && !any_material(s, expands) && !any_material(s, is_pyroelectric))
             return scene_fault(s, s->actuator[i].at, error, "a temperature moves nothing; give a layer's material 'alpha'");
     return 0;
 }

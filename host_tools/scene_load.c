@@ -109,6 +109,16 @@ static int read_weight(reader *r, int node, scene_load *load)
     return status;
 }
 
+/* One value for the whole shell, or one for each face. */
+static int read_temperature(reader *r, int node, scene_load *load)
+{
+    static const field fields[] = {
+        {"inner", read_constant, offsetof(scene_load, value), NULL, 1},
+        {"outer", read_constant, offsetof(scene_load, outer), NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    return r->t->node[node].kind == TREE_MAP ? read_map(r, node, fields, load) : read_constant(r, node, &load->value, NULL);
+}
+
 static int read_load_type(reader *r, int node, void *to, const void *rule)
 {
     load_text *text = to;
@@ -122,7 +132,7 @@ static int read_load_type(reader *r, int node, void *to, const void *rule)
     case LOAD_POINT: return read_point(r, node, &load->where, NULL);
     case LOAD_LINE: return read_edge(r, node, &load->where, NULL);
     case LOAD_WEIGHT: return read_weight(r, node, load);
-    case LOAD_TEMPERATURE: return read_constant(r, node, &load->value, NULL);
+    case LOAD_TEMPERATURE: return read_temperature(r, node, load);
     default: break;
     }
     if (read_choice(r, node, &face, place_faces) != 0) return -1;

@@ -171,6 +171,7 @@ static int read_material(reader *r, int node, scene_material *to)
         NUMBER("e31", m.piezo_e[0]), NUMBER("e32", m.piezo_e[1]), NUMBER("e33", m.piezo_e[2]),
         NUMBER("e24", m.piezo_e[3]), NUMBER("e15", m.piezo_e[4]),
         {"permittivity", read_real, offsetof(material_text, m.permittivity), &not_negative, 0},
+        NUMBER("pyroelectric", m.pyroelectric),
         {"poling", read_poling, offsetof(material_text, m.poling), NULL, 0},
         {"alpha", read_alpha, offsetof(material_text, m.alpha), NULL, 0},
         {"density", read_real, offsetof(material_text, m.density), &not_negative, 0},

@@ -14,7 +14,11 @@ field_read read_element, read_materials, read_layers, read_reference, read_patch
 field_read read_supports, read_loads, read_contact;
 
 /* scene_task.c: what drives it and what is asked. */
-field_read read_equilibrium, read_actuators, read_limits, read_outputs, read_target, read_compare;
+field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_outputs, read_target, read_compare;
+
+/* scene_simulate.c: what the controller has to live with. */
+field_read read_simulate;
+void free_simulate(scene_simulate *simulate);
 
 /* scene_place.c: places (`to` is a scene_where), faces and directions. */
 field_read read_edge, read_point, read_at;

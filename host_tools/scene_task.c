@@ -1,4 +1,4 @@
-/* Sections of a scene that say what drives it and is asked: equilibrium, actuators, limits, outputs, target, compare. */
+/* Sections of a scene that say what drives it and is asked: equilibrium, actuators, sensors, limits, outputs ... */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -46,25 +46,29 @@ static int read_patches_of(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
-static const char *driven_by(const scene *s, int patches, int actuators, int drives)
+static const char *driven_by(const scene_actuator *a, int actuators, int patches)
 {
-    int a, d;
-    for (a = 0; a < actuators; a++)
-        for (d = 0; d < (a + 1 < actuators ? s->actuator[a].drives : drives); d++)
-            if (s->actuator[a].drive[d].patches == patches) return s->actuator[a].name;
+    int d;
+    for (; actuators > 0; actuators--, a++)
+        for (d = 0; d < a->drives; d++)
+            if (a->drive[d].patches == patches) return a->name;
     return NULL;
 }
 
-/* Patches must be piezoelectric, driven once, and tied to grids of the same shape. */
-static int check_drive(reader *r, int node, const scene_actuator *a, int drive)
+/* Patches must be piezoelectric, driven once, and tied to grids of the same shape; a sensor needs a capacitance. */
+static int check_drive(reader *r, int node, const scene_actuator *a, int drive, int is_sensor)
 {
     const scene *s = r->s;
     const scene_patches *p = &s->patches[a->drive[drive].patches], *first = &s->patches[a->drive[0].patches];
     const scene_material *m = &s->material[s->layer[p->layer].material];
-    const char *other = driven_by(s, a->drive[drive].patches, (int)(a - s->actuator) + 1, drive);
+    const char *other = driven_by(s->actuator, s->actuators, a->drive[drive].patches);
+    if (!other) other = driven_by(s->sensor, s->sensors, a->drive[drive].patches);
     if (other)
         return tree_fault(r->t, node, "patches '%s' are driven by '%s' already; an electrode has one amplifier", p->name,
                           other);
+    if (is_sensor && !(m->permittivity > 0))
+        return tree_fault(r->t, node, "patches '%s' are of '%s', which has no permittivity; a sensor needs it", p->name,
+                          m->name);
     if (!m->has_d && !m->has_e)
         return tree_fault(r->t, node, "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or "
                           "e31", p->name, m->name);
@@ -74,6 +78,7 @@ static int check_drive(reader *r, int node, const scene_actuator *a, int drive)
                       p->name, p->grid[0], p->grid[1], first->name, first->grid[0], first->grid[1]);
 }
 
+/* Rule: not NULL for a sensor. */
 static int read_drives(reader *r, int node, void *to, const void *rule)
 {
     static const field fields[] = {
@@ -81,16 +86,15 @@ static int read_drives(reader *r, int node, void *to, const void *rule)
         {"factor", read_real, offsetof(scene_drive, factor), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene_actuator *a = to;
-    int i, k = 0, n;
-    (void)rule;
+    int i, n;
     a->drive = new_items(r, node, TREE_LIST, sizeof *a->drive, &n);
     if (!a->drive) return -1;
     if (n == 0) return tree_fault(r->t, node, "'drives' is empty; name the patches, as [{patches: up}]");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        a->drive[k].factor = 1;
-        if (read_map(r, i, fields, &a->drive[k]) != 0 || check_drive(r, i, a, k) != 0) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, a->drives++) {
+        a->drive[a->drives].factor = 1;
+        if (read_map(r, i, fields, &a->drive[a->drives]) != 0 || check_drive(r, i, a, a->drives, rule != NULL) != 0)
+            return -1;
     }
-    a->drives = n;
     memcpy(a->grid, r->s->patches[a->drive[0].patches].grid, sizeof a->grid);
     return 0;
 }
@@ -131,6 +135,38 @@ int read_actuators(reader *r, int node, void *to, const void *rule)
     for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
         s->actuators++;
         if (read_actuator(r, i, &s->actuator[s->actuators - 1]) != 0) return -1;
+    }
+    return 0;
+}
+
+/* ---- sensors ---- */
+
+static int read_sensor(reader *r, int node, scene_actuator *a)
+{
+    static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_actuator, name), NULL, 1},
+        {"circuit", read_choice, offsetof(scene_actuator, open), circuits, 0},
+        {"drives", read_drives, 0, circuits, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    a->at = node_at(r, node);
+    a->open = 1;
+    if (read_map(r, node, fields, a) != 0) return -1;
+    a->first = r->s->electrodes;
+    r->s->electrodes += a->grid[0] * a->grid[1];
+    return 0;
+}
+
+int read_sensors(reader *r, int node, void *to, const void *rule)
+{
+    scene *s = to;
+    int i, n;
+    (void)rule;
+    s->sensor = new_items(r, node, TREE_LIST, sizeof *s->sensor, &n);
+    if (!s->sensor) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
+        s->sensors++;
+        if (read_sensor(r, i, &s->sensor[s->sensors - 1]) != 0) return -1;
     }
     return 0;
 }
@@ -260,10 +296,37 @@ static int read_contact_output(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
+/* Volts or charge of the electrodes of a sensor or an actuator. */
+static int read_electric_output(reader *r, int node, void *to, const void *rule)
+{
+    output_text *text = to;
+    scene_output *output = &text->output;
+    char name[SCENE_NAME];
+    int i;
+    if (text->directions++)
+        return tree_fault_at(r->t, r->t->node[node].key_at, "an output is one of displacement, contact, voltage and "
+                             "charge; write a second item for '%s'", r->t->node[node].key);
+    if (read_name(r, node, name, NULL) != 0) return -1;
+    output->electric = (scene_electric_output)*(const int *)rule;
+    output->of_sensor = scene_find_sensor(r->s, name, &output->first, &output->count);
+    if (output->of_sensor) return 0;
+    if (scene_find_amplifier(r->s, name, &output->first, &output->count)) {
+        for (i = 0; i < r->s->actuators; i++)
+            if (r->s->actuator[i].is_temperature && r->s->actuator[i].first == output->first)
+                return tree_fault(r->t, node, "'%s' is a temperature; it has neither voltage nor charge", name);
+        return 0;
+    }
+    return tree_fault(r->t, node, "there is no sensor or actuator '%s'; add it to sensors", name);
+}
+
 static int finish_output(reader *r, int node, output_text *text)
 {
     const scene_contact_output contact = text->output.contact;
     text->output.at = node_at(r, node);
+    if (text->output.electric != ELECTRIC_NONE) {
+        if (text->output.where.at.column == 0) return 0;
+        return tree_fault_at(r->t, text->output.where.at, "an electrode has one voltage and one charge; remove the place");
+    }
     if (contact != CONTACT_NONE && contact != CONTACT_PRESSURE) {
         if (text->output.where.at.column == 0) return 0;
         return tree_fault_at(r->t, text->output.where.at, "the whole contact has one force and one number of nodes; remove "
@@ -277,9 +340,12 @@ static int finish_output(reader *r, int node, output_text *text)
 
 static int read_output(reader *r, int node, scene_output *to)
 {
+    static const int electric[] = {ELECTRIC_VOLTAGE, ELECTRIC_CHARGE};
     static const field fields[] = {
         {"name", read_name, offsetof(output_text, output.name), NULL, 1},
-        DIRECTIONS(read_component), {"contact", read_contact_output, 0, NULL, 0}, PLACE(output.where),
+        DIRECTIONS(read_component), {"contact", read_contact_output, 0, NULL, 0},
+        {"voltage", read_electric_output, 0, &electric[0], 0}, {"charge", read_electric_output, 0, &electric[1], 0},
+        PLACE(output.where),
         {"reference", read_real, offsetof(output_text, output.reference), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     output_text text;

@@ -78,6 +78,7 @@ typedef enum pzs_status {
     /* Errors of the nonlinear path: the last equilibrium stands, `factor` of the way to the amounts asked for. */
     PZS_E_DIVERGED,  /* no equilibrium found beyond it, down to 1/64 of a load step */
     PZS_E_LIMIT,     /* the same, and the tangent loses its sign there: a limit or branching point is near */
+    PZS_E_CONTACT,   /* the same, and the nodes in contact kept changing */
     PZS_E_SYSTEMS    /* budget of linear systems spent */
 } pzs_status;
 
@@ -211,6 +212,71 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y)
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
+/* ---- electrodes: charges, sensors, open circuits (lib/electrode.c) ----- */
+
+/*
+ * Inputs in volts whose charge is of interest. The charge of electrode k, on the side towards +e3, is
+ *   q_k = f_k . u + sum_j direct(k, j) amount_j,
+ * f_k the row of its input: what senses is the transpose of what acts. All arrays const, in flash.
+ */
+typedef struct pzs_electrodes {
+    uint32_t format, scene;  /* those of the structure */
+    uint32_t crc;            /* over the arrays below, in their order */
+    uint16_t count;
+    const uint16_t *input;   /* [count] whose amount is its volts */
+    const uint8_t *open;     /* [count] 1: its charge is given and its volts are found, 0: its volts are given */
+    pzs_rows direct;         /* [count] charge while the shell is held, per unit of the input `dof` (C/V, C/K):
+                                capacitance for its own volts, pyroelectric charge for a temperature */
+} pzs_electrodes;
+
+typedef struct pzs_electric {
+    pzs_model *model;
+    const pzs_electrodes *tables;
+    pzs_real *charge;        /* choice [count]: charge of the open electrodes (C); 0 */
+    pzs_real *per;           /* [count][inputs] charge per unit of each input, every volt given (C/V, C/K, C/N) */
+    pzs_real *amount;        /* [inputs] work */
+    pzs_envelope open;       /* the part of `per` between open electrodes, factored */
+    int32_t where;           /* index that goes with the last status, or -1 */
+    uint8_t stage;
+} pzs_electric;
+
+/* Reals of a dense factor of n rows, and bytes of workspace for electrodes. */
+#define PZS_DENSE(n) (PZS_CEIL(n) * (PZS_CEIL(n) + PZS_TILE) / 2u + (size_t)(n))
+#define PZS_CEIL(n) (((size_t)(n) + PZS_TILE - 1u) / PZS_TILE * PZS_TILE)
+#define PZS_ELECTRIC_BYTES(electrodes, open, inputs) \
+    (sizeof(pzs_real) * (((size_t)(electrodes) + 1u) * ((size_t)(inputs) + 1u) + PZS_DENSE(open)) + \
+     sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + sizeof(uint16_t) * (size_t)(open))
+
+/*
+ * Lay electrodes out in the workspace. model and tables must outlive them.
+ * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (where = bytes needed).
+ */
+pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs_electrodes *tables, void *work,
+                             size_t bytes);
+
+/*
+ * Charges per unit of every input at rest, one solve an electrode; after each pzs_factor.
+ * Errors: ARGUMENT, STAGE, those of pzs_solve, NEGATIVE: an open electrode without capacitance (where = electrode).
+ */
+pzs_status pzs_electric_factor(pzs_electric *electric);
+
+/*
+ * Volts of the open electrodes that leave them their charges, the other amounts given; pzs_solve takes all of them.
+ *   amount [inputs] in/out  volts of open electrodes are not read but written
+ * Errors: ARGUMENT, STAGE, NONFINITE.
+ */
+pzs_status pzs_open_volts(const pzs_electric *electric, pzs_real *amount);
+
+/* Charges under amounts, volts of open electrodes among them.  amount [inputs] in, charge [count] out (C). */
+pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *amount, pzs_real *charge);
+
+/*
+ * The influence with open electrodes left open, in the place of the one with their volts given.
+ *   influence [outputs][inputs] in/out  in: of pzs_influence; out: columns of open electrodes per unit of charge (m/C)
+ * Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence);
+
 #if PZS_NONLINEAR
 /* ---- the nonlinear image: equilibrium at large rotation --------------- */
 
@@ -276,6 +342,7 @@ typedef struct pzs_path {
     pzs_real quiet;              /* last increment over the step's displacement */
     uint16_t iteration;          /* systems before the present one in its load step */
     int32_t where;               /* index that goes with the last status, or -1 */
+    uint8_t open;                /* 1: the last step ended with an option that had not settled */
     uint8_t stage;
 } pzs_path;
 
@@ -296,9 +363,10 @@ void pzs_path_rest(pzs_path *path);
 
 /*
  * Equilibrium under the amounts, from the shape reached so far: the whole way in `steps` load steps, and where a
- * step does not settle in 40 systems, in halves of it, down to 1/64. Newton's method with independent resultants.
+ * step does not settle (40 systems, twice as many near the end, fewer where it runs wild), in halves of it, down to 1/64.
+ * Newton's method with independent resultants.
  *   amount [inputs] in
- * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT, STAGE, NONFINITE; DIVERGED, LIMIT,
+ * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT, STAGE, NONFINITE; DIVERGED, LIMIT, CONTACT,
  * SYSTEMS: path->u is the last equilibrium, at path->factor.
  */
 pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount);
@@ -333,6 +401,34 @@ typedef struct pzs_follower_load {
  * Its tangent is symmetrised, so the solver stays symmetric.
  */
 pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables);
+
+/* ---- option: open electrodes (lib/electric.c) ------------------------- */
+
+typedef struct pzs_circuit {
+    pzs_option option;
+    const pzs_electrodes *tables;
+    pzs_real *charge;        /* choice [count]: charge of the open electrodes (C), held on the whole way; 0 */
+    pzs_real *volt;          /* [open] found */
+    pzs_real *kept_volt;     /* [open] at the last equilibrium */
+    pzs_real *change;        /* [open] of volt by the last system */
+    pzs_envelope open;       /* charge of the open electrodes per volt at the shape, factored */
+} pzs_circuit;
+
+/* Bytes of workspace for a circuit. */
+#define PZS_CIRCUIT_BYTES(electrodes, open) \
+    (sizeof(pzs_real) * ((size_t)(electrodes) + 3u * (size_t)(open) + PZS_DENSE(open)) + \
+     sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + sizeof(uint16_t) * (size_t)(open))
+
+/*
+ * Let open electrodes take part in a path at rest; tables must outlive it. Their volts are unknowns of the same
+ * Newton's method, found in path->amount whatever was asked for; pzs_influence_at gives their columns per unit of charge.
+ * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (path->where = bytes needed).
+ */
+pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *circuit, const pzs_electrodes *tables, void *work,
+                              size_t bytes);
+
+/* Charges of all electrodes at the shape reached, under path->amount.  charge [count] out (C). */
+void pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pzs_real *charge);
 
 /* ---- option: contact with a rigid convex body (lib/contact.c) --------- */
 
@@ -384,8 +480,9 @@ typedef struct pzs_contact {
 /*
  * Let a contact take part in a path at rest; face and body must outlive it. Where the supports do not hold the shell
  * without the body, the body must touch it from the start. After an equilibrium contact->pressure, force and nodes
- * hold what was found; `settled` contact means every gap open or closed to within 1e-8 of size (in float: of rounding),
- * no pressure negative, none across a gap. Errors: ARGUMENT, WORKSPACE (path->where = bytes needed).
+ * hold what was found; settled, that is every gap open or closed to within 1e-8 of size (in float: of rounding),
+ * no pressure negative, none across a gap. Influence at a shape in contact sees the body as stiff as kappa makes it (a
+ * ring of R/h = 10: off by 2e-3/kappa). Errors: ARGUMENT, WORKSPACE (path->where = bytes needed).
  */
 pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
                               void *work, size_t bytes);

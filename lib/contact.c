@@ -157,13 +157,13 @@ static int may_touch(const pzs_contact *c, const pzs_path *path, uint16_t node)
     return c->facing[node] < 0 && own_stiffness(c, path, node) > 0;
 }
 
-/* Does a node belong into contact, by its gap and pressure? */
+/* Does a node belong into contact, by its gap and pressure? A closed one does while it is pressed. */
 static int belongs(const pzs_contact *c, const pzs_path *path, uint16_t node)
 {
     if (!may_touch(c, path, node))
         return 0;
-    const pzs_real gap = place_of(c, path, node).gap;
-    return c->touching[node] ? c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * gap : gap < -closed(c);
+    const pzs_real gap = place_of(c, path, node).gap, least = gap < 0 && gap >= -closed(c) ? 0 : gap;
+    return c->touching[node] ? c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * least : gap < -closed(c);
 }
 
 /* The node of smallest gap that may touch, or -1. */
@@ -194,18 +194,18 @@ static void begin(pzs_contact *c, const pzs_path *path)
             c->touching[n] = 1;
             added++;
         }
-    c->changed = added > 0;
     c->warm = given > 0 && added == 0;
+    c->changed = added > 0;
 }
 
-/* Nodes in contact by gap and pressure; of a loose shell the nearest one stays. */
+/* Nodes in contact by gap and pressure; of a loose shell the nearest one stays, which nothing settles with (settled). */
 static void choose(pzs_contact *c, const pzs_path *path)
 {
     const uint16_t nodes = path->model->structure->nodes;
     uint32_t count = 0;
     for (uint16_t n = 0; n < nodes; n++) {
         const uint8_t now = (uint8_t)belongs(c, path, n);
-        c->changed |= now != c->touching[n];
+        c->changed = (uint8_t)(c->changed || now != c->touching[n]);
         c->touching[n] = now;
         count += now;
         if (!now)
@@ -361,7 +361,10 @@ static void add_support(const pzs_contact *c, pzs_real z, uint16_t node, int k, 
             gram[i][j] += row[i] * row[j];
 }
 
-/* Do the supports leave the shell a rigid motion? Then its nearest node stays in contact. */
+/*
+ * Do the supports leave the shell a rigid motion? Then its nearest node stays in contact. Each support is a row of size 1;
+ * what is left of a motion after the others must be above the rounding of their sum, and a thousandth of a row.
+ */
 static int is_loose(const pzs_contact *c, const pzs_path *path)
 {
     const pzs_structure *s = path->model->structure;
@@ -371,7 +374,7 @@ static int is_loose(const pzs_contact *c, const pzs_path *path)
             if (is_fixed(path, s->node_dof[(size_t)n * s->unknowns + (size_t)k]))
                 add_support(c, height(c, path), n, k, gram);
     for (int i = 0; i < 6; i++)
-        least[i] = (pzs_real)1e-5 * gram[i][i];
+        least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int p = 0; p < 6; p++) {
         if (!(gram[p][p] > least[p]))
             return 1;
@@ -382,7 +385,7 @@ static int is_loose(const pzs_contact *c, const pzs_path *path)
     return 0;
 }
 
-static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, unit};
+static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, unit, NULL};
 
 static int face_complete(const pzs_path *path, const pzs_contact_face *f)
 {

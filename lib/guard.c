@@ -101,6 +101,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_UNSTABLE: return "an equilibrium with negative pivots: not a stable shape";
     case PZS_E_DIVERGED: return "no equilibrium found beyond the last one";
     case PZS_E_LIMIT: return "a limit or branching point is near";
+    case PZS_E_CONTACT: return "the nodes in contact kept changing";
     case PZS_E_SYSTEMS: return "budget of linear systems spent";
     default: return "unknown status";
     }

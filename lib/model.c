@@ -133,21 +133,37 @@ pzs_real model_kind_factor(const pzs_model *model, uint32_t element)
     return model->stiffness_factor ? model->stiffness_factor[model->structure->element_kind[element]] : 1;
 }
 
-void model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor, const pzs_real *entry)
+/*
+ * Entry (row, column) of the envelope stands at base of its row plus step of its column: columns of a panel are
+ * PZS_TILE apart. The base wraps round where column 0 is outside the panel; the sum does not.
+ */
+typedef struct add_place { uint16_t dof; uint8_t local; size_t base, step; } add_place;
+
+/* Places of the unknowns of some nodes that are neither fixed nor held. place [count unknowns] out; their number. */
+static unsigned free_places(const pzs_model *model, const uint16_t *node, unsigned count, add_place *place)
 {
     const unsigned unknowns = model->structure->unknowns;
-    uint16_t dof[SHELL_MAX];
-    for (unsigned r = 0; r < count; r++)
-        for (unsigned i = 0; i < unknowns; i++)
-            dof[r * unknowns + i] = free_unknown(model, node_dofs(model, node[r])[i]);
-    for (unsigned i = 0; i < count * unknowns; i++)
-        for (unsigned j = 0; j <= i; j++, entry++) {
-            if (dof[i] == PZS_FIXED || dof[j] == PZS_FIXED)
-                continue;
-            const uint16_t row = dof[i] > dof[j] ? dof[i] : dof[j];
-            const uint16_t column = dof[i] > dof[j] ? dof[j] : dof[i];
-            *linalg_entry(&model->k, row, column) += factor * *entry;
-        }
+    unsigned found = 0;
+    for (unsigned i = 0; i < count * unknowns; i++) {
+        const uint16_t dof = free_unknown(model, node_dofs(model, node[i / unknowns])[i % unknowns]);
+        if (dof == PZS_FIXED)
+            continue;
+        const size_t step = (size_t)dof * PZS_TILE, diagonal = (size_t)(linalg_entry(&model->k, dof, dof) - model->k.value);
+        place[found++] = (add_place){dof, (uint8_t)i, diagonal - step, step};
+    }
+    return found;
+}
+
+void model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor, const pzs_real *entry)
+{
+    add_place place[SHELL_MAX];
+    const unsigned found = free_places(model, node, count, place);
+    pzs_real *value = model->k.value;
+    for (const add_place *p = place; p < place + found; p++) {
+        const pzs_real *row = entry + SHELL_PACKED((unsigned)p->local);
+        for (const add_place *q = place; q <= p; q++)
+            value[p->dof > q->dof ? p->base + q->step : q->base + p->step] += factor * row[q->local];
+    }
 }
 
 static pzs_status check_factors(pzs_model *model, const pzs_real *stiffness_factor)

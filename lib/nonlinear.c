@@ -8,7 +8,7 @@
 
 enum { PATH_READY = 1, PATH_SETTLED = 2 }; /* SETTLED: the model holds the factored tangent at path->u */
 
-enum { STEP_SYSTEMS = 40, MOST_CUTS = 6 };
+enum { STEP_SYSTEMS = 40, MOST_CUTS = 6 }; /* systems of a step, halvings of the first */
 
 static pzs_status fail(pzs_path *path, pzs_status status, int32_t where)
 {
@@ -127,8 +127,7 @@ void nonlinear_attach(pzs_path *path, pzs_option *option, const struct pzs_optio
 
 /* ---- inputs ----------------------------------------------------------- */
 
-/* H0 of every element at the present amounts, per unit of its stiffness factor. */
-static void set_given(pzs_path *path)
+void nonlinear_set_given(pzs_path *path)
 {
     const pzs_structure *s = path->model->structure;
     const pzs_given *g = &path->tables->given;
@@ -147,8 +146,7 @@ static int is_given(const pzs_path *path, uint32_t input)
     return start && start[input + 1] > start[input];
 }
 
-/* Force at path->u per unit of an input: a dead load's row, -L(u)' H0 of given resultants, or that of an option. */
-static void unit_force(pzs_path *path, uint32_t input, pzs_real *force)
+void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force)
 {
     const pzs_structure *s = path->model->structure;
     const pzs_given *g = &path->tables->given;
@@ -269,6 +267,15 @@ static void extrapolate(pzs_path *path, const pzs_real *du)
     }
 }
 
+/* What the options' own unknowns make of du [dof]. */
+static int condense(pzs_path *path, uint32_t input, pzs_real *du)
+{
+    for (pzs_option *o = path->option; o; o = o->next)
+        if (o->call->condense && !o->call->condense(o, path, input, du))
+            return 0;
+    return 1;
+}
+
 /* Solve one system and move. du [dof] out. Returns 0 where it cannot be done. */
 static int move(pzs_path *path, int plain, pzs_real *du)
 {
@@ -282,12 +289,12 @@ static int move(pzs_path *path, int plain, pzs_real *du)
         return 0;
     model_backsolve(path->model, du, du);
     path->systems++;
-    if (guard_nonfinite(du, n) >= 0)
+    if (!condense(path, NEWTON, du) || guard_nonfinite(du, n) >= 0)
         return 0;
-    extrapolate(path, du);
     for (pzs_option *o = path->option; o; o = o->next)
         if (o->call->solved)
             o->call->solved(o, path, du);
+    extrapolate(path, du);
     for (uint32_t i = 0; i < n; i++)
         path->u[i] += du[i];
     return 1;
@@ -336,26 +343,41 @@ static int judge(pzs_path *path, pzs_real *next)
     if (!factor(path))
         return 0;
     model_backsolve(model, next, next);
-    return guard_nonfinite(next, n) < 0 && guard_nonfinite(&path->residual, 1) < 0;
+    return condense(path, NEWTON, next) && guard_nonfinite(next, n) < 0 && guard_nonfinite(&path->residual, 1) < 0;
+}
+
+/* Whether an iteration is worth going on: near its end it gets twice the systems; one that moves as far as the whole step
+ * four times in a row is lost. */
+static int hopeful(const pzs_path *path, uint32_t wild)
+{
+    return wild < 4 && path->iteration < (path->quiet < (pzs_real)0.01 ? 2 * STEP_SYSTEMS : STEP_SYSTEMS);
 }
 
 /*
  * Newton's method at the present amounts: settled when the last increment is below `change` of the step's displacement,
- * and so is the next one that the tangent at the shape reached would make. Returns whether it settled.
- * A step that moves less than a thousandth of the whole displacement is judged by that.
+ * and so is the next one that the tangent at the shape reached would make. Returns whether it settled; if only an option
+ * did not, path->open is set. A step that moves less than a thousandth of the whole displacement (a tenth in float,
+ * whose round-off it would be) is judged by that.
  */
 static int settle(pzs_path *path)
 {
-    const pzs_real least = (pzs_real)1e-6, limit2 = path->change * path->change;
+    const pzs_real least = PZS_BY_BITS((pzs_real)1e-2, (pzs_real)1e-6), limit2 = path->change * path->change;
     pzs_real *du = path->model->work;
-    for (path->iteration = 0; path->iteration < STEP_SYSTEMS; path->iteration++) {
+    uint32_t wild = 0;
+    path->quiet = 1;
+    path->open = 0;
+    for (path->iteration = 0; hopeful(path, wild); path->iteration++) {
         if (path->systems >= path->systems_allowed || !move(path, path->iteration >= path->mixed, du))
             return 0;
-        const pzs_real moved2 = displacement_norm2(path, path->u, path->kept_u) + least * displacement_norm2(path, path->u, NULL);
+        const pzs_real moved2 = displacement_norm2(path, path->u, path->kept_u)
+                              + least * displacement_norm2(path, path->u, NULL);
         const pzs_real last2 = displacement_norm2(path, du, NULL);
         path->quiet = moved2 > 0 ? PZS_SQRT(last2 / moved2) : 0;
-        if (last2 <= limit2 * moved2 && options_settled(path) && judge(path, du)
-            && displacement_norm2(path, du, NULL) <= limit2 * moved2)
+        wild = path->iteration > 2 && path->quiet > (pzs_real)0.9 ? wild + 1 : 0;
+        if (last2 > limit2 * moved2)
+            continue;
+        path->open = !options_settled(path);
+        if (!path->open && judge(path, du) && displacement_norm2(path, du, NULL) <= limit2 * moved2)
             return 1;
     }
     return 0;
@@ -380,19 +402,20 @@ static void restore(pzs_path *path)
     memcpy(path->u, path->kept_u, s->dof * sizeof *path->u);
     memcpy(path->amount, path->kept_amount, s->input.count * sizeof *path->amount);
     memcpy(path->resultant, path->kept_resultant, s->elements * sizeof *path->resultant);
-    set_given(path);
+    nonlinear_set_given(path);
     for (pzs_option *o = path->option; o; o = o->next)
         if (o->call->restore)
             o->call->restore(o, path);
 }
 
-/* One load step towards the amounts, by `part` of the way that is left. Returns whether it settled; if not, u is as before. */
+/* One load step towards the amounts, by `part` of the way that is left. Returns whether it settled; if not, u is as
+ * before. */
 static int step(pzs_path *path, const pzs_real *amount, pzs_real part)
 {
     const uint32_t inputs = path->model->structure->input.count;
     for (uint32_t j = 0; j < inputs; j++)
         path->amount[j] = part < 1 ? path->kept_amount[j] + part * (amount[j] - path->kept_amount[j]) : amount[j];
-    set_given(path);
+    nonlinear_set_given(path);
     if (settle(path)) {
         keep(path);
         path->steps_taken++;
@@ -425,7 +448,7 @@ static pzs_status follow(pzs_path *path, const pzs_real *amount)
         if (path->systems >= path->systems_allowed)
             return PZS_E_SYSTEMS;
         if (stride == 1)
-            return turned ? PZS_E_LIMIT : PZS_E_DIVERGED;
+            return path->open ? PZS_E_CONTACT : turned ? PZS_E_LIMIT : PZS_E_DIVERGED;
         stride /= 2;
     }
     return path->negative > 0 ? PZS_W_UNSTABLE : PZS_OK;
@@ -465,11 +488,11 @@ pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence)
     pzs_real *u = path->model->work;
     for (uint32_t j = 0; j < s->input.count; j++) {
         memset(u, 0, s->dof * sizeof *u);
-        unit_force(path, j, u);
+        nonlinear_unit_force(path, j, u);
         for (uint32_t i = 0; i < p->count; i++)
             u[p->dof[i]] = 0;
         model_backsolve(path->model, u, u);
-        if (guard_nonfinite(u, s->dof) >= 0)
+        if (!condense(path, j, u) || guard_nonfinite(u, s->dof) >= 0)
             return fail(path, PZS_E_NONFINITE, (int32_t)j);
         for (uint32_t i = 0; i < s->output.count; i++)
             influence[(size_t)i * s->input.count + j] = model_observe_row(s, u, i);

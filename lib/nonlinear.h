@@ -12,7 +12,7 @@ struct pzs_option_calls {
     void (*prepare)(pzs_option *option, pzs_path *path);
     /* Forces at path->u onto load [dof], minus their derivative onto the model's matrix. */
     void (*add)(pzs_option *option, pzs_path *path, pzs_real *load);
-    /* After each solve, path->u not yet moved by du [dof]. */
+    /* After each solve, path->u not yet moved by du [dof] nor the resultants extrapolated along it. */
     void (*solved)(pzs_option *option, pzs_path *path, const pzs_real *du);
     /* Is nothing left to change at path->u? */
     int (*settled)(pzs_option *option, pzs_path *path);
@@ -22,10 +22,24 @@ struct pzs_option_calls {
     void (*rest)(pzs_option *option, pzs_path *path);
     /* Force at path->u per unit of input j, onto force [dof]. */
     void (*unit)(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *force);
+    /*
+     * Unknowns of the option's own: add to du [dof], solved without them by the model's factor, what they make of it.
+     * `input` is the one whose unit du answers to, or NEWTON: du answers to the imbalance. Returns whether it can be
+     * done. The model's work rows from the third on are free.
+     */
+    int (*condense)(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *du);
 };
+
+enum { NEWTON = 0xFFFF };
 
 /* CRC of the arrays of a pzs_nonlinear, as stored in its crc field. */
 uint32_t nonlinear_crc(const pzs_nonlinear *tables, uint32_t inputs);
+
+/* H0 of every element at the present amounts, per unit of its stiffness factor, into path->given. */
+void nonlinear_set_given(pzs_path *path);
+
+/* Force at path->u per unit of an input, onto force [dof]: a dead load's row, -L(u)' H0, or that of an option. */
+void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force);
 
 /* Put an option in front of those attached; its state counts as that of the last equilibrium. */
 void nonlinear_attach(pzs_path *path, pzs_option *option, const struct pzs_option_calls *call);

@@ -141,23 +141,26 @@ static void nodal_strains(const pzs_kind *kind, const corner shape[4], pzs_real 
 static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                     const pzs_real *const *restrict row, int column)
 {
+    const pzs_real *first = *row + column;
     pzs_real sum[HALF];
-    const pzs_real *from = *row + column;
     UNROLLED
     for (int i = 0; i < HALF; i++)
-        sum[i] = *factor * from[i];
-    while (*++row) {
-        from = *row + column;
-        factor += stride;
+        sum[i] = *factor * first[i];
+    for (row++, factor += stride; *row; row++, factor += stride) {
+        const pzs_real *from = *row + column;
+        const pzs_real f = *factor;
         UNROLLED
         for (int i = 0; i < HALF; i++)
-            sum[i] += *factor * from[i];
+            sum[i] += f * from[i];
     }
-    memcpy(to, sum, sizeof sum);
+    UNROLLED
+    for (int i = 0; i < HALF; i++)
+        to[i] = sum[i];
 }
 
 /* The same over the columns of q, for `count` rows that have it. */
-static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride, const pzs_real *const *row, int count)
+static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride, const pzs_real *const *row,
+                      int count)
 {
     for (int p = 0; p < SHELL_NODES; p++) {
         to[p] = factor[0] * row[0][Q + p];
@@ -222,16 +225,17 @@ typedef struct block {
     pzs_real cross[9];
 } block;
 
-/* Pair of nodes p >= q. */
-static int pair_of(int p, int q)
+/* Pair of nodes p >= other. */
+static int pair_of(int p, int other)
 {
-    return p * (p + 1) / 2 + q;
+    return p * (p + 1) / 2 + other;
 }
 
 /* z += L' R, weighted by a stress mean and a stress difference. */
 static void add_product(block *restrict z, const pzs_real *restrict l, const pzs_real *restrict r, pzs_real mean,
                         pzs_real cross)
 {
+    UNROLLED
     for (int i = 0; i < 9; i++) {
         const pzs_real *left = l + i / 3, *right = r + i % 3;
         const pzs_real product = left[0] * right[0] + left[3] * right[3] + left[6] * right[6];
@@ -293,11 +297,11 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 {
     const unsigned row = (unsigned)p * unknowns + (unsigned)i;
     k += row * (row + 1) / 2;
-    for (int q = 0; q <= p; q++, k += unknowns, sum += OWN) {
-        const block *z = &pair[pair_of(p, q)];
+    for (int other = 0; other <= p; other++, k += unknowns, sum += OWN) {
+        const block *z = &pair[pair_of(p, other)];
         const pzs_real *with_mean = (i < 3 ? z->mean : z->cross) + i % 3 * 3;
         const pzs_real *with_diff = (i < 3 ? z->cross : z->mean) + i % 3 * 3, factor = i < 3 ? 1 : hh4;
-        const int last = q < p ? OWN : i + 1;
+        const int last = other < p ? OWN : i + 1;
         for (int j = 0; j < 3 && j < last; j++)
             k[j] = sum[j] + with_mean[j];
         for (int j = 3; j < last; j++)
@@ -324,15 +328,15 @@ static void write_node(const pzs_kind *kind, unsigned unknowns, int p, pzs_real 
 static void write_q(int p, pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress, pzs_real *k)
 {
     const pzs_real *row[WITH_Q + 1] = {stress[0], stress[1], stress[2], stress[3], NULL};
-    const unsigned q_row = 7 * (unsigned)p + 6;
+    const unsigned q = 7 * (unsigned)p + 6;
     pzs_real sum[COLUMNS];
     combine(sum, &a[0][Q + p], COLUMNS, row, 0);
     combine(sum + HALF, &a[0][Q + p], COLUMNS, row, HALF);
     combine_q(sum + Q, &a[0][Q + p], COLUMNS, row, WITH_Q);
-    for (unsigned q = 0; q < SHELL_NODES; q++) {
+    for (unsigned other = 0; other < SHELL_NODES; other++) {
         for (unsigned j = 0; j < OWN; j++)
-            *entry(k, q_row, 7 * q + j) = sum[OWN * q + j];
-        *entry(k, q_row, 7 * q + 6) = sum[Q + q];
+            *entry(k, q, 7 * other + j) = sum[OWN * other + j];
+        *entry(k, q, 7 * other + 6) = sum[Q + other];
     }
 }
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "analysis.h"
+#include "voltages.h"
 #include "testdata.h"
 
 #ifndef DATA

@@ -85,7 +85,7 @@ static void make_kind(rig *g)
     for (int r = 0; r < 4; r++)
         for (int a = 0; a < 2; a++) {
             const int own = g->element[0][r], other = g->element[0][a == 0 ? r ^ 1 : 3 - r];
-            const double chord[3] = {g->x[other][0] - g->x[own][0], g->x[other][1] - g->x[own][1], g->x[other][2] - g->x[own][2]};
+            const double *x = g->x[other], *from = g->x[own], chord[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
             const double slope = sign[r][a] / sqrt(dot(chord, chord));
             for (int i = 0; i < 3; i++) {
                 for (int j = 0; j < 3; j++)
@@ -139,7 +139,8 @@ static void number(rig *g, fixing *fixed)
 static void make_structure(rig *g, int loaded)
 {
     pzs_structure *s = &g->structure;
-    const pzs_rows input = {2, g->input_start, g->load_dof, g->load_value}, output = {1, g->output_start, g->output_dof, g->output_value};
+    const pzs_rows input = {2, g->input_start, g->load_dof, g->load_value};
+    const pzs_rows output = {1, g->output_start, g->output_dof, g->output_value};
     for (int j = 0; j <= g->n2; j++) {
         g->load_dof[j] = g->node_dof[node_at(g, loaded, j)][2];
         g->load_value[j] = (pzs_real)(-1.0 / (g->n2 + 1));
@@ -159,7 +160,8 @@ static void make_structure(rig *g, int loaded)
 }
 
 /* A shell at rest with a path on it. radius 0: a plate; step: lengths of an element. */
-static rig *rig_open(int n1, int n2, double radius, double step1, double step2, double h, int closed, fixing *fixed, int loaded)
+static rig *rig_open(int n1, int n2, double radius, double step1, double step2, double h, int closed, fixing *fixed,
+                     int loaded)
 {
     rig *g = calloc(1, sizeof *g);
     assert_non_null(g);
@@ -340,7 +342,7 @@ static void tangent_is_the_symmetric_part_of_the_derivative(void **state)
                 rig *g = rig_open(2, 2, radius, 0.5, 0.7, 0.1, 0, nothing, 0);
                 attach_follower(g, load_face, kind / 2, kind % 2);
                 set_random(g, 0.2);
-                /* True area is quadratic in u; the unit normal leaves step^2 of its third derivative, eta being of size 1. */
+                /* True area is quadratic in u; the unit normal leaves step^2 of its third derivative, eta being about 1. */
                 const double step = kind % 2 ? 0.2 : cbrt(EPS), rounding = 100 * EPS / step;
                 assert_true(tangent_error(g, step) < (kind % 2 ? rounding : rounding + 100 * step * step));
                 rig_close(g);
@@ -422,6 +424,30 @@ static void pressure_on_a_flat_patch_is_its_area(void **state)
     rig_close(g);
 }
 
+/* The source's weights: a pressure on one corner gives 4, 2, 1, 2 parts of 36 to it, its neighbours, the opposite corner. */
+static void pressure_is_shared_with_consistent_weights(void **state)
+{
+    (void)state;
+    rig *g = rig_open(1, 1, 0, 0.5, 0.7, 0.1, 0, nothing, 0);
+    pzs_real *f = calloc((size_t)g->dof, sizeof *f);
+    attach_follower(g, 2, 0, 0);
+    for (int k = 0; k < 3; k++)
+        g->follower.share[k] = (pzs_real)((4 >> k) / 36.0);
+    for (int from = 0; from < 4; from++) {
+        static const double part[4] = {4, 2, 1, 2};
+        memset(g->pressure, 0, sizeof g->pressure);
+        g->pressure[g->element[0][from]] = 36;
+        follower_force(g, f);
+        for (int r = 0; r < 4; r++) {
+            const uint16_t *dof = g->node_dof[g->element[0][r]];
+            assert_true(fabs((double)f[dof[2]] - 0.35 * part[(r - from + 4) % 4]) < 20 * EPS);
+            assert_true(f[dof[5]] == 0); /* half on each face */
+        }
+    }
+    free(f);
+    rig_close(g);
+}
+
 /* A closed ring, pushed anyhow in its plane: true pressure is a closed polygon turned by 90 degrees and adds up to 0. */
 static void true_pressure_on_a_closed_ring_adds_up_to_nothing(void **state)
 {
@@ -467,8 +493,9 @@ static void follower_tables_out_of_range_are_refused(void **state)
 
 /* ---- bodies ------------------------------------------------------------- */
 
-static const pzs_body plane = {pzs_gap_plane, {1, 2, 3}, {(pzs_real)(2.0 / 7), (pzs_real)(3.0 / 7), (pzs_real)(6.0 / 7)}, 0, NULL};
-static const pzs_body cylinder = {pzs_gap_cylinder, {1, 2, 3}, {(pzs_real)(2.0 / 7), (pzs_real)(3.0 / 7), (pzs_real)(6.0 / 7)}, 2, NULL};
+#define ASLANT {(pzs_real)(2.0 / 7), (pzs_real)(3.0 / 7), (pzs_real)(6.0 / 7)}
+static const pzs_body plane = {pzs_gap_plane, {1, 2, 3}, ASLANT, 0, NULL};
+static const pzs_body cylinder = {pzs_gap_cylinder, {1, 2, 3}, ASLANT, 2, NULL};
 static const pzs_body sphere = {pzs_gap_sphere, {1, 2, 3}, {0, 0, 0}, 2, NULL};
 
 /* Distance by its definition. */
@@ -481,7 +508,8 @@ static double gap_in_double(const pzs_body *body, const pzs_real x[3])
     }
     for (int i = 0; i < 3; i++)
         size2 += from[i] * from[i];
-    return body->gap == pzs_gap_plane ? along : sqrt(size2 - (body->gap == pzs_gap_cylinder ? along * along : 0)) - (double)body->radius;
+    const double round = sqrt(size2 - (body->gap == pzs_gap_cylinder ? along * along : 0)) - (double)body->radius;
+    return body->gap == pzs_gap_plane ? along : round;
 }
 
 /* At 1000 random points: the value; its gradient, of length 1; the derivative of that. The third derivatives of a
@@ -556,9 +584,14 @@ static int strip_support(int i, int j, int k)
     return i == 0 || i == 12;
 }
 
+static rig *thin_ring_open(fixing *support, double h)
+{
+    return rig_open(12, 1, 1, acos(-1.0) / 12, 0.3, h, 0, support, support == held_ring_support ? 6 : 12);
+}
+
 static rig *ring_open(fixing *support)
 {
-    return rig_open(12, 1, 1, acos(-1.0) / 12, 0.3, 0.1, 0, support, support == held_ring_support ? 6 : 12);
+    return thin_ring_open(support, 0.1);
 }
 
 static const pzs_body ground = {pzs_gap_plane, {0, 0, (pzs_real)-1.05}, {0, 0, 1}, 0, NULL};
@@ -600,6 +633,57 @@ static void assert_complementary(const rig *g)
     assert_int_equal(touching, g->contact.nodes);
 }
 
+/* Force of a contact at path->u onto f. */
+static void contact_force(rig *g, pzs_real *f)
+{
+    memset(f, 0, (size_t)g->dof * sizeof *f);
+    g->contact.option.call->add(&g->contact.option, &g->path, f);
+}
+
+/* Where a gap is closed the added matrix is minus the derivative of the force, and `unit` its derivative with respect
+ * to the motion: one node anywhere on a sphere of size 1, to the differences' step^2. */
+static void contact_tangent_is_the_derivative_of_its_force(void **state)
+{
+    (void)state;
+    const double step = cbrt(EPS), motion[3] = {0.3, -0.5, 0.8};
+    for (int trial = 0; trial < 50; trial++) {
+        pzs_body ball = {pzs_gap_sphere, {(pzs_real)uniform(), (pzs_real)uniform(), -2}, {0, 0, 0}, 1, NULL};
+        rig *g = ring_open(nothing);
+        pzs_real f[2][7 * MOST_NODES];
+        const int n = trial % g->nodes;
+        attach_contact(g, &ball, motion);
+        set_random(g, 0.3);
+        g->path.amount[1] = (pzs_real)0.1;
+        ball.radius += (pzs_real)gap_of(g, n);
+        g->contact.touching[n] = 1;
+        g->contact.pressure[n] = 1;
+        g->contact.stiffness = (pzs_real)0.1;
+        const double tolerance = 400 * EPS / step + 100 * step * step;
+        for (int k = 0; k <= 6; k++) { /* six unknowns of the node, then the motion */
+            const uint16_t *dof = g->node_dof[n];
+            pzs_real *moved = k < 6 ? &g->path.u[dof[k]] : &g->path.amount[1], unit[7 * MOST_NODES] = {0};
+            const pzs_real at = *moved;
+            volatile pzs_real ahead = at + (pzs_real)step, behind = at - (pzs_real)step;
+            pzs_real column[6];
+            g->contact.option.call->unit(&g->contact.option, &g->path, 1, unit);
+            linalg_clear(&g->model.k);
+            contact_force(g, f[0]);
+            for (int i = 0; i < 6; i++) {
+                const uint16_t *high = &dof[i > k ? i : k], *low = &dof[i > k ? k : i];
+                column[i] = k < 6 ? -*linalg_entry(&g->model.k, *high, *low) : unit[dof[i]];
+            }
+            *moved = ahead;
+            contact_force(g, f[1]);
+            *moved = behind;
+            contact_force(g, f[0]);
+            *moved = at;
+            for (int i = 0; i < 6; i++)
+                assert_true(fabs((double)((f[1][dof[i]] - f[0][dof[i]]) / (ahead - behind) - column[i])) < tolerance);
+        }
+        rig_close(g);
+    }
+}
+
 static void ring_on_the_ground_carries_its_load(void **state)
 {
     (void)state;
@@ -607,31 +691,33 @@ static void ring_on_the_ground_carries_its_load(void **state)
     attach_contact(g, &ground, still);
     assert_int_equal(g->contact.loose, 1);
     for (int k = 1; k <= 4; k++) {
-        assert_int_equal(settle(g, 5e-5 * k, 0), PZS_OK);
+        assert_int_equal(settle(g, 1e-5 * k, 0), PZS_OK);
         assert_complementary(g);
         assert_true(g->contact.nodes > 0);
-        assert_true(fabs((double)g->contact.force[2] / (5e-5 * k) - 1) < (IS_FLOAT ? 2e-3 : 1e-6));
+        assert_true(fabs((double)g->contact.force[2] / (1e-5 * k) - 1) < (IS_FLOAT ? 2e-3 : 1e-6));
     }
     rig_close(g);
 }
 
-/* Whatever kappa, the same shape and the same pressures. */
+/* Whatever kappa, the same shape and the same pressures: on a thin ring, whose own stiffness is far below kappa's. */
 static void answer_does_not_depend_on_the_stiffness(void **state)
 {
     (void)state;
-    const double kappa[4] = {10, 1e-3, 1, 1e4};
+    const double kappa[4] = {10, IS_FLOAT ? 1 : 1e-3, 1, 1e4};
+    const double h = IS_FLOAT ? 0.1 : 0.01, load = 5e-2 * h * h * h, area = 0.3;
+    const pzs_body base = {pzs_gap_plane, {0, 0, (pzs_real)(-1 - h / 2)}, {0, 0, 1}, 0, NULL};
     pzs_real u[7 * MOST_NODES], pressure[MOST_NODES];
     for (int k = 0; k < 4; k++) {
-        rig *g = ring_open(ring_support);
-        attach_contact(g, &ground, still);
+        rig *g = thin_ring_open(ring_support, h);
+        attach_contact(g, &base, still);
         g->contact.stiffness = (pzs_real)kappa[k];
         g->path.change = IS_FLOAT ? (pzs_real)1e-4 : (pzs_real)1e-9;
-        assert_int_equal(settle(g, 2e-4, 0), PZS_OK);
+        assert_int_equal(settle(g, load, 0), PZS_OK);
         assert_complementary(g);
         for (int i = 0; i < g->dof && k > 0; i++)
             assert_true(fabs((double)(g->path.u[i] - u[i])) < (IS_FLOAT ? 1e-3 : 1e-6));
         for (int n = 0; n < g->nodes && k > 0; n++)
-            assert_true(fabs((double)(g->contact.pressure[n] - pressure[n])) < (IS_FLOAT ? 1e-2 : 1e-6) * 2e-4 / (double)g->area[0]);
+            assert_true(fabs((double)(g->contact.pressure[n] - pressure[n])) < (IS_FLOAT ? 1e-2 : 1e-6) * load / area);
         memcpy(u, g->path.u, (size_t)g->dof * sizeof *u);
         memcpy(pressure, g->contact.pressure, (size_t)g->nodes * sizeof *pressure);
         rig_close(g);
@@ -648,8 +734,8 @@ static void contact_never_pulls(void **state)
     assert_int_equal(settle(g, 0, -0.01), PZS_OK); /* press first */
     assert_complementary(g);
     assert_true(g->contact.force[2] > 0);
-    assert_int_equal(settle(g, 2e-4, 1), PZS_OK);
-    assert_int_equal(settle(alone, 2e-4, 1), PZS_OK);
+    assert_int_equal(settle(g, 5e-5, 1), PZS_OK);
+    assert_int_equal(settle(alone, 5e-5, 1), PZS_OK);
     assert_int_equal(g->contact.nodes, 0);
     assert_true(g->contact.force[2] == 0);
     for (int i = 0; i < g->dof; i++)
@@ -665,13 +751,10 @@ static void pulled_off_fails_with_a_status(void **state)
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
     g->path.systems_allowed = 200;
-    assert_int_equal(settle(g, 1e-4, 0), PZS_OK);
-    const pzs_real before = g->path.u[0];
-    assert_true(PZS_IS_ERROR(settle(g, -1e-4, 0)));
+    assert_int_equal(settle(g, 3e-5, 0), PZS_OK);
+    assert_true(PZS_IS_ERROR(settle(g, -3e-5, 0)));
     assert_int_equal(guard_nonfinite(g->path.u, (uint32_t)g->dof), -1);
-    assert_true(g->path.factor < (pzs_real)0.5);
-    if (g->path.factor == 0)
-        assert_true(g->path.u[0] == before);
+    assert_true(g->path.factor <= (pzs_real)0.5); /* half of the way is no load at all */
     assert_complementary(g);
     rig_close(g);
 }
@@ -681,12 +764,45 @@ static void restart_settles_at_once(void **state)
     (void)state;
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
-    assert_int_equal(settle(g, 2e-4, 0), PZS_OK);
+    assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
     assert_true(g->path.systems > 1);
+    g->path.change = (pzs_real)1e-3; /* of a thousandth of the displacement: above the rounding of either precision */
     const uint16_t nodes = g->contact.nodes;
-    assert_int_equal(settle(g, 2e-4, 0), PZS_OK);
+    assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
     assert_int_equal(g->path.systems, 1);
     assert_int_equal(g->contact.nodes, nodes);
+    rig_close(g);
+}
+
+/* However coarse the increments that are let pass, gaps are closed and no node is left to change. */
+static void coarse_steps_still_close_the_gaps(void **state)
+{
+    (void)state;
+    rig *g = ring_open(ring_support);
+    attach_contact(g, &ground, still);
+    g->path.change = (pzs_real)0.9;
+    assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
+    assert_complementary(g);
+    rig_close(g);
+}
+
+/* A step that is given up leaves the last equilibrium and its contact, bit by bit. */
+static void failed_step_restores_the_contact(void **state)
+{
+    (void)state;
+    rig *g = ring_open(ring_support);
+    pzs_real u[7 * MOST_NODES], pressure[MOST_NODES];
+    uint8_t touching[MOST_NODES];
+    attach_contact(g, &ground, up);
+    assert_int_equal(settle(g, 3e-5, 0), PZS_OK);
+    memcpy(u, g->path.u, (size_t)g->dof * sizeof *u);
+    memcpy(pressure, g->contact.pressure, (size_t)g->nodes * sizeof *pressure);
+    memcpy(touching, g->contact.touching, (size_t)g->nodes);
+    g->path.systems_allowed = 2;
+    assert_int_equal(settle(g, 5e-5, 0.5), PZS_E_SYSTEMS);
+    assert_memory_equal(u, g->path.u, (size_t)g->dof * sizeof *u);
+    assert_memory_equal(pressure, g->contact.pressure, (size_t)g->nodes * sizeof *pressure);
+    assert_memory_equal(touching, g->contact.touching, (size_t)g->nodes);
     rig_close(g);
 }
 
@@ -697,13 +813,13 @@ static void rest_forgets_the_contact(void **state)
     rig *g = ring_open(ring_support);
     pzs_real u[7 * MOST_NODES];
     attach_contact(g, &ground, still);
-    assert_int_equal(settle(g, 2e-4, 0), PZS_OK);
+    assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
     const uint32_t systems = g->path.systems;
     memcpy(u, g->path.u, (size_t)g->dof * sizeof *u);
     pzs_path_rest(&g->path);
     assert_int_equal(g->contact.nodes, 0);
     assert_true(g->contact.force[2] == 0);
-    assert_int_equal(settle(g, 2e-4, 0), PZS_OK);
+    assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
     assert_int_equal(g->path.systems, systems);
     assert_memory_equal(u, g->path.u, (size_t)g->dof * sizeof *u);
     rig_close(g);
@@ -726,6 +842,18 @@ static void penetrating_body_is_pushed_out(void **state)
     rig_close(g);
 }
 
+/* A face that looks away from the body is left alone, however deep it lies in it: it is the far side of the shell. */
+static void face_that_looks_away_is_left_alone(void **state)
+{
+    (void)state;
+    const pzs_body below = {pzs_gap_plane, {0, 0, (pzs_real)0.2}, {0, 0, 1}, 0, NULL};
+    rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.1, 0, strip_support, 6);
+    attach_contact(g, &below, still);
+    assert_int_equal(settle(g, 1e-6, 0), PZS_OK);
+    assert_int_equal(g->contact.nodes, 0);
+    rig_close(g);
+}
+
 /* A sphere whose centre is a node of the face: a status, and nothing that is not finite. */
 static void centre_on_a_node_stays_finite(void **state)
 {
@@ -740,7 +868,8 @@ static void centre_on_a_node_stays_finite(void **state)
     rig_close(g);
 }
 
-/* Influence of a dead load and of the body's motion on a shell in contact: the change of the equilibrium itself. */
+/* Influence of a dead load and of the body's motion on a shell in contact: the change of the equilibrium itself, as far
+ * as kappa makes the body rigid. */
 static void influence_in_contact_is_the_change_of_the_equilibrium(void **state)
 {
     (void)state;
@@ -750,6 +879,7 @@ static void influence_in_contact_is_the_change_of_the_equilibrium(void **state)
     rig *g = ring_open(held_ring_support);
     attach_contact(g, &drum, up);
     g->path.change = (pzs_real)1e-10;
+    g->contact.stiffness = 10000;
     pzs_real influence[2];
     assert_int_equal(settle(g, 1e-4, 0.05), PZS_OK);
     assert_in_range(g->contact.nodes, 1, 26);
@@ -758,10 +888,11 @@ static void influence_in_contact_is_the_change_of_the_equilibrium(void **state)
     for (int j = 0; j < 2; j++) {
         double y[2];
         for (int side = 0; side < 2; side++) {
-            assert_int_equal(settle(g, 1e-4 + (j == 0) * (side ? step[0] : -step[0]), 0.05 + (j == 1) * (side ? step[1] : -step[1])), PZS_OK);
+            const double change = side ? step[j] : -step[j];
+            assert_int_equal(settle(g, 1e-4 + (j == 0) * change, 0.05 + (j == 1) * change), PZS_OK);
             y[side] = (double)g->path.u[g->output_dof[0]];
         }
-        assert_true(fabs((y[1] - y[0]) / (2 * step[j]) / (double)influence[j] - 1) < 1e-4);
+        assert_true(fabs((y[1] - y[0]) / (2 * step[j]) / (double)influence[j] - 1) < 1e-5);
     }
     rig_close(g);
 }
@@ -778,8 +909,10 @@ static void contact_tables_out_of_range_are_refused(void **state)
     bad[2].size = 0;
     bad[3].area = NULL;
     for (int i = 0; i < 4; i++)
-        assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &bad[i], &ground, g->contact_work, bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, bytes - 1), PZS_E_WORKSPACE);
+        assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &bad[i], &ground, g->contact_work, bytes),
+                         PZS_E_ARGUMENT);
+    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, bytes - 1),
+                     PZS_E_WORKSPACE);
     assert_int_equal(g->path.where, bytes);
     rig_close(g);
 }
@@ -791,17 +924,22 @@ int main(void)
         cmocka_unit_test(tangent_is_the_symmetric_part_of_the_derivative),
         cmocka_unit_test(force_turns_with_the_shell),
         cmocka_unit_test(pressure_on_a_flat_patch_is_its_area),
+        cmocka_unit_test(pressure_is_shared_with_consistent_weights),
         cmocka_unit_test(true_pressure_on_a_closed_ring_adds_up_to_nothing),
         cmocka_unit_test(follower_tables_out_of_range_are_refused),
         cmocka_unit_test(gaps_are_distances_with_their_derivatives),
         cmocka_unit_test(gaps_are_finite_on_axis_and_centre),
+        cmocka_unit_test(contact_tangent_is_the_derivative_of_its_force),
         cmocka_unit_test(ring_on_the_ground_carries_its_load),
         cmocka_unit_test(answer_does_not_depend_on_the_stiffness),
         cmocka_unit_test(contact_never_pulls),
         cmocka_unit_test(pulled_off_fails_with_a_status),
         cmocka_unit_test(restart_settles_at_once),
+        cmocka_unit_test(coarse_steps_still_close_the_gaps),
+        cmocka_unit_test(failed_step_restores_the_contact),
         cmocka_unit_test(rest_forgets_the_contact),
         cmocka_unit_test(penetrating_body_is_pushed_out),
+        cmocka_unit_test(face_that_looks_away_is_left_alone),
         cmocka_unit_test(centre_on_a_node_stays_finite),
         cmocka_unit_test(influence_in_contact_is_the_change_of_the_equilibrium),
         cmocka_unit_test(contact_tables_out_of_range_are_refused),

@@ -561,6 +561,116 @@ static void test_rigid_motion_of_the_mesh(void **state)
     }
 }
 
+/* A corrected element with 6 unknowns and its finite rigid motion, u [24]; h of the sample multiplied by `thin`. */
+static void build_rigid(one *o, const sample *s, double thin, double u[24])
+{
+    scene_element element = corrected;
+    double thin_plies[34], node[7];
+    element.unknowns = 6;
+    memcpy(thin_plies, plies, sizeof plies);
+    thin_plies[0] *= thin;
+    thin_plies[17] *= thin;
+    build(o, &element, s->surface, s->number, s->cell, thin_plies, 2, -0.03 * thin);
+    for (int r = 0; r < 4; r++) {
+        rigid_node(o, &o->mesh.point[o->mesh.element[0][r]], node);
+        memcpy(u + 6 * r, node, 6 * sizeof *node);
+    }
+}
+
+/* Turn the vectors of x [24] with the element, each in its node's triad. */
+static void turn_unknowns(const one *o, const double x[24], double y[24])
+{
+    for (int i = 0; i < 8; i++) {
+        const surface_point *p = &o->mesh.point[o->mesh.element[0][i / 2]];
+        double v[3], change[3];
+        for (int c = 0; c < 3; c++)
+            v[c] = x[3 * i] * p->e[0][c] + x[3 * i + 1] * p->e[1][c] + x[3 * i + 2] * p->e[2][c];
+        turned(v, change);
+        in_triad(p, change, y + 3 * i);
+        for (int c = 0; c < 3; c++)
+            y[3 * i + c] += x[3 * i + c];
+    }
+}
+
+/* Law: no force holds a corrected element after a finite rigid motion. A row of K u sums 24 products of 40 terms. */
+static void test_rigid_motion_without_force(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SAMPLES; i++) {
+        one o;
+        double u[24], f[24], k[SHELL_PACKED(24)], scale = 0, largest = 0;
+        build_rigid(&o, &samples[i], 1, u);
+        shell_system(&o.mesh.kind[0], 6, u, NULL, NULL, f, k);
+        for (int r = 0; r < 24; r++) {
+            double row = 0;
+            for (int c = 0; c < 24; c++)
+                row += fabs(o.mesh.stiffness[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] * u[c]);
+            scale = fmax(scale, row);
+            largest = fmax(largest, fabs(f[r]));
+        }
+        if (!(largest <= 40 * 2.2e-16 * scale))
+            fail_msg("%s: force %.2e of stiffness times displacement", samples[i].surface, largest / scale);
+        mesh_free(&o.mesh);
+    }
+}
+
+/* Law: strains do not see a finite rigid motion put on top of a displacement, and differences between the faces keep
+ * their digits on a thin shell (h/L = 1e-5), where the faces themselves agree to five of them. */
+static void test_strains_of_a_thin_shell(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SAMPLES; i++) {
+        one o;
+        unsigned seed = 13;
+        double rigid[24], v[24], u[24], e[4][10], reference[4][10];
+        build_rigid(&o, &samples[i], 1e-4, rigid);
+        fill(v, 24, 0.1, &seed);
+        turn_unknowns(&o, v, u);
+        for (int j = 0; j < 24; j++)
+            u[j] += rigid[j];
+        shell_strains_at(&o.mesh.kind[0], 6, u, e);
+        shell_strains_at(&o.mesh.kind[0], 6, v, reference);
+        for (int s = 0; s < 10; s++) {
+            double x[4], y[4];
+            for (int m = 0; m < 4; m++) {
+                x[m] = e[m][s];
+                y[m] = reference[m][s];
+            }
+            ASSERT_CLOSE(samples[i].surface, "strain", x, y, 4, 10 * 40 * 2.2e-16); /* v is a tenth of the motion */
+        }
+        mesh_free(&o.mesh);
+    }
+}
+
+/* Law: an element moved as a rigid body has the stiffness of rest, turned with it; on a thin shell (h/L = 1e-5)
+ * this holds for the part of each single strain to the last digits. */
+static void test_tangent_of_a_thin_shell(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SAMPLES; i++)
+        for (int s = 0; s < 10; s++) {
+            one o;
+            unsigned seed = 17;
+            double rigid[24], v[24], u[24], f[24], there[24], expected[24], k[SHELL_PACKED(24)];
+            build_rigid(&o, &samples[i], 1e-4, rigid);
+            pzs_kind *kind = &o.mesh.kind[0];
+            for (int m = 0; m < 4; m++) {
+                const int kept_here = kind->d[m][s * (s + 3) / 2] > 0;
+                memset(kind->d[m], 0, sizeof kind->d[m]);
+                kind->d[m][s * (s + 3) / 2] = kept_here;
+            }
+            fill(v, 24, 1, &seed);
+            turn_unknowns(&o, v, u);
+            shell_system(kind, 6, rigid, NULL, NULL, f, k);
+            times(k, u, 24, there);
+            shell_stiffness(kind, 6, k);
+            times(k, v, 24, f);
+            turn_unknowns(&o, f, expected);
+            ASSERT_CLOSE(samples[i].surface, "turned stiffness", there, expected, 24, 100 * 2.2e-16);
+            mesh_free(&o.mesh);
+        }
+}
+
 /* Law: a free element strained by its actuation alone takes the free strain exactly (no stress is left). */
 static void test_free_expansion(void **state)
 {
@@ -597,6 +707,9 @@ int main(void)
         cmocka_unit_test(test_table_is_tangent_at_zero),
         cmocka_unit_test(test_rigid_motion_at_a_point),
         cmocka_unit_test(test_rigid_motion_of_the_mesh),
+        cmocka_unit_test(test_rigid_motion_without_force),
+        cmocka_unit_test(test_strains_of_a_thin_shell),
+        cmocka_unit_test(test_tangent_of_a_thin_shell),
         cmocka_unit_test(test_free_expansion),
     };
     return cmocka_run_group_tests_name("shell", tests, NULL, NULL);

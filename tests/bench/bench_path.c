@@ -2,10 +2,11 @@
  * Speed against error, nonlinear shells: pzs_equilibrium from rest in one load step, both elements, mesh by mesh,
  * against converged answers; then pairs of meshes by Richardson's extrapolation, and the plain Newton method.
  *
- *   bench_path [--json FILE]   FILE gets the lines that peers/compare.py reads
+ *   bench_path [--json FILE]   FILE gets the runs on single meshes, one line each as peers/compare.py reads them
  *
- * Timed is the equilibrium alone. Reading the scene, mesh, element tables and the factor at rest are made once by the
- * host and stand in a column of their own. Times are medians of this process; use the ratios between rows.
+ * Timed is the equilibrium, with the tangent at the shape reached that judges it and is not in the number of systems.
+ * Reading the scene, mesh, element tables and the factor at rest are done once by the host and stand in a column of
+ * their own. Times are medians of this process; use the ratios between rows.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -15,64 +16,38 @@
 #include "analysis.h"
 #include "clock.h"
 
-enum { RUNS = 7, MESHES = 8, PAIRS = 4 };
+enum { RUNS = 7, MESHES = 14, PAIRS = 5, PLAIN = 3 };
 
-/* A scene, the name of the case and the converged displacements of A and B in peers/cases.py, and its ladder. */
+/* Elements along theta1 and theta2. Graded: finer towards both ends of theta1 and towards the start of theta2. */
+typedef struct grid { int n[2], graded; } grid;
+
+/* A scene, and its case of peers/cases.py: name, converged displacements of A and B, whether its meshes name theta2 first. */
 typedef struct ladder {
     const char *scene, *name;
     double sign_a, converged[2];
-    int turned;                                       /* cases.py names theta2 first */
-    struct { int n[2]; } mesh[MESHES], pair[PAIRS];   /* ending with 0; of a pair, the coarser mesh */
+    int turned;
+    grid mesh[MESHES], pair[PAIRS], plain[PLAIN]; /* each up to one without elements; pair: the coarser mesh */
 } ladder;
 
-typedef struct run { double build, solve, end[2]; unsigned systems, steps, negative; pzs_status status; } run;
+static const ladder ladders[2] = {
+    {"hemisphere", "hemisphere", -1, {8.147, 4.0735}, 0,
+     {{{4, 4}, 0}, {{6, 6}, 0}, {{8, 8}, 0}, {{10, 10}, 0}, {{12, 12}, 0}, {{16, 16}, 0}, {{18, 18}, 0}, {{20, 20}, 0}},
+     {{{4, 4}, 0}, {{6, 6}, 0}, {{8, 8}, 0}},
+     {{{8, 8}, 0}, {{16, 16}, 0}}},
+    {"annular-plate", "annular", 1, {13.86, 17.49}, 1,
+     {{{4, 8}, 0}, {{6, 12}, 0}, {{4, 30}, 0}, {{6, 30}, 0}, {{10, 40}, 0}, {{16, 32}, 0}, {{16, 64}, 0},
+      {{4, 16}, 1}, {{4, 20}, 1}, {{5, 20}, 1}, {{6, 20}, 1}, {{6, 24}, 1}, {{8, 32}, 1}},
+     {{{3, 15}, 0}, {{5, 20}, 0}, {{8, 16}, 0}},
+     {{{4, 30}, 0}, {{5, 20}, 1}}}};
 
 static const char *const elements[2] = {"source", "corrected"};
 
-static FILE *json;
-
-/* One mesh, `mixed` systems with extrapolated resultants. */
-static run measure(const ladder *l, const char *element, const int n[2], int mixed)
-{
-    char file[512], text[4][64], error[SCENE_ERROR];
-    const char *const set[4] = {text[0], text[1], text[2], text[3]};
-    double solve[RUNS];
-    scene s;
-    analysis a;
-    run r = {0};
-    snprintf(file, sizeof file, SCENE_FOLDER "/%s.yaml", l->scene);
-    snprintf(text[0], sizeof text[0], "element=%s", element);
-    snprintf(text[1], sizeof text[1], "mesh.theta1.elements=%d", n[0]);
-    snprintf(text[2], sizeof text[2], "mesh.theta2.elements=%d", n[1]);
-    snprintf(text[3], sizeof text[3], "equilibrium={mixed: %d}", mixed);
-    const double begin = now();
-    if (scene_read(&s, file, set, mixed == 12 ? 3 : 4, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
-        fprintf(stderr, "%s\n", error);
-        exit(1);
-    }
-    r.build = now() - begin;
-    pzs_path *path = &a.path.run;
-    for (int k = 0; k < RUNS; k++) {
-        pzs_path_rest(path);
-        const double from = now();
-        r.status = pzs_equilibrium(path, a.path.full);
-        solve[k] = now() - from;
-    }
-    double *y = calloc(a.design.structure.output.count + 1u, sizeof *y);
-    if (!y)
-        exit(1);
-    pzs_observe(&a.design.structure, path->u, y);
-    r.solve = median(solve, RUNS);
-    r.end[0] = l->sign_a * y[a.design.named_first[0]];
-    r.end[1] = y[a.design.named_first[1]];
-    r.systems = path->systems;
-    r.steps = path->steps_taken;
-    r.negative = path->negative;
-    free(y);
-    analysis_free(&a);
-    scene_free(&s);
-    return r;
-}
+/* Times in milliseconds; end: displacements of A and B. */
+typedef struct run {
+    pzs_status status;
+    double tables, solve, end[2], error;
+    unsigned systems, steps, negative;
+} run;
 
 /* The worse of the two relative errors. */
 static double error_of(const ladder *l, const double end[2])
@@ -80,92 +55,142 @@ static double error_of(const ladder *l, const double end[2])
     return fmax(fabs(end[0] / l->converged[0] - 1), fabs(end[1] / l->converged[1] - 1));
 }
 
-static void name_mesh(const ladder *l, const int n[2], char *text, size_t size)
+/* Equilibrium from rest, with the plain Newton method or as the scene says. */
+static void solve(const ladder *l, analysis *a, int plain, run *r)
 {
-    snprintf(text, size, "%dx%d", n[l->turned], n[!l->turned]);
+    pzs_path *path = &a->path.run;
+    double time[RUNS], *y = calloc(a->design.structure.output.count + 1u, sizeof *y);
+    if (!y)
+        exit(1);
+    if (plain)
+        path->mixed = 0;
+    for (int k = 0; k < RUNS; k++) {
+        pzs_path_rest(path);
+        const double begin = now();
+        r->status = pzs_equilibrium(path, a->path.full);
+        time[k] = 1e-3 * (now() - begin);
+    }
+    pzs_observe(&a->design.structure, path->u, y);
+    r->solve = median(time, RUNS);
+    r->end[0] = l->sign_a * y[a->design.named_first[0]];
+    r->end[1] = y[a->design.named_first[1]];
+    r->error = error_of(l, r->end);
+    r->systems = path->systems;
+    r->steps = path->steps_taken;
+    r->negative = path->negative;
+    free(y);
 }
 
-static void report(const ladder *l, const char *mesh, const char *element, const run *r)
+static run measure(const ladder *l, const char *element, const grid *g, int plain)
 {
-    if (json)
+    char file[512], text[3][64], error[SCENE_ERROR];
+    const char *const set[5] = {text[0], text[1], text[2], "mesh.theta1.centre=1.4", "mesh.theta2.grading=4"};
+    scene s;
+    analysis a;
+    run r = {0};
+    snprintf(file, sizeof file, SCENE_FOLDER "/%s.yaml", l->scene);
+    snprintf(text[0], sizeof text[0], "element=%s", element);
+    for (int i = 0; i < 2; i++)
+        snprintf(text[1 + i], sizeof text[1 + i], "mesh.theta%d.elements=%d", 1 + i, g->n[i]);
+    const double begin = now();
+    if (scene_read(&s, file, set, g->graded ? 5 : 3, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
+        fprintf(stderr, "%s\n", error);
+        exit(1);
+    }
+    r.tables = 1e-3 * (now() - begin);
+    solve(l, &a, plain, &r);
+    analysis_free(&a);
+    scene_free(&s);
+    return r;
+}
+
+/* The mesh as cases.py names it; good until the next but one. */
+static const char *name_of(const ladder *l, const grid *g)
+{
+    static char text[2][32];
+    static int turn;
+    turn = !turn;
+    snprintf(text[turn], sizeof text[turn], "%dx%d%s", g->n[l->turned], g->n[!l->turned], g->graded ? "-graded" : "");
+    return text[turn];
+}
+
+static void print_row(const ladder *l, const char *element, const char *mesh, const run *r)
+{
+    printf("%-11s %-10s %-14s %9.4f %9.4f %7.2f%% %6u %8u %10.2f %10.2f%s\n", l->name, element, mesh, r->end[0], r->end[1],
+           100 * r->error, r->steps, r->systems, r->solve, r->tables,
+           PZS_IS_ERROR(r->status) ? "  does not arrive" : r->negative ? "  unstable" : "");
+}
+
+static void single(const ladder *l, const char *element, const grid *g, FILE *json)
+{
+    const run r = measure(l, element, g, 0);
+    print_row(l, element, name_of(l, g), &r);
+    if (json && r.status == PZS_OK)
         fprintf(json, "{\"code\": \"piezoshape\", \"case\": \"%s\", \"mesh\": \"%s\", \"element\": \"%s\", \"steps\": %u, "
                 "\"iterations\": %u, \"seconds\": %.9f, \"a\": %.9f, \"b\": %.9f}\n",
-                l->name, mesh, element, r->steps, r->systems, 1e-6 * r->solve, r->end[0], r->end[1]);
-    printf("%-11s %-10s %-12s %9.4f %9.4f %7.2f%% %8u %8u %9.2f %9.2f%s\n", l->name, element, mesh, r->end[0], r->end[1],
-           100 * error_of(l, r->end), r->steps, r->systems, 1e-3 * r->solve, 1e-3 * r->build, r->negative ? "  unstable" : "");
-}
-
-static void heading(void)
-{
-    printf("%-11s %-10s %-12s %9s %9s %8s %8s %8s %9s %9s\n", "case", "element", "mesh", "A", "B", "error", "steps", "systems",
-           "solve ms", "tables ms");
+                l->name, name_of(l, g), element, r.steps, r.systems, 1e-3 * r.solve, r.end[0], r.end[1]);
 }
 
 /*
- * (4 u_2n - u_n)/3. It is a run of the comparison only where its estimate holds: the error (u_2n - u_n)/3 that it
- * takes off the finer mesh is, at A and at B, the true one to within half of the worse of the two.
+ * (4 u_2n - u_n)/3 for both times together. Its estimate of the finer mesh's error, (u_n - u_2n)/3, holds where it is
+ * the true one to within half of the worse of A and B.
  */
-static void extrapolated(const ladder *l, const char *element, const int n[2])
+static void extrapolated(const ladder *l, const char *element, const grid *g)
 {
-    const int twice[2] = {2 * n[0], 2 * n[1]};
-    const run coarse = measure(l, element, n, 12), fine = measure(l, element, twice, 12);
+    const grid twice = {{2 * g->n[0], 2 * g->n[1]}, g->graded};
+    const run coarse = measure(l, element, g, 0), fine = measure(l, element, &twice, 0);
     run both = fine;
-    char mesh[32], name[64];
-    double off = 0;
+    char mesh[80];
+    double estimate[2];
     for (int i = 0; i < 2; i++) {
-        both.end[i] = (4 * fine.end[i] - coarse.end[i]) / 3;
-        off = fmax(off, fabs(both.end[i] - l->converged[i]) / l->converged[i]);
+        estimate[i] = (coarse.end[i] - fine.end[i]) / 3;
+        both.end[i] = fine.end[i] - estimate[i];
     }
+    both.error = error_of(l, both.end);
     both.solve += coarse.solve;
-    both.build += coarse.build;
+    both.tables += coarse.tables;
     both.systems += coarse.systems;
     both.negative += coarse.negative;
-    name_mesh(l, n, mesh, sizeof mesh);
-    snprintf(name, sizeof name, "%s and x2", mesh);
-    if (both.negative == 0 && off <= error_of(l, fine.end) / 2)
-        report(l, name, element, &both);
-    else
-        printf("%-11s %-10s %-12s %9.4f %9.4f %7.2f%%   estimate refused: the finer mesh has %.2f %%\n", l->name, element, name,
-               both.end[0], both.end[1], 100 * off, 100 * error_of(l, fine.end));
+    snprintf(mesh, sizeof mesh, "%s, %s", name_of(l, g), name_of(l, &twice));
+    print_row(l, element, mesh, &both);
+    printf("%24s estimate of the finer mesh's error %+.2f%% %+.2f%%, true %+.2f%% %+.2f%%: %s\n", "",
+           100 * estimate[0] / l->converged[0], 100 * estimate[1] / l->converged[1],
+           100 * (fine.end[0] / l->converged[0] - 1), 100 * (fine.end[1] / l->converged[1] - 1),
+           both.negative == 0 && both.error <= fine.error / 2 ? "holds" : "fails");
 }
 
-static void plain(const ladder *l, const char *element, const int n[2])
+static void against_plain(const ladder *l, const char *element, const grid *g)
 {
-    char mesh[32];
-    const run mixed = measure(l, element, n, 12), r = measure(l, element, n, 0);
-    name_mesh(l, n, mesh, sizeof mesh);
-    printf("%-11s %-10s %-7s independent resultants %2u step%s %3u systems %9.2f ms; plain Newton %3u step%s %4u systems %9.2f ms%s\n",
-           l->name, element, mesh, mixed.steps, mixed.steps == 1 ? " " : "s", mixed.systems, 1e-3 * mixed.solve, r.steps,
-           r.steps == 1 ? " " : "s", r.systems, 1e-3 * r.solve, PZS_IS_ERROR(r.status) ? ", does not arrive" : "");
+    for (int plain = 0; plain < 2; plain++) {
+        const run r = measure(l, element, g, plain);
+        printf("%-11s %-10s %-14s %-24s %6u %8u %10.2f%s\n", l->name, element, name_of(l, g),
+               plain ? "plain Newton" : "independent resultants", r.steps, r.systems, r.solve,
+               PZS_IS_ERROR(r.status) ? "  does not arrive" : r.negative ? "  unstable" : "");
+    }
 }
 
 int main(int count, char **argument)
 {
-    static const ladder ladders[2] = {
-        {"hemisphere", "hemisphere", -1, {8.147, 4.0735}, 0,
-         {{{4, 4}}, {{8, 8}}, {{10, 10}}, {{12, 12}}, {{16, 16}}, {{20, 20}}, {{24, 24}}}, {{{4, 4}}, {{5, 5}}, {{6, 6}}, {{8, 8}}}},
-        {"annular-plate", "annular", 1, {13.86, 17.49}, 1,
-         {{{2, 4}}, {{4, 8}}, {{6, 12}}, {{4, 30}}, {{10, 40}}, {{16, 32}}, {{10, 80}}}, {{{2, 15}}, {{3, 15}}, {{3, 20}}, {{5, 20}}}}};
-    if (count > 1 && (count != 3 || strcmp(argument[1], "--json") != 0 || !(json = fopen(argument[2], "w")))) {
+    FILE *json = count == 3 && strcmp(argument[1], "--json") == 0 ? fopen(argument[2], "w") : NULL;
+    if (count > 1 && !json) {
         fprintf(stderr, "usage: bench_path [--json FILE]\n");
         return 2;
     }
-    heading();
-    for (int c = 0; c < 2; c++)
-        for (int e = 0; e < 2; e++) {
-            for (int m = 0; m < MESHES && ladders[c].mesh[m].n[0]; m++) {
-                const run r = measure(&ladders[c], elements[e], ladders[c].mesh[m].n, 12);
-                char mesh[32];
-                name_mesh(&ladders[c], ladders[c].mesh[m].n, mesh, sizeof mesh);
-                report(&ladders[c], mesh, elements[e], &r);
-            }
-            for (int p = 0; p < PAIRS && ladders[c].pair[p].n[0]; p++)
-                extrapolated(&ladders[c], elements[e], ladders[c].pair[p].n);
-        }
-    puts("\nWith the plain Newton method (equilibrium: {mixed: 0}), load steps cut where they do not settle:");
+    printf("%-11s %-10s %-14s %9s %9s %8s %6s %8s %10s %10s\n", "case", "element", "mesh", "A", "B", "error", "steps", "systems",
+           "solve ms", "tables ms");
     for (int c = 0; c < 2; c++)
         for (int e = 0; e < 2; e++)
-            for (int m = 1; m < 3; m++)
-                plain(&ladders[c], elements[e], ladders[c].mesh[m].n);
+            for (const grid *g = ladders[c].mesh; g->n[0]; g++)
+                single(&ladders[c], elements[e], g, json);
+    puts("\nRichardson's extrapolation of two meshes");
+    for (int c = 0; c < 2; c++)
+        for (int e = 0; e < 2; e++)
+            for (const grid *g = ladders[c].pair; g->n[0]; g++)
+                extrapolated(&ladders[c], elements[e], g);
+    puts("\nNewton's method with independent resultants against the plain one, which needs load steps; those that do not settle are halved");
+    for (int c = 0; c < 2; c++)
+        for (int e = 0; e < 2; e++)
+            for (const grid *g = ladders[c].plain; g->n[0]; g++)
+                against_plain(&ladders[c], elements[e], g);
     return json && fclose(json) != 0;
 }

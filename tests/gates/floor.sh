@@ -7,9 +7,9 @@ cat >"$scratch/floors" <<'EOF'
 0 include/pzs_config.h
 1 include/pzs.h lib/unrolled
 2 lib/guard lib/linalg lib/boxls
-3 lib/shell
+3 lib/shell lib/shell_corner lib/shell_at
 4 lib/model lib/control
-5 lib/nonlinear
+5 lib/nonlinear lib/face lib/electrode
 6 lib/follower lib/contact lib/electric
 7 host_tools/ firmware_demo/ tests/
 EOF
@@ -39,7 +39,8 @@ awk '
             if (index(file, name[i]) == 1 && (name[i] ~ /[\/h]$/ || file ~ ("^" name[i] "[.]"))) return floor[name[i]]
         return -1
     }
-    function stem(file) { sub(/[.][ch]$/, "", file); return file }
+    # In lib a file with an underscore belongs to what stands before it: shell_at to shell.
+    function stem(file) { sub(/[.][ch]$/, "", file); if (file ~ /^lib/) sub(/_.*/, "", file); return file }
     function folder(file) { sub(/\/.*/, "", file); return file }
     NR == FNR { for (i = 2; i <= NF; i++) { name[++names] = $i; floor[$i] = $1 }; next }
     {

@@ -33,7 +33,7 @@ check 'no #if inside a function' "$strip"'
     { opened = gsub(/\{/, "{", line); closed = gsub(/\}/, "}", line); depth += opened - closed }'
 
 check 'switches come from pzs_config.h alone' "$strip"'
-    line ~ /^[ \t]*#[ \t]*define[ \t]+PZS_(REAL_BITS|NONLINEAR|TILE|STEP_PASSES|FOLLOWER|CONTACT|ELECTRIC)/ && FILENAME !~ /pzs_config[.]h/ { print where $0 }'
+    line ~ /^[ \t]*#[ \t]*define[ \t]+PZS_(REAL_BITS|NONLINEAR|TILE|STEP_PASSES|FOLLOWER|CONTACT|ELECTRIC)([ \t(]|$)/ && FILENAME !~ /pzs_config[.]h/ { print where $0 }'
 
 check 'lines of at most 125 characters, no tabs, no trailing blanks' '
     length($0) > 125 { print FILENAME ":" FNR ": " length($0) " characters" }
@@ -42,7 +42,7 @@ check 'lines of at most 125 characters, no tabs, no trailing blanks' '
 
 if tap_needs "$CC" 'no array of variable length, no implicit declaration'; then
     # shellcheck disable=SC2086,SC2046
-    "$CC" -std=c99 -fsyntax-only -Werror=vla -Werror=implicit-function-declaration $include $(sources 0) \
+    "$CC" -std=c99 -fsyntax-only -Werror=vla -Werror=implicit-function-declaration -DPZS_NONLINEAR=1 $include $(sources 1) \
         2>"$scratch/found"
     tap $? 'no array of variable length, no implicit declaration'
 fi

@@ -1,19 +1,29 @@
 #!/bin/sh
 # What the library calls outside itself: a short list of leaf functions, and in float builds no double arithmetic.
+# What an image holds: of the nonlinear path nothing in a linear one, of its options nothing that is not attached.
 . tests/gates/common.sh
 
 leaf='memcpy memmove memset sqrt sqrtf fabs fabsf'
 integer='__aeabi_uldivmod __aeabi_ldivmod __aeabi_lmul __aeabi_uidiv __aeabi_idiv __aeabi_uidivmod __aeabi_idivmod'
 
-# check NAME COMPILER NM ALLOWED FLAGS...
+# check NAME COMPILER NM ALLOWED FLAGS...: the linear library and the nonlinear one
 check() {
+    check_one 0 "$@"
+    what=$1
+    shift
+    check_one 1 "$what, nonlinear" "$@"
+}
+
+check_one() {
+    nonlinear=$1
+    shift
     name=$1 compiler=$2 nm=$3 allowed=$4
     shift 4
     tap_needs "$compiler" "$name" || return 0
     rm -f "$scratch"/*.o
-    for file in $(sources 0); do
+    for file in $(sources "$nonlinear"); do
         # shellcheck disable=SC2086
-        if ! "$compiler" -std=c99 -O2 -fno-math-errno -ffp-contract=off $include "$@" -c "$file" \
+        if ! "$compiler" -std=c99 -O2 -fno-math-errno -ffp-contract=off $include -DPZS_NONLINEAR="$nonlinear" "$@" -c "$file" \
             -o "$scratch/$(basename "$file" .c).o" 2>"$scratch/found"; then
             tap 1 "$name"
             return 0
@@ -40,8 +50,42 @@ globals() {
     tap $? 'no writable data'
 }
 
-check 'host, float' "$CC" "$NM" "$leaf" -DPZS_REAL_BITS=32
-check 'host, double' "$CC" "$NM" "$leaf" -DPZS_REAL_BITS=64
+# Names that objects $2... define, under $scratch/$1.
+defined() {
+    list=$1
+    shift
+    for object in "$@"; do "$ARM_NM" "$scratch/$object.o"; done | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }' | sort >"$scratch/$list"
+}
+
+# holds IMAGE LIST: how many names of a list are in an image of the demonstration
+holds() {
+    "$ARM_NM" "${B:-build}/firmware/$1.elf" | awk 'NF == 3 { print $3 }' | sort | comm -12 - "$scratch/$2" | wc -l
+}
+
+# The images of the demonstration, after a nonlinear check for the target has left its objects.
+images() {
+    linear='mps2-an386-control mps2-an386-linear5 mps2-an500-linear'
+    nonlinear='mps2-an386-hemisphere4 mps2-an500-hemisphere4 mps2-an500-reshape'
+    tap_needs "$ARM_CC" 'images' || return 0
+    for image in $linear $nonlinear; do echo "${B:-build}/firmware/$image.elf"; done |
+        xargs "${MAKE:-make}" --no-print-directory -s "B=${B:-build}" >"$scratch/found" 2>&1 || { tap 1 'images build'; return 0; }
+    defined path nonlinear shell_at
+    defined options face follower contact electric
+    for image in $linear; do
+        echo "$(holds "$image" path) of the path, $(holds "$image" options) of its options" >"$scratch/found"
+        [ "$(holds "$image" path)" -eq 0 ] && [ "$(holds "$image" options)" -eq 0 ]
+        tap $? "$image holds nothing of the nonlinear path"
+    done
+    for image in $nonlinear; do
+        echo "$(holds "$image" path) of the path, $(holds "$image" options) of its options" >"$scratch/found"
+        [ "$(holds "$image" path)" -gt 0 ] && [ "$(holds "$image" options)" -eq 0 ]
+        tap $? "$image holds the path, and no follower load or contact"
+    done
+}
+
+# Without position independence a table of functions stays in read-only data.
+check 'host, float' "$CC" "$NM" "$leaf" -fno-pie -DPZS_REAL_BITS=32
+check 'host, double' "$CC" "$NM" "$leaf" -fno-pie -DPZS_REAL_BITS=64
 globals
 # shellcheck disable=SC2086
 check 'Cortex-M4F, float: no double arithmetic' "$ARM_CC" "$ARM_NM" "$leaf $integer" $m4 -DPZS_REAL_BITS=32
@@ -51,4 +95,5 @@ soft='__aeabi_dadd __aeabi_dsub __aeabi_drsub __aeabi_dmul __aeabi_ddiv __aeabi_
 check 'Cortex-M4F, double by software' "$ARM_CC" "$ARM_NM" "$leaf $integer $soft" $m4 -DPZS_REAL_BITS=64
 # shellcheck disable=SC2086
 check 'Cortex-M7, double' "$ARM_CC" "$ARM_NM" "$leaf $integer" $m7 -DPZS_REAL_BITS=64
+images
 tap_end

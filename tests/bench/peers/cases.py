@@ -67,12 +67,25 @@ def hemisphere(n, order):
     return case
 
 
-def annular(n, order):
+def spacing(n, order, graded):
+    """Positions 0..1 along phi and along r. Graded: elements along phi grow from the clamped lip on, the last one four
+    times as long as the first; along r they are finer towards the free edges, s -> 1.4 s - .4 s^3 on [-1, 1]."""
+    phi, r = ([k / (order * size) for k in range(order * size + 1)] for size in n)
+    if graded:
+        growth = 4 ** (1 / (n[0] - 1))
+        phi = [(growth ** (n[0] * at) - 1) / (growth ** n[0] - 1) for at in phi]
+        r = [(1 + 1.4 * s - 0.4 * s ** 3) / 2 for s in (2 * at - 1 for at in r)]
+    return phi, r
+
+
+def annular(n, order, graded):
     """The slit lies at phi = 0, the loaded lip at its end."""
     inner, outer, load = 6.0, 10.0, 0.8
+    along_phi, along_r = spacing(n, order, graded)
+    radius = [inner + at * (outer - inner) for at in along_r]
 
     def point(s, t):
-        phi, r = 2 * pi * s, inner + t * (outer - inner)
+        phi, r = 2 * pi * along_phi[round(s * order * n[0])], radius[round(t * order * n[1])]
         return r * cos(phi), r * sin(phi), 0.0
 
     case = Case(point, n, order)
@@ -81,7 +94,7 @@ def annular(n, order):
     weight = [0.0] * (last[1] + 1)
     for j in range(0, last[1], order):
         for k, share in enumerate((1 / 6, 4 / 6, 1 / 6) if order == 2 else (1 / 2, 1 / 2)):
-            weight[j + k] += share * load * (outer - inner) / n[1]
+            weight[j + k] += share * load * (radius[j + order] - radius[j])
     lip = [case.number[last[0], j] for j in range(last[1] + 1)]
     case.force = [(k, 2, w) for k, w in zip(lip, weight)]
     case.read = (lip[0], 2, 1), (lip[-1], 2, 1)
@@ -89,9 +102,8 @@ def annular(n, order):
     return case
 
 
-CASES = {"hemisphere": hemisphere, "annular": annular}
-
-
 def make(name, mesh, order=1):
-    """The case of a name and a mesh such as "16x16"."""
-    return CASES[name]([int(k) for k in mesh.split("x")], order)
+    """The case of a name and a mesh such as "16x16" or, for four-node elements on the annular plate, "20x5-graded"."""
+    counts, _, graded = mesh.partition("-")
+    n = [int(k) for k in counts.split("x")]
+    return annular(n, order, bool(graded)) if name == "annular" else hemisphere(n, order)

@@ -1,0 +1,27 @@
+/* Results as text for people and as JSON for machines, on standard output. */
+#ifndef PRINT_H
+#define PRINT_H
+
+#include "voltages.h"
+
+/* What `pzs shape` found. */
+typedef struct shape_run {
+    scene scene;
+    analysis analysis;
+    voltages *volts;     /* [count] optimum without limits, then per limit the optimum, on a nonlinear structure that of
+                            the linear model, the clipped one; then those of the scene */
+    int count, compared; /* compared: the first of the scene's own */
+} shape_run;
+
+/* Name, mesh and condition. */
+void print_head(const analysis *a);
+
+/* A displacement's outputs. value [output rows] in */
+void print_solve(const analysis *a, const double *value);
+void print_solve_json(const analysis *a, const double *value);
+
+/* Sets of volts and their errors. */
+void print_shape(const shape_run *run);
+void print_shape_json(const shape_run *run);
+
+#endif

@@ -1,0 +1,155 @@
+/* A simulation in words and numbers (print_simulate.h). */
+#include "print_simulate.h"
+#include <math.h>
+#include "json.h"
+#include "print.h"
+
+static const char *const law_name[LAWS] = {"controller", "clamped"};
+
+/* ---- text ------------------------------------------------------------- */
+
+static void print_plant(const simulation *s)
+{
+    const scene_simulate *simulate = &s->nominal->design.scene->simulate;
+    printf("  plant: %s", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    for (int i = 0; i < s->plant.scene.materials; i++)
+        printf("%s %s stiffness x %g, d x %g", i ? ";" : ",", s->plant.scene.material[i].name,
+               simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
+    printf("; hysteresis %g\n  sensors: noise %g, delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->hysteresis,
+           simulate->noise, simulate->delay, simulate->step, simulate->dead_band);
+    printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
+           simulate->at_target ? "at the nonlinear optimum" : "at rest", simulate->ticks, simulate->rate);
+}
+
+static void print_settled(const simulate_phase *p)
+{
+    const simulate_course *c = &p->course[LAW_CONTROLLER];
+    if (c->settled < 0)
+        printf("%9s", "-");
+    else
+        printf("%9d", c->settled);
+    printf(" %6d", c->slew_ticks);
+}
+
+static void print_phases(const simulation *s)
+{
+    printf("  %-7s %-46s %9s %9s %9s %9s %9s %6s\n", "tick", "phase", "optimum", "steady", "clamped", "worst", "settled", "slew");
+    for (int k = 0; k < s->phases; k++) {
+        const simulate_phase *p = &s->phase[k];
+        char name[160];
+        simulate_name(s, p, name);
+        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %8.3f%% ", p->from, name, 100 * p->optimum, 100 * p->course[LAW_CONTROLLER].steady,
+               100 * p->course[LAW_CLAMP].steady, 100 * p->course[LAW_CONTROLLER].worst);
+        print_settled(p);
+        putchar('\n');
+    }
+    puts("\n  errors of the shape over the scene's target; settled: ticks until within 5% of the way; slew: ticks the slew alone needs");
+}
+
+static void print_count(const simulation *s, simulate_law law)
+{
+    const simulate_count *c = &s->count[law];
+    long run = 0;
+    for (int k = 0; k <= PZS_W_UNSTABLE; k++)
+        run += c->status[k];
+    printf("  %-10s %ld volts beyond a limit or the slew, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
+           "%ld out of passes\n", law_name[law], c->beyond, c->not_finite, run, c->lost, c->status[PZS_W_HELD],
+           c->status[PZS_W_SENSOR], c->status[PZS_W_PASSES]);
+    if (law == LAW_CONTROLLER)
+        printf("  %-10s passes of the optimiser: %.2f a tick, %d at most of %d\n", "", run ? (double)c->passes / (double)run : 0,
+               c->passes_most, PZS_STEP_PASSES);
+}
+
+void print_simulation(const simulation *s)
+{
+    print_head(s->nominal);
+    print_plant(s);
+    print_phases(s);
+    print_count(s, LAW_CONTROLLER);
+    print_count(s, LAW_CLAMP);
+    printf("  %.2f s, %ld linear systems of the plant\n", s->count[0].seconds + s->count[1].seconds, s->plant.systems);
+}
+
+/* ---- JSON ------------------------------------------------------------- */
+
+static void json_course(json *j, const simulation *s, const simulate_course *c, simulate_law law)
+{
+    json_open(j, law_name[law], '{');
+    json_number(j, "steady", c->steady);
+    json_number(j, "worst", c->worst);
+    json_number(j, "settled", c->settled);
+    json_number(j, "slew_ticks", c->slew_ticks);
+    json_numbers(j, "volts", c->volt, s->nominal->design.amplifiers);
+    json_close(j, '}');
+}
+
+static void json_phase(json *j, const simulation *s, const simulate_phase *p)
+{
+    char name[160];
+    simulate_name(s, p, name);
+    json_open(j, NULL, '{');
+    json_string(j, "phase", name);
+    json_number(j, "from", p->from);
+    json_number(j, "until", p->until);
+    json_number(j, "optimum", p->optimum);
+    for (int law = 0; law < LAWS; law++)
+        json_course(j, s, &p->course[law], (simulate_law)law);
+    json_close(j, '}');
+}
+
+static void json_count(json *j, const simulate_count *c, simulate_law law)
+{
+    json_open(j, law_name[law], '{');
+    json_number(j, "beyond", (double)c->beyond);
+    json_number(j, "not_finite", (double)c->not_finite);
+    json_number(j, "lost", (double)c->lost);
+    json_number(j, "held", (double)c->status[PZS_W_HELD]);
+    json_number(j, "doubted", (double)c->status[PZS_W_SENSOR]);
+    json_number(j, "out_of_passes", (double)c->status[PZS_W_PASSES]);
+    json_number(j, "passes", (double)c->passes);
+    json_number(j, "passes_most", c->passes_most);
+    json_close(j, '}');
+}
+
+void print_simulation_json(const simulation *s)
+{
+    const scene *scene = s->nominal->design.scene;
+    json j = {stdout, 0, {0}};
+    json_open(&j, NULL, '{');
+    json_string(&j, "scene", scene->name);
+    json_string(&j, "plant", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    json_number(&j, "ticks", scene->simulate.ticks);
+    json_number(&j, "amplifiers", s->nominal->design.amplifiers);
+    json_number(&j, "targets", s->nominal->design.targets);
+    json_open(&j, "phases", '[');
+    for (int k = 0; k < s->phases; k++)
+        json_phase(&j, s, &s->phase[k]);
+    json_close(&j, ']');
+    json_open(&j, "counts", '{');
+    for (int law = 0; law < LAWS; law++)
+        json_count(&j, &s->count[law], (simulate_law)law);
+    json_close(&j, '}');
+    json_close(&j, '}');
+}
+
+/* ---- CSV -------------------------------------------------------------- */
+
+void print_csv_head(FILE *file, const scene *s)
+{
+    fputs("tick,time,error,active,passes,status,lost", file);
+    for (int k = 0; k < s->amplifiers; k++) {
+        char name[SCENE_NAME + 24];
+        scene_amplifier_name(s, k, name);
+        fprintf(file, ",%s", name);
+    }
+    fputc('\n', file);
+}
+
+void print_csv_tick(FILE *file, const scene *s, const simulate_sample *sample)
+{
+    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / s->simulate.rate, sample->error, sample->active,
+            sample->passes, (int)sample->status, sample->lost);
+    for (int k = 0; k < s->amplifiers; k++)
+        fprintf(file, ",%.17g", sample->volt[k]);
+    fputc('\n', file);
+}

@@ -1,0 +1,391 @@
+/* The closed loop (simulate.h). */
+#define _POSIX_C_SOURCE 200809L
+#include "simulate.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include "guard.h"
+#include "simulate_loop.h"
+
+enum { LAST = 20 /* ticks that count as the end of a phase */, WINDOW = 1000 /* ticks in which settling is looked for */ };
+
+static const double settled_part = 0.05;
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int no_memory(const simulation *s, char *error)
+{
+    return scene_fault(s->nominal->design.scene, s->nominal->design.scene->simulate.at, error, "out of memory");
+}
+
+/* ---- open ------------------------------------------------------------- */
+
+static int course_room(simulate_course *c, const design *d)
+{
+    c->volt = calloc((size_t)d->amplifiers, sizeof *c->volt);
+    c->shape = calloc((size_t)d->targets, sizeof *c->shape);
+    c->u = calloc((size_t)d->mesh.dof, sizeof *c->u);
+    return c->volt && c->shape && c->u;
+}
+
+/* A phase from its tick to the end. Returns whether memory was there. */
+static int phase_begin(simulation *s, int tick, int first)
+{
+    const design *d = &s->plant.analysis.design;
+    simulate_phase *p = &s->phase[s->phases++];
+    if (s->phases > 1)
+        p[-1].until = tick;
+    p->from = tick;
+    p->until = d->scene->simulate.ticks;
+    p->first = first;
+    p->optimum = (double)NAN;
+    p->target = calloc((size_t)d->targets, sizeof *p->target);
+    p->amount = calloc((size_t)d->loads + 1, sizeof *p->amount);
+    p->held = calloc((size_t)d->amplifiers, sizeof *p->held);
+    return course_room(&p->course[0], d) && course_room(&p->course[1], d) && p->target && p->amount && p->held;
+}
+
+/* A phase for every tick with events, one for the ticks before them, one for those after the random faults. */
+static int lay_out_phases(simulation *s)
+{
+    const scene_simulate *simulate = &s->nominal->design.scene->simulate;
+    int quiet = simulate->fault_chance > 0 && simulate->fault_until < simulate->ticks ? simulate->fault_until : -1, good;
+    s->phase = calloc((size_t)simulate->events + 2, sizeof *s->phase);
+    good = s->phase != NULL && phase_begin(s, 0, 0);
+    for (int k = 0; good && k < simulate->events; k++) {
+        const int tick = simulate->event[k].tick;
+        if (quiet >= 0 && tick >= quiet) {
+            good = tick == quiet || phase_begin(s, quiet, k);
+            quiet = -1;
+        }
+        if (good && tick > s->phase[s->phases - 1].from)
+            good = phase_begin(s, tick, k);
+        s->phase[s->phases - 1].events++;
+    }
+    return good && quiet >= 0 ? phase_begin(s, quiet, simulate->events) : good;
+}
+
+/* Influence at the best shape of the nonlinear structure that the controller knows. */
+static int tables_at_target(simulation *s, analysis *nominal, char *error)
+{
+    const design *d = &nominal->design;
+    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
+    double *all = calloc((size_t)d->structure.output.count * inputs, sizeof *all);
+    voltages best;
+    memset(&best, 0, sizeof best);
+    s->influence = calloc(m * n, sizeof *s->influence);
+    int failed = !all || !s->influence ? no_memory(s, error) : 0;
+    nominal->nonlinear = 1;
+    failed = failed || voltages_optimum(nominal, (double)NAN, &best, error) < 0;
+    if (!failed && pzs_influence_at(&nominal->path.run, all) != PZS_OK)
+        failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
+    for (size_t i = 0; !failed && i < m; i++)
+        memcpy(s->influence + i * n, all + i * inputs, n * sizeof *all);
+    s->problem.influence = s->influence;
+    s->problem.hessian = NULL;
+    s->problem.crc = failed ? 0 : guard_problem_crc(&s->problem);
+    voltages_free(&best);
+    free(all);
+    return failed ? -1 : 0;
+}
+
+/* Loops are measured by the range of the volts. */
+static int check_range(const design *d, char *error)
+{
+    for (int k = 0; k < d->amplifiers; k++)
+        if (!isfinite(d->upper[k] - d->lower[k]) && d->scene->simulate.hysteresis > 0)
+            return scene_fault(d->scene, d->scene->simulate.at, error, "hysteresis is a part of the range of the volts; add "
+                               "limits: {voltage: [lowest, highest]}");
+    return 0;
+}
+
+int simulate_open(simulation *s, analysis *nominal, char *error)
+{
+    const design *d = &nominal->design;
+    memset(s, 0, sizeof *s);
+    s->nominal = nominal;
+    s->problem = d->problem;
+    if (check_range(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
+        return -1;
+    for (int i = 0; i < d->targets; i++)
+        s->reference += pow(d->weight[i] * d->target[i], 2);
+    s->reference = s->reference > 0 ? sqrt(s->reference) : 1;
+    int failed = lay_out_phases(s) ? 0 : no_memory(s, error);
+    failed = failed || (d->scene->simulate.at_target && tables_at_target(s, nominal, error) < 0);
+    if (failed)
+        simulate_close(s);
+    return failed ? -1 : 0;
+}
+
+void simulate_close(simulation *s)
+{
+    for (int k = 0; k < s->phases; k++) {
+        for (int law = 0; law < LAWS; law++) {
+            free(s->phase[k].course[law].volt);
+            free(s->phase[k].course[law].shape);
+            free(s->phase[k].course[law].u);
+        }
+        free(s->phase[k].target);
+        free(s->phase[k].amount);
+        free(s->phase[k].held);
+    }
+    free(s->phase);
+    free(s->influence);
+    plant_close(&s->plant);
+    memset(s, 0, sizeof *s);
+}
+
+/* ---- what a phase came to --------------------------------------------- */
+
+typedef struct course_log {
+    double *window;  /* [WINDOW][targets] shapes at the start of the phase, */
+    double *last;    /* [LAST][targets] at its end, */
+    double *mean;    /* [targets] the mean of those */
+    double error[LAST];
+    double *before;  /* [amplifiers] volts before the phase */
+    int ticks;
+} course_log;
+
+static int log_open(course_log *f, const design *d)
+{
+    const size_t m = (size_t)d->targets;
+    memset(f, 0, sizeof *f);
+    f->window = calloc(WINDOW * m, sizeof *f->window);
+    f->last = calloc(LAST * m, sizeof *f->last);
+    f->mean = calloc(m, sizeof *f->mean);
+    f->before = calloc((size_t)d->amplifiers, sizeof *f->before);
+    return f->window && f->last && f->mean && f->before;
+}
+
+static void log_close(course_log *f)
+{
+    free(f->window);
+    free(f->last);
+    free(f->mean);
+    free(f->before);
+}
+
+static void follow(course_log *f, const loop *l, simulate_course *c)
+{
+    const size_t m = (size_t)l->design->targets;
+    if (f->ticks < WINDOW)
+        memcpy(f->window + (size_t)f->ticks * m, l->shape, m * sizeof *f->window);
+    memcpy(f->last + (size_t)(f->ticks % LAST) * m, l->shape, m * sizeof *f->last);
+    f->error[f->ticks % LAST] = l->error;
+    c->worst = fmax(c->worst, l->error);
+    f->ticks++;
+}
+
+/* |W (x - y)| */
+static double apart(const design *d, const double *x, const double *y)
+{
+    double sum = 0;
+    for (int i = 0; i < d->targets; i++)
+        sum += pow(d->weight[i] * (x[i] - y[i]), 2);
+    return sqrt(sum);
+}
+
+/* Ticks after which every shape of the window is within a part of the largest distance from the last ones. */
+static int settled_after(const course_log *f, const design *d)
+{
+    const size_t m = (size_t)d->targets;
+    const int ticks = f->ticks < WINDOW ? f->ticks : WINDOW;
+    double most = 0;
+    int after = 0;
+    for (int k = 0; k < ticks; k++)
+        most = fmax(most, apart(d, f->window + (size_t)k * m, f->mean));
+    for (int k = 0; k < ticks; k++)
+        if (apart(d, f->window + (size_t)k * m, f->mean) > settled_part * most)
+            after = k + 1;
+    return after < ticks ? after : -1;
+}
+
+/* Means over the last ticks: at most a quarter of the phase. */
+static void finish_course(course_log *f, const loop *l, simulate_course *c)
+{
+    const design *d = l->design;
+    const int quarter = (f->ticks + 3) / 4, count = quarter < LAST ? quarter : LAST;
+    double squares = 0, slew = 0;
+    memset(f->mean, 0, (size_t)d->targets * sizeof *f->mean);
+    for (int k = f->ticks - count; k < f->ticks; k++) {
+        squares += f->error[k % LAST] * f->error[k % LAST] / count;
+        for (int i = 0; i < d->targets; i++)
+            f->mean[i] += f->last[(k % LAST) * d->targets + i] / count;
+    }
+    for (int k = 0; k < d->amplifiers; k++)
+        slew = fmax(slew, fabs(l->given[k] - f->before[k]) / d->slew[k]);
+    c->steady = sqrt(squares);
+    c->settled = settled_after(f, d);
+    c->slew_ticks = (int)fmin(ceil(slew), 1e9);
+    memcpy(c->volt, l->given, (size_t)d->amplifiers * sizeof *c->volt);
+    memcpy(c->shape, l->shape, (size_t)d->targets * sizeof *c->shape);
+    memcpy(f->before, l->given, (size_t)d->amplifiers * sizeof *f->before);
+    f->ticks = 0;
+}
+
+/* Conditions at the end of a phase, for its optimum. */
+static void keep_conditions(const loop *l, simulate_phase *p)
+{
+    const design *d = l->design;
+    memcpy(p->target, l->wanted, (size_t)d->targets * sizeof *p->target);
+    memcpy(p->amount, l->load, ((size_t)d->loads + 1) * sizeof *p->amount);
+    for (int k = 0; k < d->amplifiers; k++)
+        p->held[k] = l->electrode[k].fault == ELECTRODE_GOOD ? (double)NAN : l->electrode[k].held;
+}
+
+/* ---- run -------------------------------------------------------------- */
+
+static void tell(const loop *l, simulate_law law, int tick, simulate_watch *watch, void *context)
+{
+    const simulate_sample sample = {.law = law, .tick = tick, .error = l->error, .command = l->command, .volt = l->given,
+                                    .active = loop_active(l), .passes = l->control.passes, .status = l->status, .lost = l->is_lost};
+    if (watch)
+        watch(context, &sample);
+}
+
+static void count_tick(const loop *l, simulate_count *count)
+{
+    count->beyond += l->beyond;
+    count->not_finite += l->not_finite;
+    count->lost += l->is_lost;
+    if (l->is_lost)
+        return;
+    count->passes += l->control.passes;
+    count->passes_most = l->control.passes > count->passes_most ? l->control.passes : count->passes_most;
+    count->status[l->status <= PZS_W_UNSTABLE ? l->status : 0]++;
+}
+
+static int run_ticks(simulation *s, loop *l, course_log *f, simulate_law law, simulate_watch *watch, void *context, char *error)
+{
+    const int ticks = l->design->scene->simulate.ticks;
+    simulate_phase *p = s->phase;
+    for (int tick = 0; tick < ticks; tick++) {
+        if (loop_tick(l, tick, error) < 0)
+            return -1;
+        follow(f, l, &p->course[law]);
+        tell(l, law, tick, watch, context);
+        count_tick(l, &s->count[law]);
+        if (tick + 1 < p->until)
+            continue;
+        finish_course(f, l, &p->course[law]);
+        if (law == LAW_CONTROLLER)
+            keep_conditions(l, p);
+        if (plant_displacement(&s->plant, p->course[law].u, error) < 0)
+            return -1;
+        p++;
+    }
+    return 0;
+}
+
+int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *context, char *error)
+{
+    course_log f;
+    loop l;
+    const double begin = now();
+    memset(&s->count[law], 0, sizeof s->count[law]);
+    for (int k = 0; k < s->phases; k++)
+        s->phase[k].course[law].worst = 0;
+    int failed = log_open(&f, &s->nominal->design) ? 0 : no_memory(s, error);
+    failed = loop_open(&l, s, law, error) < 0 || failed || run_ticks(s, &l, &f, law, watch, context, error) < 0;
+    loop_close(&l);
+    log_close(&f);
+    s->count[law].seconds = now() - begin;
+    return failed ? -1 : 0;
+}
+
+/* ---- optima ----------------------------------------------------------- */
+
+static int same_conditions(const simulation *s, const simulate_phase *a, const simulate_phase *b)
+{
+    const design *d = &s->nominal->design;
+    int same = memcmp(a->target, b->target, (size_t)d->targets * sizeof *a->target) == 0
+            && memcmp(a->amount, b->amount, ((size_t)d->loads + 1) * sizeof *a->amount) == 0;
+    for (int k = 0; k < d->amplifiers; k++)
+        same = same && (isnan(a->held[k]) ? isnan(b->held[k]) : a->held[k] == b->held[k]);
+    return same;
+}
+
+static int find_optimum(simulation *s, simulate_phase *p, double *shape, char *error)
+{
+    const design *d = &s->nominal->design;
+    voltages best;
+    memset(&best, 0, sizeof best);
+    plant_rest(&s->plant);
+    for (int k = 0; k < d->loads; k++)
+        plant_load(&s->plant, k, p->amount[k]);
+    plant_warm(&s->plant, p->amount[d->loads]);
+    const int failed = plant_optimum(&s->plant, p->target, p->held, &best, shape, error) < 0;
+    p->optimum = failed ? (double)NAN : apart(d, shape, p->target) / s->reference;
+    voltages_free(&best);
+    return failed ? -1 : 0;
+}
+
+int simulate_optima(simulation *s, char *error)
+{
+    double *shape = calloc((size_t)s->plant.analysis.design.targets, sizeof *shape);
+    int failed = shape ? 0 : no_memory(s, error);
+    for (int k = 0; k < s->phases && !failed; k++) {
+        if (k > 0 && same_conditions(s, &s->phase[k], &s->phase[k - 1]))
+            s->phase[k].optimum = s->phase[k - 1].optimum;
+        else
+            failed = find_optimum(s, &s->phase[k], shape, error) < 0;
+    }
+    free(shape);
+    return failed ? -1 : 0;
+}
+
+/* ---- words ------------------------------------------------------------ */
+
+static void name_event(const scene *s, const scene_event *event, char *text, size_t room)
+{
+    static const char *const word[] = {"target x", "another target", "load", "temperature", "dead", "stuck", "alive",
+                                       "NaN from", "frozen", "lost ticks:"};
+    const int n = snprintf(text, room, "%s", word[event->type]);
+    char name[SCENE_NAME + 24] = "";
+    text += n;
+    room -= (size_t)n;
+    switch (event->type) {
+    case EVENT_TARGET:
+    case EVENT_TEMPERATURE:
+        snprintf(text, room, " %g", event->amount);
+        break;
+    case EVENT_LOAD:
+        snprintf(text, room, " %d x %g", event->load, event->amount);
+        break;
+    case EVENT_NAN:
+    case EVENT_FROZEN:
+        snprintf(text, room, " %g%% of the sensors, %d ticks", 100 * event->amount, event->ticks);
+        break;
+    case EVENT_LOST:
+        snprintf(text, room, " %d", event->ticks);
+        break;
+    case EVENT_VALUE:
+        break;
+    default:
+        if (event->amplifiers > 0)
+            scene_amplifier_name(s, event->amplifier[0], name);
+        snprintf(text, room, event->amplifiers > 1 ? " %.60s and %d more" : " %.60s", name, event->amplifiers - 1);
+    }
+}
+
+void simulate_name(const simulation *s, const simulate_phase *phase, char text[160])
+{
+    const scene *scene = s->nominal->design.scene;
+    const scene_simulate *simulate = &scene->simulate;
+    const int quiet = simulate->fault_chance > 0 && phase->from == simulate->fault_until;
+    size_t n = 0;
+    snprintf(text, 160, "%s", phase->from == 0 ? "start" : quiet ? "random faults end" : "");
+    for (int k = phase->first; k < phase->first + phase->events && n + 70 < 160; k++) {
+        if (k > phase->first)
+            n += (size_t)snprintf(text + n, 160 - n, ", ");
+        name_event(scene, &simulate->event[k], text + n, 160 - n);
+        n += strlen(text + n);
+    }
+}

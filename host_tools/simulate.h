@@ -1,0 +1,92 @@
+/*
+ * A closed loop on the host: the library's controller with the tables of the scene, a plant it does not quite know,
+ * sensors and amplifiers with their faults, and the scene's schedule. Quasi-static, one shape a tick:
+ *
+ *   events, shape under the volts of the tick before, measurement, controller, amplifiers
+ *
+ * The same scene gives the same bits in every run. Beside the controller the same loop runs with what is often done
+ * instead: the unlimited optimum, cut to limits and slew.
+ */
+#ifndef SIMULATE_H
+#define SIMULATE_H
+
+#include "plant.h"
+
+typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAWS } simulate_law;
+
+/* What a tick came to. */
+typedef struct simulate_sample {
+    simulate_law law;
+    int tick;
+    double error;            /* of the shape at its start: |W (shape - wanted)| / |W target of the scene| */
+    const double *command;   /* [amplifiers] volts asked for */
+    const double *volt;      /* [amplifiers] volts that the amplifiers give */
+    int active, passes;      /* volts at a limit; passes of the optimiser */
+    pzs_status status;
+    int lost;                /* the controller did not run */
+} simulate_sample;
+
+typedef void simulate_watch(void *context, const simulate_sample *sample);
+
+/* What one law came to in one phase. */
+typedef struct simulate_course {
+    double steady;           /* error: root mean square over the last ticks */
+    double worst;            /* largest error */
+    int settled;             /* ticks until the shape stays within 5 % of its way to the last one; -1: it does not */
+    int slew_ticks;          /* what the slew alone needs from the volts before to those at the end */
+    double *volt;            /* [amplifiers] at the end */
+    double *shape;           /* [targets] */
+    double *u;               /* [dof] */
+} simulate_course;
+
+/* From one tick with events to the next. */
+typedef struct simulate_phase {
+    int from, until;
+    int first, events;       /* of the scene, that begin it */
+    double optimum;          /* error of the best volts for this plant in the same limits; NAN before simulate_optima */
+    simulate_course course[LAWS];
+    double *target;          /* [targets] conditions at its end: wanted, */
+    double *amount;          /* [loads] amounts of the plant's loads, its temperature the last, */
+    double *held;            /* [amplifiers] volts of electrodes that do not follow, else NAN */
+} simulate_phase;
+
+/* Counts over all ticks. */
+typedef struct simulate_count {
+    long beyond;             /* volts beyond limit or slew, commanded or given */
+    long not_finite;         /* volts */
+    long passes;             /* of all ticks */
+    int passes_most;
+    long status[PZS_W_UNSTABLE + 1]; /* ticks that ended with each */
+    long lost;
+    double seconds;
+} simulate_count;
+
+typedef struct simulation {
+    const analysis *nominal;
+    plant plant;
+    pzs_problem problem;     /* the controller's tables */
+    double *influence;       /* [targets][amplifiers] at the nonlinear optimum, where the scene asks for it */
+    double reference;        /* |W target of the scene| */
+    int phases;
+    simulate_phase *phase;
+    simulate_count count[LAWS];
+} simulation;
+
+/*
+ * Read the plant, lay out the phases.
+ *   nominal in  after analysis_influence, of a scene with a simulate section; must outlive the simulation
+ * Returns 0, or -1 with error filled and *s empty.
+ */
+int simulate_open(simulation *s, analysis *nominal, char *error);
+void simulate_close(simulation *s);
+
+/* Run all ticks under a law. watch may be NULL. Returns 0, or -1 with error filled. */
+int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *context, char *error);
+
+/* The optimum of each phase, after simulate_run. Returns 0, or -1 with error filled. */
+int simulate_optima(simulation *s, char *error);
+
+/* The event of a phase in words; one of several may stand for all. */
+void simulate_name(const simulation *s, const simulate_phase *phase, char text[160]);
+
+#endif

@@ -1,0 +1,463 @@
+/* One closed loop, tick by tick (simulate_loop.h). */
+#include "simulate_loop.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- random numbers --------------------------------------------------- */
+
+/* splitmix64: the same bits everywhere. */
+static uint64_t draw(loop *l)
+{
+    uint64_t z = l->random += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+/* From 0 to 1, 1 left out. */
+static double draw_share(loop *l)
+{
+    return (double)(draw(l) >> 11) * 0x1p-53;
+}
+
+/* From 0 to count - 1. */
+static int draw_int(loop *l, int count)
+{
+    return (int)(draw_share(l) * count);
+}
+
+/* Mean 0, variance 1: the sum of twelve shares less six; no function of libm, so the same bits everywhere. */
+static double draw_noise(loop *l)
+{
+    double sum = -6;
+    for (int i = 0; i < 12; i++)
+        sum += draw_share(l);
+    return sum;
+}
+
+/* ---- events ----------------------------------------------------------- */
+
+static void set_target(loop *l, const scene_event *event)
+{
+    const mesh *m = &l->design->mesh;
+    for (int i = 0; i < l->design->targets; i++) {
+        const int n = l->design->target_node[i];
+        const expr_point at = {m->point[n].x[0], m->point[n].x[1], m->point[n].x[2], m->theta[n][0], m->theta[n][1]};
+        l->goal[i] = expr_value(event->value, &at);
+    }
+}
+
+static void set_load(loop *l, int load, double amount)
+{
+    l->load[load] = amount;
+    if (load < l->design->loads)
+        plant_load(&l->simulation->plant, load, amount);
+    else
+        plant_warm(&l->simulation->plant, amount);
+}
+
+static void fail_electrodes(loop *l, const scene_event *event, int tick)
+{
+    for (int i = 0; i < event->amplifiers; i++) {
+        electrode *e = &l->electrode[event->amplifier[i]];
+        e->held = event->type == EVENT_DEAD ? 0 : e->fault == ELECTRODE_GOOD ? l->given[event->amplifier[i]] : e->held;
+        e->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
+        e->told_at = event->told >= 0 ? tick + event->told : -1;
+        e->good_at = event->ticks > 0 ? tick + event->ticks : -1;
+    }
+}
+
+static void revive(loop *l, int amplifier)
+{
+    electrode *e = &l->electrode[amplifier];
+    if (e->is_told)
+        (void)pzs_release(&l->control, (uint16_t)amplifier);
+    e->fault = ELECTRODE_GOOD;
+    e->told_at = e->good_at = -1;
+    e->is_told = 0;
+}
+
+static void fail_sensors(loop *l, const scene_event *event, int tick)
+{
+    for (int i = 0; i < l->design->targets; i++) {
+        if (!(draw_share(l) < event->amount))
+            continue;
+        if (event->type == EVENT_NAN)
+            l->sensor[i].nan_until = tick + event->ticks;
+        else
+            l->sensor[i].frozen_until = tick + event->ticks;
+    }
+}
+
+static void happen(loop *l, const scene_event *event, int tick)
+{
+    switch (event->type) {
+    case EVENT_TARGET:
+        l->factor = event->amount;
+        break;
+    case EVENT_VALUE:
+        set_target(l, event);
+        break;
+    case EVENT_LOAD:
+        set_load(l, event->load, event->amount);
+        break;
+    case EVENT_TEMPERATURE:
+        set_load(l, l->design->loads, event->amount);
+        break;
+    case EVENT_ALIVE:
+        for (int i = 0; i < event->amplifiers; i++)
+            revive(l, event->amplifier[i]);
+        break;
+    case EVENT_NAN:
+    case EVENT_FROZEN:
+        fail_sensors(l, event, tick);
+        break;
+    case EVENT_LOST:
+        l->lost_until = tick + event->ticks;
+        break;
+    default:
+        fail_electrodes(l, event, tick);
+    }
+}
+
+/* What the schedule says stands again after the random faults. */
+static void schedule(loop *l, const scene_event *event, int tick)
+{
+    happen(l, event, tick);
+    if (event->type == EVENT_TARGET)
+        l->scheduled_factor = event->amount;
+    if (event->type == EVENT_LOAD || event->type == EVENT_TEMPERATURE)
+        l->scheduled_load[event->type == EVENT_LOAD ? event->load : l->design->loads] = event->amount;
+}
+
+/* One fault of any kind, with sizes and durations that a day's work may bring. */
+static void random_fault(loop *l, int tick)
+{
+    static const scene_event_type kinds[] = {EVENT_NAN, EVENT_NAN, EVENT_FROZEN, EVENT_LOST, EVENT_DEAD, EVENT_STUCK,
+                                             EVENT_TARGET, EVENT_LOAD};
+    int amplifier[2];
+    scene_event event = {.type = kinds[draw_int(l, 8)], .amplifier = amplifier, .told = -1};
+    event.amount = draw_share(l);
+    event.ticks = 1 + draw_int(l, 50);
+    event.amplifiers = 1 + draw_int(l, 2);
+    for (int i = 0; i < 2; i++)
+        amplifier[i] = draw_int(l, l->design->amplifiers);
+    if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
+        event.told = draw_int(l, 2) ? draw_int(l, event.ticks) : -1;
+    if (event.type == EVENT_NAN && draw_int(l, 4) == 0)
+        event.amount = 1; /* every sensor */
+    if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
+        event.amount = 2 * event.amount - 1;
+    event.load = draw_int(l, l->design->loads + 1);
+    if (event.type != EVENT_LOAD || event.load < l->design->loads)
+        happen(l, &event, tick);
+}
+
+static void end_faults(loop *l)
+{
+    l->factor = l->scheduled_factor;
+    l->lost_until = 0;
+    memset(l->sensor, 0, (size_t)l->design->targets * sizeof *l->sensor);
+    for (int k = 0; k <= l->design->loads; k++)
+        set_load(l, k, l->scheduled_load[k]);
+    for (int k = 0; k < l->design->amplifiers; k++)
+        revive(l, k);
+}
+
+static void run_events(loop *l, int tick)
+{
+    const scene_simulate *simulate = &l->design->scene->simulate;
+    if (simulate->fault_chance > 0 && tick < simulate->fault_until && draw_share(l) < simulate->fault_chance)
+        random_fault(l, tick);
+    if (simulate->fault_chance > 0 && tick == simulate->fault_until)
+        end_faults(l);
+    for (; l->next_event < simulate->events && simulate->event[l->next_event].tick == tick; l->next_event++)
+        schedule(l, &simulate->event[l->next_event], tick);
+    for (int k = 0; k < l->design->amplifiers; k++) {
+        electrode *e = &l->electrode[k];
+        if (e->good_at == tick)
+            revive(l, k);
+        if (e->told_at == tick) {
+            (void)pzs_hold(&l->control, (uint16_t)k, e->held);
+            e->is_told = 1;
+        }
+    }
+    for (int i = 0; i < l->design->targets; i++)
+        l->wanted[i] = l->factor * l->goal[i];
+}
+
+/* ---- electrodes, plant, sensors --------------------------------------- */
+
+static double through_play(electrode *e, double volt, double half_range, double share)
+{
+    double mean = 0;
+    for (int i = 0; i < PLAYS; i++) {
+        const double slack = half_range * (i + 1) / (2 * PLAYS);
+        e->play[i] = fmin(fmax(e->play[i], volt - slack), volt + slack);
+        mean += e->play[i] / PLAYS;
+    }
+    return volt + share * (mean - volt);
+}
+
+/* The share of the plays: a full cycle leaves their mean 5/16 of the range wide. */
+static void drive(loop *l)
+{
+    const design *d = l->design;
+    const double hysteresis = d->scene->simulate.hysteresis;
+    for (int k = 0; k < d->amplifiers; k++) {
+        electrode *e = &l->electrode[k];
+        const double volt = e->fault == ELECTRODE_GOOD ? l->given[k] : e->held;
+        l->effect[k] = hysteresis > 0 ? through_play(e, volt, (d->upper[k] - d->lower[k]) / 2, hysteresis * 16 / 5) : volt;
+    }
+}
+
+/* Place of a tick in what is kept for the delay. */
+static double *late(const loop *l, double *kept, int tick)
+{
+    return kept + (size_t)(tick % (l->design->scene->simulate.delay + 1)) * (size_t)l->design->targets;
+}
+
+/* The model's shape under the command, which the tables alone make. */
+static void predict(loop *l)
+{
+    const pzs_problem *p = &l->simulation->problem;
+    for (size_t i = 0; i < p->outputs; i++) {
+        l->predicted[i] = 0;
+        for (size_t k = 0; k < p->inputs; k++)
+            l->predicted[i] += p->influence[i * p->inputs + k] * l->command[k];
+    }
+}
+
+/*
+ * What the sensors say of the shape `delay` ticks ago; what the model has moved by since is added, so that the
+ * controller compares shape and prediction of the same tick. A reading that stands still to the last bit is
+ * handed on standing still.
+ */
+static void sense(loop *l, int tick)
+{
+    const scene_simulate *simulate = &l->design->scene->simulate;
+    const int then = tick > simulate->delay ? tick - simulate->delay : 0;
+    const double *shape = late(l, l->late_shape, then), *said = late(l, l->late_predicted, then);
+    for (int i = 0; i < l->design->targets; i++) {
+        const double noise = simulate->noise > 0 ? simulate->noise * draw_noise(l) : 0;
+        const double reading = tick < l->sensor[i].frozen_until ? l->reading[i] : shape[i] + noise;
+        if (simulate->delay == 0)
+            l->measured[i] = reading;
+        else if (tick == 0 || reading < l->reading[i] || reading > l->reading[i] || isnan(l->measured[i]))
+            l->measured[i] = reading + (l->predicted[i] - said[i]);
+        l->reading[i] = reading;
+        if (tick < l->sensor[i].nan_until)
+            l->measured[i] = (double)NAN;
+    }
+}
+
+/* ---- slew ------------------------------------------------------------- */
+
+/* Does the slew allow this change, to the last bit? */
+static int may_move(double from, double to, double slew)
+{
+    return to - from <= slew && from - to <= slew;
+}
+
+/* The nearest volt to `to` that the slew allows. */
+static double slewed(double from, double to, double slew)
+{
+    to = fmin(fmax(to, from - slew), from + slew);
+    while (!may_move(from, to, slew))
+        to = nextafter(to, from);
+    return to;
+}
+
+/* An electrode whose failure the controller was told of jumps to where it is held. */
+static double slew_of(const loop *l, int amplifier)
+{
+    return l->electrode[amplifier].is_told ? HUGE_VAL : l->design->slew[amplifier];
+}
+
+/* ---- the two laws ----------------------------------------------------- */
+
+/* As is often done: the unlimited optimum for the error, cut to limits and slew. */
+static pzs_status clamp(loop *l)
+{
+    const design *d = l->design;
+    for (int i = 0; i < d->targets; i++) {
+        l->disturbance[i] = isfinite(l->measured[i]) ? l->measured[i] - l->predicted[i] : l->disturbance[i];
+        l->wish[i] = l->wanted[i] - l->disturbance[i];
+    }
+    const pzs_status status = pzs_clipped(&l->control, l->wish, l->next);
+    for (int k = 0; status == PZS_OK && k < d->amplifiers; k++)
+        l->command[k] = slewed(l->command[k], l->next[k], slew_of(l, k));
+    return status;
+}
+
+static void command(loop *l)
+{
+    if (l->law == LAW_CLAMP) {
+        l->status = clamp(l);
+    } else {
+        l->status = pzs_tick(&l->control, l->wanted, l->measured);
+        memcpy(l->command, l->control.volt, (size_t)l->design->amplifiers * sizeof *l->command);
+    }
+    predict(l);
+}
+
+/* ---- amplifiers ------------------------------------------------------- */
+
+/* The step of the converter nearest to a volt. */
+static double converted(double volt, double step)
+{
+    return step > 0 ? step * floor(volt / step + 0.5) : volt;
+}
+
+/* An amplifier obeys limits and slew by itself, gives whole steps, and leaves small changes be. */
+static void amplify(loop *l)
+{
+    const design *d = l->design;
+    const scene_simulate *simulate = &d->scene->simulate;
+    for (int k = 0; k < d->amplifiers; k++) {
+        const double before = l->given[k], slew = slew_of(l, k);
+        const double wish = slewed(before, fmin(fmax(l->command[k], d->lower[k]), d->upper[k]), slew);
+        double volt = converted(wish, simulate->step);
+        if (volt < d->lower[k] || volt > d->upper[k] || !may_move(before, volt, slew))
+            volt += volt > wish ? -simulate->step : simulate->step;
+        const int fits = volt >= d->lower[k] && volt <= d->upper[k] && may_move(before, volt, slew);
+        if (fits && fabs(l->command[k] - before) > simulate->dead_band)
+            l->given[k] = volt;
+    }
+}
+
+/* Volts beyond limits, or beyond the slew from those before. */
+static int beyond(const loop *l, const double *volt, const double *before)
+{
+    const design *d = l->design;
+    int count = 0;
+    for (int k = 0; k < d->amplifiers; k++) {
+        count += !(volt[k] >= d->lower[k] && volt[k] <= d->upper[k]);
+        count += !may_move(before[k], volt[k], slew_of(l, k));
+    }
+    return count;
+}
+
+static int not_finite(const loop *l)
+{
+    int count = 0;
+    for (int k = 0; k < l->design->amplifiers; k++)
+        count += !isfinite(l->command[k]) + !isfinite(l->given[k]);
+    return count;
+}
+
+int loop_active(const loop *l)
+{
+    int count = 0;
+    for (int k = 0; k < l->design->amplifiers; k++)
+        count += l->command[k] <= l->design->lower[k] || l->command[k] >= l->design->upper[k];
+    return count;
+}
+
+/* ---- tick ------------------------------------------------------------- */
+
+static double shape_error(const loop *l)
+{
+    double sum = 0;
+    for (int i = 0; i < l->design->targets; i++)
+        sum += pow(l->design->weight[i] * (l->shape[i] - l->wanted[i]), 2);
+    return sqrt(sum) / l->simulation->reference;
+}
+
+int loop_tick(loop *l, int tick, char *error)
+{
+    const size_t n = (size_t)l->design->amplifiers, m = (size_t)l->design->targets;
+    run_events(l, tick);
+    drive(l);
+    if (plant_shape(&l->simulation->plant, l->effect, l->shape, error) < 0)
+        return -1;
+    l->error = shape_error(l);
+    memcpy(late(l, l->late_shape, tick), l->shape, m * sizeof *l->shape);
+    memcpy(late(l, l->late_predicted, tick), l->predicted, m * sizeof *l->shape);
+    sense(l, tick);
+    l->is_lost = tick < l->lost_until;
+    l->beyond = l->not_finite = 0;
+    if (l->is_lost)
+        return 0;
+    memcpy(l->last, l->command, n * sizeof *l->last);
+    command(l);
+    l->beyond = beyond(l, l->command, l->last);
+    memcpy(l->last, l->given, n * sizeof *l->last);
+    amplify(l);
+    l->beyond += beyond(l, l->given, l->last);
+    l->not_finite = not_finite(l);
+    if (!PZS_IS_ERROR(l->status))
+        return 0;
+    return scene_fault(l->design->scene, l->design->scene->simulate.at, error, "tick %d: %s", tick, pzs_status_text(l->status));
+}
+
+/* ---- open ------------------------------------------------------------- */
+
+static int take_memory(loop *l)
+{
+    const design *d = l->design;
+    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, loads = (size_t)d->loads + 1;
+    const size_t kept = (size_t)d->scene->simulate.delay + 1;
+    double *at = l->memory = calloc((8 + 2 * kept) * m + 2 * loads + 5 * n, sizeof *l->memory);
+    l->electrode = calloc(n, sizeof *l->electrode);
+    l->sensor = calloc(m, sizeof *l->sensor);
+    l->work = malloc(PZS_CONTROL_BYTES(n, m));
+    if (!at || !l->electrode || !l->sensor || !l->work)
+        return 0;
+    double **const of_targets[] = {&l->goal, &l->wanted, &l->shape, &l->reading, &l->measured, &l->predicted, &l->wish,
+                                   &l->disturbance};
+    double **const of_amplifiers[] = {&l->command, &l->given, &l->effect, &l->next, &l->last};
+    for (int i = 0; i < 8; i++, at += m)
+        *of_targets[i] = at;
+    for (int i = 0; i < 5; i++, at += n)
+        *of_amplifiers[i] = at;
+    l->late_shape = at, at += kept * m;
+    l->late_predicted = at, at += kept * m;
+    l->load = at, at += loads;
+    l->scheduled_load = at;
+    return 1;
+}
+
+static void start(loop *l)
+{
+    const design *d = l->design;
+    l->random = (uint64_t)d->scene->simulate.seed;
+    l->factor = l->scheduled_factor = 1;
+    memcpy(l->goal, d->target, (size_t)d->targets * sizeof *l->goal);
+    memcpy(l->command, l->control.volt, (size_t)d->amplifiers * sizeof *l->command);
+    memcpy(l->given, l->command, (size_t)d->amplifiers * sizeof *l->given);
+    memcpy(l->last, l->command, (size_t)d->amplifiers * sizeof *l->last);
+    for (int k = 0; k < d->loads; k++)
+        l->load[k] = l->scheduled_load[k] = 1;
+    for (int k = 0; k < d->amplifiers; k++)
+        l->electrode[k].told_at = l->electrode[k].good_at = -1;
+    predict(l);
+    plant_rest(&l->simulation->plant);
+}
+
+int loop_open(loop *l, simulation *s, simulate_law law, char *error)
+{
+    const scene *scene = s->nominal->design.scene;
+    memset(l, 0, sizeof *l);
+    l->design = &s->nominal->design;
+    l->simulation = s;
+    l->law = law;
+    if (!take_memory(l))
+        return scene_fault(scene, scene->simulate.at, error, "out of memory");
+    const pzs_status status = pzs_control_init(&l->control, &s->problem, NULL, l->work,
+                                               PZS_CONTROL_BYTES(l->design->amplifiers, l->design->targets));
+    if (status != PZS_OK)
+        return scene_fault(scene, scene->limits.at, error, "%s", pzs_status_text(status));
+    start(l);
+    return 0;
+}
+
+void loop_close(loop *l)
+{
+    free(l->memory);
+    free(l->electrode);
+    free(l->sensor);
+    free(l->work);
+    memset(l, 0, sizeof *l);
+}

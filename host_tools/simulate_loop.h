@@ -1,0 +1,70 @@
+/* One closed loop of a simulation, tick by tick: schedule, sensors, controller, amplifiers, electrodes. */
+#ifndef SIMULATE_LOOP_H
+#define SIMULATE_LOOP_H
+
+#include "simulate.h"
+
+enum { PLAYS = 4 };
+
+typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK } electrode_fault;
+
+/*
+ * An electrode between its amplifier and the ceramic.
+ * Hysteresis (Prandtl-Ishlinskii): a share of the volts passes plays of half widths 1/8, 2/8, 3/8, 4/8 of the half
+ * range A of the volts. A full cycle's loop is `hysteresis` times the range wide; no volt is off by more than
+ * hysteresis A.
+ */
+typedef struct electrode {
+    electrode_fault fault;
+    double held;             /* V while it does not follow */
+    double play[PLAYS];      /* V behind each play */
+    int told_at, good_at;    /* tick in which the controller is told; in which it recovers by itself; -1: never */
+    int is_told;             /* the controller holds it, since this tick or before */
+} electrode;
+
+/* A sensor: until which tick it gives NaN or stands still. */
+typedef struct sensor { int nan_until, frozen_until; } sensor;
+
+typedef struct loop {
+    const design *design;    /* what the controller knows */
+    simulation *simulation;
+    simulate_law law;
+    pzs_control control;
+    uint64_t random;         /* state of the generator */
+    int next_event, lost_until;
+    double factor, scheduled_factor; /* of the target */
+    double *memory;          /* all vectors below */
+    double *goal;            /* [targets] target of the scene or the schedule, without its factor */
+    double *wanted;          /* [targets] */
+    double *load, *scheduled_load; /* [loads + 1] amounts, the temperature last */
+    double *shape;           /* [targets] of the plant */
+    double *late_shape;      /* [delay + 1][targets] the last shapes */
+    double *late_predicted;  /* [delay + 1][targets] what the model said to them */
+    double *reading;         /* [targets] last readings of the sensors */
+    double *measured;        /* [targets] what the controller gets */
+    double *predicted;       /* [targets] the model's shape under the command */
+    double *wish;            /* [targets] error for the clamped law */
+    double *disturbance;     /* [targets] of the clamped law */
+    double *command;         /* [amplifiers] of the controller */
+    double *given;           /* [amplifiers] by the amplifiers */
+    double *effect;          /* [amplifiers] what the ceramic makes of them */
+    double *next, *last;     /* [amplifiers] room; before the tick */
+    electrode *electrode;    /* [amplifiers] */
+    sensor *sensor;          /* [targets] */
+    void *work;              /* of the controller */
+    double error;            /* of the last shape */
+    pzs_status status;       /* of the last tick */
+    int is_lost, beyond, not_finite; /* of the last tick */
+} loop;
+
+/* Start: plant at rest, volts as the controller's. Returns 0, or -1 with error filled; close it in either case. */
+int loop_open(loop *l, simulation *s, simulate_law law, char *error);
+void loop_close(loop *l);
+
+/* One tick. Returns 0, or -1 with error filled: the plant has no equilibrium or the controller refuses. */
+int loop_tick(loop *l, int tick, char *error);
+
+/* Volts given that are at a limit. */
+int loop_active(const loop *l);
+
+#endif

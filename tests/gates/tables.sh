@@ -1,0 +1,113 @@
+#!/bin/sh
+# A nonlinear image's header, compiled on the host, finds the equilibrium that `pzs` found, bit for bit: dead loads,
+# actuation, follower loads and contact. Where float cannot carry the scene the header does not compile in float.
+#   B (build directory), PZS from the environment
+: "${B:=build}"
+: "${PZS:=$B/pzs}"
+. tests/gates/common.sh
+
+cat >"$scratch/program.c" <<'EOT'
+#include <stdio.h>
+#include <string.h>
+#include "t.h"
+static pzs_real model_work[T_MODEL_BYTES / sizeof(pzs_real) + 1], path_work[T_PATH_BYTES / sizeof(pzs_real) + 1];
+static pzs_real output[T_ALL_OUTPUTS];
+#if T_FOLLOWERS > 0
+static pzs_follower_load load[T_FOLLOWERS];
+#endif
+#ifdef T_CONTACT_BYTES
+static pzs_real contact_work[T_CONTACT_BYTES / sizeof(pzs_real) + 1];
+static pzs_contact contact;
+#endif
+
+static pzs_status options(pzs_path *path)
+{
+    pzs_status status = PZS_OK;
+#if T_FOLLOWERS > 0
+    for (int k = 0; k < T_FOLLOWERS && status == PZS_OK; k++) status = pzs_attach_follower(path, &load[k], &t_follower[k]);
+#endif
+#ifdef T_CONTACT_BYTES
+    if (status == PZS_OK) status = pzs_attach_contact(path, &contact, &t_contact_face, &t_body, contact_work, sizeof contact_work);
+    contact.stiffness = T_CONTACT_STIFFNESS;
+#endif
+    (void)path;
+    return status;
+}
+
+int main(void)
+{
+    pzs_model model;
+    pzs_path path;
+    pzs_status status = pzs_model_init(&model, &t_structure, model_work, sizeof model_work);
+    if (status == PZS_OK) status = pzs_path_init(&path, &model, &t_nonlinear, path_work, sizeof path_work);
+    if (status == PZS_OK) status = options(&path);
+    if (status != PZS_OK) return printf("init: %s\n", pzs_status_text(status)), 1;
+    path.steps = T_STEPS;
+    path.mixed = T_MIXED;
+    path.change = T_CHANGE;
+    path.systems_allowed = T_SYSTEMS;
+    status = pzs_equilibrium(&path, t_full);
+    if (PZS_IS_ERROR(status)) return printf("equilibrium: %s\n", pzs_status_text(status)), 1;
+    pzs_observe(&t_structure, path.u, output);
+    for (int i = 0; i < T_ALL_OUTPUTS; i++) printf("%.17g\n", (double)output[i]);
+    return memcmp(output, t_reached, sizeof output) != 0;
+}
+EOT
+
+# compile BITS
+compile() {
+    "$CC" -std=c99 -O1 -Iinclude -I"$scratch" -DPZS_NONLINEAR=1 -DPZS_REAL_BITS="$1" "$scratch/program.c" \
+        "$B/$1/libpiezoshape.a" -lm -o "$scratch/program" 2>"$scratch/found"
+}
+
+# same NAME PZS_ARGUMENTS...
+same() {
+    name=$1
+    shift
+    "$PZS" tables "$@" --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && compile 64 &&
+        "$scratch/program" >"$scratch/found"
+    tap $? "$name: the equilibrium of pzs, bit for bit"
+}
+
+# Largest difference of the program's outputs from those of pzs solve, over the largest.
+off_solved() {
+    /usr/bin/python3 -c 'import json, sys
+solved = [x for row in json.load(open(sys.argv[1]))["outputs"].values() for x in row]
+program = [float(x) for x in open(sys.argv[2])]
+assert len(solved) == len(program) > 0
+print(max(abs(a - b) for a, b in zip(program, solved)) / max(abs(x) for x in solved))' "$scratch/solved" "$scratch/found"
+}
+
+same 'dead loads' hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4
+"$PZS" solve hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4 --json >"$scratch/solved"
+off=$(off_solved)
+[ "$off" = 0.0 ]
+tap $? "dead loads: the numbers of pzs solve, off by $off"
+# A thin shell multiplies the rounding of tables and sums by about L/h, here 250.
+compile 32 && { "$scratch/program" >"$scratch/found"; off=$(off_solved); } && awk -v off="$off" 'BEGIN { exit !(off < 1000 * 2 ^ -23) }' &&
+    grep -q 'float or double' "$scratch/told"
+tap $? "dead loads in float: off by $off"
+same 'actuation' roll-up
+! compile 32 && grep -q 'the nonlinear path needs double' "$scratch/found" && grep -q 'refused in float' "$scratch/told"
+tap $? 'roll-up: above the rule, refused in float'
+same 'follower load' ring-follower
+same 'contact' ring-contact
+"$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
+    grep -q 'the nonlinear path needs double' "$scratch/found"
+tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
+
+"$PZS" tables scordelis-lo --image nonlinear -o "$scratch/t.h" 2>"$scratch/found"
+[ $? -eq 2 ] && grep -q 'kinematics: nonlinear' "$scratch/found"
+tap $? 'a scene of linear kinematics is refused'
+
+# committed NAME PZS_ARGUMENTS...
+committed() {
+    name=$1
+    shift
+    "$PZS" tables "$@" --image nonlinear --prefix demo -o "$scratch/t.h" >"$scratch/found" &&
+        diff "$scratch/t.h" "firmware_demo/tables/$name.h" >"$scratch/found"
+    tap $? "committed tables are those of the scene: $name (else: make tables)"
+}
+committed plate_nonlinear plate-50-patches --set kinematics=nonlinear
+committed hemisphere4_nonlinear hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4
+tap_end
