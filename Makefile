@@ -88,6 +88,13 @@ $(call for_variants,options,64 32 san64 san32,)
 $(call for_variants,simulate,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,cases,64,@tests/testdata.o @host.a)
 $(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
+$(call for_variants,path,64,@tests/scene_run.o @host.a)
+
+# Part of the sweep of equilibria with the unit tests, all of it with check-long.
+UNIT_64 += $(B)/test/sweep-64
+$(B)/test/sweep-64: $(B)/64/tests/sweep_path.o $(B)/64/tests/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ -lyaml -lm -o $@
 
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
@@ -104,6 +111,10 @@ check-long: setup-test
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
 	    tests/test_simulate.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
 	    && $(B)/long-simulate
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
+	    tests/test_path.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
+	    && $(B)/long-path
+	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in source corrected; do \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done
 	@echo 'long checks passed'

@@ -177,10 +177,20 @@ static void integrate_stiffness(const laminate *l, const scene_element *element,
     }
 }
 
-/* Size of a field at height z, in its unit. */
-static double field_at(const laminate *l, const laminate_field *field, double z)
+/*
+ * Size of a field at height z, in its unit. Across a curved ply the flux is constant and the field falls with 1/(c1 c2);
+ * over the mean field volt / thickness it is 1/(c1 c2) over its mean.
+ */
+static double field_at(const laminate *l, const scene_element *element, const laminate_place *place,
+                       const laminate_field *field, double z)
 {
-    return field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * (z - l->z[0]) / l->h;
+    double share[6], mean = 0;
+    if (field->ply < 0)
+        return field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * (z - l->z[0]) / l->h;
+    const double *face = l->ply[field->ply].z;
+    for (int g = 0; g < POINTS; g++)
+        mean += gauss_w[g] / 2 / metric_at(element, place, (face[0] + face[1] + (face[1] - face[0]) * gauss_x[g]) / 2, share);
+    return 1 / (metric_at(element, place, z, share) * mean);
 }
 
 /* Stress of a unit of the field in ply p. */
@@ -202,7 +212,8 @@ static void integrate_stress(const laminate *l, const scene_element *element, co
     for (int g = 0; g < POINTS; g++) {
         const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
         double share[6];
-        const double weight = half * gauss_w[g] * metric_at(element, place, z, share) * field_at(l, field, z);
+        const double weight = half * gauss_w[g] * metric_at(element, place, z, share)
+                            * field_at(l, element, place, field, z);
         for (int i = 0; i < N; i++)
             h0[i] += weight * (is_difference[i] ? (z - middle) / l->h : 1) * stress[voigt[i]] / share[voigt[i]];
     }
@@ -328,9 +339,10 @@ static double held_thickening(const laminate *l, const laminate_place *place, co
     double held = 0;
     for (int p = 0; p < l->plies; p++) {
         const laminate_ply *ply = &l->ply[p];
+        const double share = ((ply->z[0] + ply->z[1]) / 2 - l->z[0]) / l->h;
+        const double mean = field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * share;
         if (field_acts(place, field, p))
-            held += field_stress_of(l, field, p)[2] / ply->c[2][2] * field_at(l, field, (ply->z[0] + ply->z[1]) / 2)
-                  * (ply->z[1] - ply->z[0]) / l->h;
+            held += field_stress_of(l, field, p)[2] / ply->c[2][2] * mean * (ply->z[1] - ply->z[0]) / l->h;
     }
     return held;
 }
@@ -386,8 +398,8 @@ double laminate_charge(const laminate *l, const scene_element *element, const la
     double d[N][N], share[6], charge = 0;
     for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
         const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
-        charge += half * gauss_w[g] * metric_at(element, place, z, share) * field_at(l, field, z)
-                * (direct / (2 * half) + thickening);
+        charge += half * gauss_w[g] * metric_at(element, place, z, share) * (direct / (2 * half) + thickening)
+                * field_at(l, element, place, &volt, z) * field_at(l, element, place, field, z);
     }
     if (element->lin33 && place->present >> ply & 1u && relaxed_stiffness(l, element, place, d) == 0)
         charge -= held_thickening(l, place, &volt) * held_thickening(l, place, field) * d[M33][M33];

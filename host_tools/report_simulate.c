@@ -6,7 +6,6 @@
 #include "report.h"
 #include "report_html.h"
 #include "report_parts.h"
-#include "report_plane.h"
 #include "report_space.h"
 
 /* ---- record ----------------------------------------------------------- */
@@ -38,10 +37,385 @@ void record_tick(simulate_record *r, const simulate_sample *sample)
         memcpy(r->volt + (size_t)(bin * r->amplifiers), sample->volt, (size_t)r->amplifiers * sizeof *r->volt);
 }
 
+typedef struct page {
+    FILE *file;
+    const simulation *s;
+    const simulate_record *r;
+    const scene *scene;
+    double *vector, *wanted, *misfit; /* [nodes][3], [nodes][3], [nodes] of the shape being drawn */
+    draw_view view;
+    draw_scale scale;
+    double factor;
+} page;
+
+/* ---- words ------------------------------------------------------------ */
+
+static void write_verdict(const page *p)
+{
+    const simulate_count *c = &p->s->count[LAW_CONTROLLER];
+    double worst = 0;
+    for (int k = 0; k < p->s->phases; k++)
+        worst = fmax(worst, p->s->phase[k].course[LAW_CONTROLLER].steady / p->s->phase[k].optimum - 1);
+    fprintf(p->file, "<p class=\"verdict\"><b>%ld volts beyond a limit or the slew</b> in %d ticks; at the end of every phase the shape error is ",
+            c->beyond, p->scene->simulate.ticks);
+    if (worst > 0) {
+        fputs("within ", p->file);
+        html_percent(p->file, worst);
+        fputs(" of", p->file);
+    } else {
+        fputs("no more than", p->file);
+    }
+    fputs(" the optimum found for that plant in the same limits.</p>\n", p->file);
+}
+
+static void write_phase(const page *p, const simulate_phase *phase)
+{
+    const simulate_course *c = phase->course;
+    char name[160];
+    simulate_name(p->s, phase, name);
+    fprintf(p->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
+    html_text(p->file, name);
+    fputs("</td><td>", p->file);
+    html_percent(p->file, phase->optimum);
+    fputs("</td><td>", p->file);
+    html_percent(p->file, c[LAW_CONTROLLER].steady);
+    fputs("</td><td>", p->file);
+    html_percent(p->file, c[LAW_CLAMP].steady);
+    fputs("</td><td>", p->file);
+    html_percent(p->file, c[LAW_CONTROLLER].worst);
+    fputs("</td><td>", p->file);
+    if (c->settled < 0)
+        fputs("&ndash;", p->file);
+    else
+        fprintf(p->file, "%d", c->settled);
+    fprintf(p->file, "</td><td>%d</td></tr>\n", c->slew_ticks);
+}
+
+static void write_phases(const page *p)
+{
+    fputs("<div class=\"wide\"><table><caption>Shape error: root of the weighted squares of the misfit over those of the scene&rsquo;s target. Steady: over the "
+          "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clamped: the unlimited optimum cut to limits and slew, same "
+          "plant and sensors. Settled: ticks until the shape stays within 5 % of its way. Slew: ticks the slew alone needs.</caption>\n"
+          "<thead><tr><th scope=\"col\">Tick</th><th scope=\"col\" class=\"word\">What happens</th><th scope=\"col\">Optimum</th><th scope=\"col\">Steady</th>"
+          "<th scope=\"col\">Clamped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th><th scope=\"col\">Slew</th></tr></thead><tbody>\n",
+          p->file);
+    for (int k = 0; k < p->s->phases; k++)
+        write_phase(p, &p->s->phase[k]);
+    fputs("</tbody></table></div>\n", p->file);
+}
+
+static void write_counts(const page *p)
+{
+    static const char *const name[LAWS] = {"Controller", "Clamped"};
+    fputs("<div class=\"wide\"><table><caption>Ticks of both laws</caption><thead><tr><th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
+          "<th scope=\"col\">Not finite</th><th scope=\"col\">Lost</th><th scope=\"col\">Held</th><th scope=\"col\">A sensor doubted</th>"
+          "<th scope=\"col\">Out of passes</th><th scope=\"col\">Most passes</th></tr></thead><tbody>\n", p->file);
+    for (int law = 0; law < LAWS; law++) {
+        const simulate_count *c = &p->s->count[law];
+        fprintf(p->file, "<tr><th scope=\"row\">%s</th><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%d</td></tr>\n", name[law],
+                c->beyond, c->not_finite, c->lost, c->status[PZS_W_HELD], c->status[PZS_W_SENSOR], c->status[PZS_W_PASSES], c->passes_most);
+    }
+    fputs("</tbody></table></div>\n", p->file);
+}
+
+/* The plant as it is, of what the controller believes. */
+static void write_plant(const page *p)
+{
+    const scene_simulate *simulate = &p->scene->simulate;
+    fprintf(p->file, "<p>A %s plant", p->s->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    for (int i = 0; i < p->scene->materials; i++) {
+        fputs(i ? "; " : ": ", p->file);
+        html_text(p->file, p->scene->material[i].name);
+        fprintf(p->file, " stiffness &times;&nbsp;%g, d &times;&nbsp;%g", simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
+    }
+    fprintf(p->file, "; hysteresis %g. Sensors: noise ", simulate->hysteresis);
+    html_quantity(p->file, simulate->noise, p->scene->unit_length);
+    fprintf(p->file, ", delay %d ticks. Amplifiers: steps of ", simulate->delay);
+    html_quantity(p->file, simulate->step, p->scene->unit_voltage);
+    fputs(", dead band ", p->file);
+    html_quantity(p->file, simulate->dead_band, p->scene->unit_voltage);
+    fprintf(p->file, ". The controller&rsquo;s influence is that %s. Every shape is an equilibrium; there are no vibrations.</p>\n",
+            simulate->at_target ? "at the nonlinear optimum it believes in" : "at rest");
+}
+
+/* ---- over time -------------------------------------------------------- */
+
+static const double left = 64, right = 1150, top = 8;
+
+static double x_of(const page *p, double tick)
+{
+    return left + (right - left) * tick / p->r->ticks;
+}
+
+/* Verticals at the phases, their ticks below. */
+static void draw_phases(const page *p, double bottom)
+{
+    double last = -100;
+    fputs("<path class=\"grid\" d=\"", p->file);
+    for (int k = 1; k < p->s->phases; k++)
+        fprintf(p->file, "M%.1f %.1fV%.1f", x_of(p, p->s->phase[k].from), top, bottom);
+    fprintf(p->file, "\"/>\n<rect class=\"frame\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n", left, top, right - left, bottom - top);
+    for (int k = 0; k < p->s->phases; k++) {
+        const double x = x_of(p, p->s->phase[k].from);
+        if (x < last + 40 || x > right - 90)
+            continue;
+        fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>\n", x, bottom + 14, p->s->phase[k].from);
+        last = x;
+    }
+    fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">tick %d, ", right, bottom + 14, p->r->ticks);
+    html_quantity(p->file, p->r->ticks / p->scene->simulate.rate, "s");
+    fputs("</text>\n", p->file);
+}
+
+typedef struct log_axis { double low, high, bottom; } log_axis;
+
+static double y_of(const log_axis *axis, double value)
+{
+    const double share = log(fmax(value, axis->low) / axis->low) / log(axis->high / axis->low);
+    return axis->bottom - (axis->bottom - top) * fmin(share, 1);
+}
+
+/* Whole steps of 1, 2, 5 around all errors. */
+static log_axis axis_of(const page *p, double bottom)
+{
+    static const double step[3] = {1, 2, 5};
+    log_axis axis = {HUGE_VAL, 0, bottom};
+    for (int law = 0; law < LAWS; law++)
+        for (int i = 0; i < p->r->bins; i++) {
+            axis.low = fmin(axis.low, p->r->error[law][i] > 0 ? p->r->error[law][i] : HUGE_VAL);
+            axis.high = fmax(axis.high, p->r->error[law][i]);
+        }
+    for (int k = 0; k < p->s->phases; k++)
+        axis.low = fmin(axis.low, p->s->phase[k].optimum > 0 ? p->s->phase[k].optimum : axis.low);
+    axis.low = fmax(isfinite(axis.low) ? axis.low : 1, 1e-6 * axis.high);
+    double below = pow(10, floor(log10(axis.low)));
+    for (int i = 1; i < 3; i++)
+        below = step[i] * pow(10, floor(log10(axis.low))) <= axis.low ? step[i] * pow(10, floor(log10(axis.low))) : below;
+    axis.low = below;
+    axis.high = fmax(axis.high, 2 * axis.low);
+    return axis;
+}
+
+static void draw_levels(const page *p, const log_axis *axis)
+{
+    static const double step[3] = {1, 2, 5};
+    for (double ten = pow(10, floor(log10(axis->low))); ten <= axis->high; ten *= 10)
+        for (int i = 0; i < 3; i++) {
+            const double y = y_of(axis, step[i] * ten);
+            if (step[i] * ten < axis->low * (1 - 1e-9) || step[i] * ten > axis->high)
+                continue;
+            fprintf(p->file, "<path class=\"grid\" d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", left, y, right, left - 6, y + 4);
+            html_percent(p->file, step[i] * ten);
+            fputs("</text>\n", p->file);
+        }
+}
+
+static void draw_errors(const page *p)
+{
+    const log_axis axis = axis_of(p, 250);
+    static const char *const style[LAWS] = {"wire", "rest"};
+    fputs("<figure>\n", p->file);
+    draw_begin(p->file, 1160, 270, "Shape error over time of the controller and of clamping, with the optimum of each phase");
+    draw_levels(p, &axis);
+    draw_phases(p, axis.bottom);
+    for (int law = LAWS - 1; law >= 0; law--) {
+        fprintf(p->file, "<path class=\"%s\" style=\"stroke-width:1.6\" d=\"", style[law]);
+        for (int i = 0; i < p->r->bins; i++)
+            fprintf(p->file, "%c%.1f %.1f", i ? 'L' : 'M', x_of(p, (i + 0.5) * p->r->ticks / p->r->bins), y_of(&axis, p->r->error[law][i]));
+        fputs("\"/>\n", p->file);
+    }
+    fputs("<path class=\"outline\" d=\"", p->file);
+    for (int k = 0; k < p->s->phases; k++)
+        fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, p->s->phase[k].from), y_of(&axis, p->s->phase[k].optimum), x_of(p, p->s->phase[k].until));
+    fputs("\"/>\n", p->file);
+    draw_end(p->file);
+    fputs("<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clamped</span>"
+          "<span><i class=\"key dash\"></i>optimum of the plant</span></span> Shape error, logarithmic", p->file);
+    if (p->r->ticks > p->r->bins)
+        fprintf(p->file, "; the largest of every %d ticks", (p->r->ticks + p->r->bins - 1) / p->r->bins);
+    fputs(".</figcaption></figure>\n", p->file);
+}
+
+/* One amplifier: runs of one colour, then a line where it is at a limit. */
+static void draw_row(const page *p, int amplifier, const draw_scale *scale, double y, double height)
+{
+    const simulate_record *r = p->r;
+    const double *volt = r->volt + amplifier;
+    for (int i = 0, end; i < r->bins; i = end) {
+        const int level = draw_level(scale, volt[i * r->amplifiers]);
+        for (end = i + 1; end < r->bins && draw_level(scale, volt[end * r->amplifiers]) == level;)
+            end++;
+        const double from = x_of(p, (double)i * r->ticks / r->bins), to = x_of(p, (double)end * r->ticks / r->bins);
+        draw_path(p->file, scale, level);
+        fprintf(p->file, "M%.1f %.1fH%.1fv%.1fH%.1fz\"/>", from, y, to, height, from);
+    }
+    fputs("<path class=\"frame\" style=\"stroke:var(--ink)\" d=\"", p->file);
+    for (int i = 0, end; i < r->bins; i = end) {
+        const int at = volt[i * r->amplifiers] <= r->lower[amplifier] || volt[i * r->amplifiers] >= r->upper[amplifier];
+        for (end = i + 1; end < r->bins && at == (volt[end * r->amplifiers] <= r->lower[amplifier] || volt[end * r->amplifiers] >= r->upper[amplifier]);)
+            end++;
+        if (at)
+            fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, (double)i * r->ticks / r->bins), y + height / 2, x_of(p, (double)end * r->ticks / r->bins));
+    }
+    fputs("\"/>\n", p->file);
+}
+
+static void draw_volts(const page *p)
+{
+    const double height = fmax(4, fmin(14, 420.0 / p->r->amplifiers)), bottom = top + height * p->r->amplifiers;
+    draw_scale scale = {1, 0, p->scene->unit_voltage};
+    for (int i = 0; i < p->r->bins * p->r->amplifiers; i++)
+        scale.most = fmax(scale.most, fabs(p->r->volt[i]));
+    fputs("<figure>\n", p->file);
+    draw_begin(p->file, 1160, bottom + 20, "Volts of every amplifier over time, with a line where one is at a limit");
+    fputs("<g class=\"flat\">\n", p->file);
+    for (int k = 0; k < p->r->amplifiers; k++)
+        draw_row(p, k, &scale, top + height * k, height);
+    fputs("</g>\n", p->file);
+    for (int k = 0; k < p->r->amplifiers && height >= 10; k++) {
+        char name[SCENE_NAME + 24];
+        scene_amplifier_name(p->scene, k, name);
+        fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", left - 6, top + height * (k + 0.8));
+        html_text(p->file, name);
+        fputs("</text>\n", p->file);
+    }
+    draw_phases(p, bottom);
+    draw_end(p->file);
+    fputs("<figcaption>Volts of the amplifiers under the controller, a row each; the line within marks those at a limit.", p->file);
+    draw_legend(p->file, &scale);
+    fputs("</figcaption></figure>\n", p->file);
+}
+
+/* ---- shapes ----------------------------------------------------------- */
+
+/* Displacement, misfit and wanted shape of one end into the page's arrays. */
+static void take_shape(const page *p, const simulate_phase *phase, simulate_law law)
+{
+    const design *d = &p->s->nominal->design;
+    const scene_component c = d->scene->target.what.component;
+    const simulate_course *course = &phase->course[law];
+    report_displacement(&d->mesh, course->u, p->vector);
+    for (int n = 0; n < d->mesh.nodes; n++)
+        p->misfit[n] = p->wanted[3 * n] = p->wanted[3 * n + 1] = p->wanted[3 * n + 2] = (double)NAN;
+    for (int t = 0; t < d->targets; t++) {
+        const int n = d->target_node[t];
+        p->misfit[n] = course->shape[t] - phase->target[t];
+        for (int i = 0; i < 3; i++) {
+            const double along = c <= COMPONENT_U3 ? d->mesh.point[n].e[c - COMPONENT_U1][i] : (unsigned)i == c - COMPONENT_X;
+            p->wanted[3 * n + i] = p->vector[3 * n + i] - p->misfit[n] * along;
+        }
+    }
+}
+
+static int draw_shape(const page *p, const simulate_phase *phase, simulate_law law)
+{
+    const mesh *m = &p->s->nominal->design.mesh;
+    take_shape(p, phase, law);
+    const space reached = {p->file, &p->view, m, p->vector, p->factor}, wanted = {p->file, &p->view, m, p->wanted, p->factor};
+    const space rest = {p->file, &p->view, m, NULL, 0};
+    fprintf(p->file, "<figure><h3>%s ", law == LAW_CONTROLLER ? "Controller" : "Clamped");
+    html_percent(p->file, phase->course[law].steady);
+    fputs("</h3>\n", p->file);
+    draw_begin(p->file, p->view.width, p->view.height, "Shape at the end of the phase, coloured by its misfit, with the target as lines over it");
+    space_outline(&rest);
+    const int failed = space_surface(&reached, p->misfit, &p->scale);
+    space_wires(&wanted, "wire");
+    space_supports(&reached);
+    space_axes(&reached);
+    draw_end(p->file);
+    fputs("</figure>\n", p->file);
+    return failed;
+}
+
+/* Is this the end of conditions that the phase after it changes? Sensor faults leave the shape as it is. */
+static int is_worth_seeing(const simulation *s, int k)
+{
+    return k + 1 == s->phases || fabs(s->phase[k].optimum - s->phase[k + 1].optimum) > 0.02 * s->phase[k].optimum;
+}
+
+/* Scales and view that all shapes share. */
+static void prepare_shapes(page *p)
+{
+    const mesh *m = &p->s->nominal->design.mesh;
+    double most = 0;
+    draw_view_begin(&p->view, m);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int k = 0; k < p->s->phases; k++)
+            for (int law = 0; law < LAWS; law++) {
+                take_shape(p, &p->s->phase[k], (simulate_law)law);
+                for (int n = 0; n < m->nodes; n++) {
+                    p->scale.most = fmax(p->scale.most, isnan(p->misfit[n]) ? 0 : fabs(p->misfit[n]));
+                    most = fmax(most, sqrt(draw_dot3(p->vector + 3 * n, p->vector + 3 * n)));
+                }
+                if (pass == 1)
+                    parts_include(&p->view, m, p->vector, p->factor);
+            }
+        p->factor = parts_magnification(m, most, 0.3);
+    }
+    p->scale.is_signed = 1;
+    p->scale.unit = p->scene->unit_length;
+    draw_view_fit(&p->view, 420, 320);
+}
+
+static int draw_shapes(const page *p)
+{
+    int failed = 0;
+    fputs("<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>edges at rest</span><span><i class=\"key hold\"></i>support</span></p>\n", p->file);
+    for (int k = 0; k < p->s->phases; k++) {
+        char name[160];
+        if (!is_worth_seeing(p->s, k))
+            continue;
+        simulate_name(p->s, &p->s->phase[k], name);
+        fprintf(p->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;", p->s->phase[k].until - 1);
+        html_text(p->file, name);
+        fputs("&rdquo;</h3>\n<div class=\"row two\">\n", p->file);
+        for (int law = 0; law < LAWS; law++)
+            failed |= draw_shape(p, &p->s->phase[k], (simulate_law)law);
+        fputs("</div>\n</article>\n", p->file);
+    }
+    fputs("<p class=\"soft\">Misfit, reached minus target, on one scale; ", p->file);
+    parts_magnified(p->file, &p->s->nominal->design.mesh, p->factor);
+    fputs(".</p>\n", p->file);
+    draw_legend(p->file, &p->scale);
+    return failed;
+}
+
+/* ---- page ------------------------------------------------------------- */
+
+static int write_page(page *p)
+{
+    const analysis *a = p->s->nominal;
+    html_begin(p->file, p->scene->name);
+    parts_head(p->file, a, "The controller in closed loop", a->model.residual, a->model.error);
+    write_verdict(p);
+    fputs("<section>\n<h2>Over time</h2>\n", p->file);
+    write_plant(p);
+    draw_errors(p);
+    draw_volts(p);
+    fputs("</section>\n<section>\n<h2>Phases</h2>\n", p->file);
+    write_phases(p);
+    write_counts(p);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
+    prepare_shapes(p);
+    const int failed = draw_shapes(p);
+    fputs("</section>\n<section>\n<h2>Structure the controller believes in</h2>\n<div class=\"row two\">\n", p->file);
+    parts_layers(p->file, p->scene);
+    parts_conditions(p->file, &a->design);
+    fputs("</div>\n</section>\n", p->file);
+    html_end(p->file);
+    return failed;
+}
+
 int report_simulate(FILE *file, const simulation *s, const simulate_record *r)
 {
-    (void)s; (void)r;
-    html_begin(file, "x");
-    html_end(file);
-    return 0;
+    const size_t nodes = (size_t)s->nominal->design.mesh.nodes;
+    page p = {.file = file, .s = s, .r = r, .scene = s->nominal->design.scene};
+    p.vector = calloc(3 * nodes, sizeof *p.vector);
+    p.wanted = calloc(3 * nodes, sizeof *p.wanted);
+    p.misfit = calloc(nodes, sizeof *p.misfit);
+    const int failed = !p.vector || !p.wanted || !p.misfit || write_page(&p);
+    free(p.vector);
+    free(p.wanted);
+    free(p.misfit);
+    return failed || ferror(file) ? -1 : 0;
 }

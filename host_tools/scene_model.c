@@ -73,8 +73,12 @@ static int read_alpha(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
-/* E and nu stand for all; what is not given of the others follows from transverse isotropy in the plane 23. */
-typedef struct material_text { scene_material m; double e, nu; } material_text;
+/*
+ * E and nu stand for all; what is not given of the others follows from transverse isotropy in the plane 23. Or the
+ * stiffness c11 c22 c33 c12 c13 c23 c44 c55 c66, where it follows from that in the plane 12, as of a ceramic poled along 3.
+ */
+typedef struct material_text { scene_material m; double e, nu, c[9]; } material_text;
+enum { C11, C22, C33, C12, C13, C23, C44, C55, C66 };
 
 static const char *const isotropic_keys[] = {"E", "nu", NULL};
 static const char *const orthotropic_keys[] = {"E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23", NULL};
@@ -143,19 +147,70 @@ static int elastic_orthotropic(reader *r, int node, material_text *text)
                       m->nu12, m->nu13, m->nu23, tree_name(r->t, node));
 }
 
+static int read_stiffness(reader *r, int node, void *to, const void *rule)
+{
+#define STIFFNESS(key, i, rule, required) {key, read_real, sizeof(double) * (i), rule, required}
+    static const field fields[] = {
+        STIFFNESS("c11", C11, &above_zero, 1), STIFFNESS("c12", C12, NULL, 1), STIFFNESS("c13", C13, NULL, 1),
+        STIFFNESS("c33", C33, &above_zero, 1), STIFFNESS("c44", C44, &above_zero, 1), STIFFNESS("c22", C22, &above_zero, 0),
+        STIFFNESS("c23", C23, NULL, 0), STIFFNESS("c55", C55, &above_zero, 0), STIFFNESS("c66", C66, &above_zero, 0),
+        {NULL, NULL, 0, NULL, 0}};
+#undef STIFFNESS
+    double *c = to;
+    int i;
+    (void)rule;
+    for (i = 0; i < 9; i++) c[i] = (double)NAN;
+    if (read_map(r, node, fields, c) != 0) return -1;
+    set_default(&c[C22], c[C11]);
+    set_default(&c[C23], c[C13]);
+    set_default(&c[C55], c[C44]);
+    set_default(&c[C66], (c[C11] - c[C12]) / 2);
+    return 0;
+}
+
+/* Engineering constants from a stiffness, by its inverse. */
+static int elastic_stiffness(reader *r, int node, material_text *text)
+{
+    const double *c = text->c;
+    scene_material *m = &text->m;
+    const double minor = c[C11] * c[C22] - c[C12] * c[C12], s33 = minor;
+    const double s11 = c[C22] * c[C33] - c[C23] * c[C23], s22 = c[C11] * c[C33] - c[C13] * c[C13];
+    const double s12 = c[C13] * c[C23] - c[C12] * c[C33], s13 = c[C12] * c[C23] - c[C13] * c[C22];
+    const double s23 = c[C12] * c[C13] - c[C23] * c[C11];
+    const double all = c[C11] * s11 + c[C12] * s12 + c[C13] * s13;
+    if (!(minor > 0 && all > 0 && s11 > 0 && s22 > 0 && c[C66] > 0))
+        return tree_fault(r->t, node, "the stiffness of %.60s is not positive definite; lower c12, c13 or c23",
+                          tree_name(r->t, node));
+    m->e[0] = all / s11;
+    m->e[1] = all / s22;
+    m->e[2] = all / s33;
+    m->nu12 = -s12 / s11;
+    m->nu13 = -s13 / s11;
+    m->nu23 = -s23 / s22;
+    m->g23 = c[C44];
+    m->g13 = c[C55];
+    m->g12 = c[C66];
+    return 0;
+}
+
 static int check_material(reader *r, int node, material_text *text)
 {
+    static const char *const stiffness_key[] = {"stiffness", NULL};
     const char *e = first_given(r, node, isotropic_keys), *e1 = first_given(r, node, orthotropic_keys);
+    const char *c = first_given(r, node, stiffness_key);
     const char *d = first_given(r, node, d_keys), *piezo_e = first_given(r, node, e_keys);
     if (e && e1)
         return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give E, nu or E1, E2, G12, nu12 ...",
                           tree_name(r->t, node), e, e1);
+    if (c && (e || e1))
+        return tree_fault(r->t, node, "%.60s has 'stiffness' and '%s'; give one or the other", tree_name(r->t, node),
+                          e ? e : e1);
     if (d && piezo_e)
         return tree_fault(r->t, node, "%.60s has '%s' and '%s'; give strain constants d or stress constants e",
                           tree_name(r->t, node), d, piezo_e);
     text->m.has_d = d != NULL;
     text->m.has_e = piezo_e != NULL;
-    return e1 ? elastic_orthotropic(r, node, text) : elastic_isotropic(r, node, text);
+    return c ? elastic_stiffness(r, node, text) : e1 ? elastic_orthotropic(r, node, text) : elastic_isotropic(r, node, text);
 }
 
 static int read_material(reader *r, int node, scene_material *to)
@@ -163,7 +218,7 @@ static int read_material(reader *r, int node, scene_material *to)
 #define ELASTIC(key, member) {key, read_real, offsetof(material_text, member), &above_zero, 0}
 #define NUMBER(key, member) {key, read_real, offsetof(material_text, member), NULL, 0}
     static const field fields[] = {
-        ELASTIC("E", e), NUMBER("nu", nu),
+        ELASTIC("E", e), NUMBER("nu", nu), {"stiffness", read_stiffness, offsetof(material_text, c), NULL, 0},
         ELASTIC("E1", m.e[0]), ELASTIC("E2", m.e[1]), ELASTIC("E3", m.e[2]),
         ELASTIC("G12", m.g12), ELASTIC("G13", m.g13), ELASTIC("G23", m.g23),
         NUMBER("nu12", m.nu12), NUMBER("nu13", m.nu13), NUMBER("nu23", m.nu23),

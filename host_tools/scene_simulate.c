@@ -288,7 +288,7 @@ int read_simulate(reader *r, int node, void *to, const void *rule)
     if (read_map(r, node, fields, &s->simulate) != 0) return -1;
     s->simulate.given = 1;
     if (!s->simulate.at_target || s->kinematics != KINEMATICS_LINEAR) return 0;
-    return tree_fault(r->t, node, "'influence: target' needs the nonlinear structure; write kinematics: nonlinear");
+    return tree_fault(r->t, tree_find(r->t, node, "influence"), "'influence: target' needs the nonlinear structure; write kinematics: nonlinear");
 }
 
 void free_simulate(scene_simulate *simulate)

@@ -18,7 +18,7 @@
 
 static pzs_contact *contact_of(pzs_option *option)
 {
-    return (pzs_contact *)option;
+    return (pzs_contact *)(void *)option;
 }
 
 static pzs_real dot(const pzs_real a[3], const pzs_real b[3])

@@ -78,7 +78,8 @@ static int factor_open(pzs_circuit *c, pzs_path *path, pzs_real *f, pzs_real *z)
         solve_free(path, z);
         for (uint32_t b = 0; b <= a; b++) {
             volt_force(c, path, b, f);
-            *linalg_entry(&c->open, a, b) = dot(f, z, dof) + electrode_direct(c->tables, electrode_open(c->tables, a), input_of(c, b));
+            *linalg_entry(&c->open, a, b) =
+                dot(f, z, dof) + electrode_direct(c->tables, electrode_open(c->tables, a), input_of(c, b));
         }
     }
     const linalg_inertia inertia = linalg_factor(&c->open);

@@ -34,7 +34,8 @@ uint32_t electrode_crc(const pzs_electrodes *t, uint32_t inputs)
 static int in_range(const pzs_electrodes *t, uint32_t inputs)
 {
     for (uint32_t k = 0; k < t->count; k++)
-        if (t->input[k] >= inputs || (k > 0 && t->input[k] <= t->input[k - 1]) || t->direct.start[k] > t->direct.start[k + 1])
+        if (t->input[k] >= inputs || (k > 0 && t->input[k] <= t->input[k - 1])
+            || t->direct.start[k] > t->direct.start[k + 1])
             return 0;
     for (uint32_t i = t->direct.start[0]; i < t->direct.start[t->count]; i++)
         if (t->direct.dof[i] >= inputs)

@@ -268,10 +268,9 @@ static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
 {
     const pzs_structure *s = model->structure;
     for (uint32_t e = 0; e < s->elements; e++) {
-        const uint16_t kind = s->element_kind[e];
         pzs_real u[SHELL_MAX]; /* displacement, then force */
         model_gather(model, s->element[e], SHELL_NODES, p, u);
-        shell_force(&s->kind[kind], s->unknowns, u, u);
+        shell_force(&s->kind[s->element_kind[e]], s->unknowns, u, u);
         model_scatter(model, s->element[e], SHELL_NODES, model_kind_factor(model, e), u, f);
     }
 }

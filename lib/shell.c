@@ -314,11 +314,11 @@ void shell_resultants(const pzs_kind *kind, unsigned unknowns, const pzs_real *u
             *resultant++ = h[m][kept_strain[m][i]];
 }
 
-void shell_corners(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, corner shape[4])
+void shell_corners(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, corner now[4])
 {
     for (int r = 0; r < SHELL_NODES; r++) {
         const corner d = corner_derivatives(kind, unknowns, u, r);
-        shape[r] = moved(kind, &d, 1, r);
+        now[r] = moved(kind, &d, 1, r);
     }
 }
 

@@ -3,9 +3,9 @@
 
 FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
-.PHONY: bench bench-linalg bench-step bench-accuracy bench-device
+.PHONY: bench bench-linalg bench-step bench-accuracy bench-path bench-count bench-device
 bench: setup-bench
-	@$(MAKE) --no-print-directory -s -k bench-linalg bench-step bench-accuracy bench-device
+	@$(MAKE) --no-print-directory -s -k bench-linalg bench-step bench-accuracy bench-path bench-count bench-device
 
 $(B)/bench/linalg-64: tests/bench/bench_linalg.c lib/linalg.c
 	@mkdir -p $(@D)
@@ -28,11 +28,27 @@ bench-device: setup-test
 	@echo 'Instructions on the device, counted by QEMU (not cycles)'
 	@B=$(B) sh tests/bench/device.sh
 
-# The whole library for this machine.
-$(eval $(call variant,fast,$(filter-out -std=% -I%,$(FAST)) -DPZS_REAL_BITS=64 -DPZS_TILE=8))
-$(B)/bench/path: $(B)/fast/tests/bench/bench_path.o $(B)/fast/host.a $(B)/fast/libpiezoshape.a
+# The whole library for this machine; and for valgrind, which does not know AVX-512.
+FAST_PATH := -O3 -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8
+$(eval $(call variant,native,-march=native $(FAST_PATH)))
+$(eval $(call variant,avx2,-march=x86-64-v3 $(FAST_PATH)))
+$(B)/bench/path: $(B)/native/tests/bench/bench_path.o $(B)/native/host.a $(B)/native/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ -lyaml -lm -o $@
+$(B)/bench/count-path: $(B)/avx2/tests/bench/count_path.o $(B)/avx2/host.a $(B)/avx2/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ -lyaml -lm -o $@
+
+# PEERS=full: every run of the peers, each three times (three minutes); otherwise the best of them, once (40 seconds).
+bench-path: $(B)/bench/path
+	@echo 'Speed against error, nonlinear shells; load of this machine' $$(cut -d' ' -f1 /proc/loadavg)
+	@$(B)/bench/path --json $(B)/bench/path.json
+	@$(PYTHON) tests/bench/peers/run.py --build $(B) $(if $(filter full,$(PEERS)),,--quick) >$(B)/bench/peers.json; failed=$$?; \
+	    echo; echo 'Time to reach an error, against the peers; load of this machine' $$(cut -d' ' -f1 /proc/loadavg); \
+	    $(PYTHON) tests/bench/peers/compare.py $(B)/bench/path.json $(B)/bench/peers.json && exit $$failed
+bench-count: $(B)/bench/count-path $(F)/mps2-an500-hemisphere4.out
+	@echo 'Instructions of a Newton system, element "source", double, AVX2'
+	@sh tests/bench/count_path.sh $(B)/bench/count-path $(F)/mps2-an500-hemisphere4.out
 
 # bench_step holds lib/boxls.c and lib/control.c itself, to time the solver apart from the product B'e.
 $(B)/daqp/libdaqp.a:

@@ -60,9 +60,9 @@ def show(rows, runs):
             print(f"{text}none reaches it; the best is {least['mesh']} {least.get('element', '')}".rstrip()
                   + f", error {100 * least['error']:.2f} %")
             continue
-        ratio = "" if row["ratio"] is None or row["code"] == OURS else f"  {row['ratio']:.3g} x ours"
-        print(f"{text}{1000 * run['seconds']:>9.1f} ms  {run['mesh']:<7} {run.get('element', ''):<14} {run['steps']} steps "
-              f"{run['iterations']} iterations, error {100 * run['error']:.2f} %{ratio}")
+        ratio = "" if row["ratio"] is None or row["code"] == OURS else f"  {row['ratio']:.4g} x ours"
+        print(f"{text}{1000 * run['seconds']:>9.1f} ms  {run['mesh']:<11} {run.get('element', ''):<14} {run['steps']:>3} steps "
+              f"{run['iterations']:>3} iterations, error {100 * run['error']:.2f} %{ratio}")
     for case in sorted({run["case"] for run in runs}):
         if not any(run["case"] == case and run["code"] == OURS for run in runs):
             print(f"{case:<12}no run of {OURS}: no ratios")
