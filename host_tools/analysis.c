@@ -74,7 +74,7 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
     if (status == PZS_OK)
         status = at_rest(a);
     a->nonlinear = s->kinematics == KINEMATICS_NONLINEAR;
-    if (s->kinematics != KINEMATICS_LINEAR && (status == PZS_OK || s->contact.given))
+    if (s->kinematics != KINEMATICS_LINEAR && (status == PZS_OK || s->contact.given || a->design.mesh.prescribed_count > 0))
         status = path_open(&a->path, &a->design, &a->model);
     if (status == PZS_OK)
         return 0;

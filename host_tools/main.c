@@ -471,7 +471,7 @@ static int command_check(const options *o)
     return 0;
 }
 
-static const char *const shipped[] = {"plate-50-patches", "bimorph-actuator", "scordelis-lo",     "pinched-cylinder", "hemisphere-linear",
+static const char *const shipped[] = {"plate-50-patches", "plate-closed-loop", "bimorph-actuator", "scordelis-lo",     "pinched-cylinder", "hemisphere-linear",
                                       "clamped-plate",    "vlasov-plate",     "crossply", "varadan-cylinder"};
 
 static int command_list(void)

@@ -374,7 +374,7 @@ static int settle(pzs_path *path)
         const pzs_real last2 = displacement_norm2(path, du, NULL);
         path->quiet = moved2 > 0 ? PZS_SQRT(last2 / moved2) : 0;
         wild = path->iteration > 2 && path->quiet > (pzs_real)0.9 ? wild + 1 : 0;
-        if (last2 > limit2 * moved2)
+        if (!(last2 <= limit2 * moved2))
             continue;
         path->open = !options_settled(path);
         if (!path->open && judge(path, du) && displacement_norm2(path, du, NULL) <= limit2 * moved2)
@@ -477,6 +477,18 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
 
 /* ---- influence -------------------------------------------------------- */
 
+/* Force per unit of the input that moves the prescribed unknowns, onto force [dof], 0 before: the tangent is built anew
+ * for it. */
+static void unit_move(pzs_path *path, pzs_real *force)
+{
+    const pzs_prescribed *p = &path->tables->prescribed;
+    build(path, 1, path->model->work + path->model->structure->dof);
+    for (uint32_t i = 0; i < p->count; i++)
+        prescribe(&path->model->k, p->dof[i], p->value[i], force);
+    factor(path);
+    path->model->stage = STAGE_AT_SHAPE;
+}
+
 pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence)
 {
     if (!path || !influence)
@@ -491,6 +503,8 @@ pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence)
         nonlinear_unit_force(path, j, u);
         for (uint32_t i = 0; i < p->count; i++)
             u[p->dof[i]] = 0;
+        if (p->count > 0 && j == p->input)
+            unit_move(path, u);
         model_backsolve(path->model, u, u);
         if (!condense(path, j, u) || guard_nonfinite(u, s->dof) >= 0)
             return fail(path, PZS_E_NONFINITE, (int32_t)j);

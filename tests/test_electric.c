@@ -425,26 +425,33 @@ static void test_three_dimensional(void **state)
 
 #define LOCAL_METRIC "element={kinematics: local, tau: 0, rho: 0, hr: off, lin33: off, metric: on, area: centre};"
 
+/* Turn of the end of a ring sector of 2 radians, h/R = 0.01, under 100 V: difference of the faces' u2. */
+static double sector_turn(const char *element, int size)
+{
+    char changes[1024];
+    scene_run r;
+    snprintf(changes, sizeof changes, "%s" ONE_LAYER "surface={type: cylinder, radius: 0.05, axial: theta1};sensors=[];"
+             "mesh={theta1: {from: 0, to: 0.01, elements: 1}, theta2: {from: 0, to: 2, elements: %d}};"
+             "actuators=[{name: v, drives: [{patches: up}], applied: 100}];"
+             "supports=[{edge: theta2-, fix: [u2, u1 difference]}, {at: {theta1: 0, theta2: 0}, fix: [u1 mean, u3 mean]}, "
+             "{at: {theta1: 0.01, theta2: 0}, fix: u3 mean}];"
+             "outputs=[{name: o, u2: outer, edge: theta2+}, {name: i, u2: inner, edge: theta2+}]", element, size);
+    solve_run(&r, PLATE, changes);
+    const double turn = r.output[0] - r.output[2];
+    scene_run_close(&r);
+    return turn;
+}
+
 /*
  * Law: a ring sector under V across it opens by d33 V/h of its angle, up to (h/R)^2: the field falls with the radius, so
- * what d31 stretches bends nothing, and what d33 thins is carried outwards.
+ * what d31 stretches bends nothing, and what d33 thins is carried outwards. The free end is a layer of one element.
  */
 static void test_curved_actuator(void **state)
 {
     (void)state;
     static const char *const changes[3] = {CORRECTED, CORRECTED "unknowns=6;", LOCAL_METRIC};
-    for (int e = 0; e < 3; e++) {
-        scene_run r;
-        solve_run(&r, PLATE, with(changes[e], ONE_LAYER "surface={type: cylinder, radius: 0.05, axial: theta1};sensors=[];"
-                  "mesh={theta1: {from: 0, to: 0.01, elements: 1}, theta2: {from: 0, to: 2, elements: 32}};"
-                  "actuators=[{name: v, drives: [{patches: up}], applied: 100}];"
-                  "supports=[{edge: theta2-, fix: [u2, u1 difference]}, {at: {theta1: 0, theta2: 0}, fix: [u1 mean, u3 mean]}, "
-                  "{at: {theta1: 0.01, theta2: 0}, fix: u3 mean}];"
-                  "outputs=[{name: o, u2: outer, edge: theta2+}, {name: i, u2: inner, edge: theta2+}]"));
-        for (int k = 0; k < 2; k++)
-            assert_near("opening", r.output[k] - r.output[2 + k], D33 * 100 * 2, 1e-3);
-        scene_run_close(&r);
-    }
+    for (int e = 0; e < 3; e++)
+        assert_near("opening", 2 * sector_turn(changes[e], 128) - sector_turn(changes[e], 64), D33 * 100 * 2, 1e-4);
 }
 
 /* Law: the spiral's end moves as known on every mesh, at 100 V and far at 2000 V; with the exact metric by 113 um. */

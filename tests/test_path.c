@@ -717,7 +717,7 @@ static void test_limit_point(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(&r, "ring-contact", SOURCE "equilibrium.systems=800");
+    open_run(&r, "ring-contact", SOURCE "equilibrium={change: 1e-6, systems: 800}");
     r.analysis.path.full[0] = r.analysis.path.full[1] = 2;
     assert_int_equal(scene_run_solve(&r), -1);
     assert_int_equal(r.analysis.status, PZS_E_LIMIT);
