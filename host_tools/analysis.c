@@ -13,6 +13,13 @@
 
 static const char *const unknown_name[7] = {"mean u1", "mean u2", "mean u3", "difference u1", "difference u2", "difference u3", "u3M"};
 
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 /* ---- structure -------------------------------------------------------- */
 
 int analysis_explain(const analysis *a, pzs_status status, char *error)
@@ -36,9 +43,13 @@ static pzs_status at_rest(analysis *a)
 {
     if (a->model.stage == STAGE_FACTORED)
         return PZS_OK;
+    const double begin = now();
     pzs_status status = pzs_assemble(&a->model, NULL, NULL);
+    const double assembled = now();
     if (status == PZS_OK)
         status = pzs_factor(&a->model);
+    a->seconds.assemble = assembled - begin;
+    a->seconds.factor = now() - assembled;
     return status == PZS_OK && a->electric.model ? pzs_electric_factor(&a->electric) : status;
 }
 
@@ -81,13 +92,6 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
     analysis_explain(a, status, error);
     analysis_free(a);
     return -1;
-}
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* What the nonlinear path met, in words; only errors fail. */
@@ -147,7 +151,7 @@ static pzs_status reach_nonlinear(analysis *a, const double *amount, int warm, d
     if (!warm)
         pzs_path_rest(run);
     a->status = pzs_equilibrium(run, amount);
-    a->seconds = now() - begin;
+    a->seconds.solve = now() - begin;
     memcpy(u, run->u, (size_t)a->design.mesh.dof * sizeof *u);
     memcpy(a->amount, run->amount, a->design.structure.input.count * sizeof *a->amount);
     pzs_charges_at(run, &a->design.electrodes, a->charge);
@@ -156,8 +160,8 @@ static pzs_status reach_nonlinear(analysis *a, const double *amount, int warm, d
 
 static pzs_status reach_linear(analysis *a, const double *amount, double *u)
 {
-    const double begin = now();
     a->status = at_rest(a);
+    const double begin = now();
     memcpy(a->amount, amount, a->design.structure.input.count * sizeof *a->amount);
     if (a->status == PZS_OK && a->electric.model)
         a->status = pzs_open_volts(&a->electric, a->amount);
@@ -165,7 +169,7 @@ static pzs_status reach_linear(analysis *a, const double *amount, double *u)
         a->status = pzs_charges(&a->electric, a->amount, a->charge);
     if (a->status == PZS_OK)
         a->status = pzs_solve(&a->model, a->amount, u);
-    a->seconds = now() - begin;
+    a->seconds.solve = now() - begin;
     return a->status;
 }
 

@@ -20,7 +20,9 @@ typedef struct analysis {
     int nonlinear;      /* which of the two analysis_solve and analysis_reach run; first what the scene says */
     double *influence;  /* [outputs][inputs] at rest, after analysis_influence */
     pzs_status status;  /* of the last equilibrium */
-    double seconds;     /* that it took */
+    struct {
+        double assemble, factor, solve;
+    } seconds;          /* of the stiffness at rest, and of the last displacement */
     double cost;        /* kinematics auto: difference of the linear displacement over the nonlinear one */
 } analysis;
 

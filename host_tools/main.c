@@ -32,8 +32,12 @@ static const char *const help =
     "  --limit V          shape: voltage limit instead of the scene's; repeat it for a comparison\n"
     "  --json             numbers for machines on standard output\n"
     "  --report FILE.html pictures and tables in one page\n"
-    "  --vtk FILE.vtk     deformed shape for ParaView\n"
-    "  --csv FILE.csv     simulate: error, state and volts of every tick\n"
+    "  --vtu FILE.vtu     deformed shape for ParaView\n"
+    "  --csv FILE.csv     simulate: a line a tick: tick, time (s), error of the shape over the scene's target, active\n"
+    "                     (volts at a limit), passes of the optimiser, status (pzs_status of the tick), lost (1: the\n"
+    "                     controller did not run), then the volts that each amplifier gives\n"
+    "  --device BOARD     simulate: the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the\n"
+    "                     controller; every bit compared with the same C here. host-32, host-64: that C alone\n"
     "  --image IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
     "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
@@ -44,6 +48,7 @@ static const char *const help =
     "  pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html\n"
     "  pzs tables plate-50-patches --image linear --prefix plate -o plate.h\n"
     "  pzs simulate plate-closed-loop --report loop.html --csv loop.csv\n"
+    "  pzs simulate plate-closed-loop --set simulate.plant.d=0.5 --set simulate.ticks=300 --device netduinoplus2\n"
     "\n"
     "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.\n";
 
@@ -52,7 +57,8 @@ typedef struct options {
     const char *set[MOST_SETS];
     double limit[MOST_LIMITS];
     int sets, limits, as_json;
-    const char *report, *vtk, *csv, *output, *prefix;
+    const char *report, *vtu, *csv, *output, *prefix;
+    const device_board *device;
     tables_image image;
 } options;
 
@@ -84,10 +90,14 @@ static int take_value(options *o, const char *name, const char *value)
             return usage_error("--image is control, linear or nonlinear, not", value);
     } else if (strcmp(name, "--report") == 0) {
         o->report = value;
-    } else if (strcmp(name, "--vtk") == 0) {
-        o->vtk = value;
+    } else if (strcmp(name, "--vtu") == 0) {
+        o->vtu = value;
     } else if (strcmp(name, "--csv") == 0) {
         o->csv = value;
+    } else if (strcmp(name, "--device") == 0) {
+        o->device = device_find(value);
+        if (!o->device)
+            return usage_error("--device is netduinoplus2, mps2-an386, mps2-an500, host-32 or host-64, not", value);
     } else if (strcmp(name, "--prefix") == 0) {
         o->prefix = value;
     } else if (strcmp(name, "-o") == 0) {
@@ -117,7 +127,7 @@ static int parse(options *o, int argc, char **argv)
             i++;
         }
     }
-    const char *const file[5] = {o->scene, o->report, o->vtk, o->csv, o->output};
+    const char *const file[5] = {o->scene, o->report, o->vtu, o->csv, o->output};
     for (int i = 0; i < 5; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && strcmp(file[i], file[j]) == 0)
@@ -211,7 +221,7 @@ static int output_end(output_file *f, int failed)
 
 /* ---- solve ------------------------------------------------------------ */
 
-static int write_vtk(const analysis *a, const double *u, const char *path)
+static int write_vtu(const analysis *a, const double *u, const char *path)
 {
     const mesh *m = &a->design.mesh;
     double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector);
@@ -222,7 +232,7 @@ static int write_vtk(const analysis *a, const double *u, const char *path)
     }
     report_displacement(m, u, vector);
     const report_field field = {"displacement", vector};
-    const int failed = report_vtk(f.file, m, &field, 1);
+    const int failed = report_vtu(f.file, m, &field, 1);
     free(vector);
     return output_end(&f, failed);
 }
@@ -237,8 +247,8 @@ static int solved(const options *o, analysis *a, const double *u)
         return 1;
     pzs_observe(s, u, value);
     (o->as_json ? print_solve_json : print_solve)(a, value);
-    if (o->vtk)
-        status = write_vtk(a, u, o->vtk);
+    if (o->vtu)
+        status = write_vtu(a, u, o->vtu);
     if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
         status = output_end(&f, report_solve(f.file, a, u, value));
     free(value);
@@ -270,6 +280,16 @@ static int command_solve(const options *o)
 
 /* ---- shape ------------------------------------------------------------ */
 
+/* The scene without any volts. */
+static int shape_before(shape_run *run, char *error)
+{
+    double *none = calloc((size_t)run->analysis.design.amplifiers, sizeof *none);
+    const int failed = none ? voltages_given(&run->analysis, "no volts", none, &run->before, error)
+                            : scene_fault(&run->scene, run->scene.limits.at, error, "out of memory");
+    free(none);
+    return failed;
+}
+
 /* Optima without limits and within each limit, clipping and on a nonlinear structure the linear optimum beside,
  * then the scene's volts to compare. */
 static int shape_results(shape_run *run, const options *o, char *error)
@@ -279,6 +299,8 @@ static int shape_results(shape_run *run, const options *o, char *error)
     const double *limit = o->limits ? o->limit : own;
     const size_t most = 1 + 3 * (size_t)(o->limits ? o->limits : 1) + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
+    if (run->volts && shape_before(run, error) < 0)
+        return -1;
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
     if (voltages_optimum(&run->analysis, HUGE_VAL, &run->volts[run->count++], error) < 0)
@@ -292,7 +314,7 @@ static int shape_results(shape_run *run, const options *o, char *error)
     for (int i = 0; i < s->compares; i++)
         if (voltages_given(&run->analysis, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
             return -1;
-    return 0;
+    return modes_run(&run->modes, &run->analysis, limit, o->limits ? o->limits : 1, error);
 }
 
 static int command_shape(const options *o)
@@ -307,15 +329,17 @@ static int command_shape(const options *o)
     run.analysis.nonlinear = run.scene.kinematics != KINEMATICS_LINEAR;
     if (analysis_influence(&run.analysis, error) == 0 && shape_results(&run, o, error) == 0) {
         (o->as_json ? print_shape_json : print_shape)(&run);
-        status = o->vtk ? write_vtk(&run.analysis, run.volts[1].u, o->vtk) : 0;
+        status = o->vtu ? write_vtu(&run.analysis, run.volts[1].u, o->vtu) : 0;
         if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count));
+            status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count, &run.modes));
     } else {
         fprintf(stderr, "pzs: %s\n", error);
     }
     for (int i = 0; i < run.count; i++)
         voltages_free(&run.volts[i]);
     free(run.volts);
+    voltages_free(&run.before);
+    modes_free(&run.modes);
     analysis_free(&run.analysis);
     scene_free(&run.scene);
     return status;
@@ -382,13 +406,17 @@ static int command_simulate(const options *o)
     if (!s.simulate.given || analysis_influence(&a, error) < 0 || simulate_open(&run, &a, error) < 0) {
         fprintf(stderr, "pzs: %s\n", error);
         status = EXIT_USAGE;
+    } else if (o->device && simulate_device(&run, o->device, error) < 0) {
+        fprintf(stderr, "pzs: %s\n", error);
+        status = 1;
     } else if (record_open(&w.record, &run) < 0) {
         status = usage_error("out of memory for", o->scene);
     } else if ((status = run_simulation(&run, o, &w, error)) == 0) {
         (o->as_json ? print_simulation_json : print_simulation)(&run);
         if (o->report && (status = output_begin(&f, o->report)) == 0)
             status = output_end(&f, report_simulate(f.file, &run, &w.record));
-        status |= run.count[LAW_CONTROLLER].beyond > 0 || run.count[LAW_CONTROLLER].not_finite > 0;
+        status |= run.count[LAW_CONTROLLER].beyond > 0 || run.count[LAW_CONTROLLER].not_finite > 0
+               || (run.board && run.board->twin && simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].same);
     }
     record_close(&w.record);
     simulate_close(&run);
@@ -408,12 +436,22 @@ static void table_prefix(const options *o, const scene *s, char prefix[SCENE_NAM
             *c = '_';
 }
 
-/* Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem where it has a target. */
-static int prepare_tables(analysis *a, tables_image image, char *error)
+/*
+ * Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem where it has a target. A
+ * control image: the influence that the scene's simulation has, which is the caller's to free.
+ */
+static int prepare_tables(analysis *a, tables_image image, double **influence, char *error)
 {
     const scene *s = a->design.scene;
+    pzs_problem problem;
+    if (image != TABLES_NONLINEAR && analysis_influence(a, error) < 0)
+        return -1;
+    if (image == TABLES_CONTROL && simulate_tables(a, &problem, influence, error) < 0)
+        return -1;
+    if (image == TABLES_CONTROL)
+        a->design.problem = problem;
     if (image != TABLES_NONLINEAR)
-        return analysis_influence(a, error);
+        return 0;
     if (s->kinematics == KINEMATICS_LINEAR)
         return scene_fault(s, s->at_surface, error, "a nonlinear image needs kinematics: nonlinear (or auto)");
     double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
@@ -437,21 +475,24 @@ static int command_tables(const options *o)
     scene s;
     analysis a;
     output_file f;
+    tables_size size;
+    double *influence = NULL;
     char error[SCENE_ERROR], prefix[SCENE_NAME];
     if (!o->output)
         return usage_error("say where to write with -o FILE for", "tables");
     int status = open_analysis(o, &s, &a);
     if (status)
         return status;
-    if (prepare_tables(&a, o->image, error) < 0) {
+    if (prepare_tables(&a, o->image, &influence, error) < 0) {
         fprintf(stderr, "pzs: %s\n", error);
         status = EXIT_USAGE;
     } else if ((status = output_begin(&f, o->output)) == 0) {
         table_prefix(o, &s, prefix);
-        status = output_end(&f, tables_write(f.file, &a, o->image, prefix));
+        status = output_end(&f, tables_write(f.file, &a, o->image, prefix, &size));
         if (status == 0)
             print_tables(o, &a);
     }
+    free(influence);
     analysis_free(&a);
     scene_free(&s);
     return status;
@@ -461,14 +502,19 @@ static int command_check(const options *o)
 {
     scene s;
     analysis a;
-    const int status = open_analysis(o, &s, &a);
+    char error[SCENE_ERROR];
+    int status = open_analysis(o, &s, &a);
     if (status)
         return status;
-    print_head(&a);
-    puts("  the scene is sound");
+    if (s.target.given && analysis_influence(&a, error) < 0) {
+        fprintf(stderr, "pzs: %s\n", error);
+        status = EXIT_USAGE;
+    } else {
+        (o->as_json ? print_check_json : print_check)(&a);
+    }
     analysis_free(&a);
     scene_free(&s);
-    return 0;
+    return status;
 }
 
 static const char *const shipped[] = {"plate-50-patches", "plate-closed-loop", "bimorph-actuator", "scordelis-lo",     "pinched-cylinder", "hemisphere-linear",

@@ -5,8 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 #include "json.h"
+#include "tables.h"
 
 /* ---- head ------------------------------------------------------------- */
+
+static const char *precision_needed(const analysis *a)
+{
+    if (tables_fit_float(a))
+        return "float or double";
+    if (a->model.condition > 1e14) /* what pzs_factor calls no structure */
+        return "double; loose at rest, held by a contact or by its prescribed displacements alone";
+    return a->nonlinear ? "the nonlinear path needs double" : "double, or float with refinement, which says where it ends";
+}
 
 void print_head(const analysis *a)
 {
@@ -16,14 +26,14 @@ void print_head(const analysis *a)
     printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", s->line[0].elements, s->line[1].elements,
            m->kinds, m->kinds == 1 ? "" : "s", m->nodes, m->dof, mesh_half_bandwidth(m));
     if (a->model.condition > 0)
-        printf("  condition %.1e after scaling: %s\n", a->model.condition,
-           a->model.condition < 1e7 ? "a float device is safe" : "a float device needs refinement, or use double");
+        printf("  condition %.1e after scaling: %s\n", a->model.condition, precision_needed(a));
 }
 
 static void json_head(json *j, const analysis *a)
 {
     const mesh *m = &a->design.mesh;
     json_string(j, "scene", a->design.scene->name);
+    json_number(j, "real_bits", PZS_REAL_BITS);
     json_string(j, "unit_length", a->design.scene->unit_length);
     json_number(j, "elements", m->elements);
     json_number(j, "kinds", m->kinds);
@@ -31,6 +41,65 @@ static void json_head(json *j, const analysis *a)
     json_number(j, "dof", m->dof);
     json_number(j, "half_bandwidth", mesh_half_bandwidth(m));
     json_number(j, "condition", a->model.condition);
+}
+
+/* ---- check ------------------------------------------------------------ */
+
+/* What an image needs of a device; the tables are made and thrown away. Returns 0, or -1 where the scene has no such image. */
+static int image_size(const analysis *a, tables_image image, tables_size *size, tables_memory *need)
+{
+    const int controlled = a->design.problem.inputs > 0;
+    FILE *nowhere = (image == TABLES_CONTROL && !controlled) || (image == TABLES_NONLINEAR && !a->path.full) ? NULL : fopen("/dev/null", "w");
+    if (!nowhere)
+        return -1;
+    const int failed = tables_write(nowhere, a, image, "t", size);
+    *need = tables_need(a, image);
+    fclose(nowhere);
+    return failed;
+}
+
+void print_check(const analysis *a)
+{
+    tables_size size;
+    tables_memory need;
+    print_head(a);
+    printf("\n  %-10s %22s %22s %22s\n  %-10s %11s %10s %11s %10s %11s %10s\n", "image", "tables, flash (KB)", "workspace, RAM (KB)", "stack, at most (KB)",
+           "", "float", "double", "float", "double", "float", "double");
+    for (tables_image image = 0; image < TABLES_IMAGES; image++)
+        if (image_size(a, image, &size, &need) == 0)
+            printf("  %-10s %11.1f %10.1f %11.1f %10.1f %11.1f %10.1f\n", tables_image_name[image],
+                   (double)(size.bytes + size.reals * 4) / 1024, (double)(size.bytes + size.reals * 8) / 1024,
+                   (double)need.work[0] / 1024, (double)need.work[1] / 1024, (double)need.stack[0] / 1024, (double)need.stack[1] / 1024);
+    puts("\n  the scene is sound");
+}
+
+static void json_pair(json *j, const char *key, double in_float, double in_double)
+{
+    json_open(j, key, '{');
+    json_number(j, "float", in_float);
+    json_number(j, "double", in_double);
+    json_close(j, '}');
+}
+
+void print_check_json(const analysis *a)
+{
+    tables_size size;
+    tables_memory need;
+    json j = {stdout, 0, {0}};
+    json_open(&j, NULL, '{');
+    json_head(&j, a);
+    json_open(&j, "images", '{');
+    for (tables_image image = 0; image < TABLES_IMAGES; image++) {
+        if (image_size(a, image, &size, &need) < 0)
+            continue;
+        json_open(&j, tables_image_name[image], '{');
+        json_pair(&j, "flash", (double)(size.bytes + size.reals * 4), (double)(size.bytes + size.reals * 8));
+        json_pair(&j, "ram", (double)need.work[0], (double)need.work[1]);
+        json_pair(&j, "stack", (double)need.stack[0], (double)need.stack[1]);
+        json_close(&j, '}');
+    }
+    json_close(&j, '}');
+    json_close(&j, '}');
 }
 
 /* ---- solve ------------------------------------------------------------ */
@@ -93,15 +162,39 @@ static void json_path(json *j, const analysis *a)
     json_number(j, "iterations", (double)run->systems - run->steps_taken);
     json_number(j, "residual", run->residual);
     json_number(j, "negative_pivots", run->negative);
+}
+
+/* The same of a linear structure: one system, refined. */
+static void json_linear(json *j, const analysis *a)
+{
+    json_string(j, "status", pzs_status_text(a->status));
+    json_number(j, "steps", 1);
+    json_number(j, "systems", 1);
+    json_number(j, "iterations", a->model.passes);
+    json_number(j, "residual", a->model.residual);
+    json_number(j, "negative_pivots", a->model.negative);
+    json_number(j, "error", a->model.error);
+}
+
+/* On a nonlinear structure `solve` is the whole path; the stiffness at rest is assembled and factored before it. */
+static void json_seconds(json *j, const analysis *a)
+{
     json_open(j, "seconds", '{');
-    json_number(j, "total", a->seconds);
+    json_number(j, "assemble", a->seconds.assemble);
+    json_number(j, "factor", a->seconds.factor);
+    json_number(j, "solve", a->seconds.solve);
+    json_number(j, "total", a->seconds.assemble + a->seconds.factor + a->seconds.solve);
     json_close(j, '}');
 }
 
-/* Values of one output under its name. */
+/* An output under its name: a number, or an array of the numbers of its nodes. */
 static void json_output(json *j, const analysis *a, int k, const double *value)
 {
     const int count = analysis_outputs(a, k);
+    if (count == 1) {
+        json_number(j, a->design.scene->output[k].name, analysis_output(a, k, 0, value));
+        return;
+    }
     double *all = calloc((size_t)count, sizeof *all);
     for (int i = 0; all && i < count; i++)
         all[i] = analysis_output(a, k, i, value);
@@ -118,13 +211,8 @@ void print_solve_json(const analysis *a, const double *value)
     json_string(&j, "kinematics", a->nonlinear ? "nonlinear" : "linear");
     if (d->scene->kinematics == KINEMATICS_AUTO)
         json_number(&j, "cost_of_linear", a->cost);
-    if (a->nonlinear) {
-        json_path(&j, a);
-    } else {
-        json_number(&j, "residual", a->model.residual);
-        json_number(&j, "error", a->model.error);
-        json_number(&j, "passes", a->model.passes);
-    }
+    (a->nonlinear ? json_path : json_linear)(&j, a);
+    json_seconds(&j, a);
     json_open(&j, "outputs", '{');
     for (int k = 0; k < d->scene->outputs; k++)
         json_output(&j, a, k, value);
@@ -197,6 +285,23 @@ static void print_choice(const shape_run *run)
                                                                                  : "needs the nonlinear image");
 }
 
+/* Displacements asked for at single nodes, under each set of volts. */
+static void print_reached(const shape_run *run)
+{
+    const design *d = &run->analysis.design;
+    const scene *s = &run->scene;
+    for (int k = 0; k < s->outputs; k++) {
+        const scene_output *output = &s->output[k];
+        if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE || analysis_outputs(&run->analysis, k) > 1)
+            continue;
+        printf("\n  %s (%s):\n", output->name, analysis_unit(&run->analysis, k));
+        for (int i = -1; i < run->count; i++) {
+            const voltages *v = i < 0 ? &run->before : &run->volts[i];
+            printf("    %-26s %16.9e\n", v->name, model_observe_row(&d->structure, v->u, (uint32_t)d->named_first[k]));
+        }
+    }
+}
+
 void print_shape(const shape_run *run)
 {
     const design *d = &run->analysis.design;
@@ -221,9 +326,29 @@ void print_shape(const shape_run *run)
     limit_text(best, limits);
     if (run->analysis.nonlinear)
         print_choice(run);
+    print_modes(&run->scene, &run->modes);
     printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
 }
 
+static void json_voltages(json *j, const scene *s, const voltages *v)
+{
+    char name[SCENE_NAME + 24];
+    json_numbers(j, "limits", v->limit, 2);
+    json_number(j, "shape_error", v->error);
+    json_number(j, "active", v->active);
+    json_number(j, "passes", v->passes);
+    json_number(j, "kkt", v->optimality);
+    json_number(j, "relinearised", v->relinearised);
+    json_number(j, "systems", v->systems);
+    json_open(j, "volts", '{');
+    for (int k = 0; k < v->volts; k++) {
+        scene_amplifier_name(s, k, name);
+        json_number(j, name, v->volt[k]);
+    }
+    json_close(j, '}');
+}
+
+/* The optimum within the first limits at the top, then every set of volts. */
 void print_shape_json(const shape_run *run)
 {
     const design *d = &run->analysis.design;
@@ -237,21 +362,18 @@ void print_shape_json(const shape_run *run)
         json_number(&j, "cost_of_linear", cost_of_linear(run));
         json_string(&j, "image", image_needed(run));
     }
+    json_number(&j, "shape_error_before", run->before.error);
+    json_number(&j, "clipped_error", run->volts[run->analysis.nonlinear ? 3 : 2].error);
+    json_voltages(&j, &run->scene, &run->volts[1]);
     json_open(&j, "results", '[');
     for (int i = 0; i < run->count; i++) {
-        const voltages *v = &run->volts[i];
         json_open(&j, NULL, '{');
-        json_string(&j, "name", v->name);
-        json_numbers(&j, "limits", v->limit, 2);
-        json_number(&j, "shape_error", v->error);
-        json_number(&j, "active", v->active);
-        json_number(&j, "passes", v->passes);
-        json_number(&j, "kkt", v->optimality);
-        json_number(&j, "relinearised", v->relinearised);
-        json_number(&j, "systems", v->systems);
-        json_numbers(&j, "volts", v->volt, d->amplifiers);
+        json_string(&j, "name", run->volts[i].name);
+        json_voltages(&j, &run->scene, &run->volts[i]);
         json_close(&j, '}');
     }
     json_close(&j, ']');
+    if (run->modes.count > 0)
+        print_modes_json(&j, &run->scene, &run->modes);
     json_close(&j, '}');
 }

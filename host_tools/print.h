@@ -2,7 +2,8 @@
 #ifndef PRINT_H
 #define PRINT_H
 
-#include "voltages.h"
+#include "json.h"
+#include "modes.h"
 
 /* What `pzs shape` found. */
 typedef struct shape_run {
@@ -10,11 +11,17 @@ typedef struct shape_run {
     analysis analysis;
     voltages *volts;     /* [count] optimum without limits, then per limit the optimum, on a nonlinear structure that of
                             the linear model, the clipped one; then those of the scene */
+    voltages before;     /* the scene without any volts */
     int count, compared; /* compared: the first of the scene's own */
+    modes modes;         /* of the target, where it lists some */
 } shape_run;
 
 /* Name, mesh and condition. */
 void print_head(const analysis *a);
+
+/* Size of the scene and what its images need of a device. */
+void print_check(const analysis *a);
+void print_check_json(const analysis *a);
 
 /* A displacement's outputs. value [output rows] in */
 void print_solve(const analysis *a, const double *value);
@@ -23,5 +30,9 @@ void print_solve_json(const analysis *a, const double *value);
 /* Sets of volts and their errors. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
+
+/* What is left of each mode, nothing where there is none. */
+void print_modes(const scene *s, const modes *m);
+void print_modes_json(json *j, const scene *s, const modes *m);
 
 #endif

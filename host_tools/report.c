@@ -1,7 +1,8 @@
-/* Page of `pzs solve`, and the VTK file (report.h); the page of `pzs shape` is report_shape.c. */
+/* Page of `pzs solve`, and the VTU file (report.h); the page of `pzs shape` is report_shape.c. */
 #include "report.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include "report_html.h"
 #include "report_parts.h"
 #include "report_plane.h"
@@ -202,48 +203,56 @@ int report_solve(FILE *file, const analysis *a, const double *u, const double *o
     return failed || ferror(file) ? -1 : 0;
 }
 
-/* ---- VTK -------------------------------------------------------------- */
+/* ---- ParaView --------------------------------------------------------- */
 
-/* A name without spaces, as the format wants it. */
-static void vtk_name(FILE *file, const char *name)
+/* A name without what XML reads as its own. */
+static void vtu_name(FILE *file, const char *name)
 {
     for (; *name; name++)
-        fputc((unsigned char)*name > ' ' && (unsigned char)*name < 127 ? *name : '_', file);
+        fputc((unsigned char)*name > ' ' && (unsigned char)*name < 127 && !strchr("<>&\"", *name) ? *name : '_', file);
 }
 
-static void vtk_vectors(FILE *file, const double *x, int count)
+/* x [count][3] in */
+static void vtu_vectors(FILE *file, const char *name, const double *x, int count)
 {
-    for (int n = 0; n < count; n++)
-        for (int i = 0; i < 3; i++)
-            fprintf(file, "%.9g%c", isfinite(x[3 * n + i]) ? x[3 * n + i] : 0, i < 2 ? ' ' : '\n');
+    fputs("<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\" Name=\"", file);
+    vtu_name(file, name);
+    fputs("\">\n", file);
+    for (int i = 0; i < 3 * count; i++)
+        fprintf(file, "%.9g%c", isfinite(x[i]) ? x[i] : 0, i % 3 < 2 ? ' ' : '\n');
+    fputs("</DataArray>\n", file);
 }
 
-static void vtk_mesh(FILE *file, const mesh *m)
+static void vtu_cells(FILE *file, const mesh *m)
 {
-    fprintf(file, "DATASET UNSTRUCTURED_GRID\nPOINTS %d double\n", m->nodes);
+    fputs("<Cells>\n<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n", file);
+    for (int e = 0; e < m->elements; e++)
+        fprintf(file, "%d %d %d %d\n", m->element[e][0], m->element[e][1], m->element[e][2], m->element[e][3]);
+    fputs("</DataArray>\n<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">\n", file);
+    for (int e = 0; e < m->elements; e++)
+        fprintf(file, "%d\n", 4 * (e + 1));
+    fputs("</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n", file);
+    for (int e = 0; e < m->elements; e++)
+        fputs("9\n", file); /* VTK_QUAD */
+    fputs("</DataArray>\n</Cells>\n", file);
+}
+
+int report_vtu(FILE *file, const mesh *m, const report_field *field, int fields)
+{
+    double *place = calloc(3 * (size_t)m->nodes, sizeof *place);
+    if (!place)
+        return -1;
     for (int n = 0; n < m->nodes; n++)
-        vtk_vectors(file, m->point[n].x, 1);
-    fprintf(file, "CELLS %d %d\n", m->elements, 5 * m->elements);
-    for (int e = 0; e < m->elements; e++)
-        fprintf(file, "4 %d %d %d %d\n", m->element[e][0], m->element[e][1], m->element[e][2], m->element[e][3]);
-    fprintf(file, "CELL_TYPES %d\n", m->elements);
-    for (int e = 0; e < m->elements; e++)
-        fputs("9\n", file);
-}
-
-int report_vtk(FILE *file, const mesh *m, const report_field *field, int fields)
-{
-    fputs("# vtk DataFile Version 3.0\n", file);
-    vtk_name(file, m->scene->name);
-    fputs("\nASCII\n", file);
-    vtk_mesh(file, m);
-    if (fields > 0)
-        fprintf(file, "POINT_DATA %d\n", m->nodes);
-    for (int k = 0; k < fields; k++) {
-        fputs("VECTORS ", file);
-        vtk_name(file, field[k].name);
-        fputs(" double\n", file);
-        vtk_vectors(file, field[k].u, m->nodes);
-    }
+        memcpy(place + 3 * n, m->point[n].x, 3 * sizeof *place);
+    fprintf(file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n<UnstructuredGrid>\n"
+            "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<Points>\n", m->nodes, m->elements);
+    vtu_vectors(file, "place", place, m->nodes);
+    fputs("</Points>\n", file);
+    vtu_cells(file, m);
+    fputs("<PointData>\n", file);
+    for (int k = 0; k < fields; k++)
+        vtu_vectors(file, field[k].name, field[k].u, m->nodes);
+    fputs("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
+    free(place);
     return ferror(file) ? -1 : 0;
 }

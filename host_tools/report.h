@@ -6,7 +6,7 @@
 #define REPORT_H
 
 #include <stdio.h>
-#include "voltages.h"
+#include "modes.h"
 
 /*
  * Displacement field of a result on the mesh.
@@ -25,13 +25,14 @@ typedef struct report_field {
 int report_solve(FILE *file, const analysis *a, const double *u, const double *output);
 
 /*
- * HTML page of `pzs shape`: target and reached shape, misfit maps, voltages on their patches, error table.
+ * HTML page of `pzs shape`: target and reached shape, misfit maps, voltages on their patches, error table,
+ * and what is left of each of the target's modes.
  *   volts [count] results, each drawn; one solve each
  */
-int report_shape(FILE *file, analysis *a, const voltages *volts, int count);
+int report_shape(FILE *file, analysis *a, const voltages *volts, int count, const modes *modes);
 
 /* Legacy VTK file: quadrilaterals with one displacement vector field per entry. */
-int report_vtk(FILE *file, const mesh *m, const report_field *field, int fields);
+int report_vtu(FILE *file, const mesh *m, const report_field *field, int fields);
 
 /* Cartesian displacement of the middle surface at the nodes. u [dof] in, vector [nodes][3] out. */
 void report_displacement(const mesh *m, const double *u, double *vector);

@@ -30,7 +30,21 @@ typedef struct writer {
     const char *prefix;
     char upper[64];     /* the prefix in capitals, for macros */
     uint32_t crc32; /* over what was written, reals rounded to float */
+    tables_size size;
 } writer;
+
+/* Numbers that were written enter the checksum and the size. */
+static void count_reals(writer *w, const double *x, size_t n)
+{
+    w->crc32 = crc_reals_32(w->crc32, x, n);
+    w->size.reals += n;
+}
+
+static void count_bytes(writer *w, const void *x, size_t bytes)
+{
+    w->crc32 = guard_crc(w->crc32, x, bytes);
+    w->size.bytes += bytes;
+}
 
 static void write_real(FILE *file, double x)
 {
@@ -57,7 +71,7 @@ static void write_reals(writer *w, const char *name, const double *x, size_t n, 
     fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning, w->prefix, name, n ? n : 1);
     list_reals(w->file, x, n, 4);
     fputs(n ? "\n};\n" : "0};\n", w->file);
-    w->crc32 = crc_reals_32(w->crc32, x, n);
+    count_reals(w, x, n);
 }
 
 /* Largest float not above x, or not below it. */
@@ -80,7 +94,7 @@ static void write_limits(writer *w, const char *name, const double *x, size_t n,
         else
             write_real(w->file, x[i]);
         fputs("),", w->file);
-        w->crc32 = crc_reals_32(w->crc32, &inside, 1);
+        count_reals(w, &inside, 1);
     }
     fputs("\n};\n", w->file);
 }
@@ -91,7 +105,7 @@ static void write_shorts(writer *w, const char *name, const uint16_t *x, size_t 
     for (size_t i = 0; i < n; i++)
         fprintf(w->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", x[i]);
     fputs(n ? "\n};\n" : "0};\n", w->file);
-    w->crc32 = guard_crc(w->crc32, x, n * sizeof *x);
+    count_bytes(w, x, n * sizeof *x);
 }
 
 static void write_longs(writer *w, const char *name, const uint32_t *x, size_t n)
@@ -100,7 +114,7 @@ static void write_longs(writer *w, const char *name, const uint32_t *x, size_t n
     for (size_t i = 0; i < n; i++)
         fprintf(w->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)x[i]);
     fputs(n ? "\n};\n" : "0};\n", w->file);
-    w->crc32 = guard_crc(w->crc32, x, n * sizeof *x);
+    count_bytes(w, x, n * sizeof *x);
 }
 
 /* ---- structure -------------------------------------------------------- */
@@ -112,7 +126,7 @@ static void write_elements(writer *w, const mesh *m)
         fprintf(w->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ",
                 m->element[e][0], m->element[e][1], m->element[e][2], m->element[e][3]);
     fputs("\n};\n", w->file);
-    w->crc32 = guard_crc(w->crc32, m->element, (size_t)m->elements * sizeof *m->element);
+    count_bytes(w, m->element, (size_t)m->elements * sizeof *m->element);
 }
 
 /*
@@ -158,7 +172,7 @@ static void write_kinds(writer *w, const mesh *m)
         fputs("), PZS_R(", w->file);
         write_real(w->file, kind->twist);
         fputs(")\n}, ", w->file);
-        w->crc32 = crc_reals_32(w->crc32, (const double *)kind, sizeof *kind / sizeof(double));
+        count_reals(w, (const double *)kind, sizeof *kind / sizeof(double));
     }
     fputs("\n};\n", w->file);
 }
@@ -258,7 +272,7 @@ static void write_blocks(writer *w, const char *name, const double *x, size_t n,
         fputs(",", w->file);
     }
     fputs("\n};\n", w->file);
-    w->crc32 = crc_reals_32(w->crc32, x, n * size);
+    count_reals(w, x, n * size);
 }
 
 /* Actuation, temperature and prescribed displacements. */
@@ -316,7 +330,9 @@ static void write_followers(writer *w, const path *p)
         const pzs_follower *f = &p->follower[k];
         fprintf(w->file, "    {%u, %u, %u, %u, ", f->input, f->load_face, f->normal_face, f->true_area);
         list_vector(w, f->share);
-        fprintf(w->file, ", %s_follower_area_%d, %s_follower_pressure_%d},\n", w->prefix, k, w->prefix, k);
+        fputs(", PZS_R(", w->file);
+        write_real(w->file, f->lean);
+        fprintf(w->file, "), %s_follower_area_%d, %s_follower_pressure_%d},\n", w->prefix, k, w->prefix, k);
     }
     fputs(p->followers > 0 ? "};\n\n" : "\n", w->file);
 }
@@ -397,8 +413,9 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
     const uint16_t counts[2] = {p.inputs, p.outputs};
     w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (influence) {
-        write_reals(w, "influence", d->influence, m * n, "displacement of target node (row) per volt (column)");
-        write_reals(w, "hessian", d->hessian, n * n, "B'W^2 B");
+        write_reals(w, "influence", p.influence, m * n, "displacement of target node (row) per volt (column)");
+        if (p.hessian)
+            write_reals(w, "hessian", p.hessian, n * n, "B'W^2 B");
     }
     write_reals(w, "weight", d->weight, m, "W");
     write_limits(w, "lower", d->lower, n, 0, "voltage limits (V)");
@@ -411,12 +428,42 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
             "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %zu, %zu,\n"
             "    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_slew, %s_prefer, PZS_R(%.17g),\n};\n\n",
             w->prefix, p.format, (unsigned)p.scene, (unsigned)~w->crc32, (unsigned)guard_problem_crc(&p), n, m,
-            influence ? w->prefix : "NULL", influence ? "_influence" : "", influence ? w->prefix : "NULL", influence ? "_hessian" : "",
+            influence ? w->prefix : "NULL", influence ? "_influence" : "", p.hessian ? w->prefix : "NULL", p.hessian ? "_hessian" : "",
             w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, p.effort);
     if (image == TABLES_NONLINEAR)
         write_reals(w, "target", d->target, m, "displacement wanted of each target node, under the loads");
     else
         write_reals(w, "target", d->wanted, m, "displacement of each target node that the volts must make");
+}
+
+/* ---- memory of the device --------------------------------------------- */
+
+/* Workspace and stack of an image in bytes, by the macros a firmware uses; `real` is what pzs_real is there. */
+#define NEED(real, k)                                                                                                       \
+    {                                                                                                                      \
+        typedef real pzs_real;                                                                                             \
+        if (controlled)                                                                                                    \
+            need.work[k] += PZS_CONTROL_BYTES(d->amplifiers, d->targets);                                                  \
+        if (image != TABLES_CONTROL)                                                                                       \
+            need.work[k] += PZS_MODEL_BYTES(s->dof, padded_entries(&d->mesh, PZS_TILE));                                   \
+        if (image == TABLES_LINEAR && controlled) /* the influence matrix made there */                                    \
+            need.work[k] += sizeof(pzs_real) * (size_t)d->amplifiers * (size_t)d->targets;                                 \
+        if (image == TABLES_NONLINEAR)                                                                                     \
+            need.work[k] += PZS_PATH_BYTES(s->dof, s->elements, s->input.count)                                            \
+                          + sizeof(pzs_real) * (size_t)s->input.count * s->output.count                                    \
+                          + (d->scene->contact.given ? PZS_CONTACT_BYTES(s->nodes) : 0);                                   \
+        need.stack[k] = image == TABLES_NONLINEAR ? PZS_STACK_NONLINEAR : PZS_STACK_LINEAR;                                \
+    }
+
+tables_memory tables_need(const analysis *a, tables_image image)
+{
+    const design *d = &a->design;
+    const pzs_structure *s = &d->structure;
+    const int controlled = d->problem.inputs > 0;
+    tables_memory need = {{0, 0}, {0, 0}};
+    NEED(float, 0)
+    NEED(double, 1)
+    return need;
 }
 
 /* ---- header ----------------------------------------------------------- */
@@ -447,10 +494,10 @@ int tables_fit_float(const analysis *a)
     return a->model.condition < TABLES_FLOAT_CONDITION;
 }
 
-int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix)
+int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix, tables_size *size)
 {
     const int controlled = a->design.problem.inputs > 0;
-    writer w = {file, prefix, "", 0};
+    writer w = {file, prefix, "", 0, {0, 0}};
     int status = 0;
     for (size_t i = 0; prefix[i] && i + 1 < sizeof w.upper; i++)
         w.upper[i] = (char)toupper((unsigned char)prefix[i]);
@@ -469,5 +516,6 @@ int tables_write(FILE *file, const analysis *a, tables_image image, const char *
     if (controlled)
         write_problem(&w, a, image);
     fputs("#endif\n", file);
+    *size = w.size;
     return ferror(file) ? -1 : status;
 }

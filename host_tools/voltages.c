@@ -103,6 +103,7 @@ static int start(const analysis *a, voltages *v, const char *name)
 {
     memset(v, 0, sizeof *v);
     snprintf(v->name, sizeof v->name, "%s", name);
+    v->volts = a->design.amplifiers;
     v->volt = calloc((size_t)a->design.amplifiers, sizeof *v->volt);
     v->shape = calloc((size_t)a->design.targets, sizeof *v->shape);
     v->u = calloc((size_t)a->design.mesh.dof, sizeof *v->u);

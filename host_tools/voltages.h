@@ -9,7 +9,8 @@
 
 typedef struct voltages {
     char name[SCENE_NAME + 32]; /* what these volts are */
-    double *volt;               /* [amplifiers] */
+    int volts;
+    double *volt;               /* [volts] one an amplifier */
     double *u;                  /* [dof] displacement under them and the scene's loads */
     double *shape;              /* [targets] its part that the target is about */
     double error;               /* |W (shape - target)| / |W (target - shape without volts)|, linear */

@@ -50,6 +50,10 @@ typedef double pzs_real;
 #define PZS_BY_TILE(for4, for8, for16) (for16)
 #endif
 
+/* Bytes of stack that no public function goes beyond, in a linear or control image and in a nonlinear one. */
+#define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
+#define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
+
 /* ---- statuses --------------------------------------------------------- */
 
 typedef enum pzs_status {
@@ -60,6 +64,7 @@ typedef enum pzs_status {
     PZS_W_SLEW,      /* slew and limit do not meet at input `where`: the limit won */
     PZS_W_SENSOR,    /* measurement `where` is not finite or frozen: its last disturbance is kept */
     PZS_W_HELD,      /* no usable measurement or target: the last safe volts are held */
+    PZS_W_ELECTRODE, /* electrode `where` does not follow its amplifier: it is held from now on */
     PZS_W_UNSTABLE,  /* an equilibrium with negative pivots: the structure will not stay there by itself */
 
     /* Errors: outputs untouched. */
@@ -372,9 +377,10 @@ void pzs_path_rest(pzs_path *path);
 pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount);
 
 /*
- * Influence at the shape reached: outputs per unit of each input, by the tangent there.
+ * Influence at the shape reached: outputs per unit of each input, by the tangent there. Under follower loads it is not
+ * symmetric: each column takes a few solves more, 60 at most.
  *   influence [outputs][inputs] out (m/V)
- * Errors: ARGUMENT, STAGE, NONFINITE (where = input).
+ * Errors: ARGUMENT, STAGE, NONFINITE, RESIDUAL (where = input; the columns before it stand).
  */
 pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence);
 
@@ -387,6 +393,8 @@ typedef struct pzs_follower {
     uint8_t normal_face;      /* whose normal it follows: 0 inner, 1 outer */
     uint8_t true_area;        /* 1: per area of the deformed normal_face; 0: per reference area, along the unit normal */
     pzs_real share[3];        /* of a corner's pressure carried by itself, its neighbours, the opposite corner */
+    pzs_real lean;            /* part kept of the base vectors' lean out of the tangent plane, 0 ... 1; chords as sides of
+                                 an arc: 1/3 leaves the resultant of a pressure an error of fourth order in their angle */
     const pzs_real (*area)[4]; /* [kinds] area that goes with each corner (m2) */
     const pzs_real *pressure; /* [nodes] per unit of input, positive along e3 (N/m2) */
 } pzs_follower;
@@ -398,7 +406,7 @@ typedef struct pzs_follower_load {
 
 /*
  * Let a follower load take part in a path; both must outlive it. Errors: ARGUMENT.
- * Its tangent is symmetrised, so the solver stays symmetric.
+ * Its tangent is symmetrised for the equilibrium, so the solver stays symmetric; influence has the true one.
  */
 pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables);
 
@@ -587,5 +595,71 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
  *   volt [inputs] out (V).  Errors: ARGUMENT, STAGE, NONFINITE. */
 pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *volt);
 pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *volt);
+
+/* ---- option: dead and stuck electrodes (lib/faults.c) ------------------ */
+
+/*
+ * Finds electrodes that do not follow their amplifiers, by the shape alone, and takes them out of the step.
+ * A suspect is probed: for about ten ticks it is held at two volts in turn, `swing` to either side of where it was,
+ * inside limits and slew, while the step compensates with the others. At most PZS_PROBES are probed at a time.
+ * An electrode that has lost more than two swings of volts at once, or is asked to move by as much and does not, is found
+ * within 12 ticks and the delay of the sensors: 2 for the suspicion, 9 for the probe, 1 to hold it.
+ */
+#define PZS_PROBES 4
+#define PZS_MOST_DELAY 16
+
+/* States of an electrode; 1 to 100: it was probed, follows, and is left alone for so many ticks. */
+enum { PZS_WATCHED = 0, PZS_PROBED = 253, PZS_BLIND = 254, PZS_HELD = 255 };
+
+typedef struct pzs_probe {
+    uint16_t input;            /* 0xFFFF: none */
+    uint8_t shapes, moves;     /* seen, so far */
+    uint8_t side, is_dead;
+    pzs_real middle, set;      /* (V) */
+    pzs_real lower, upper;     /* limits of the electrode before (V) */
+    pzs_real sum, square, response_sum, response_square; /* of the moves, of the responses */
+} pzs_probe;
+
+typedef struct pzs_watch {
+    pzs_control *control;
+    pzs_real *swing;           /* choice [inputs] of a probe (V), at most half the slew; just below half the slew or 1/32 of
+                                  the limits, the smaller; 0: not watched */
+    uint8_t *state;            /* [inputs] PZS_BLIND: its own volts cannot be told from the others' */
+    pzs_envelope columns;      /* B'W^2 B, factored */
+    pzs_real *volt;            /* [delay + 1][inputs] of the last ticks (V) */
+    pzs_real *before;          /* [inputs] that made the shape before (V) */
+    pzs_real *answer;          /* [inputs] what each did beyond its command between two shapes, by least squares (V) */
+    pzs_real *moved, *response; /* [inputs] fading sums of squares of moves and responses (V2) */
+    pzs_real *lost_volt;       /* [inputs] fading sum of answer (V) */
+    pzs_real *shape, *change;  /* [outputs] disturbance at the shape before (m), W^2 times its change */
+    uint8_t *missing;          /* [outputs] without measurement at the shape before */
+    pzs_probe probe[PZS_PROBES];
+    int32_t where;             /* index that goes with the last status, or -1 */
+    uint16_t delay, oldest;
+    uint16_t found;            /* electrodes found since the start */
+    uint16_t blind;            /* electrodes that cannot be watched */
+    uint8_t stage;
+} pzs_watch;
+
+/* Bytes of workspace for a watch. */
+#define PZS_WATCH_BYTES(inputs, outputs, delay) \
+    (sizeof(pzs_real) * (PZS_DENSE(inputs) + ((size_t)(delay) + 7u) * (size_t)(inputs) + 2u * (size_t)(outputs)) + \
+     sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) + (sizeof(uint16_t) + 1u) * (size_t)(inputs) + (size_t)(outputs))
+
+/*
+ * Watch over a controller, from its present volts on.
+ *   control in/out  must outlive the watch; after pzs_control_init
+ *   delay   in      of the measurements, ticks, at most PZS_MOST_DELAY: measured is what the shape was then, and what
+ *                   the prediction moved by since
+ * Errors: ARGUMENT, STAGE, WORKSPACE (where = bytes needed), NONFINITE.
+ */
+pzs_status pzs_watch_init(pzs_watch *watch, pzs_control *control, uint16_t delay, void *work, size_t bytes);
+
+/*
+ * After each pzs_tick (and pzs_quantise), with the same measurements.
+ * Warnings: ELECTRODE: input `where` was found (of several the first; all have state PZS_HELD). It is held, dead ones at
+ * 0 V, others at their last volts, until pzs_release. Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_watch_tick(pzs_watch *watch, const pzs_real *measured);
 
 #endif

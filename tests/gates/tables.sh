@@ -72,7 +72,7 @@ same() {
 # Largest difference of the program's outputs from those of pzs solve, over the largest.
 off_solved() {
     /usr/bin/python3 -c 'import json, sys
-solved = [x for row in json.load(open(sys.argv[1]))["outputs"].values() for x in row]
+solved = [x for row in json.load(open(sys.argv[1]))["outputs"].values() for x in (row if isinstance(row, list) else [row])]
 program = [float(x) for x in open(sys.argv[2])]
 assert len(solved) == len(program) > 0
 print(max(abs(a - b) for a, b in zip(program, solved)) / max(abs(x) for x in solved))' "$scratch/solved" "$scratch/found"
