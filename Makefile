@@ -80,6 +80,9 @@ ALL := 64 32 32t8 64t16 san64 san32
 $(call for_variants,linalg,$(ALL),)
 $(call for_variants,control,64 32 san64 san32,@tests/testdata.o)
 $(call for_variants,tick,64 32 san64 san32,)
+$(call for_variants,faults,64 32 san64 san32,@tests/testdata.o)
+$(call for_variants,estimate,64 32 san64 san32,)
+$(call for_variants,estimator,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)
@@ -88,7 +91,9 @@ $(call for_variants,options,64 32 san64 san32,)
 $(call for_variants,simulate,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,cases,64,@tests/testdata.o @host.a)
 $(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,path,64,@tests/scene_run.o @host.a)
+$(call for_variants,fields,64 san64,@tests/scene_run.o @host.a)
+$(call for_variants,targets,64,@tests/scene_run.o @host.a)
+$(foreach t,path path_tables path_ends,$(call for_variants,$(t),64,@tests/path_run.o @tests/scene_run.o @host.a))
 
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
@@ -112,7 +117,7 @@ check-long: setup-test
 	    tests/test_simulate.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
 	    && $(B)/long-simulate
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
-	    tests/test_path.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
+	    tests/test_path_tables.c tests/path_run.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
 	    && $(B)/long-path
 	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in source corrected; do \

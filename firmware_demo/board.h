@@ -2,6 +2,7 @@
 #ifndef BOARD_H
 #define BOARD_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 /* Large work arrays: placed by the linker script, not cleared at start-up. */
@@ -15,5 +16,10 @@ uint32_t board_stack_used(void);   /* bytes, the deepest so far; 0 on the host *
 /* Instructions executed between two counts. Under QEMU with the -icount setting of firmware.mk
  * this is exact on netduinoplus2 and rounded to one on mps2; it says nothing of cycles. */
 uint32_t board_instructions(uint32_t from, uint32_t to);
+
+/* A stream of bytes to the computer this runs under, by semihosting or standard input and output. Return whether all
+ * bytes went; 0 at its end. */
+int board_receive(void *to, size_t bytes);
+int board_send(const void *from, size_t bytes);
 
 #endif

@@ -3,7 +3,7 @@
 #   make firmware      build every image into $(B)/firmware
 #   make qemu          run each under QEMU, compare its results bit by bit with a host build of the same C
 #   make size          flash, RAM and stack against firmware_demo/size.budget
-#   make test-target   start-up faults and the unit tests on the target (tests/target)
+#   make test-target   start-up faults, the unit tests and the closed loop on the target (tests/target)
 
 B ?= build
 ARM_CC ?= arm-none-eabi-gcc
@@ -106,6 +106,21 @@ $(eval $(call fw_image,mps2-an386-hemisphere4,mps2-an386,mps2_an386,board_mps2,1
 $(eval $(call fw_image,mps2-an500-hemisphere4,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,loads,hemisphere4_nonlinear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an500-reshape,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,reshape,plate_nonlinear,$(FW_M7)))
 
+# For `pzs simulate --device`: the controller with the tables in LOOP, a header, and its plant at the other end of a stream.
+# fw_loop: name, processor or host, choice, objects of the board, compiler, flags of compiler and linker
+define fw_loop
+$(F)/$(1)-loop: firmware_demo/demo_loop.c $(FW_CONTROL:%=$(F)/$(2)-$(3)/%.o) $(4:%=$(F)/$(2)-$(3)/demo/%.o)
+	$(5) $(6) -O2 $(FW_CHOICE_$(3)) $(FW_FLAGS) -DDEMO_TABLES='"$(LOOP)"' -Wl,--gc-sections $$^ -lm -o $$@
+endef
+FW_CONTROL := $(filter-out model shell,$(FW_LIB)) # what stands between influence and volts
+FW_LINK := -nostartfiles -Lfirmware_demo -Tfirmware_demo
+
+$(eval $(call fw_loop,host-32,host,32,board_host,$(FW_HOST_CC)))
+$(eval $(call fw_loop,host-64,host,64,board_host,$(FW_HOST_CC)))
+$(eval $(call fw_loop,netduinoplus2,m4,32,start,$(ARM_CC),$(FW_M4) $(FW_LINK)/netduinoplus2.ld))
+$(eval $(call fw_loop,mps2-an386,m4,32,start,$(ARM_CC),$(FW_M4) $(FW_LINK)/mps2_an386.ld))
+$(eval $(call fw_loop,mps2-an500,m7,64,start,$(ARM_CC),$(FW_M7) $(FW_LINK)/mps2_an500.ld))
+
 FW_OUTPUTS := $(foreach pair,$(FW_PAIRS),$(patsubst %,$(F)/%.out,$(subst :, ,$(pair))))
 
 .PHONY: firmware qemu size test-target
@@ -120,3 +135,4 @@ size: $(FW_IMAGES:%=$(F)/%.elf) $(FW_IMAGES:%=$(F)/%.out) $(FW_LIBRARIES:%=$(F)/
 test-target:
 	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/start.sh
 	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/units.sh
+	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/loop.sh

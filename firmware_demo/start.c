@@ -1,10 +1,10 @@
 /*
- * Start-up of a Cortex-M with FPU: vectors, memory, stack painting, exit.
+ * Start-up of a Cortex-M with FPU: vectors, memory, stack painting, exit, and a stream to the debugger's host.
  *
  * The stack lies at the lowest RAM address, so that an overflow leaves RAM
- * and faults instead of running into data. Exit codes reach the shell by
- * semihosting; on a board without a debugger the breakpoint faults and the
- * fault handler waits for the watchdog.
+ * and faults instead of running into data. Exit codes and the stream reach
+ * the host by semihosting; on a board without a debugger the breakpoint faults
+ * and the fault handler waits for the watchdog.
  */
 #include "board.h"
 
@@ -17,18 +17,52 @@ extern uint32_t bss_start[], bss_end[];
 
 #define PAINT 0x57ACCA5Eu /* bytes differ: a memset in its place could not use the stack it paints */
 #define FAULT_EXIT 70u
+#define BY_ITSELF 0x20026u /* the reason of an exit: the program ended */
 
-static void semihosting_exit(uint32_t code)
+enum { SYS_OPEN = 0x01, SYS_WRITE = 0x05, SYS_READ = 0x06, SYS_EXIT_EXTENDED = 0x20 };
+
+static uint32_t semihosting(uint32_t operation, const uint32_t *block)
 {
-    const uint32_t block[2] = { 0x20026u /* the program ended by itself */, code };
-    register uint32_t operation __asm("r0") = 0x20u /* SYS_EXIT_EXTENDED */;
+    register uint32_t answer __asm("r0") = operation;
     register const uint32_t *argument __asm("r1") = block;
-    __asm volatile("bkpt 0xAB" : : "r"(operation), "r"(argument) : "memory");
+    __asm volatile("bkpt 0xAB" : "+r"(answer) : "r"(argument) : "memory");
+    return answer;
 }
 
+/* Standard input (mode 0) or output (mode 4) of the host. */
+static uint32_t open_terminal(uint32_t mode)
+{
+    static const char name[] = ":tt";
+    const uint32_t block[3] = { (uint32_t)(uintptr_t)name, mode, sizeof name - 1u };
+    return semihosting(SYS_OPEN, block);
+}
+
+int board_receive(void *to, size_t bytes)
+{
+    static uint32_t file;
+    uint32_t left = bytes, before = 0;
+    if (file == 0) file = open_terminal(0);
+    while (left != 0 && left != before) { /* nothing more comes: the end of the stream */
+        const uint32_t block[3] = { file, (uint32_t)(uintptr_t)to + (bytes - left), left };
+        before = left;
+        left = semihosting(SYS_READ, block);
+    }
+    return left == 0;
+}
+
+int board_send(const void *from, size_t bytes)
+{
+    static uint32_t file;
+    if (file == 0) file = open_terminal(4u);
+    const uint32_t block[3] = { file, (uint32_t)(uintptr_t)from, bytes };
+    return semihosting(SYS_WRITE, block) == 0;
+}
+
+/* Its block is in flash: the stack may be what is wrong. */
 static void fault(void)
 {
-    semihosting_exit(FAULT_EXIT);
+    static const uint32_t block[2] = { BY_ITSELF, FAULT_EXIT };
+    (void)semihosting(SYS_EXIT_EXTENDED, block);
     for (;;) {}
 }
 
@@ -60,7 +94,8 @@ static void reset(void)
     paint_stack();
     for (uint32_t *p = data_start; p < data_end; p++) *p = *from++;
     for (uint32_t *p = bss_start; p < bss_end; p++) *p = 0;
-    semihosting_exit((uint32_t)main());
+    const uint32_t block[2] = { BY_ITSELF, (uint32_t)main() };
+    (void)semihosting(SYS_EXIT_EXTENDED, block);
     for (;;) {}
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include "electrode.h"
 #include "electrodes.h"
 #include "guard.h"
 #include "linalg.h"
@@ -252,6 +253,56 @@ int analysis_influence(analysis *a, char *error)
     if (status != PZS_OK)
         return analysis_explain(a, status, error);
     return design_control(&a->design, a->influence, error);
+}
+
+/* ---- electrodes --------------------------------------------------------- */
+
+double analysis_capacitance(const analysis *a, int k, int is_free)
+{
+    const pzs_electrodes *t = &a->design.electrodes;
+    double sum = 0;
+    if (is_free)
+        return a->electric.stage > 0 ? a->electric.per[(size_t)k * a->design.structure.input.count + t->input[k]] : (double)NAN;
+    for (uint32_t i = t->direct.start[k]; i < t->direct.start[k + 1]; i++)
+        sum += t->direct.dof[i] == t->input[k] ? t->direct.value[i] : 0;
+    return sum;
+}
+
+/* Twice the work of the loads, temperatures left out. amount [inputs] in: zeros, out: 1 for each load */
+static double work_of_loads(analysis *a, double *amount)
+{
+    const design *d = &a->design;
+    const pzs_rows *in = &d->structure.input;
+    double *u = calloc((size_t)d->mesh.dof, sizeof *u), work = 0;
+    for (int k = 0; k < d->loads; k++)
+        amount[d->amplifiers + k] = d->scene->load[k].type != LOAD_TEMPERATURE;
+    const pzs_status status = u ? pzs_solve(&a->model, amount, u) : PZS_E_WORKSPACE;
+    for (int k = d->amplifiers; status == PZS_OK && k < d->amplifiers + d->loads; k++)
+        for (uint32_t t = in->start[k]; t < in->start[k + 1]; t++)
+            work += amount[k] * in->value[t] * u[in->dof[t]];
+    free(u);
+    return status == PZS_OK ? work : (double)NAN;
+}
+
+/* The work of the same forces falls by what the volts that open electrodes take on do against the charges of the short circuit. */
+double analysis_stiffening(analysis *a)
+{
+    const design *d = &a->design;
+    const pzs_electrodes *t = &d->electrodes;
+    double *amount = calloc(d->structure.input.count + 1u, sizeof *amount), *charge = calloc(t->count + 1u, sizeof *charge);
+    double work = (double)NAN, fallen = 0;
+    const pzs_model kept = a->model; /* what it says of the last solve */
+    if (amount && charge && !a->nonlinear && t->count > 0 && electrode_open_count(t) > 0 && d->loads > 0) {
+        work = work_of_loads(a, amount);
+        const int known = pzs_charges(&a->electric, amount, charge) == PZS_OK && pzs_open_volts(&a->electric, amount) == PZS_OK;
+        for (int k = 0; known && k < t->count; k++)
+            fallen -= charge[k] * amount[t->input[k]];
+        work = known ? work : (double)NAN;
+    }
+    a->model = kept;
+    free(amount);
+    free(charge);
+    return work > 0 ? work / (work - fallen) : (double)NAN;
 }
 
 void analysis_free(analysis *a)

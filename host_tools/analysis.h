@@ -52,6 +52,15 @@ double analysis_output(const analysis *a, int k, int i, const double *value);
 int analysis_outputs(const analysis *a, int k);
 const char *analysis_unit(const analysis *a, int k);
 
+/* Charge per volt of electrode k itself: the shell held, or free as its supports leave it and no other electrode with volts. */
+double analysis_capacitance(const analysis *a, int k, int is_free);
+
+/*
+ * Stiffness at rest with the sensors open over that with all of them short, as the scene's loads (temperatures left out) feel it;
+ * NAN where there are no loads or no open sensors, and on a nonlinear structure.
+ */
+double analysis_stiffening(analysis *a);
+
 /* Influence at rest of every input on every output, and from it the voltage problem of the design. */
 int analysis_influence(analysis *a, char *error);
 

@@ -111,6 +111,19 @@ void design_node_areas(const mesh *m, double *area)
             area[m->element[e][r]] += m->place[m->element_kind[e]].area / 4;
 }
 
+int design_target_values(const design *d, const expr *wanted, scene_at at, double *value, char *error)
+{
+    const mesh *m = &d->mesh;
+    for (int i = 0; i < d->targets; i++) {
+        const expr_point place = point_of(m, d->target_node[i]);
+        value[i] = expr_value(wanted, &place);
+        if (!isfinite(value[i]))
+            return scene_fault(d->scene, at, error, "target is not a finite number at theta1 = %g, theta2 = %g",
+                               m->theta[d->target_node[i]][0], m->theta[d->target_node[i]][1]);
+    }
+    return 0;
+}
+
 /* Target rows, wanted values and weights; weights by area have mean square 1. */
 static int build_targets(design *d, builder *rows, double *dense, int *node, char *error)
 {
@@ -131,18 +144,12 @@ static int build_targets(design *d, builder *rows, double *dense, int *node, cha
     for (int i = 0; i < d->targets; i++)
         sum += area[node[i]];
     for (int i = 0; i < d->targets; i++) {
-        const expr_point at = point_of(m, node[i]);
         d->target_node[i] = node[i];
-        d->target[i] = expr_value(target->value, &at);
         d->weight[i] = target->weight_area ? sqrt(area[node[i]] * d->targets / sum) : 1;
         append_output(m, &target->what, node[i], rows, dense);
     }
     free(area);
-    for (int i = 0; i < d->targets; i++)
-        if (!isfinite(d->target[i]))
-            return scene_fault(d->scene, target->what.at, error, "target is not a finite number at theta1 = %g, theta2 = %g",
-                               m->theta[d->target_node[i]][0], m->theta[d->target_node[i]][1]);
-    return 0;
+    return design_target_values(d, target->value, target->what.at, d->target, error);
 }
 
 static int build_named(design *d, builder *rows, double *dense, int *node, char *error)

@@ -60,6 +60,9 @@ void design_warming(const mesh *m, const scene_load *load, int element, double h
 /* Patch of a grid, second index fastest, on which the element lies, or -1. */
 int design_patch(const mesh *m, int element, const scene_patches *patches);
 
+/* A wanted displacement at the target's nodes. value [targets] out. Returns 0, or -1 with error filled: not finite. */
+int design_target_values(const design *d, const expr *wanted, scene_at at, double *value, char *error);
+
 /* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is not finite. */
 int design_load_values(const mesh *m, const scene_load *load, double *value, char *error);
 

@@ -13,7 +13,7 @@ typedef enum operation {
     OP_NUMBER, OP_X, OP_Y, OP_Z, OP_THETA1, OP_THETA2,
     OP_OPEN, OP_ADD, OP_SUBTRACT, OP_MULTIPLY, OP_DIVIDE, OP_NEGATE, OP_POWER,
     OP_SIN, OP_COS, OP_TAN, OP_ASIN, OP_ACOS, OP_ATAN, OP_SQRT, OP_EXP, OP_LOG, OP_ABS,
-    OP_MIN, OP_MAX, OP_ATAN2, OP_POW, OP_HYPOT
+    OP_MIN, OP_MAX, OP_ATAN2, OP_POW, OP_HYPOT, OP_ZERNIKE
 } operation;
 
 typedef struct instruction { operation op; double number; } instruction;
@@ -30,7 +30,7 @@ static const word words[] = {
     {"asin", OP_ASIN, 1, 0}, {"acos", OP_ACOS, 1, 0}, {"atan", OP_ATAN, 1, 0},
     {"sqrt", OP_SQRT, 1, 0}, {"exp", OP_EXP, 1, 0}, {"log", OP_LOG, 1, 0}, {"abs", OP_ABS, 1, 0},
     {"min", OP_MIN, 2, 0}, {"max", OP_MAX, 2, 0}, {"atan2", OP_ATAN2, 2, 0}, {"pow", OP_POW, 2, 0},
-    {"hypot", OP_HYPOT, 2, 0},
+    {"hypot", OP_HYPOT, 2, 0}, {"zernike", OP_ZERNIKE, 3, 0},
 };
 
 /* An operator or open parenthesis that waits; an open parenthesis carries its function. */
@@ -62,7 +62,7 @@ static int arity(operation op)
 {
     if (op < OP_OPEN) return 0;
     if (op == OP_NEGATE || (op >= OP_SIN && op <= OP_ABS)) return 1;
-    return 2;
+    return op == OP_ZERNIKE ? 3 : 2;
 }
 
 static int precedence(operation op)
@@ -142,7 +142,7 @@ static int take_word(parser *p)
     w = find_word(start, (size_t)(end - start));
     if (!w)
         return fault(p, "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin acos atan sqrt exp log "
-                     "abs min max atan2 pow hypot");
+                     "abs min max atan2 pow hypot zernike");
     p->at = end;
     if (w->arguments == 0) {
         if (w->op != OP_NUMBER) p->constant = 0;
@@ -182,7 +182,8 @@ static int take_bracket(parser *p)
         return 0;
     }
     if (open->function && open->commas + 1 != open->function->arguments)
-        return fault(p, "this function needs two arguments");
+        return fault(p, open->function->arguments == 3 ? "this function needs three arguments"
+                                                       : "this function needs two arguments");
     p->at++;
     p->waiting--;
     return open->function ? emit(p, open->function->op, 0) : 0;
@@ -285,6 +286,29 @@ static double apply2(operation op, double a, double b)
     }
 }
 
+/* R_n^m(rho) = sum_k (-1)^k (n-k)! / (k! ((n+m)/2-k)! ((n-m)/2-k)!) rho^(n-2k) */
+static double radial(int n, int m, double rho)
+{
+    double sum = 0;
+    int k;
+    for (k = 0; k <= (n - m) / 2; k++)
+        sum += (k % 2 ? -1 : 1) * exp(lgamma(n - k + 1) - lgamma(k + 1) - lgamma((n + m) / 2 - k + 1) - lgamma((n - m) / 2 - k + 1))
+             * pow(rho, n - 2 * k);
+    return sum;
+}
+
+/* Noll's order: n ascending, within it m ascending, cosines of even number. */
+static double zernike(double number, double rho, double phi)
+{
+    int n = 0, j = (int)number, m;
+    if (!(number >= 1 && number <= 1000) || j != number) return (double)NAN;
+    while ((n + 1) * (n + 2) / 2 < j) n++;
+    m = j - n * (n + 1) / 2;
+    m = n % 2 ? (m - 1) / 2 * 2 + 1 : m / 2 * 2;
+    if (m == 0) return sqrt(n + 1) * radial(n, m, rho);
+    return sqrt(2 * (n + 1)) * radial(n, m, rho) * (j % 2 ? sin(m * phi) : cos(m * phi));
+}
+
 double expr_value(const expr *e, const expr_point *at)
 {
     double stack[STACK + 1];
@@ -292,7 +316,10 @@ double expr_value(const expr *e, const expr_point *at)
     for (i = 0; i < e->length; i++) {
         operation op = e->code[i].op;
         int n = arity(op);
-        if (n == 2) {
+        if (n == 3) {
+            stack[top - 3] = zernike(stack[top - 3], stack[top - 2], stack[top - 1]);
+            top -= 2;
+        } else if (n == 2) {
             stack[top - 2] = apply2(op, stack[top - 2], stack[top - 1]);
             top--;
         } else if (n == 1) {

@@ -1,4 +1,8 @@
-/* Arithmetic expressions of scenes: numbers, x y z theta1 theta2 pi, + - * / ^ ( ), common functions. */
+/*
+ * Arithmetic expressions of scenes: numbers, x y z theta1 theta2 pi, + - * / ^ ( ), common functions, and
+ * zernike(j, rho, phi): Zernike's polynomial of Noll's number j, of root mean square 1 over the unit disc; NaN where j
+ * is no whole number from 1 to 1000.
+ */
 #ifndef EXPR_H
 #define EXPR_H
 

@@ -1,6 +1,7 @@
 /* pzs: host simulation and precomputation. One executable, a function per subcommand. */
 #define _POSIX_C_SOURCE 200809L
 #include <ctype.h>
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -219,6 +220,14 @@ static int output_end(output_file *f, int failed)
     return status;
 }
 
+/* A file whose contents never came together. */
+static void output_drop(output_file *f)
+{
+    fclose(f->file);
+    if (f->temporary[0])
+        remove(f->temporary);
+}
+
 /* ---- solve ------------------------------------------------------------ */
 
 static int write_vtu(const analysis *a, const double *u, const char *path)
@@ -347,46 +356,20 @@ static int command_shape(const options *o)
 
 /* ---- simulate --------------------------------------------------------- */
 
-/* Who looks at every tick. */
-typedef struct onlookers {
-    const scene *scene;
-    FILE *csv;
-    simulate_record record;
-    int bar, shown; /* a terminal is there; percent on it */
-} onlookers;
-
-static void look(void *context, const simulate_sample *sample)
+/* All ticks, then what was best; the lines of a CSV file where one is asked for. Returns 0, or an exit code. */
+static int run_simulation(simulation *run, const options *o, simulate_record *record)
 {
-    onlookers *w = context;
-    const int percent = (int)(100.0 * (sample->tick + 1.0) / w->scene->simulate.ticks);
-    record_tick(&w->record, sample);
-    if (w->csv && sample->law == LAW_CONTROLLER)
-        print_csv_tick(w->csv, w->scene, sample);
-    if (!w->bar || percent == w->shown)
-        return;
-    w->shown = percent;
-    fprintf(stderr, "\r%-10s [%.*s%*s] %3d%%", sample->law == LAW_CONTROLLER ? "controller" : "clamped", percent / 2,
-            "##################################################", 50 - percent / 2, "", percent);
-    if (percent == 100)
-        fprintf(stderr, "\r%70s\r", "");
-}
-
-/* Both laws with their onlookers, then what was best. Returns 0, or an exit code. */
-static int run_simulation(simulation *run, const options *o, onlookers *w, char *error)
-{
-    output_file csv;
-    int status = o->csv ? output_begin(&csv, o->csv) : 0;
+    char error[SCENE_ERROR];
+    output_file csv = {NULL, "", NULL};
+    const int status = o->csv ? output_begin(&csv, o->csv) : 0;
     if (status)
         return status;
-    w->csv = o->csv ? csv.file : NULL;
-    if (w->csv)
-        print_csv_head(w->csv, w->scene);
-    const int failed = simulate_run(run, LAW_CONTROLLER, look, w, error) < 0 || simulate_run(run, LAW_CLAMP, look, w, error) < 0
-                    || simulate_optima(run, error) < 0;
+    const int failed = print_run(run, record, csv.file, isatty(2), error) < 0;
     if (failed)
-        fprintf(stderr, "%spzs: %s\n", w->bar ? "\n" : "", error);
-    status = o->csv ? output_end(&csv, 0) : 0;
-    return failed ? 1 : status;
+        fprintf(stderr, "pzs: %s\n", error);
+    if (failed && o->csv)
+        output_drop(&csv);
+    return failed ? 1 : o->csv ? output_end(&csv, 0) : 0;
 }
 
 static int command_simulate(const options *o)
@@ -394,13 +377,14 @@ static int command_simulate(const options *o)
     scene s;
     analysis a;
     simulation run;
-    onlookers w = {.scene = &s, .bar = isatty(2), .shown = -1};
+    simulate_record record;
     output_file f;
     char error[SCENE_ERROR];
     int status = open_analysis(o, &s, &a);
     if (status)
         return status;
     memset(&run, 0, sizeof run);
+    memset(&record, 0, sizeof record);
     if (!s.simulate.given)
         scene_fault(&s, s.limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
     if (!s.simulate.given || analysis_influence(&a, error) < 0 || simulate_open(&run, &a, error) < 0) {
@@ -409,16 +393,16 @@ static int command_simulate(const options *o)
     } else if (o->device && simulate_device(&run, o->device, error) < 0) {
         fprintf(stderr, "pzs: %s\n", error);
         status = 1;
-    } else if (record_open(&w.record, &run) < 0) {
+    } else if (record_open(&record, &run) < 0) {
         status = usage_error("out of memory for", o->scene);
-    } else if ((status = run_simulation(&run, o, &w, error)) == 0) {
+    } else if ((status = run_simulation(&run, o, &record)) == 0) {
         (o->as_json ? print_simulation_json : print_simulation)(&run);
         if (o->report && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_simulate(f.file, &run, &w.record));
+            status = output_end(&f, report_simulate(f.file, &run, &record));
         status |= run.count[LAW_CONTROLLER].beyond > 0 || run.count[LAW_CONTROLLER].not_finite > 0
                || (run.board && run.board->twin && simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].same);
     }
-    record_close(&w.record);
+    record_close(&record);
     simulate_close(&run);
     analysis_free(&a);
     scene_free(&s);
@@ -517,20 +501,38 @@ static int command_check(const options *o)
     return status;
 }
 
-static const char *const shipped[] = {"plate-50-patches", "plate-closed-loop", "bimorph-actuator", "scordelis-lo",     "pinched-cylinder", "hemisphere-linear",
-                                      "clamped-plate",    "vlasov-plate",     "crossply", "varadan-cylinder"};
+/* Entries of the scene folder that are scenes. */
+static int is_scene(const struct dirent *entry)
+{
+    const size_t length = strlen(entry->d_name), ending = strlen(".yaml");
+    return length > ending && strcmp(entry->d_name + length - ending, ".yaml") == 0;
+}
+
+static int list_scene(const char *file)
+{
+    char name[SCENE_NAME];
+    snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - strlen(".yaml")), file);
+    const options o = {.scene = name};
+    scene s;
+    if (open_scene(&o, &s))
+        return EXIT_USAGE;
+    printf("%-20s %s\n", s.name, s.about ? s.about : "");
+    scene_free(&s);
+    return 0;
+}
 
 static int command_list(void)
 {
-    for (size_t i = 0; i < sizeof shipped / sizeof *shipped; i++) {
-        const options o = {.scene = shipped[i]};
-        scene s;
-        if (open_scene(&o, &s))
-            return EXIT_USAGE;
-        printf("%-20s %s\n", s.name, s.about ? s.about : "");
-        scene_free(&s);
+    struct dirent **entry;
+    const int count = scandir(scene_folder(), &entry, is_scene, alphasort);
+    int status = count < 0 ? usage_error("cannot read the folder of scenes", scene_folder()) : 0;
+    for (int i = 0; i < count; i++) {
+        status |= list_scene(entry[i]->d_name);
+        free(entry[i]);
     }
-    return 0;
+    if (count >= 0)
+        free(entry);
+    return status;
 }
 
 static int run_command(int argc, char **argv)

@@ -56,12 +56,19 @@ static void place_nodes(mesh *m)
     }
 }
 
+static int in_region(const scene *s, const scene_where *where, int i, int j)
+{
+    const double t1 = s->line[0].point[i], t2 = s->line[1].point[j];
+    return t1 >= where->span[0][0] && t1 <= where->span[0][1] && t2 >= where->span[1][0] && t2 <= where->span[1][1];
+}
+
 int mesh_select(const mesh *m, const scene_where *where, int *node)
 {
     int count = 0;
     for (int i = 0; i < m->lines[0]; i++)
         for (int j = 0; j < m->lines[1]; j++) {
             const int chosen = where->type == WHERE_NODES
+                || (where->type == WHERE_REGION && in_region(m->scene, where, i, j))
                 || (where->type == WHERE_POINT && mesh_node(m, where->node[0], where->node[1]) == mesh_node(m, i, j))
                 || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_MINUS && i == 0)
                 || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_PLUS && i == m->scene->line[0].elements % m->lines[0])

@@ -100,26 +100,25 @@ static pzs_status build_given(path *p, double *value)
 /* ---- follower loads --------------------------------------------------- */
 
 /*
- * Area that goes with the pressure of a corner. The corrected element's base vectors are chords, whose normal at
- * rest leans by half the element's angle; the area is corrected so that at rest the pressure's part along e3 is exact.
+ * The corrected element's base vectors are chords, a/2 out of the tangent plane where an element spans the angle a. Of that
+ * lean the tangent (1 - (a/2) cot(a/2))/(a/2) counts, about a third: the pressure on an arc then has the resultant and the
+ * moment of that on its chord, and is what the stretched chords of a ring hold in balance, whatever their angles.
  */
-static double corner_area(const mesh *m, int element, int r, const pzs_follower *f)
+static void set_corner(const mesh *m, int element, int r, const pzs_follower *f, double *area, double lean[2])
 {
-    const uint16_t kind = m->element_kind[element];
-    const pzs_kind *table = &m->kind[kind];
+    const pzs_kind *table = &m->kind[m->element_kind[element]];
     const surface_point *point = &m->point[m->element[element][r]];
     const double half = (f->normal_face ? 0.5 : -0.5) * table->thickness, z = m->laminate.z[f->normal_face];
-    double g[2][3], n[3];
-    if (!m->scene->element.cartesian)
-        return m->place[kind].area;
-    for (int a = 0; a < 2; a++)
+    double g[2][3], flat[2];
+    for (int a = 0; a < 2; a++) {
         for (int i = 0; i < 3; i++)
             g[a][i] = table->g_mean[r][a][i] + half * table->g_diff[r][a][i];
-    for (int i = 0; i < 3; i++)
-        n[i] = g[0][(i + 1) % 3] * g[1][(i + 2) % 3] - g[0][(i + 2) % 3] * g[1][(i + 1) % 3];
-    const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    const double wanted = f->true_area ? (1 + point->k[0] * z) * (1 + point->k[1] * z) : 1;
-    return m->place[kind].area * wanted / (f->true_area ? n[2] : n[2] / size);
+        flat[a] = hypot(g[a][0], g[a][1]);
+        const double x = atan2(g[a][2], flat[a]);
+        lean[a] = flat[a] * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
+    }
+    if (f->true_area)
+        *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / (g[0][0] * g[1][1] - g[0][1] * g[1][0]);
 }
 
 static pzs_status build_follower(path *p, const scene_load *load, uint16_t input)
@@ -127,11 +126,14 @@ static pzs_status build_follower(path *p, const scene_load *load, uint16_t input
     const mesh *m = &p->design->mesh;
     pzs_follower *f = &p->follower[p->followers++];
     double *pressure = calloc((size_t)m->nodes, sizeof *pressure);
-    double (*area)[4] = calloc((size_t)m->kinds, sizeof *area);
+    double (*area)[4] = calloc((size_t)m->kinds, sizeof *area), (*lean)[4][2] = NULL;
     char error[SCENE_ERROR];
     f->pressure = pressure;
     f->area = (const double (*)[4])area;
-    if (!pressure || !area)
+    if (m->scene->element.cartesian)
+        lean = calloc((size_t)m->kinds, sizeof *lean);
+    f->lean = (const double (*)[4][2])lean;
+    if (!pressure || !area || (m->scene->element.cartesian && !lean))
         return PZS_E_WORKSPACE;
     if (design_load_values(m, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
@@ -142,8 +144,12 @@ static pzs_status build_follower(path *p, const scene_load *load, uint16_t input
     for (int i = 0; i < 3; i++)
         f->share[i] = m->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
     for (int e = 0; e < m->elements; e++)
-        for (int r = 0; r < 4; r++)
-            area[m->element_kind[e]][r] = corner_area(m, e, r, f);
+        for (int r = 0; r < 4; r++) {
+            const uint16_t kind = m->element_kind[e];
+            area[kind][r] = m->place[kind].area;
+            if (lean)
+                set_corner(m, e, r, f, &area[kind][r], lean[kind][r]);
+        }
     return pzs_attach_follower(&p->run, &p->load[p->followers - 1], f);
 }
 
@@ -338,6 +344,7 @@ void path_close(path *p)
     for (int k = 0; k < p->followers; k++) {
         release(p->follower[k].pressure);
         release(p->follower[k].area);
+        release(p->follower[k].lean);
     }
     release(p->face.place);
     release(p->face.triad);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "json.h"
+#include "model.h"
 #include "tables.h"
 
 /* ---- head ------------------------------------------------------------- */
@@ -18,6 +19,12 @@ static const char *precision_needed(const analysis *a)
     return a->nonlinear ? "the nonlinear path needs double" : "double, or float with refinement, which says where it ends";
 }
 
+/* Plies are integrated with the exact metric through the thickness, or as those of a flat plate. */
+static const char *metric_word(const scene *s)
+{
+    return s->element.metric ? "exact metric" : "flat metric";
+}
+
 void print_head(const analysis *a)
 {
     const scene *s = a->design.scene;
@@ -25,6 +32,8 @@ void print_head(const analysis *a)
     printf("%s: %s\n", s->name, s->about ? s->about : "");
     printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", s->line[0].elements, s->line[1].elements,
            m->kinds, m->kinds == 1 ? "" : "s", m->nodes, m->dof, mesh_half_bandwidth(m));
+    printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n", s->element.cartesian ? "Cartesian" : "local",
+           metric_word(s), s->element.unknowns);
     if (a->model.condition > 0)
         printf("  condition %.1e after scaling: %s\n", a->model.condition, precision_needed(a));
 }
@@ -40,6 +49,8 @@ static void json_head(json *j, const analysis *a)
     json_number(j, "nodes", m->nodes);
     json_number(j, "dof", m->dof);
     json_number(j, "half_bandwidth", mesh_half_bandwidth(m));
+    json_string(j, "kinematics_of_element", a->design.scene->element.cartesian ? "cartesian" : "local");
+    json_string(j, "metric", a->design.scene->element.metric ? "exact" : "flat");
     json_number(j, "condition", a->model.condition);
 }
 
@@ -138,7 +149,7 @@ static void print_path(const pzs_path *run)
            run->systems, run->negative ? "UNSTABLE" : "stable", run->negative, run->residual);
 }
 
-void print_solve(const analysis *a, const double *value)
+void print_solve(analysis *a, const double *value)
 {
     print_head(a);
     if (a->design.scene->kinematics == KINEMATICS_AUTO)
@@ -150,6 +161,7 @@ void print_solve(const analysis *a, const double *value)
         printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
     for (int k = 0; k < a->design.scene->outputs; k++)
         print_output(a, k, value);
+    print_electrodes(a);
 }
 
 static void json_path(json *j, const analysis *a)
@@ -202,7 +214,7 @@ static void json_output(json *j, const analysis *a, int k, const double *value)
     free(all);
 }
 
-void print_solve_json(const analysis *a, const double *value)
+void print_solve_json(analysis *a, const double *value)
 {
     const design *d = &a->design;
     json j = {stdout, 0, {0}};
@@ -222,6 +234,8 @@ void print_solve_json(const analysis *a, const double *value)
         if (isfinite(d->scene->output[k].reference))
             json_number(&j, d->scene->output[k].name, analysis_output(a, k, 0, value) / d->scene->output[k].reference);
     json_close(&j, '}');
+    if (d->electrodes.count > 0)
+        print_electrodes_json(&j, a);
     json_close(&j, '}');
 }
 
@@ -285,21 +299,39 @@ static void print_choice(const shape_run *run)
                                                                                  : "needs the nonlinear image");
 }
 
-/* Displacements asked for at single nodes, under each set of volts. */
+/* Is output k a displacement of one node? */
+static int is_single(const analysis *a, int k)
+{
+    const scene_output *output = &a->design.scene->output[k];
+    return output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE && analysis_outputs(a, k) == 1;
+}
+
+static double reached(const analysis *a, int k, const voltages *v)
+{
+    return model_observe_row(&a->design.structure, v->u, (uint32_t)a->design.named_first[k]);
+}
+
+/* The displacements of single nodes that the scene asks for, under each set of volts. */
 static void print_reached(const shape_run *run)
 {
-    const design *d = &run->analysis.design;
-    const scene *s = &run->scene;
-    for (int k = 0; k < s->outputs; k++) {
-        const scene_output *output = &s->output[k];
-        if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE || analysis_outputs(&run->analysis, k) > 1)
+    const analysis *a = &run->analysis;
+    int columns = 0;
+    for (int k = 0; k < run->scene.outputs; k++) {
+        if (!is_single(a, k))
             continue;
-        printf("\n  %s (%s):\n", output->name, analysis_unit(&run->analysis, k));
-        for (int i = -1; i < run->count; i++) {
-            const voltages *v = i < 0 ? &run->before : &run->volts[i];
-            printf("    %-26s %16.9e\n", v->name, model_observe_row(&d->structure, v->u, (uint32_t)d->named_first[k]));
-        }
+        if (columns++ == 0)
+            printf("\n  displacement, %-13s", run->scene.unit_length);
+        printf(" %13.13s", run->scene.output[k].name);
     }
+    for (int i = -1; columns > 0 && i < run->count; i++) {
+        const voltages *v = i < 0 ? &run->before : &run->volts[i];
+        printf("\n  %-27s", v->name);
+        for (int k = 0; k < run->scene.outputs; k++)
+            if (is_single(a, k))
+                printf(" %13.5e", reached(a, k, v));
+    }
+    if (columns > 0)
+        putchar('\n');
 }
 
 void print_shape(const shape_run *run)
@@ -318,6 +350,7 @@ void print_shape(const shape_run *run)
         else
             puts("         -");
     }
+    print_reached(run);
     print_volts(&run->scene, &run->volts[1]);
     for (int i = run->compared; i < run->count; i++)
         print_volts(&run->scene, &run->volts[i]);
@@ -330,8 +363,9 @@ void print_shape(const shape_run *run)
     printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
 }
 
-static void json_voltages(json *j, const scene *s, const voltages *v)
+static void json_voltages(json *j, const analysis *a, const voltages *v)
 {
+    const scene *s = a->design.scene;
     char name[SCENE_NAME + 24];
     json_numbers(j, "limits", v->limit, 2);
     json_number(j, "shape_error", v->error);
@@ -345,6 +379,11 @@ static void json_voltages(json *j, const scene *s, const voltages *v)
         scene_amplifier_name(s, k, name);
         json_number(j, name, v->volt[k]);
     }
+    json_close(j, '}');
+    json_open(j, "outputs", '{');
+    for (int k = 0; k < s->outputs; k++)
+        if (is_single(a, k))
+            json_number(j, s->output[k].name, reached(a, k, v));
     json_close(j, '}');
 }
 
@@ -364,12 +403,12 @@ void print_shape_json(const shape_run *run)
     }
     json_number(&j, "shape_error_before", run->before.error);
     json_number(&j, "clipped_error", run->volts[run->analysis.nonlinear ? 3 : 2].error);
-    json_voltages(&j, &run->scene, &run->volts[1]);
+    json_voltages(&j, &run->analysis, &run->volts[1]);
     json_open(&j, "results", '[');
     for (int i = 0; i < run->count; i++) {
         json_open(&j, NULL, '{');
         json_string(&j, "name", run->volts[i].name);
-        json_voltages(&j, &run->scene, &run->volts[i]);
+        json_voltages(&j, &run->analysis, &run->volts[i]);
         json_close(&j, '}');
     }
     json_close(&j, ']');

@@ -23,9 +23,13 @@ void print_head(const analysis *a);
 void print_check(const analysis *a);
 void print_check_json(const analysis *a);
 
-/* A displacement's outputs. value [output rows] in */
-void print_solve(const analysis *a, const double *value);
-void print_solve_json(const analysis *a, const double *value);
+/* A displacement's outputs, then the electrodes. value [output rows] in */
+void print_solve(analysis *a, const double *value);
+void print_solve_json(analysis *a, const double *value);
+
+/* Volts, charge and capacitance of each electrode; how much stiffer open ones make the shell. Nothing without sensors. */
+void print_electrodes(analysis *a);
+void print_electrodes_json(json *j, analysis *a);
 
 /* Sets of volts and their errors. */
 void print_shape(const shape_run *run);

@@ -6,6 +6,65 @@
 
 static const char *const law_name[LAWS] = {"controller", "clamped"};
 
+/* ---- CSV -------------------------------------------------------------- */
+
+static void print_csv_head(FILE *file, const scene *s)
+{
+    fputs("tick,time,error,active,passes,status,lost", file);
+    for (int k = 0; k < s->amplifiers; k++) {
+        char name[SCENE_NAME + 24];
+        scene_amplifier_name(s, k, name);
+        fprintf(file, ",%s", name);
+    }
+    fputc('\n', file);
+}
+
+static void print_csv_tick(FILE *file, const scene *s, const simulate_sample *sample)
+{
+    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / s->simulate.rate, sample->error, sample->active,
+            sample->passes, (int)sample->status, sample->lost);
+    for (int k = 0; k < s->amplifiers; k++)
+        fprintf(file, ",%.17g", sample->volt[k]);
+    fputc('\n', file);
+}
+
+/* ---- while it runs ---------------------------------------------------- */
+
+typedef struct onlookers {
+    const scene *scene;
+    simulate_record *record;
+    FILE *csv;
+    int bar, shown; /* a terminal is there; percent on it */
+} onlookers;
+
+static void look(void *context, const simulate_sample *sample)
+{
+    onlookers *w = context;
+    const int percent = (int)(100.0 * (sample->tick + 1.0) / w->scene->simulate.ticks);
+    record_tick(w->record, sample);
+    if (w->csv && sample->law == LAW_CONTROLLER)
+        print_csv_tick(w->csv, w->scene, sample);
+    if (!w->bar || percent == w->shown)
+        return;
+    w->shown = percent;
+    fprintf(stderr, "\r%-10s [%.*s%*s] %3d%%", law_name[sample->law], percent / 2, "##################################################",
+            50 - percent / 2, "", percent);
+    if (percent == 100)
+        fprintf(stderr, "\r%70s\r", "");
+}
+
+int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *error)
+{
+    onlookers w = {s->nominal->design.scene, record, csv, bar, -1};
+    if (csv)
+        print_csv_head(csv, w.scene);
+    const int failed = simulate_run(s, LAW_CONTROLLER, look, &w, error) < 0 || simulate_run(s, LAW_CLAMP, look, &w, error) < 0
+                    || simulate_optima(s, error) < 0;
+    if (failed && bar)
+        fputc('\n', stderr);
+    return failed ? -1 : 0;
+}
+
 /* ---- text ------------------------------------------------------------- */
 
 static void print_plant(const simulation *s)
@@ -49,9 +108,7 @@ static void print_phases(const simulation *s)
 static void print_count(const simulation *s, simulate_law law)
 {
     const simulate_count *c = &s->count[law];
-    long run = 0;
-    for (int k = 0; k <= PZS_W_UNSTABLE; k++)
-        run += c->status[k];
+    const long run = simulate_ran(c);
     printf("  %-10s %ld volts beyond a limit or the slew, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
            "%ld out of passes\n", law_name[law], c->beyond, c->not_finite, run, c->lost, c->status[PZS_W_HELD],
            c->status[PZS_W_SENSOR], c->status[PZS_W_PASSES]);
@@ -60,12 +117,33 @@ static void print_count(const simulation *s, simulate_law law)
                c->passes_most, PZS_STEP_PASSES);
 }
 
+static void print_found(const simulation *s)
+{
+    const simulate_count *c = &s->count[LAW_CONTROLLER];
+    if (s->nominal->design.scene->simulate.finds)
+        printf("  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of them in good order\n", "", c->found,
+               c->search, c->wrong);
+}
+
+static void print_board(const simulation *s)
+{
+    const simulate_count *c = &s->count[LAW_CONTROLLER];
+    if (!s->board)
+        return;
+    printf("  %-10s the firmware of %s, %s", "", s->board->name, s->board->bits == 32 ? "float" : "double");
+    if (s->board->twin)
+        printf(", under QEMU: %ld of %ld ticks with the bits of the same C on this computer", c->same, simulate_ran(c));
+    putchar('\n');
+}
+
 void print_simulation(const simulation *s)
 {
     print_head(s->nominal);
     print_plant(s);
     print_phases(s);
     print_count(s, LAW_CONTROLLER);
+    print_found(s);
+    print_board(s);
     print_count(s, LAW_CLAMP);
     printf("  %.2f s, %ld linear systems of the plant\n", s->count[0].seconds + s->count[1].seconds, s->plant.systems);
 }
@@ -102,10 +180,14 @@ static void json_count(json *j, const simulate_count *c, simulate_law law)
     json_open(j, law_name[law], '{');
     json_number(j, "beyond", (double)c->beyond);
     json_number(j, "not_finite", (double)c->not_finite);
+    json_number(j, "ran", (double)simulate_ran(c));
     json_number(j, "lost", (double)c->lost);
     json_number(j, "held", (double)c->status[PZS_W_HELD]);
     json_number(j, "doubted", (double)c->status[PZS_W_SENSOR]);
     json_number(j, "out_of_passes", (double)c->status[PZS_W_PASSES]);
+    json_number(j, "found", (double)c->found);
+    json_number(j, "found_wrong", (double)c->wrong);
+    json_number(j, "found_ticks", c->search);
     json_number(j, "passes", (double)c->passes);
     json_number(j, "passes_most", c->passes_most);
     json_close(j, '}');
@@ -119,6 +201,11 @@ void print_simulation_json(const simulation *s)
     json_string(&j, "scene", scene->name);
     json_string(&j, "plant", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
     json_number(&j, "ticks", scene->simulate.ticks);
+    if (s->board) {
+        json_string(&j, "device", s->board->name);
+        json_number(&j, "device_bits", s->board->bits);
+        json_number(&j, "device_same", (double)s->count[LAW_CONTROLLER].same);
+    }
     json_number(&j, "amplifiers", s->nominal->design.amplifiers);
     json_number(&j, "targets", s->nominal->design.targets);
     json_open(&j, "phases", '[');
@@ -130,26 +217,4 @@ void print_simulation_json(const simulation *s)
         json_count(&j, &s->count[law], (simulate_law)law);
     json_close(&j, '}');
     json_close(&j, '}');
-}
-
-/* ---- CSV -------------------------------------------------------------- */
-
-void print_csv_head(FILE *file, const scene *s)
-{
-    fputs("tick,time,error,active,passes,status,lost", file);
-    for (int k = 0; k < s->amplifiers; k++) {
-        char name[SCENE_NAME + 24];
-        scene_amplifier_name(s, k, name);
-        fprintf(file, ",%s", name);
-    }
-    fputc('\n', file);
-}
-
-void print_csv_tick(FILE *file, const scene *s, const simulate_sample *sample)
-{
-    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / s->simulate.rate, sample->error, sample->active,
-            sample->passes, (int)sample->status, sample->lost);
-    for (int k = 0; k < s->amplifiers; k++)
-        fprintf(file, ",%.17g", sample->volt[k]);
-    fputc('\n', file);
 }

@@ -1,16 +1,21 @@
-/* A simulation as text for people, as JSON, and tick by tick as CSV. */
+/* A simulation while it runs, as text for people, as JSON, and tick by tick as CSV. */
 #ifndef PRINT_SIMULATE_H
 #define PRINT_SIMULATE_H
 
 #include <stdio.h>
-#include "simulate.h"
+#include "report_simulate.h"
 
-/* Both on standard output, after simulate_run of both laws and simulate_optima. */
+/*
+ * Run both laws, then find the optima.
+ *   record  in/out  opened: takes every tick
+ *   csv     in      takes the names, then a line for each tick of the controller's law; or NULL
+ *   bar     in      how far it is, on standard error
+ * Returns 0, or -1 with error filled.
+ */
+int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *error);
+
+/* Both on standard output, after that. */
 void print_simulation(const simulation *s);
 void print_simulation_json(const simulation *s);
-
-/* Lines of a CSV file: names, then each tick of the controller's law. */
-void print_csv_head(FILE *file, const scene *s);
-void print_csv_tick(FILE *file, const scene *s, const simulate_sample *sample);
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "report_html.h"
+#include "report_lines.h"
 #include "report_parts.h"
 #include "report_plane.h"
 #include "report_space.h"
@@ -183,6 +184,7 @@ static int write_solve(FILE *file, const analysis *a, const double *output, cons
     parts_conditions(file, d);
     parts_layers(file, d->scene);
     fputs("</div>\n</div>\n</section>\n", file);
+    lines_section(file, a, output);
     draw_contact(file, a);
     draw_components(file, &d->mesh, vector, size);
     html_end(file);

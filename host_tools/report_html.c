@@ -151,7 +151,7 @@ static const char *const picture_style =
     ".force{fill:var(--force);stroke:var(--force);stroke-width:1.8}.axis{fill:none;stroke:var(--soft);stroke-width:1}\n"
     ".patch{stroke:var(--panel);stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{stroke-dasharray:5 3}.limit.strong,.beyond.strong{fill:none;stroke:var(--inverse)}\n"
     "svg text.mild{fill:var(--ink)}svg text.strong{fill:var(--inverse)}.key{display:inline-block;width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;margin-right:5px}\n"
-    ".ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.dash{border-top:1px dashed var(--soft)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
+    ".best{fill:var(--accent)}.ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.dash{border-top:1px dashed var(--soft)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
     ".keys{margin:0;font-size:13px;color:var(--soft);max-width:none}.keys span{margin-right:18px;white-space:nowrap}\n"
     "@media print{main{max-width:none;padding:0}.set{break-inside:avoid}}\n";
 

@@ -55,7 +55,8 @@ static void facts(FILE *file, const analysis *a, double residual, double error)
     fprintf(file, "%d, half bandwidth %d", m->dof, mesh_half_bandwidth(m));
     fact_end(file);
     fact(file, "Element");
-    fprintf(file, "%s kinematics, %u unknowns a node", s->element.cartesian ? "Cartesian" : "local", m->unknowns);
+    fprintf(file, "%s kinematics, %s metric, %u unknowns a node", s->element.cartesian ? "Cartesian" : "local",
+            s->element.metric ? "exact" : "flat", m->unknowns);
     fact_end(file);
     fact(file, "Thickness");
     html_quantity(file, m->laminate.h, s->unit_length);
@@ -101,6 +102,8 @@ static void write_where(FILE *file, const scene_where *where)
         fputs("all nodes", file);
     else if (where->type == WHERE_EDGE)
         fputs(edge[where->edge], file);
+    else if (where->type == WHERE_REGION)
+        fputs("nodes of a rectangle", file);
     else {
         fputs("point &theta;&#8321; = ", file);
         html_number(file, where->theta[0]);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "report_html.h"
+#include "report_modes.h"
 #include "report_parts.h"
 #include "report_plane.h"
 #include "report_space.h"
@@ -25,6 +26,7 @@ typedef struct page {
     const design *d;
     result *result;
     int results, plans;
+    const modes *modes;
     int *plan;               /* [actuators] */
     draw_view view;
     double factor;           /* magnification of every drawing */
@@ -362,6 +364,7 @@ static int page_write(const page *p)
     for (int k = 0; k < p->results; k++)
         failed |= draw_set(p, &p->result[k]);
     fputs("</section>\n", p->file);
+    modes_section(p->file, p->d->scene, p->modes);
     fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", p->file);
     parts_layers(p->file, p->d->scene);
     parts_conditions(p->file, p->d);
@@ -370,9 +373,9 @@ static int page_write(const page *p)
     return failed;
 }
 
-int report_shape(FILE *file, analysis *a, const voltages *volts, int count)
+int report_shape(FILE *file, analysis *a, const voltages *volts, int count, const modes *modes)
 {
-    page p = {.file = file, .a = a, .d = &a->design, .results = count};
+    page p = {.file = file, .a = a, .d = &a->design, .results = count, .modes = modes};
     int failed = page_fill(&p, volts);
     if (!failed)
         failed = page_write(&p);

@@ -104,6 +104,21 @@ static void write_phases(const page *p)
     fputs("</tbody></table></div>\n", p->file);
 }
 
+/* What not every controller does. */
+static void write_extras(const page *p, const simulate_count *c)
+{
+    const device_board *board = p->s->board;
+    if (p->scene->simulate.finds)
+        fprintf(p->file, "<p>Electrodes that the controller found not to follow: %ld, the slowest after %d ticks; %ld of them were in good "
+                "order.</p>\n", c->found, c->search, c->wrong);
+    if (!board)
+        return;
+    fprintf(p->file, "<p>The controller is the firmware of %s, in %s", board->name, board->bits == 32 ? "float" : "double");
+    if (board->twin)
+        fprintf(p->file, ", under QEMU: %ld of %ld ticks with the bits of the same C on this computer", c->same, simulate_ran(c));
+    fputs(".</p>\n", p->file);
+}
+
 static void write_counts(const page *p)
 {
     static const char *const name[LAWS] = {"Controller", "Clamped"};
@@ -116,6 +131,7 @@ static void write_counts(const page *p)
                 c->beyond, c->not_finite, c->lost, c->status[PZS_W_HELD], c->status[PZS_W_SENSOR], c->status[PZS_W_PASSES], c->passes_most);
     }
     fputs("</tbody></table></div>\n", p->file);
+    write_extras(p, &p->s->count[LAW_CONTROLLER]);
 }
 
 /* The plant as it is, of what the controller believes. */

@@ -67,6 +67,7 @@ static const field sections[] = {
     {"outputs", read_outputs, 0, NULL, 0},
     {"target", read_target, 0, NULL, 0},
     {"compare", read_compare, 0, NULL, 0},
+    {"estimate", read_estimate, 0, NULL, 0},
     {"simulate", read_simulate, 0, NULL, 0},
     {NULL, NULL, 0, NULL, 0}};
 
@@ -138,6 +139,8 @@ void scene_free(scene *s)
     for (i = 0; i < s->compares; i++) free(s->compare[i].value);
     expr_free(s->contact.body.value);
     expr_free(s->target.value);
+    for (i = 0; i < s->target.modes; i++) expr_free(s->target.mode[i].value);
+    free(s->target.mode);
     spline_free(s->surface.meridian);
     free(s->path);
     free(s->set);
@@ -154,17 +157,27 @@ void scene_free(scene *s)
     free(s->output);
     free(s->limits.each);
     free(s->compare);
+    free(s->estimate.reading);
     free_simulate(&s->simulate);
     memset(s, 0, sizeof *s);
 }
 
-void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24])
+static void name_of(const scene_actuator *a, int k, char name[SCENE_NAME + 24])
 {
-    const scene_actuator *a = s->actuator;
     while (k >= a->first + a->grid[0] * a->grid[1]) a++;
     k -= a->first;
     if (a->grid[0] * a->grid[1] == 1) strcpy(name, a->name);
     else snprintf(name, SCENE_NAME + 24, "%s_%d_%d", a->name, k / a->grid[1] + 1, k % a->grid[1] + 1);
+}
+
+void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24])
+{
+    name_of(s->actuator, k, name);
+}
+
+void scene_sensor_name(const scene *s, int k, char name[SCENE_NAME + 24])
+{
+    name_of(s->sensor, k, name);
 }
 
 /* Amplifier of an actuator from the "_i_j" after its name, or -1. */

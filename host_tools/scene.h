@@ -113,12 +113,13 @@ typedef struct scene_actuator {
 
 typedef enum scene_edge { EDGE_NONE, EDGE_THETA1_MINUS, EDGE_THETA1_PLUS, EDGE_THETA2_MINUS, EDGE_THETA2_PLUS } scene_edge;
 
-/* A set of nodes: an edge, all nodes, or the node at (theta1, theta2). */
-typedef enum scene_where_type { WHERE_EDGE, WHERE_NODES, WHERE_POINT } scene_where_type;
+/* A set of nodes: an edge, all nodes, the node at (theta1, theta2), or those of a rectangle of the mesh. */
+typedef enum scene_where_type { WHERE_EDGE, WHERE_NODES, WHERE_POINT, WHERE_REGION } scene_where_type;
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
     double theta[2];             /* a point: exactly those of its mesh node */
+    double span[2][2];           /* a region: from, to of theta1 and theta2; infinite where not given */
     int node[2];                 /* a point: its place in line[0].point and line[1].point */
     scene_at at;
 } scene_where;
@@ -192,10 +193,19 @@ typedef struct scene_output {
     scene_at at;
 } scene_output;
 
+/* Another shape of the target's component, place and weight. */
+typedef struct scene_mode {
+    char name[SCENE_NAME];
+    expr *value;
+    scene_at at;
+} scene_mode;
+
 typedef struct scene_target {
     int given;
     scene_output what;           /* component, face, where */
     expr *value;                 /* wanted displacement */
+    int modes;
+    scene_mode *mode;            /* shapes to try one by one beside it */
     int weight_area;             /* weight: area (1) or equal (0) */
 } scene_target;
 
@@ -221,6 +231,24 @@ typedef struct scene_limits {
     scene_at at;
 } scene_limits;
 
+/* A sensor that the firmware has: every value of an output, with noise of this standard deviation. */
+typedef struct scene_reading {
+    int output;
+    double noise;
+    scene_at at;
+} scene_reading;
+
+/* From what the firmware estimates the shape, and what may disturb it: standard deviations. */
+typedef struct scene_estimate {
+    int given;
+    int readings;
+    scene_reading *reading;
+    double loads;                /* of every load's amount, 1: as the scene says */
+    double volts;                /* of what an electrode does besides its command (V), -1: a tenth of half its limits */
+    double tolerance;            /* most of the disturbance that the estimate may miss, or the readings do not do */
+    scene_at at;
+} scene_estimate;
+
 /* What happens at a tick of a simulation. */
 typedef enum scene_event_type {
     EVENT_TARGET, EVENT_VALUE,               /* a factor of the target, another target */
@@ -230,6 +258,8 @@ typedef enum scene_event_type {
     EVENT_LOST                               /* ticks in which the controller does not run */
 } scene_event_type;
 
+enum { TOLD_NEVER = -1, TOLD_FOUND = -2 }; /* the controller finds it by itself */
+
 typedef struct scene_event {
     scene_event_type type;
     int tick;                    /* ascending over the events */
@@ -237,7 +267,7 @@ typedef struct scene_event {
     int ticks;                   /* nan, frozen, lost: for how long */
     int load;                    /* its number */
     int amplifiers, *amplifier;  /* dead, stuck, alive: [amplifiers] */
-    int told;                    /* dead, stuck: ticks until the controller is told, -1: never */
+    int told;                    /* dead, stuck: ticks until the controller is told, or one of the two below */
     expr *value;                 /* another target */
     scene_at at;
 } scene_event;
@@ -256,6 +286,7 @@ typedef struct scene_simulate {
     double step, dead_band;      /* of the amplifiers, V */
     double fault_chance;         /* of a random fault in a tick */
     int fault_until;             /* tick from which there are none */
+    int finds;                   /* some electrode is TOLD_FOUND */
     int events;
     scene_event *event;
     scene_at at;
@@ -289,6 +320,7 @@ typedef struct scene {
     scene_limits limits;
     scene_target target;
     scene_compare *compare;
+    scene_estimate estimate;
     scene_simulate simulate;
     int amplifiers;              /* of all actuators, in their order */
     int electrodes;              /* of all sensors, in their order */
@@ -308,6 +340,9 @@ void scene_free(scene *s);
 
 /* Name of amplifier k: that of its actuator, with _i_j (from 1) where the grid has more than one patch. */
 void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24]);
+
+/* The same of electrode k of the sensors. */
+void scene_sensor_name(const scene *s, int k, char name[SCENE_NAME + 24]);
 
 /* The amplifiers [*first, *first + *count) of an actuator or of one amplifier's name; returns whether there are any. */
 int scene_find_amplifier(const scene *s, const char *name, int *first, int *count);

@@ -41,7 +41,8 @@ static int check_all_names(const scene *s, char *error)
         CHECK_NAMES("actuators", actuator, actuators, scene_actuator) != 0 ||
         CHECK_NAMES("sensors", sensor, sensors, scene_actuator) != 0 ||
         CHECK_NAMES("outputs", output, outputs, scene_output) != 0 ||
-        CHECK_NAMES("compare items", compare, compares, scene_compare) != 0)
+        CHECK_NAMES("compare items", compare, compares, scene_compare) != 0 ||
+        CHECK_NAMES("modes", target.mode, target.modes, scene_mode) != 0)
         return -1;
     for (i = 0; i < s->actuators; i++)
         if (scene_find_amplifier(s, s->actuator[i].name, &first, &count) && first != s->actuator[i].first)
@@ -157,10 +158,28 @@ static int snap(const scene_line *line, double *coordinate, int *is_on)
 
 /* ---- places ---- */
 
+/* Is there a mesh line from, to of a region? Its ends may miss mesh lines by rounding. */
+static int check_region(const scene *s, scene_where *w, char *error)
+{
+    int k, i, found = 1;
+    for (k = 0; k < 2; k++) {
+        const scene_line *line = &s->line[k];
+        const double slack = on_line * (line->point[line->elements] - line->point[0]);
+        w->span[k][0] -= slack;
+        w->span[k][1] += slack;
+        for (i = 0; i <= line->elements && !(line->point[i] >= w->span[k][0] && line->point[i] <= w->span[k][1]);) i++;
+        found &= i <= line->elements;
+    }
+    if (found) return 0;
+    return scene_fault(s, w->at, error, "no node of the mesh lies in this rectangle; write [from, to], ascending and within the "
+                       "mesh");
+}
+
 static int check_where(const scene *s, scene_where *w, char *error)
 {
     const double wanted[2] = {w->theta[0], w->theta[1]};
     int k, on[2];
+    if (w->type == WHERE_REGION) return check_region(s, w, error);
     if (w->type != WHERE_POINT) return 0;
     for (k = 0; k < 2; k++) w->node[k] = snap(&s->line[k], &w->theta[k], &on[k]);
     if (on[0] && on[1]) return 0;

@@ -176,7 +176,8 @@ static int read_area(reader *r, int node, void *to, const void *rule)
 
 static int read_follower(reader *r, int node, void *to, const void *rule)
 {
-    static const choice kinds[] = {{"normal", FOLLOWER_NORMAL}, {"pressure", FOLLOWER_PRESSURE}, {NULL, 0}};
+    static const choice kinds[] = {{"normal", FOLLOWER_NORMAL}, {"pressure", FOLLOWER_PRESSURE},
+                                   {"none", FOLLOWER_NONE}, {NULL, 0}};
     load_text *text = to;
     scene_load *load = text->load;
     int kind = 0;
@@ -185,6 +186,7 @@ static int read_follower(reader *r, int node, void *to, const void *rule)
         return tree_fault_at(r->t, r->t->node[node].key_at, "'follower' belongs to a pressure on a face; write pressure: "
                              "value instead of a direction, or remove it");
     if (read_choice(r, node, &kind, kinds) != 0) return -1;
+    if (kind == FOLLOWER_NONE) return 0;
     if (kind == FOLLOWER_PRESSURE && load->face != FACE_INNER && load->face != FACE_OUTER)
         return tree_fault(r->t, node, "'follower: pressure' acts on one face; write face: inner or face: outer");
     if (text->area_given && load->true_area != (kind == FOLLOWER_PRESSURE))

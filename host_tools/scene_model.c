@@ -18,12 +18,22 @@ static scene_at node_at(const reader *r, int node)
 const scene_element element_corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
 static const scene_element element_source = {0, 0, 0, 0, 0, 0, 0, 7};
 
-int read_element(reader *r, int node, void *to, const void *rule)
+static int read_preset(reader *r, int node, void *to, const void *rule)
 {
     static const choice presets[] = {{"corrected", 0}, {"source", 1}, {NULL, 0}};
+    int is_source = 0;
+    (void)rule;
+    if (read_choice(r, node, &is_source, presets) != 0) return -1;
+    *(scene_element *)to = is_source ? element_source : element_corrected;
+    return 0;
+}
+
+int read_element(reader *r, int node, void *to, const void *rule)
+{
     static const choice kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
     static const choice area[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
     static const field fields[] = {
+        {"preset", read_preset, 0, NULL, 0},     /* first: the others change it */
         {"kinematics", read_choice, offsetof(scene_element, cartesian), kinematics, 0},
         {"tau", read_real, offsetof(scene_element, tau), &not_negative, 0},
         {"rho", read_real, offsetof(scene_element, rho), &not_negative, 0},
@@ -33,13 +43,8 @@ int read_element(reader *r, int node, void *to, const void *rule)
         {"area", read_choice, offsetof(scene_element, exact_area), area, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene_element *element = &((scene *)to)->element;
-    int is_source = 0;
-    (void)rule;
     *element = element_corrected;
-    if (r->t->node[node].kind == TREE_MAP) return read_map(r, node, fields, element);
-    if (read_choice(r, node, &is_source, presets) != 0) return -1;
-    if (is_source) *element = element_source;
-    return 0;
+    return r->t->node[node].kind == TREE_MAP ? read_map(r, node, fields, element) : read_preset(r, node, element, rule);
 }
 
 /* ---- materials ---- */

@@ -16,6 +16,9 @@ field_read read_supports, read_loads, read_contact;
 /* scene_task.c: what drives it and what is asked. */
 field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_outputs, read_target, read_compare;
 
+/* scene_estimate.c: what the firmware knows of the shape. */
+field_read read_estimate;
+
 /* scene_simulate.c: what the controller has to live with. */
 field_read read_simulate;
 void free_simulate(scene_simulate *simulate);

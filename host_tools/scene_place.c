@@ -1,6 +1,7 @@
 /* Places, faces and directions: the words that supports, loads, contact and outputs share. */
 #include "scene_parts.h"
 
+#include <math.h>
 #include <string.h>
 
 const choice place_axes[] = {{"x", COMPONENT_X}, {"y", COMPONENT_Y}, {"z", COMPONENT_Z}, {NULL, 0}};
@@ -40,6 +41,30 @@ int read_point(reader *r, int node, void *to, const void *rule)
     return read_map(r, node, fields, to);
 }
 
+/* [from, to] along both coordinates; one that is left out is whole. */
+static int read_region(reader *r, int node, scene_where *w)
+{
+    static const field fields[] = {
+        {"theta1", read_pair, offsetof(scene_where, span[0]), NULL, 0},
+        {"theta2", read_pair, offsetof(scene_where, span[1]), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    int k;
+    if (start_where(r, node, w, WHERE_REGION) != 0) return -1;
+    for (k = 0; k < 2; k++) {
+        w->span[k][0] = -HUGE_VAL;
+        w->span[k][1] = HUGE_VAL;
+    }
+    return read_map(r, node, fields, w);
+}
+
+static int has_list(const reader *r, int node)
+{
+    int i;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (r->t->node[i].kind == TREE_LIST) return 1;
+    return 0;
+}
+
 int read_at(reader *r, int node, void *to, const void *rule)
 {
     const char *text = node_text(r, node);
@@ -47,7 +72,7 @@ int read_at(reader *r, int node, void *to, const void *rule)
     if (r->t->node[node].kind != TREE_MAP)
         return tree_fault(r->t, node, "'at: %.60s' is no place; write {theta1: ..., theta2: ...}, nodes, or edge: "
                           "theta1+ instead", text ? text : "[...]");
-    return read_point(r, node, to, rule);
+    return has_list(r, node) ? read_region(r, node, to) : read_point(r, node, to, rule);
 }
 
 int require_place(reader *r, int node, const scene_where *w)

@@ -191,6 +191,11 @@ static int read_event_told(reader *r, int node, void *to, const void *rule)
 {
     event_text *text = to;
     text->told_given = 1;
+    if (r->t->node[node].kind == TREE_SCALAR && strcmp(node_text(r, node), "found") == 0) {
+        text->event->told = TOLD_FOUND;
+        r->s->simulate.finds = 1;
+        return 0;
+    }
     return read_int(r, node, &text->event->told, rule);
 }
 
@@ -226,7 +231,7 @@ static int check_event(reader *r, int node, const event_text *text)
 
 static int read_event(reader *r, int node, scene_event *event)
 {
-    static const range waits = {0, 1e7, 0, "must not be below 0; leave it out and the controller is never told"};
+    static const range waits = {0, 1e7, 0, "must be ticks from 0, or found: the controller finds it; leave it out and it is never told"};
     static const field fields[] = {
         {"at", read_event_at, 0, NULL, 1},
         {"target", read_event_type, 0, &event_types[0], 0}, {"value", read_event_type, 0, &event_types[1], 0},
@@ -238,7 +243,7 @@ static int read_event(reader *r, int node, scene_event *event)
         {"told", read_event_told, 0, &waits, 0}, {NULL, NULL, 0, NULL, 0}};
     event_text text = {0};
     text.event = event;
-    event->told = -1;
+    event->told = TOLD_NEVER;
     event->at = r->t->node[node].at;
     if (read_map(r, node, fields, &text) != 0) return -1;
     return check_event(r, node, &text);

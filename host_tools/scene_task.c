@@ -368,6 +368,25 @@ int read_outputs(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
+static int read_modes(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_mode, name), NULL, 1},
+        {"value", read_expr, offsetof(scene_mode, value), NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    scene_target *target = &r->s->target;
+    int i, k = 0;
+    (void)to;
+    (void)rule;
+    target->mode = new_items(r, node, TREE_LIST, sizeof *target->mode, &target->modes);
+    if (!target->mode) return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
+        target->mode[k].at = node_at(r, i);
+        if (read_map(r, i, fields, &target->mode[k]) != 0) return -1;
+    }
+    return 0;
+}
+
 int read_target(reader *r, int node, void *to, const void *rule)
 {
     static const choice weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
@@ -375,6 +394,7 @@ int read_target(reader *r, int node, void *to, const void *rule)
         DIRECTIONS(read_component), PLACE(output.where),
         {"value", read_expr, offsetof(output_text, value), NULL, 1},
         {"weight", read_choice, offsetof(output_text, weight_area), weights, 0},
+        {"modes", read_modes, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene *s = to;
     output_text text;

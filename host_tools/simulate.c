@@ -8,6 +8,7 @@
 #include <time.h>
 #include "guard.h"
 #include "simulate_loop.h"
+#include "tables.h"
 
 enum { LAST = 20 /* ticks that count as the end of a phase */, WINDOW = 1000 /* ticks in which settling is looked for */ };
 
@@ -20,9 +21,9 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int no_memory(const simulation *s, char *error)
+static int no_memory(const analysis *nominal, char *error)
 {
-    return scene_fault(s->nominal->design.scene, s->nominal->design.scene->simulate.at, error, "out of memory");
+    return scene_fault(nominal->design.scene, nominal->design.scene->simulate.at, error, "out of memory");
 }
 
 /* ---- open ------------------------------------------------------------- */
@@ -73,27 +74,40 @@ static int lay_out_phases(simulation *s)
 }
 
 /* Influence at the best shape of the nonlinear structure that the controller knows. */
-static int tables_at_target(simulation *s, analysis *nominal, char *error)
+static int tables_at_target(analysis *nominal, double *influence, char *error)
 {
     const design *d = &nominal->design;
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
     double *all = calloc((size_t)d->structure.output.count * inputs, sizeof *all);
     voltages best;
     memset(&best, 0, sizeof best);
-    s->influence = calloc(m * n, sizeof *s->influence);
-    int failed = !all || !s->influence ? no_memory(s, error) : 0;
+    int failed = all ? 0 : no_memory(nominal, error);
     nominal->nonlinear = 1;
     failed = failed || voltages_optimum(nominal, (double)NAN, &best, error) < 0;
     if (!failed && pzs_influence_at(&nominal->path.run, all) != PZS_OK)
         failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
     for (size_t i = 0; !failed && i < m; i++)
-        memcpy(s->influence + i * n, all + i * inputs, n * sizeof *all);
-    s->problem.influence = s->influence;
-    s->problem.hessian = NULL;
-    s->problem.crc = failed ? 0 : guard_problem_crc(&s->problem);
+        memcpy(influence + i * n, all + i * inputs, n * sizeof *all);
     voltages_free(&best);
     free(all);
     return failed ? -1 : 0;
+}
+
+int simulate_tables(analysis *nominal, pzs_problem *problem, double **influence, char *error)
+{
+    const design *d = &nominal->design;
+    *influence = NULL;
+    *problem = d->problem;
+    if (!d->scene->simulate.at_target)
+        return 0;
+    problem->influence = *influence = calloc((size_t)d->targets * (size_t)d->amplifiers, sizeof **influence);
+    problem->hessian = NULL;
+    if (!*influence)
+        return no_memory(nominal, error);
+    if (tables_at_target(nominal, *influence, error) < 0)
+        return -1;
+    problem->crc = guard_problem_crc(problem);
+    return 0;
 }
 
 /* Loops are measured by the range of the volts. */
@@ -111,17 +125,39 @@ int simulate_open(simulation *s, analysis *nominal, char *error)
     const design *d = &nominal->design;
     memset(s, 0, sizeof *s);
     s->nominal = nominal;
-    s->problem = d->problem;
     if (check_range(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
         return -1;
     for (int i = 0; i < d->targets; i++)
         s->reference += pow(d->weight[i] * d->target[i], 2);
     s->reference = s->reference > 0 ? sqrt(s->reference) : 1;
-    int failed = lay_out_phases(s) ? 0 : no_memory(s, error);
-    failed = failed || (d->scene->simulate.at_target && tables_at_target(s, nominal, error) < 0);
+    int failed = lay_out_phases(s) ? 0 : no_memory(nominal, error);
+    failed = failed || simulate_tables(nominal, &s->problem, &s->influence, error) < 0;
     if (failed)
         simulate_close(s);
     return failed ? -1 : 0;
+}
+
+static int write_tables(const simulation *s, char *error)
+{
+    char path[DEVICE_PATH + 16];
+    tables_size size;
+    analysis a = *s->nominal;
+    a.design.problem = s->problem;
+    snprintf(path, sizeof path, "%s/loop.h", s->folder);
+    FILE *file = fopen(path, "w");
+    int failed = !file || tables_write(file, &a, TABLES_CONTROL, "demo", &size) < 0;
+    failed |= file && fclose(file) != 0;
+    if (failed)
+        snprintf(error, SCENE_ERROR, "cannot write %.300s", path);
+    return failed ? -1 : 0;
+}
+
+int simulate_device(simulation *s, const device_board *board, char *error)
+{
+    if (device_folder(s->folder, error) < 0 || write_tables(s, error) < 0 || device_build(board, s->folder, error) < 0)
+        return -1;
+    s->board = board;
+    return 0;
 }
 
 void simulate_close(simulation *s)
@@ -138,6 +174,7 @@ void simulate_close(simulation *s)
     }
     free(s->phase);
     free(s->influence);
+    device_remove(s->folder);
     plant_close(&s->plant);
     memset(s, 0, sizeof *s);
 }
@@ -245,7 +282,7 @@ static void keep_conditions(const loop *l, simulate_phase *p)
 static void tell(const loop *l, simulate_law law, int tick, simulate_watch *watch, void *context)
 {
     const simulate_sample sample = {.law = law, .tick = tick, .error = l->error, .command = l->command, .volt = l->given,
-                                    .active = loop_active(l), .passes = l->control.passes, .status = l->status, .lost = l->is_lost};
+                                    .active = loop_active(l), .passes = l->passes, .status = l->status, .lost = l->is_lost};
     if (watch)
         watch(context, &sample);
 }
@@ -257,8 +294,12 @@ static void count_tick(const loop *l, simulate_count *count)
     count->lost += l->is_lost;
     if (l->is_lost)
         return;
-    count->passes += l->control.passes;
-    count->passes_most = l->control.passes > count->passes_most ? l->control.passes : count->passes_most;
+    count->same += l->same;
+    count->found += l->found;
+    count->wrong += l->wrong;
+    count->search = l->search > count->search ? l->search : count->search;
+    count->passes += l->passes;
+    count->passes_most = l->passes > count->passes_most ? l->passes : count->passes_most;
     count->status[l->status <= PZS_W_UNSTABLE ? l->status : 0]++;
 }
 
@@ -292,12 +333,20 @@ int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *c
     memset(&s->count[law], 0, sizeof s->count[law]);
     for (int k = 0; k < s->phases; k++)
         s->phase[k].course[law].worst = 0;
-    int failed = log_open(&f, &s->nominal->design) ? 0 : no_memory(s, error);
+    int failed = log_open(&f, &s->nominal->design) ? 0 : no_memory(s->nominal, error);
     failed = loop_open(&l, s, law, error) < 0 || failed || run_ticks(s, &l, &f, law, watch, context, error) < 0;
     loop_close(&l);
     log_close(&f);
     s->count[law].seconds = now() - begin;
     return failed ? -1 : 0;
+}
+
+long simulate_ran(const simulate_count *count)
+{
+    long run = 0;
+    for (int k = 0; k <= PZS_W_UNSTABLE; k++)
+        run += count->status[k];
+    return run;
 }
 
 /* ---- optima ----------------------------------------------------------- */
@@ -330,7 +379,7 @@ static int find_optimum(simulation *s, simulate_phase *p, double *shape, char *e
 int simulate_optima(simulation *s, char *error)
 {
     double *shape = calloc((size_t)s->plant.analysis.design.targets, sizeof *shape);
-    int failed = shape ? 0 : no_memory(s, error);
+    int failed = shape ? 0 : no_memory(s->nominal, error);
     for (int k = 0; k < s->phases && !failed; k++) {
         if (k > 0 && same_conditions(s, &s->phase[k], &s->phase[k - 1]))
             s->phase[k].optimum = s->phase[k - 1].optimum;

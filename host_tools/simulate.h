@@ -4,12 +4,14 @@
  *
  *   events, shape under the volts of the tick before, measurement, controller, amplifiers
  *
+ * The controller is the library's own here, or a firmware with the same tables on a board (simulate_device).
  * The same scene gives the same bits in every run. Beside the controller the same loop runs with what is often done
  * instead: the unlimited optimum, cut to limits and slew.
  */
 #ifndef SIMULATE_H
 #define SIMULATE_H
 
+#include "device.h"
 #include "plant.h"
 
 typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAWS } simulate_law;
@@ -58,6 +60,9 @@ typedef struct simulate_count {
     int passes_most;
     long status[PZS_W_UNSTABLE + 1]; /* ticks that ended with each */
     long lost;
+    long found, wrong;       /* electrodes the controller found; those of them that had no fault */
+    int search;              /* ticks of the longest search */
+    long same;               /* ticks in which the device and its twin gave the same bits */
     double seconds;
 } simulate_count;
 
@@ -67,6 +72,8 @@ typedef struct simulation {
     pzs_problem problem;     /* the controller's tables */
     double *influence;       /* [targets][amplifiers] at the nonlinear optimum, where the scene asks for it */
     double reference;        /* |W target of the scene| */
+    const device_board *board; /* the controller runs on it; NULL: here */
+    char folder[DEVICE_PATH]; /* of its firmware */
     int phases;
     simulate_phase *phase;
     simulate_count count[LAWS];
@@ -80,11 +87,27 @@ typedef struct simulation {
 int simulate_open(simulation *s, analysis *nominal, char *error);
 void simulate_close(simulation *s);
 
+/*
+ * The controller's tables: those of the design, or where the scene asks for it with the influence at the nonlinear
+ * optimum that it believes in. Returns 0, or -1 with error filled.
+ *   influence out  NULL or that one; free it
+ */
+int simulate_tables(analysis *nominal, pzs_problem *problem, double **influence, char *error);
+
+/*
+ * The firmware of a board in place of the controller: built now, run by QEMU in simulate_run. Its twin, the same C in the
+ * same precision on this computer, answers beside it, and every bit is compared. Returns 0, or -1 with error filled.
+ */
+int simulate_device(simulation *s, const device_board *board, char *error);
+
 /* Run all ticks under a law. watch may be NULL. Returns 0, or -1 with error filled. */
 int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *context, char *error);
 
 /* The optimum of each phase, after simulate_run. Returns 0, or -1 with error filled. */
 int simulate_optima(simulation *s, char *error);
+
+/* Ticks in which the law ran. */
+long simulate_ran(const simulate_count *count);
 
 /* The event of a phase in words; one of several may stand for all. */
 void simulate_name(const simulation *s, const simulate_phase *phase, char text[160]);

@@ -36,6 +36,22 @@ static double draw_noise(loop *l)
     return sum;
 }
 
+/* ---- what the controller is told -------------------------------------- */
+
+static void hold(loop *l, int amplifier, double volt)
+{
+    (void)pzs_hold(&l->control, (uint16_t)amplifier, volt);
+    device_hold(&l->board, amplifier, volt);
+    device_hold(&l->twin, amplifier, volt);
+}
+
+static void release(loop *l, int amplifier)
+{
+    (void)pzs_release(&l->control, (uint16_t)amplifier);
+    device_release(&l->board, amplifier);
+    device_release(&l->twin, amplifier);
+}
+
 /* ---- events ----------------------------------------------------------- */
 
 static void set_target(loop *l, const scene_event *event)
@@ -62,6 +78,7 @@ static void fail_electrodes(loop *l, const scene_event *event, int tick)
     for (int i = 0; i < event->amplifiers; i++) {
         electrode *e = &l->electrode[event->amplifier[i]];
         e->held = event->type == EVENT_DEAD ? 0 : e->fault == ELECTRODE_GOOD ? l->given[event->amplifier[i]] : e->held;
+        e->failed_at = tick;
         e->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
         e->told_at = event->told >= 0 ? tick + event->told : -1;
         e->good_at = event->ticks > 0 ? tick + event->ticks : -1;
@@ -72,7 +89,7 @@ static void revive(loop *l, int amplifier)
 {
     electrode *e = &l->electrode[amplifier];
     if (e->is_told)
-        (void)pzs_release(&l->control, (uint16_t)amplifier);
+        release(l, amplifier);
     e->fault = ELECTRODE_GOOD;
     e->told_at = e->good_at = -1;
     e->is_told = 0;
@@ -137,14 +154,14 @@ static void random_fault(loop *l, int tick)
     static const scene_event_type kinds[] = {EVENT_NAN, EVENT_NAN, EVENT_FROZEN, EVENT_LOST, EVENT_DEAD, EVENT_STUCK,
                                              EVENT_TARGET, EVENT_LOAD};
     int amplifier[2];
-    scene_event event = {.type = kinds[draw_int(l, 8)], .amplifier = amplifier, .told = -1};
+    scene_event event = {.type = kinds[draw_int(l, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
     event.amount = draw_share(l);
     event.ticks = 1 + draw_int(l, 50);
     event.amplifiers = 1 + draw_int(l, 2);
     for (int i = 0; i < 2; i++)
         amplifier[i] = draw_int(l, l->design->amplifiers);
     if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
-        event.told = draw_int(l, 2) ? draw_int(l, event.ticks) : -1;
+        event.told = draw_int(l, 2) ? draw_int(l, event.ticks) : TOLD_NEVER;
     if (event.type == EVENT_NAN && draw_int(l, 4) == 0)
         event.amount = 1; /* every sensor */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
@@ -179,7 +196,7 @@ static void run_events(loop *l, int tick)
         if (e->good_at == tick)
             revive(l, k);
         if (e->told_at == tick) {
-            (void)pzs_hold(&l->control, (uint16_t)k, e->held);
+            hold(l, k, e->held);
             e->is_told = 1;
         }
     }
@@ -291,15 +308,66 @@ static pzs_status clamp(loop *l)
     return status;
 }
 
-static void command(loop *l)
+/* The board's answer, and whether its twin's has the same bits. Returns 0, or -1 with error filled. */
+static int ask_board(loop *l, char *error)
+{
+    const size_t n = (size_t)l->design->amplifiers;
+    const int status = device_tick(&l->board, l->wanted, l->measured, l->command, l->state, &l->passes, error);
+    int passes = 0, same = -1;
+    if (status < 0)
+        return -1;
+    l->status = (pzs_status)status;
+    if (!l->twin.board)
+        return 0;
+    same = device_tick(&l->twin, l->wanted, l->measured, l->next, l->twin_state, &passes, error);
+    l->same = same == status && passes == l->passes && memcmp(l->next, l->command, n * sizeof *l->next) == 0
+           && memcmp(l->twin_state, l->state, n) == 0;
+    return same < 0 ? -1 : 0;
+}
+
+static void ask_library(loop *l)
+{
+    const size_t n = (size_t)l->design->amplifiers;
+    l->status = pzs_tick(&l->control, l->wanted, l->measured);
+    l->passes = l->control.passes;
+    if (!PZS_IS_ERROR(l->status) && l->design->scene->simulate.finds) {
+        const pzs_status watched = pzs_watch_tick(&l->watch, l->measured);
+        l->status = PZS_IS_ERROR(watched) ? watched : l->status;
+        memcpy(l->state, l->watch.state, n);
+    }
+    memcpy(l->command, l->control.volt, n * sizeof *l->command);
+}
+
+/* Electrodes that the watch has found. */
+static void learn(loop *l, int tick)
+{
+    l->found = l->wrong = 0;
+    for (int k = 0; k < l->design->amplifiers; k++) {
+        electrode *e = &l->electrode[k];
+        if (l->state[k] != PZS_HELD || e->is_told)
+            continue;
+        e->is_told = 1;
+        l->found++;
+        if (e->fault == ELECTRODE_GOOD)
+            l->wrong++;
+        else if (tick - e->failed_at > l->search)
+            l->search = tick - e->failed_at;
+    }
+}
+
+static int command(loop *l, int tick, char *error)
 {
     if (l->law == LAW_CLAMP) {
         l->status = clamp(l);
+    } else if (l->board.board) {
+        if (ask_board(l, error) < 0)
+            return -1;
     } else {
-        l->status = pzs_tick(&l->control, l->wanted, l->measured);
-        memcpy(l->command, l->control.volt, (size_t)l->design->amplifiers * sizeof *l->command);
+        ask_library(l);
     }
+    learn(l, tick);
     predict(l);
+    return 0;
 }
 
 /* ---- amplifiers ------------------------------------------------------- */
@@ -327,14 +395,15 @@ static void amplify(loop *l)
     }
 }
 
-/* Volts beyond limits, or beyond the slew from those before. */
-static int beyond(const loop *l, const double *volt, const double *before)
+/* Volts beyond limits, or beyond the slew from those before, in the arithmetic of who chose them. */
+static int beyond(const loop *l, const double *volt, const double *before, int bits)
 {
     const design *d = l->design;
     int count = 0;
     for (int k = 0; k < d->amplifiers; k++) {
+        const double change = bits == 32 ? (double)((float)volt[k] - (float)before[k]) : volt[k] - before[k];
         count += !(volt[k] >= d->lower[k] && volt[k] <= d->upper[k]);
-        count += !may_move(before[k], volt[k], slew_of(l, k));
+        count += !may_move(0, change, slew_of(l, k));
     }
     return count;
 }
@@ -381,11 +450,12 @@ int loop_tick(loop *l, int tick, char *error)
     if (l->is_lost)
         return 0;
     memcpy(l->last, l->command, n * sizeof *l->last);
-    command(l);
-    l->beyond = beyond(l, l->command, l->last);
+    if (command(l, tick, error) < 0)
+        return -1;
+    l->beyond = beyond(l, l->command, l->last, l->board.board ? l->board.board->bits : 64);
     memcpy(l->last, l->given, n * sizeof *l->last);
     amplify(l);
-    l->beyond += beyond(l, l->given, l->last);
+    l->beyond += beyond(l, l->given, l->last, 64);
     l->not_finite = not_finite(l);
     if (!PZS_IS_ERROR(l->status))
         return 0;
@@ -402,9 +472,12 @@ static int take_memory(loop *l)
     double *at = l->memory = calloc((8 + 2 * kept) * m + 2 * loads + 5 * n, sizeof *l->memory);
     l->electrode = calloc(n, sizeof *l->electrode);
     l->sensor = calloc(m, sizeof *l->sensor);
+    l->state = calloc(2 * n, 1);
     l->work = malloc(PZS_CONTROL_BYTES(n, m));
-    if (!at || !l->electrode || !l->sensor || !l->work)
+    l->watch_work = malloc(PZS_WATCH_BYTES(n, m, d->scene->simulate.delay));
+    if (!at || !l->electrode || !l->sensor || !l->state || !l->work || !l->watch_work)
         return 0;
+    l->twin_state = l->state + n;
     double **const of_targets[] = {&l->goal, &l->wanted, &l->shape, &l->reading, &l->measured, &l->predicted, &l->wish,
                                    &l->disturbance};
     double **const of_amplifiers[] = {&l->command, &l->given, &l->effect, &l->next, &l->last};
@@ -436,6 +509,25 @@ static void start(loop *l)
     plant_rest(&l->simulation->plant);
 }
 
+/* Board and twin with their volts of the start. */
+static int start_board(loop *l, char *error)
+{
+    const simulation *s = l->simulation;
+    const device_board *twin = device_find(s->board->twin);
+    if (twin && device_start(&l->twin, twin, s->folder, &s->problem, l->command, error) < 0)
+        return -1;
+    if (device_start(&l->board, s->board, s->folder, &s->problem, l->command, error) < 0)
+        return -1;
+    memcpy(l->given, l->command, (size_t)l->design->amplifiers * sizeof *l->given);
+    memcpy(l->last, l->command, (size_t)l->design->amplifiers * sizeof *l->last);
+    predict(l);
+    if (l->design->scene->simulate.finds) {
+        device_watch(&l->board, l->design->scene->simulate.delay);
+        device_watch(&l->twin, l->design->scene->simulate.delay);
+    }
+    return 0;
+}
+
 int loop_open(loop *l, simulation *s, simulate_law law, char *error)
 {
     const scene *scene = s->nominal->design.scene;
@@ -445,12 +537,14 @@ int loop_open(loop *l, simulation *s, simulate_law law, char *error)
     l->law = law;
     if (!take_memory(l))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
-    const pzs_status status = pzs_control_init(&l->control, &s->problem, NULL, l->work,
-                                               PZS_CONTROL_BYTES(l->design->amplifiers, l->design->targets));
+    const int n = l->design->amplifiers, m = l->design->targets, delay = scene->simulate.delay;
+    pzs_status status = pzs_control_init(&l->control, &s->problem, NULL, l->work, PZS_CONTROL_BYTES(n, m));
+    if (status == PZS_OK)
+        status = pzs_watch_init(&l->watch, &l->control, (uint16_t)delay, l->watch_work, PZS_WATCH_BYTES(n, m, delay));
     if (status != PZS_OK)
         return scene_fault(scene, scene->limits.at, error, "%s", pzs_status_text(status));
     start(l);
-    return 0;
+    return s->board && law == LAW_CONTROLLER ? start_board(l, error) : 0;
 }
 
 void loop_close(loop *l)
@@ -458,6 +552,10 @@ void loop_close(loop *l)
     free(l->memory);
     free(l->electrode);
     free(l->sensor);
+    free(l->state);
     free(l->work);
+    free(l->watch_work);
+    device_stop(&l->board);
+    device_stop(&l->twin);
     memset(l, 0, sizeof *l);
 }

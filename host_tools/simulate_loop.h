@@ -18,8 +18,9 @@ typedef struct electrode {
     electrode_fault fault;
     double held;             /* V while it does not follow */
     double play[PLAYS];      /* V behind each play */
+    int failed_at;           /* tick of its last fault */
     int told_at, good_at;    /* tick in which the controller is told; in which it recovers by itself; -1: never */
-    int is_told;             /* the controller holds it, since this tick or before */
+    int is_told;             /* the controller holds it, since this tick or before: it was told or has found it */
 } electrode;
 
 /* A sensor: until which tick it gives NaN or stands still. */
@@ -29,7 +30,9 @@ typedef struct loop {
     const design *design;    /* what the controller knows */
     simulation *simulation;
     simulate_law law;
-    pzs_control control;
+    pzs_control control;     /* the library's, in double */
+    pzs_watch watch;         /* over it, where the scene says found */
+    device board, twin;      /* in place of both, where the simulation has a board */
     uint64_t random;         /* state of the generator */
     int next_event, lost_until;
     double factor, scheduled_factor; /* of the target */
@@ -51,9 +54,13 @@ typedef struct loop {
     double *next, *last;     /* [amplifiers] room; before the tick */
     electrode *electrode;    /* [amplifiers] */
     sensor *sensor;          /* [targets] */
-    void *work;              /* of the controller */
+    uint8_t *state, *twin_state; /* [amplifiers] of the watch */
+    void *work, *watch_work; /* of the controller */
     double error;            /* of the last shape */
     pzs_status status;       /* of the last tick */
+    int passes;
+    int same;                /* board and twin agree in every bit */
+    int found, wrong, search; /* electrodes found in the last tick; those of them that had no fault; longest search, ticks */
     int is_lost, beyond, not_finite; /* of the last tick */
 } loop;
 

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "estimator.h"
 #include "guard.h"
 #include "shell.h"
 
@@ -315,11 +316,14 @@ static void list_vector(writer *w, const double x[3])
 static void write_followers(writer *w, const path *p)
 {
     const mesh *m = &p->design->mesh;
-    const int corners = 4;
+    const int corners = 4, lean[2] = {4, 2};
     char name[64];
     for (int k = 0; k < p->followers; k++) {
         snprintf(name, sizeof name, "follower_area_%d", k);
         write_blocks(w, name, *p->follower[k].area, (size_t)m->kinds, &corners, 1, "area of each corner, by kind");
+        snprintf(name, sizeof name, "follower_lean_%d", k);
+        if (p->follower[k].lean)
+            write_blocks(w, name, **p->follower[k].lean, (size_t)m->kinds, lean, 2, "lean of the base vectors of each corner, by kind");
         snprintf(name, sizeof name, "follower_pressure_%d", k);
         write_reals(w, name, p->follower[k].pressure, (size_t)m->nodes, "pressure of each node");
     }
@@ -330,9 +334,12 @@ static void write_followers(writer *w, const path *p)
         const pzs_follower *f = &p->follower[k];
         fprintf(w->file, "    {%u, %u, %u, %u, ", f->input, f->load_face, f->normal_face, f->true_area);
         list_vector(w, f->share);
-        fputs(", PZS_R(", w->file);
-        write_real(w->file, f->lean);
-        fprintf(w->file, "), %s_follower_area_%d, %s_follower_pressure_%d},\n", w->prefix, k, w->prefix, k);
+        fprintf(w->file, ", %s_follower_area_%d, ", w->prefix, k);
+        if (f->lean)
+            fprintf(w->file, "%s_follower_lean_%d", w->prefix, k);
+        else
+            fputs("NULL", w->file);
+        fprintf(w->file, ", %s_follower_pressure_%d},\n", w->prefix, k);
     }
     fputs(p->followers > 0 ? "};\n\n" : "\n", w->file);
 }
@@ -466,6 +473,47 @@ tables_memory tables_need(const analysis *a, tables_image image)
     return need;
 }
 
+/* ---- beside the controller -------------------------------------------- */
+
+/* Gains of the estimator. */
+static void write_estimator(writer *w, const estimator *e)
+{
+    const pzs_estimator *t = &e->tables;
+    const uint16_t counts[3] = {t->inputs, t->outputs, t->sensors};
+    w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    write_reals(w, "direct", e->direct, (size_t)t->sensors * t->inputs, "what sensors (rows) show per volt (columns)");
+    write_reals(w, "gain", e->gain, (size_t)t->outputs * t->sensors, "shape (rows) per what sensors (columns) show besides");
+    fprintf(w->file, "#define %s_SENSORS %u\nstatic const pzs_estimator %s_estimator = {\n"
+            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %s_direct, %s_gain,\n};\n\n", w->upper, t->sensors, w->prefix,
+            t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->inputs, t->outputs, t->sensors, w->prefix, w->prefix);
+}
+
+/* The shape under each load of the scene, to be fed forward. */
+static void write_known(writer *w, const estimator *e)
+{
+    const pzs_known *t = &e->known_tables;
+    const uint16_t counts[2] = {t->amounts, t->outputs};
+    w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    write_reals(w, "per_load", e->known, (size_t)t->outputs * t->amounts, "displacement of target node (row) per load (column), 1: as the scene says");
+    fprintf(w->file, "#define %s_LOADS %u\nstatic const pzs_known %s_known = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), "
+            "%u, %u, %s_per_load,\n};\n\n", w->upper, t->amounts, w->prefix, t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc,
+            t->amounts, t->outputs, w->prefix);
+}
+
+static int write_beside(writer *w, const analysis *a)
+{
+    estimator e;
+    char error[SCENE_ERROR];
+    if (estimator_open(&e, a, error) < 0)
+        return -1;
+    if (e.known_tables.amounts > 0)
+        write_known(w, &e);
+    if (e.sensors > 0)
+        write_estimator(w, &e);
+    estimator_close(&e);
+    return 0;
+}
+
 /* ---- header ----------------------------------------------------------- */
 
 static void write_head(const writer *w, const analysis *a, const char *image)
@@ -513,8 +561,10 @@ int tables_write(FILE *file, const analysis *a, tables_image image, const char *
         write_structure(&w, a, image);
         fprintf(file, "#define %s_LINEAR 1\n\n", w.upper);
     }
-    if (controlled)
+    if (controlled) {
         write_problem(&w, a, image);
+        status = status == 0 ? write_beside(&w, a) : status;
+    }
     fputs("#endif\n", file);
     *size = w.size;
     return ferror(file) ? -1 : status;

@@ -393,9 +393,9 @@ typedef struct pzs_follower {
     uint8_t normal_face;      /* whose normal it follows: 0 inner, 1 outer */
     uint8_t true_area;        /* 1: per area of the deformed normal_face; 0: per reference area, along the unit normal */
     pzs_real share[3];        /* of a corner's pressure carried by itself, its neighbours, the opposite corner */
-    pzs_real lean;            /* part kept of the base vectors' lean out of the tangent plane, 0 ... 1; chords as sides of
-                                 an arc: 1/3 leaves the resultant of a pressure an error of fourth order in their angle */
     const pzs_real (*area)[4]; /* [kinds] area that goes with each corner (m2) */
+    const pzs_real (*lean)[4][2]; /* [kinds] what counts of the two base vectors of each corner along the director, where
+                                 they are chords and lean out of the tangent plane; NULL: nothing */
     const pzs_real *pressure; /* [nodes] per unit of input, positive along e3 (N/m2) */
 } pzs_follower;
 
@@ -603,7 +603,8 @@ pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *vo
  * A suspect is probed: for about ten ticks it is held at two volts in turn, `swing` to either side of where it was,
  * inside limits and slew, while the step compensates with the others. At most PZS_PROBES are probed at a time.
  * An electrode that has lost more than two swings of volts at once, or is asked to move by as much and does not, is found
- * within 12 ticks and the delay of the sensors: 2 for the suspicion, 9 for the probe, 1 to hold it.
+ * within 12 ticks of that and the delay of the sensors: 2 for the suspicion, 9 for the probe, 1 to hold it. While more than
+ * an eighth of the outputs have no measurement, nobody is watched.
  */
 #define PZS_PROBES 4
 #define PZS_MOST_DELAY 16
@@ -625,25 +626,28 @@ typedef struct pzs_watch {
     pzs_real *swing;           /* choice [inputs] of a probe (V), at most half the slew; just below half the slew or 1/32 of
                                   the limits, the smaller; 0: not watched */
     uint8_t *state;            /* [inputs] PZS_BLIND: its own volts cannot be told from the others' */
-    pzs_envelope columns;      /* B'W^2 B, factored */
+    pzs_envelope columns;      /* B'W^2 B over the outputs measured, factored */
+    pzs_real *diagonal;        /* [inputs] of B'W^2 B over all */
     pzs_real *volt;            /* [delay + 1][inputs] of the last ticks (V) */
     pzs_real *before;          /* [inputs] that made the shape before (V) */
     pzs_real *answer;          /* [inputs] what each did beyond its command between two shapes, by least squares (V) */
     pzs_real *moved, *response; /* [inputs] fading sums of squares of moves and responses (V2) */
     pzs_real *lost_volt;       /* [inputs] fading sum of answer (V) */
     pzs_real *shape, *change;  /* [outputs] disturbance at the shape before (m), W^2 times its change */
-    uint8_t *missing;          /* [outputs] without measurement at the shape before */
+    uint8_t *missing;          /* [outputs] bit 0: without measurement at the shape before, bit 1: not in columns */
     pzs_probe probe[PZS_PROBES];
+    pzs_real ridge;            /* of the diagonal, added to it */
     int32_t where;             /* index that goes with the last status, or -1 */
     uint16_t delay, oldest;
     uint16_t found;            /* electrodes found since the start */
     uint16_t blind;            /* electrodes that cannot be watched */
+    uint8_t stale;             /* columns are of other outputs */
     uint8_t stage;
 } pzs_watch;
 
 /* Bytes of workspace for a watch. */
 #define PZS_WATCH_BYTES(inputs, outputs, delay) \
-    (sizeof(pzs_real) * (PZS_DENSE(inputs) + ((size_t)(delay) + 7u) * (size_t)(inputs) + 2u * (size_t)(outputs)) + \
+    (sizeof(pzs_real) * (PZS_DENSE(inputs) + ((size_t)(delay) + 8u) * (size_t)(inputs) + 2u * (size_t)(outputs)) + \
      sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) + (sizeof(uint16_t) + 1u) * (size_t)(inputs) + (size_t)(outputs))
 
 /*
@@ -661,5 +665,79 @@ pzs_status pzs_watch_init(pzs_watch *watch, pzs_control *control, uint16_t delay
  * 0 V, others at their last volts, until pzs_release. Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_watch_tick(pzs_watch *watch, const pzs_real *measured);
+
+/* ---- option: amplifiers with steps and a dead band (lib/amplifier.c) --- */
+
+/*
+ * After pzs_tick: what the amplifiers make of the volts, which the next tick then predicts with. A change of at most
+ * dead_band is not made; others go to the last multiple of step on the way, inside limits and slew.
+ *   given     [inputs] in/out  volts that the amplifiers give: at the start control->volt, then left alone (V)
+ *   step               in      of the converter (V); 0: none
+ *   dead_band          in      (V)
+ * At rest volts stand still: a step is only taken where the whole of it is asked for. Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band);
+
+/* ---- option: the shape from a few sensors, known loads (lib/estimate.c) - */
+
+/* Gains of an estimator, made by the host from what may disturb the shape. All arrays const, in flash. */
+typedef struct pzs_estimator {
+    uint32_t format, scene;    /* those of the problem */
+    uint32_t crc;              /* over the three counts and both arrays */
+    uint16_t inputs, outputs, sensors;
+    const pzs_real *direct;    /* S [sensors][inputs] what sensors show per volt (V/V, C/V, m/V) */
+    const pzs_real *gain;      /* G [outputs][sensors] shape per what they show besides (m/V, m/C, 1) */
+} pzs_estimator;
+
+typedef struct pzs_estimate {
+    pzs_control *control;
+    const pzs_estimator *tables;
+    pzs_real *expected;        /* [sensors] S volt */
+    pzs_real *sensed;          /* [sensors] last readings */
+    pzs_real *difference;      /* [sensors] reading - expected */
+    uint8_t *frozen;           /* [sensors] ticks a reading has stood still that should move */
+    int32_t where;             /* index that goes with the last status, or -1 */
+    uint8_t stage;
+} pzs_estimate;
+
+/* Bytes of workspace for an estimate. */
+#define PZS_ESTIMATE_BYTES(sensors) (sizeof(pzs_real) * 3u * (((size_t)(sensors) + 3u) / 4u * 4u) + (size_t)(sensors))
+
+/*
+ * Lay an estimate out in the workspace; control and tables must outlive it.
+ * Errors: ARGUMENT (also tables of other counts), STAGE, FORMAT, CRC, NONFINITE, WORKSPACE (where = bytes needed).
+ */
+pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control, const pzs_estimator *tables, void *work,
+                             size_t bytes);
+
+/*
+ * Before each pzs_tick: the shape that goes with the sensors' readings under the controller's present volts,
+ * B v + G (s - S v), to be handed to it as measured.
+ *   sensed [sensors] in
+ *   shape  [outputs] out (m)
+ * A reading that is not finite or frozen keeps its last difference. Warnings: SENSOR, HELD: no reading is of use.
+ * Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs_real *shape);
+
+/* The shape per unit of loads and temperatures whose amounts the firmware knows. In flash. */
+typedef struct pzs_known {
+    uint32_t format, scene;    /* those of the problem */
+    uint32_t crc;              /* over the two counts and the array */
+    uint16_t amounts, outputs;
+    const pzs_real *per;       /* [outputs][amounts] (m/N, m/Pa, m/K) */
+} pzs_known;
+
+/* Are they complete and undamaged? OK, ARGUMENT, FORMAT, CRC, NONFINITE. */
+pzs_status pzs_known_check(const pzs_known *tables);
+
+/*
+ * Take what known loads do out of a shape: before a tick, out of `measured` by the amounts at the measurement, out of
+ * `wanted` by those to come. The controller then sees the unknown rest alone, and meets the known part before it shows.
+ *   amount [amounts] in
+ *   shape  [outputs] in/out (m)
+ * Errors: ARGUMENT, NONFINITE (shape untouched).
+ */
+pzs_status pzs_feed_forward(const pzs_known *tables, const pzs_real *amount, pzs_real *shape);
 
 #endif

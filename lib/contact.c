@@ -13,6 +13,8 @@
 
 /* Gap and pressure are weighed against each other with this part of the structure's own stiffness. */
 #define WEIGHING ((pzs_real)1e-5)
+/* The stiffness against the body grows up to this many times the structure's own. */
+#define FIRM ((pzs_real)100)
 /* While a warm step moves by more than this part of its way, its nodes stay as they were. */
 #define QUIET ((pzs_real)0.2)
 
@@ -123,6 +125,18 @@ static pzs_real own_stiffness(const pzs_contact *c, const pzs_path *path, uint16
     return 0;
 }
 
+/*
+ * Stiffness per area against the body at a node. The gap of a soft structure on it closes by own/(own + e) of itself a
+ * system, slowly where kappa is small, so e doubles with each system of a load step.
+ */
+static pzs_real against(const pzs_contact *c, const pzs_path *path, uint16_t node)
+{
+    pzs_real e = c->stiffness;
+    for (uint32_t i = 0; i < path->iteration && e < FIRM; i++)
+        e *= 2;
+    return e * own_stiffness(c, path, node);
+}
+
 /* ---- which nodes ------------------------------------------------------ */
 
 /* Gaps of this size are closed. */
@@ -145,7 +159,7 @@ static void find_facing(pzs_contact *c, const pzs_path *path)
             const uint16_t node = s->element[e][r];
             const place at = place_of(c, path, node);
             pzs_real eta[3];
-            face_normal(&s->kind[s->element_kind[e]], z, (const pzs_real(*)[3])w, r, eta, NULL);
+            face_normal(&s->kind[s->element_kind[e]], z, (const pzs_real(*)[3])w, r, eta);
             c->facing[node] += c->face->face == 0 ? -dot(eta, at.normal) : dot(eta, at.normal);
         }
     }
@@ -264,7 +278,7 @@ static void add(pzs_option *option, pzs_path *path, pzs_real *load)
         if (!c->touching[n])
             continue;
         const place at = place_of(c, path, n);
-        const pzs_real e = c->stiffness * own_stiffness(c, path, n);
+        const pzs_real e = against(c, path, n);
         const pzs_real push = c->face->area[n] * (c->pressure[n] - e * at.gap);
         pzs_real force[1][3];
         for (int i = 0; i < 3; i++) {
@@ -286,7 +300,7 @@ static void solved(pzs_option *option, pzs_path *path, const pzs_real *du)
         const place at = place_of(c, path, n);
         pzs_real d[3];
         displacement(c, path, n, du, d);
-        c->pressure[n] -= c->stiffness * own_stiffness(c, path, n) * (at.gap + dot(at.normal, d));
+        c->pressure[n] -= against(c, path, n) * (at.gap + dot(at.normal, d));
     }
 }
 
@@ -298,7 +312,7 @@ static void unit(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *o
         if (!c->touching[n])
             continue;
         const place at = place_of(c, path, n);
-        const pzs_real e = c->stiffness * own_stiffness(c, path, n);
+        const pzs_real e = against(c, path, n);
         pzs_real force[1][3], m[3];
         for (int i = 0; i < 3; i++)
             m[i] = dot(c->face->triad[n][i], c->face->motion);
@@ -385,7 +399,7 @@ static int is_loose(const pzs_contact *c, const pzs_path *path)
     return 0;
 }
 
-static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, unit, NULL};
+static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, unit, NULL, NULL};
 
 static int face_complete(const pzs_path *path, const pzs_contact_face *f)
 {

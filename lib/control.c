@@ -13,14 +13,10 @@
  */
 #include <string.h>
 #include "boxls.h"
+#include "control.h"
 #include "guard.h"
-#include "unrolled.h"
-
-#define READY 1u
-#define FOURS PZS_BY_BITS(7, 3) /* fours of inputs multiplied together: what the registers hold, and what fills up */
-#define FEW PZS_BY_BITS(3, 2)
-#define FROZEN_TICKS 8u  /* a measurement that repeats so often while its output moves is frozen */
-#define FROZEN_PART 64   /* "moves": by more than 1/FROZEN_PART of |measured| + |predicted| in a tick */
+#include "product.h"
+#include "sense.h"
 
 static uint32_t width_of(uint32_t n)
 {
@@ -50,52 +46,6 @@ static pzs_real *full_of(const pzs_control *c)
 static pzs_real *weighted_of(const pzs_control *c)
 {
     return full_of(c) + width_of(c->problem->inputs);
-}
-
-/* y_i += COUNT fours of entries of row i times x, the x held in registers. */
-#define MULTIPLY(name, COUNT) \
-    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
-                     size_t rows) \
-    { \
-        pzs_real part[4 * (COUNT)]; \
-        UNROLLED \
-        for (unsigned k = 0; k < 4 * (COUNT); k++) \
-            part[k] = x[k]; \
-        for (size_t i = 0; i < rows; i++, a += stride) { \
-            pzs_real sum = y[i]; \
-            UNROLLED \
-            for (unsigned k = 0; k < 4 * (COUNT); k++) \
-                sum += a[k] * part[k]; \
-            y[i] = sum; \
-        } \
-    }
-
-MULTIPLY(multiply_many, FOURS)
-MULTIPLY(multiply_some, FEW)
-MULTIPLY(multiply_one, 1)
-
-/*
- * y [rows] = a x, a [rows][cols]; each sum in ascending order. x is zero up to whole fours, which read on into the row
- * below where there is one.
- */
-static void multiply(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t rows, size_t cols)
-{
-    const size_t last = 1u + 3u / cols, whole = last < rows ? rows - last : 0;
-    memset(y, 0, rows * sizeof *y);
-    for (size_t j = 0, now; j < cols; j += 4u * now) {
-        const size_t fours = (cols - j + 3u) / 4u;
-        now = fours >= FOURS ? FOURS : fours >= FEW ? FEW : 1u;
-        if (now == FOURS)
-            multiply_many(y, a + j, cols, x + j, whole);
-        else if (now == FEW)
-            multiply_some(y, a + j, cols, x + j, whole);
-        else
-            multiply_one(y, a + j, cols, x + j, whole);
-    }
-    for (size_t i = whole; i < rows; i++) {
-        for (size_t k = 0; k < cols; k++)
-            y[i] += a[i * cols + k] * x[k];
-    }
 }
 
 /* ---- step ---------------------------------------------------------------------- */
@@ -216,7 +166,7 @@ static void rebase(boxls *b, const pzs_control *c)
 {
     const pzs_real effort = c->problem->effort;
     pzs_real *full = full_of(c);
-    multiply(c->predicted, c->influence, b->v, c->problem->outputs, b->n);
+    product(c->predicted, c->influence, b->v, c->problem->outputs, b->n);
     for (uint32_t i = 0; i < b->n; i++) {
         full[i] += b->pull[i] - effort * (b->v[i] - b->base[i]);
         b->bias[i] = effort * (b->v[i] - c->problem->prefer[i]);
@@ -249,7 +199,7 @@ static pzs_status ready(const pzs_control *c, const void *argument)
 {
     if (c == NULL || argument == NULL)
         return PZS_E_ARGUMENT;
-    return c->stage == READY ? PZS_OK : PZS_E_STAGE;
+    return c->stage == CONTROL_READY ? PZS_OK : PZS_E_STAGE;
 }
 
 /* What measurements should show: predicted + disturbance. */
@@ -318,7 +268,7 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 
 /* ---- tick ------------------------------------------------------------------------ */
 
-/* predicted = B volt again, after a pzs_step or a cut. */
+/* predicted = B volt again, where volts have changed since. */
 static void catch_up(boxls *b, const pzs_control *c)
 {
     uint32_t i = 0;
@@ -328,73 +278,25 @@ static void catch_up(boxls *b, const pzs_control *c)
         rebase(b, c);
 }
 
+void control_predict(pzs_control *c)
+{
+    boxls b = view(c);
+    catch_up(&b, c);
+}
+
+void control_moved(pzs_control *c)
+{
+    boxls b = view(c);
+    boxls_true_gradient(&b);
+    c->rounding = b.rough;
+}
+
 /* Volts as they were, but inside the limits now in force. */
 static pzs_status hold_last(boxls *b, pzs_control *c, int32_t where)
 {
     enter(b, c);
     catch_up(b, c);
     return finish(c, PZS_W_HELD, where);
-}
-
-static pzs_real largest_size(const pzs_real *x, uint32_t n)
-{
-    pzs_real most = 0;
-    for (uint32_t i = 0; i < n; i++)
-        most = boxls_size(x[i]) > most ? boxls_size(x[i]) : most;
-    return most;
-}
-
-/*
- * A measurement that is not finite, or has the same bits as before. Returns nonzero where the sensor is not to be
- * trusted: not finite, or the same bits for FROZEN_TICKS ticks in which the prediction moved
- * (seen as a change of measured - predicted while measured stands still). An output moves when it does so
- * by more than 1/FROZEN_PART of `most`, the largest prediction of any, found when first asked for: below that lies
- * the resolution of sensors.
- */
-static int doubtful(pzs_control *c, uint32_t i, pzs_real measured, pzs_real *most)
-{
-    const pzs_real difference = measured - c->predicted[i];
-    if (!boxls_finite(difference))
-        return 1;
-    const pzs_real moved = FROZEN_PART * boxls_size(difference - c->disturbance[i]) - boxls_size(measured);
-    if (moved > 0 && *most < 0)
-        *most = largest_size(c->predicted, c->problem->outputs);
-    if (moved > 0 && moved > *most)
-        c->frozen[i] = (uint8_t)(c->frozen[i] + (c->frozen[i] < FROZEN_TICKS));
-    if (c->frozen[i] >= FROZEN_TICKS)
-        return 1;
-    c->disturbance[i] = difference;
-    return 0;
-}
-
-/* The disturbances of measurements that are finite and new, from input i on. Returns the first that is not, or m. */
-static uint32_t sense_new(const pzs_control *c, const pzs_real *measured, uint32_t i, uint32_t m)
-{
-    const pzs_real *predicted = c->predicted;
-    pzs_real *before = c->measured, *disturbance = c->disturbance;
-    uint8_t *frozen = c->frozen;
-    for (; i < m; i++) {
-        const pzs_real seen = measured[i], difference = seen - predicted[i];
-        if (!(seen != before[i]) || !boxls_finite(difference))
-            break;
-        before[i] = seen;
-        disturbance[i] = difference;
-        frozen[i] = 0;
-    }
-    return i;
-}
-
-/* All disturbances. Returns the number of outputs without a usable measurement, the first in where. */
-static uint32_t sense(pzs_control *c, const pzs_real *measured, int32_t *where)
-{
-    const uint32_t m = c->problem->outputs;
-    pzs_real most = -1;
-    uint32_t lost = 0;
-    for (uint32_t i = sense_new(c, measured, 0, m); i < m; i = sense_new(c, measured, i + 1u, m)) {
-        if (doubtful(c, i, measured[i], &most))
-            *where = lost++ == 0 ? (int32_t)i : *where;
-    }
-    return lost;
 }
 
 pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *measured)
@@ -406,7 +308,8 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
     const uint32_t m = c->problem->outputs;
     int32_t where = -1;
     catch_up(&b, c);
-    const uint32_t lost = measured != NULL ? sense(c, measured, &where) : 0;
+    const senses all = { m, c->predicted, c->measured, c->disturbance, c->frozen };
+    const uint32_t lost = measured != NULL ? sense(&all, measured, &where) : 0;
     if (lost == m)
         return hold_last(&b, c, where);
     const pzs_status stepped = step(&b, c, wanted, measured != NULL && lost == 0 ? measured : expected(c));
@@ -522,7 +425,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
     control->stage = 0;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
     const size_t need = PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
-    pzs_control c = { .problem = problem, .influence = use, .where = -1, .stage = READY };
+    pzs_control c = { .problem = problem, .influence = use, .where = -1, .stage = CONTROL_READY };
     const pzs_status status = check(problem, use, &c.where);
     if (status != PZS_OK)
         return finish(control, status, c.where);

@@ -173,7 +173,7 @@ static void rest(pzs_option *option, pzs_path *path)
     restore(option, path);
 }
 
-static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, NULL, condense};
+static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, NULL, condense, NULL};
 
 pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *c, const pzs_electrodes *tables, void *work, size_t bytes)
 {

@@ -118,25 +118,48 @@ pzs_status pzs_electric_init(pzs_electric *e, pzs_model *model, const pzs_electr
     return PZS_OK;
 }
 
+/* Charge of an electrode per unit of an input. */
+static pzs_real *per(const pzs_electric *e, uint32_t electrode, uint32_t input)
+{
+    return e->per + (size_t)electrode * e->model->structure->input.count + input;
+}
+
 /*
  * Charge of electrode k per unit of every input. u = K^-1 f_k, and f_k . K^-1 f_j = f_j . u: one solve for the whole row.
- *   row [inputs] out
  */
-static pzs_status charge_row(pzs_electric *e, uint32_t k, pzs_real *row)
+static pzs_status charge_row(const pzs_electric *e, uint32_t k)
 {
-    const pzs_rows *input = &e->model->structure->input;
+    const pzs_rows *input = &e->model->structure->input, *direct = &e->tables->direct;
     pzs_real *u = e->model->work + 5 * (size_t)e->model->k.n;
     memset(e->amount, 0, input->count * sizeof *e->amount);
     e->amount[e->tables->input[k]] = 1;
     const pzs_status status = pzs_solve(e->model, e->amount, u);
     for (uint32_t j = 0; j < input->count; j++) {
-        row[j] = 0;
+        *per(e, k, j) = 0;
         for (uint32_t t = input->start[j]; t < input->start[j + 1]; t++)
-            row[j] += input->value[t] * u[input->dof[t]];
+            *per(e, k, j) += input->value[t] * u[input->dof[t]];
     }
-    for (uint32_t i = e->tables->direct.start[k]; i < e->tables->direct.start[k + 1]; i++)
-        row[e->tables->direct.dof[i]] += e->tables->direct.value[i];
+    for (uint32_t i = direct->start[k]; i < direct->start[k + 1]; i++)
+        *per(e, k, direct->dof[i]) += direct->value[i];
     return status;
+}
+
+/* Input of open electrode number a. */
+static uint32_t open_input(const pzs_electric *e, uint32_t a)
+{
+    return e->tables->input[electrode_open(e->tables, a)];
+}
+
+/* Charges of the open electrodes per volt of one another, factored. Returns the first without capacitance, or -1. */
+static int32_t factor_open(pzs_electric *e)
+{
+    linalg_clear(&e->open);
+    for (uint32_t a = 0; a < e->open.n; a++)
+        for (uint32_t b = 0; b <= a; b++)
+            *linalg_entry(&e->open, a, b) = *per(e, electrode_open(e->tables, a), open_input(e, b));
+    const linalg_inertia inertia = linalg_factor(&e->open);
+    const int32_t bad = inertia.zero >= 0 ? inertia.zero : inertia.first_negative;
+    return bad < 0 ? -1 : (int32_t)electrode_open(e->tables, (uint32_t)bad);
 }
 
 pzs_status pzs_electric_factor(pzs_electric *e)
@@ -145,22 +168,15 @@ pzs_status pzs_electric_factor(pzs_electric *e)
         return PZS_E_ARGUMENT;
     if (e->model->stage != STAGE_FACTORED)
         return fail(e, PZS_E_STAGE, -1);
-    const uint32_t inputs = e->model->structure->input.count;
     e->stage = ELECTRIC_READY;
     for (uint32_t k = 0; k < e->tables->count; k++) {
-        const pzs_status status = charge_row(e, k, e->per + (size_t)k * inputs);
+        const pzs_status status = charge_row(e, k);
         if (status != PZS_OK)
             return fail(e, status, (int32_t)k);
     }
-    linalg_clear(&e->open);
-    for (uint32_t a = 0; a < e->open.n; a++)
-        for (uint32_t b = 0; b <= a; b++)
-            *linalg_entry(&e->open, a, b) =
-                e->per[(size_t)electrode_open(e->tables, a) * inputs + e->tables->input[electrode_open(e->tables, b)]];
-    const linalg_inertia inertia = linalg_factor(&e->open);
-    const int32_t bad = inertia.zero >= 0 ? inertia.zero : inertia.first_negative;
+    const int32_t bad = factor_open(e);
     if (bad >= 0)
-        return fail(e, PZS_E_NEGATIVE, (int32_t)electrode_open(e->tables, (uint32_t)bad));
+        return fail(e, PZS_E_NEGATIVE, bad);
     e->stage = ELECTRIC_FACTORED;
     return fail(e, PZS_OK, -1);
 }
@@ -169,10 +185,9 @@ pzs_status pzs_electric_factor(pzs_electric *e)
 
 static pzs_real charge_of(const pzs_electric *e, uint32_t electrode, const pzs_real *amount)
 {
-    const uint32_t inputs = e->model->structure->input.count;
     pzs_real sum = 0;
-    for (uint32_t j = 0; j < inputs; j++)
-        sum += e->per[(size_t)electrode * inputs + j] * amount[j];
+    for (uint32_t j = 0; j < e->model->structure->input.count; j++)
+        sum += *per(e, electrode, j) * amount[j];
     return sum;
 }
 
@@ -184,7 +199,7 @@ pzs_status pzs_open_volts(const pzs_electric *e, pzs_real *amount)
         return PZS_E_STAGE;
     pzs_real *volt = e->amount;
     for (uint32_t a = 0; a < e->open.n; a++)
-        amount[e->tables->input[electrode_open(e->tables, a)]] = 0;
+        amount[open_input(e, a)] = 0;
     if (guard_nonfinite(amount, e->model->structure->input.count) >= 0)
         return PZS_E_NONFINITE;
     for (uint32_t a = 0; a < e->open.n; a++) {
@@ -193,7 +208,7 @@ pzs_status pzs_open_volts(const pzs_electric *e, pzs_real *amount)
     }
     linalg_solve(&e->open, volt);
     for (uint32_t a = 0; a < e->open.n; a++)
-        amount[e->tables->input[electrode_open(e->tables, a)]] = volt[a];
+        amount[open_input(e, a)] = volt[a];
     return PZS_OK;
 }
 
@@ -220,13 +235,13 @@ pzs_status pzs_influence_open(const pzs_electric *e, pzs_real *influence)
     for (uint32_t i = 0; i < e->model->structure->output.count; i++) {
         pzs_real *row = influence + (size_t)i * inputs;
         for (uint32_t a = 0; a < e->open.n; a++)
-            w[a] = row[e->tables->input[electrode_open(e->tables, a)]];
+            w[a] = row[open_input(e, a)];
         linalg_solve(&e->open, w);
         for (uint32_t a = 0; a < e->open.n; a++)
             for (uint32_t j = 0; j < inputs; j++)
-                row[j] -= w[a] * e->per[(size_t)electrode_open(e->tables, a) * inputs + j];
+                row[j] -= w[a] * *per(e, electrode_open(e->tables, a), j);
         for (uint32_t a = 0; a < e->open.n; a++)
-            row[e->tables->input[electrode_open(e->tables, a)]] = w[a];
+            row[open_input(e, a)] = w[a];
     }
     return PZS_OK;
 }

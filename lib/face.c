@@ -2,7 +2,6 @@
 #include "face.h"
 #include "model.h"
 #include "shell.h"
-#include <string.h>
 
 #if PZS_NONLINEAR
 
@@ -36,43 +35,28 @@ void face_scatter(const pzs_model *model, const uint16_t *node, unsigned count, 
     model_scatter(model, node, count, 1, part, f);
 }
 
-static void cross(const pzs_real a[3], const pzs_real b[3], pzs_real c[3])
+void face_cross(const pzs_real a[3], const pzs_real b[3], pzs_real c[3])
 {
     for (int i = 0; i < 3; i++)
         c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* slope[.][3 corner + j] += derivative of eta when g_a changes with the rate column j of m: m_j x g_2 or g_1 x m_j. */
-static void add_slope(pzs_real g[2][3], int a, const pzs_real m[3][3], unsigned corner, pzs_real (*slope)[12])
-{
-    for (unsigned j = 0; j < 3; j++) {
-        const pzs_real rate[3] = {m[0][j], m[1][j], m[2][j]};
-        pzs_real change[3];
-        cross(a == 0 ? rate : g[0], a == 0 ? g[1] : rate, change);
-        for (int i = 0; i < 3; i++)
-            slope[i][3 * corner + j] += change[i];
-    }
-}
-
-void face_normal(const pzs_kind *kind, pzs_real z, const pzs_real (*w)[3], unsigned r, pzs_real eta[3],
-                 pzs_real (*slope)[12])
+void face_base(const pzs_kind *kind, pzs_real z, const pzs_real (*w)[3], unsigned r, pzs_real g[2][3])
 {
     const unsigned neighbour[2] = {r ^ 1u, 3u - r};
-    pzs_real g[2][3];
     for (int a = 0; a < 2; a++)
         for (int i = 0; i < 3; i++) {
             g[a][i] = kind->g_mean[r][a][i] + z * kind->g_diff[r][a][i];
             for (int j = 0; j < 3; j++)
                 g[a][i] += kind->s[r][a][i][j] * w[r][j] + kind->t[r][a][i][j] * w[neighbour[a]][j];
         }
-    cross(g[0], g[1], eta);
-    if (!slope)
-        return;
-    memset(slope, 0, sizeof(pzs_real[3][12]));
-    for (int a = 0; a < 2; a++) {
-        add_slope(g, a, kind->s[r][a], r, slope);
-        add_slope(g, a, kind->t[r][a], neighbour[a], slope);
-    }
+}
+
+void face_normal(const pzs_kind *kind, pzs_real z, const pzs_real (*w)[3], unsigned r, pzs_real eta[3])
+{
+    pzs_real g[2][3];
+    face_base(kind, z, w, r, g);
+    face_cross(g[0], g[1], eta);
 }
 
 #endif

@@ -18,14 +18,14 @@ void face_gather(const pzs_model *model, const uint16_t *node, unsigned count, p
 void face_scatter(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real z, const pzs_real (*force)[3],
                   pzs_real *f);
 
-/*
- * Normal eta = (g_1 + lam_1) x (g_2 + lam_2) of the deformed face at corner r, in the corner's frame; its length is
- * the area there over the reference area.
- *   w     [4][3]  in  displacement of the face at the corners
- *   eta   [3]     out
- *   slope [3][12] out its derivative with respect to w; NULL: not wanted
- */
-void face_normal(const pzs_kind *kind, pzs_real z, const pzs_real (*w)[3], unsigned r, pzs_real eta[3],
-                 pzs_real (*slope)[12]);
+/* Base vectors G_a = g_a + lam_a of the deformed face at corner r, in the corner's frame.  w [4][3] in, displacement of the
+ * face at the corners */
+void face_base(const pzs_kind *kind, pzs_real z, const pzs_real (*w)[3], unsigned r, pzs_real g[2][3]);
+
+/* Their normal eta = G_1 x G_2; its length is the area there over the reference area. */
+void face_normal(const pzs_kind *kind, pzs_real z, const pzs_real (*w)[3], unsigned r, pzs_real eta[3]);
+
+/* c = a x b */
+void face_cross(const pzs_real a[3], const pzs_real b[3], pzs_real c[3]);
 
 #endif

@@ -1,92 +1,188 @@
-/* Follower loads: pressures that turn with a face of the shell (pzs.h). */
+/*
+ * Follower loads: pressures that turn with a face of the shell (pzs.h).
+ *
+ * With G_a the base vectors of the deformed face at a corner, t = e3 + difference/h its director and
+ *     U_a = G_a - (g_a . e3) t,  n = U_1 x U_2,  side = lean_1 t x U_2 + lean_2 U_1 x t
+ * the pressure pushes along n, on the loaded face, and, where the base vectors are chords, along side on the middle: so it
+ * does at the end of an arc that is cut into sides. Everything is quadratic in the unknowns; the unit normal divides by |n|.
+ */
 #include "face.h"
 #include "model.h"
 #include "nonlinear.h"
 #include "shell.h"
 #include <string.h>
 
-/*
- * Direction and size of a pressure at a corner, per reference area: the normal eta itself where it acts on true area,
- * else eta / |eta|.
- *   n [3] in eta, out;  slope [3][12] in that of eta, out; NULL: not wanted
- */
-static void to_unit(pzs_real n[3], pzs_real (*slope)[12])
+/* A vector at a corner and its derivative by the displacement of normal_face at the four corners, then by t. */
+enum { BY_DIRECTOR = 12, SLOPES = 15 };
+typedef struct turning { pzs_real v[3], slope[3][SLOPES]; } turning;
+
+/* Unknowns of an element that a face has: mean and difference/h of four corners. */
+enum { OWN = 6, ALL = 24 };
+
+/* sum += factor x x y */
+static void add_cross(pzs_real factor, const turning *x, const turning *y, turning *sum)
 {
-    const pzs_real size = PZS_SQRT(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    pzs_real c[3], d[3];
+    face_cross(x->v, y->v, c);
+    for (int i = 0; i < 3; i++)
+        sum->v[i] += factor * c[i];
+    for (int j = 0; j < SLOPES; j++) {
+        const pzs_real dx[3] = {x->slope[0][j], x->slope[1][j], x->slope[2][j]};
+        const pzs_real dy[3] = {y->slope[0][j], y->slope[1][j], y->slope[2][j]};
+        face_cross(dx, y->v, c);
+        face_cross(x->v, dy, d);
+        for (int i = 0; i < 3; i++)
+            sum->slope[i][j] += factor * (c[i] + d[i]);
+    }
+}
+
+/* x / |n| */
+static void divide(const turning *n, pzs_real size, turning *x)
+{
     const pzs_real inverse = size > 0 ? 1 / size : 0;
     for (int i = 0; i < 3; i++)
-        n[i] *= inverse;
-    for (int j = 0; slope && j < 12; j++) {
-        const pzs_real along = n[0] * slope[0][j] + n[1] * slope[1][j] + n[2] * slope[2][j];
+        x->v[i] *= inverse;
+    for (int j = 0; j < SLOPES; j++) {
+        const pzs_real longer = inverse * (n->v[0] * n->slope[0][j] + n->v[1] * n->slope[1][j] + n->v[2] * n->slope[2][j]);
         for (int i = 0; i < 3; i++)
-            slope[i][j] = inverse * (slope[i][j] - along * n[i]);
+            x->slope[i][j] = inverse * (x->slope[i][j] - longer * x->v[i]);
+    }
+}
+
+/* U_a at corner r. */
+static void set_base(const pzs_kind *kind, pzs_real z, unsigned r, unsigned a, const pzs_real g[3], const turning *t,
+                     turning *base)
+{
+    const unsigned neighbour = a == 0 ? r ^ 1u : 3u - r;
+    const pzs_real lean = kind->g_mean[r][a][2] + z * kind->g_diff[r][a][2];
+    memset(base, 0, sizeof *base);
+    for (unsigned i = 0; i < 3; i++) {
+        base->v[i] = g[i] - lean * t->v[i];
+        base->slope[i][BY_DIRECTOR + i] = -lean;
+        for (unsigned j = 0; j < 3; j++) {
+            base->slope[i][3 * r + j] = kind->s[r][a][i][j];
+            base->slope[i][3 * neighbour + j] = kind->t[r][a][i][j];
+        }
+    }
+}
+
+/* n and side at corner r of an element of a kind, per reference area.  w [4][3], t [3] in */
+static void push_at(const pzs_follower *load, const pzs_structure *s, uint16_t kind, const pzs_real (*w)[3],
+                    const pzs_real t[3], unsigned r, turning *n, turning *side)
+{
+    const pzs_real z = face_height(s, load->normal_face);
+    pzs_real g[2][3];
+    turning director = {{t[0], t[1], t[2]}, {{0}}}, base[2];
+    face_base(&s->kind[kind], z, w, r, g);
+    for (unsigned i = 0; i < 3; i++)
+        director.slope[i][BY_DIRECTOR + i] = 1;
+    for (unsigned a = 0; a < 2; a++)
+        set_base(&s->kind[kind], z, r, a, g[a], &director, &base[a]);
+    memset(n, 0, sizeof *n);
+    memset(side, 0, sizeof *side);
+    add_cross(1, &base[0], &base[1], n);
+    if (load->lean) {
+        add_cross(load->lean[kind][r][0], &director, &base[1], side);
+        add_cross(load->lean[kind][r][1], &base[0], &director, side);
+    }
+    if (!load->true_area) {
+        const turning whole = *n;
+        const pzs_real size = PZS_SQRT(n->v[0] * n->v[0] + n->v[1] * n->v[1] + n->v[2] * n->v[2]);
+        divide(&whole, size, side);
+        divide(&whole, size, n);
+    }
+}
+
+/* Force on corner r of `part` of what corner `from` gives, and its slope over the own unknowns; slope may be NULL. */
+static void add_part(const turning *x, pzs_real part, pzs_real z_load, pzs_real z, unsigned from, unsigned r,
+                     pzs_real *force, pzs_real (*slope)[ALL])
+{
+    for (unsigned i = 0; i < 6; i++) {
+        const pzs_real factor = i < 3 ? part : part * z_load;
+        force[OWN * r + i] += factor * x->v[i % 3];
+        for (unsigned j = 0; slope && factor != 0 && j < SLOPES; j++) {
+            const unsigned column = j < BY_DIRECTOR ? OWN * (j / 3) + j % 3 : OWN * from + j - BY_DIRECTOR + 3;
+            const pzs_real change = factor * x->slope[i % 3][j];
+            slope[OWN * r + i][column] += change;
+            if (j < BY_DIRECTOR)
+                slope[OWN * r + i][column + 3] += z * change;
+        }
     }
 }
 
 /*
  * Forces of one element at path->u for `amount` of the load, in the frames of its corners.
- *   force [4][3]   out
- *   slope [12][12] out their derivative with respect to the displacement of normal_face; NULL: not wanted
+ *   force [24]     out
+ *   slope [24][24] out their derivative S; NULL: not wanted
  */
-static void element_force(const pzs_follower *t, const pzs_path *path, uint32_t e, pzs_real amount, pzs_real (*force)[3],
-                          pzs_real (*slope)[12])
+static void element_force(const pzs_follower *load, const pzs_path *path, uint32_t e, pzs_real amount, pzs_real *force,
+                          pzs_real (*slope)[ALL])
 {
     const pzs_structure *s = path->model->structure;
-    const uint16_t kind = s->element_kind[e];
-    const pzs_real z = face_height(s, t->normal_face);
-    pzs_real w[SHELL_NODES][3];
-    face_gather(path->model, s->element[e], SHELL_NODES, z, path->u, w);
-    memset(force, 0, sizeof(pzs_real[4][3]));
+    const uint16_t *node = s->element[e], kind = s->element_kind[e];
+    const pzs_real z = face_height(s, load->normal_face), z_load = face_height(s, load->load_face);
+    pzs_real u[SHELL_MAX], w[SHELL_NODES][3];
+    model_gather(path->model, node, SHELL_NODES, path->u, u);
+    face_gather(path->model, node, SHELL_NODES, z, path->u, w);
+    memset(force, 0, ALL * sizeof *force);
     if (slope)
-        memset(slope, 0, sizeof(pzs_real[12][12]));
+        memset(slope, 0, ALL * sizeof *slope);
     for (unsigned from = 0; from < SHELL_NODES; from++) {
-        const pzs_real size = amount * t->pressure[s->element[e][from]] * t->area[kind][from];
-        pzs_real n[3], n_slope[3][12];
-        face_normal(&s->kind[kind], z, (const pzs_real(*)[3])w, from, n, slope ? n_slope : NULL);
-        if (!t->true_area)
-            to_unit(n, slope ? n_slope : NULL);
+        const pzs_real size = amount * load->pressure[node[from]] * load->area[kind][from], *d = u + from * s->unknowns + 3;
+        const pzs_real t[3] = {d[0], d[1], 1 + d[2]};
+        turning n, side;
+        push_at(load, s, kind, (const pzs_real(*)[3])w, t, from, &n, &side);
         for (unsigned r = 0; r < SHELL_NODES; r++) {
-            const pzs_real part = size * t->share[r == from ? 0 : (r ^ from) == 2 ? 2 : 1];
-            for (unsigned i = 0; i < 3; i++) {
-                force[r][i] += part * n[i];
-                for (unsigned j = 0; slope && j < 12; j++)
-                    slope[3 * r + i][j] += part * n_slope[i][j];
-            }
+            const pzs_real part = size * load->share[r == from ? 0 : (r ^ from) == 2 ? 2 : 1];
+            if (part != 0)
+                add_part(&n, part, z_load, z, from, r, force, slope);
+            if (part != 0 && load->lean)
+                add_part(&side, part, 0, z, from, r, force, slope);
         }
     }
 }
 
-/* Part that element unknown i has in the displacement of a face, component *row of its 12: 1 for a mean, z for a
- * difference, else 0. */
-static pzs_real face_part(unsigned i, unsigned unknowns, pzs_real z, unsigned *row)
+/* ---- over the element's unknowns --------------------------------------- */
+
+/* Own unknown of an element's unknown i, or ALL for one that moves no face. */
+static unsigned own_of(unsigned i, unsigned unknowns)
 {
-    const unsigned own = i % unknowns;
-    *row = 3 * (i / unknowns) + own % 3;
-    return own < 3 ? 1 : own < 6 ? z : 0;
+    return i % unknowns < OWN ? i / unknowns * OWN + i % unknowns : ALL;
 }
 
-/* k [packed] = -(S + S')/2 over the element's unknowns, for forces on the face at z_load that turn with that at z. */
-static void symmetric_tangent(pzs_real (*slope)[12], unsigned unknowns, pzs_real z_load, pzs_real z, pzs_real *k)
+/* f [dof] += factor times the forces [24] of an element */
+static void scatter(const pzs_path *path, uint32_t e, pzs_real factor, const pzs_real *force, pzs_real *f)
 {
-    for (unsigned i = 0; i < SHELL_NODES * unknowns; i++)
-        for (unsigned j = 0; j <= i; j++, k++) {
-            unsigned row, column;
-            const pzs_real i_load = face_part(i, unknowns, z_load, &row), i_turn = face_part(i, unknowns, z, &row);
-            const pzs_real j_load = face_part(j, unknowns, z_load, &column), j_turn = face_part(j, unknowns, z, &column);
-            *k = -(i_load * slope[row][column] * j_turn + j_load * slope[column][row] * i_turn) / 2;
-        }
+    const pzs_structure *s = path->model->structure;
+    pzs_real all[SHELL_MAX];
+    for (unsigned i = 0; i < SHELL_NODES * (unsigned)s->unknowns; i++)
+        all[i] = own_of(i, s->unknowns) < ALL ? force[own_of(i, s->unknowns)] : 0;
+    model_scatter(path->model, s->element[e], SHELL_NODES, factor, all, f);
 }
+
+/* k [packed] = -(S + S')/2 */
+static void symmetric_tangent(pzs_real (*slope)[ALL], unsigned unknowns, pzs_real *k)
+{
+    unsigned own[SHELL_MAX];
+    for (unsigned i = 0; i < SHELL_NODES * unknowns; i++) {
+        own[i] = own_of(i, unknowns);
+        for (unsigned j = 0; j <= i; j++)
+            *k++ = own[i] < ALL && own[j] < ALL ? -(slope[own[i]][own[j]] + slope[own[j]][own[i]]) / 2 : 0;
+    }
+}
+
+/* ---- calls -------------------------------------------------------------- */
 
 static void add(pzs_option *option, pzs_path *path, pzs_real *load)
 {
     const pzs_follower *t = ((pzs_follower_load *)option)->tables;
     const pzs_structure *s = path->model->structure;
-    const pzs_real amount = path->amount[t->input], z_load = face_height(s, t->load_face);
+    const pzs_real amount = path->amount[t->input];
     for (uint32_t e = 0; amount != 0 && e < s->elements; e++) {
-        pzs_real force[SHELL_NODES][3], slope[12][12], k[SHELL_PACKED(SHELL_MAX)];
+        pzs_real force[ALL], slope[ALL][ALL], k[SHELL_PACKED(SHELL_MAX)];
         element_force(t, path, e, amount, force, slope);
-        face_scatter(path->model, s->element[e], SHELL_NODES, z_load, (const pzs_real(*)[3])force, load);
-        symmetric_tangent(slope, s->unknowns, z_load, face_height(s, t->normal_face), k);
+        scatter(path, e, 1, force, load);
+        symmetric_tangent(slope, s->unknowns, k);
         model_add_matrix(path->model, s->element[e], SHELL_NODES, 1, k);
     }
 }
@@ -94,16 +190,35 @@ static void add(pzs_option *option, pzs_path *path, pzs_real *load)
 static void unit(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *out)
 {
     const pzs_follower *t = ((pzs_follower_load *)option)->tables;
-    const pzs_structure *s = path->model->structure;
-    const pzs_real z_load = face_height(s, t->load_face);
-    for (uint32_t e = 0; input == t->input && e < s->elements; e++) {
-        pzs_real force[SHELL_NODES][3];
+    for (uint32_t e = 0; input == t->input && e < path->model->structure->elements; e++) {
+        pzs_real force[ALL];
         element_force(t, path, e, 1, force, NULL);
-        face_scatter(path->model, s->element[e], SHELL_NODES, z_load, (const pzs_real(*)[3])force, out);
+        scatter(path, e, 1, force, out);
     }
 }
 
-static const struct pzs_option_calls calls = {.add = add, .unit = unit};
+/* (S - S')/2 x */
+static void skew(pzs_option *option, pzs_path *path, const pzs_real *x, pzs_real factor, pzs_real *y)
+{
+    const pzs_follower *t = ((pzs_follower_load *)option)->tables;
+    const pzs_structure *s = path->model->structure;
+    const pzs_real amount = path->amount[t->input];
+    for (uint32_t e = 0; amount != 0 && e < s->elements; e++) {
+        pzs_real force[ALL], slope[ALL][ALL], u[SHELL_MAX], own[ALL];
+        element_force(t, path, e, amount, force, slope);
+        model_gather(path->model, s->element[e], SHELL_NODES, x, u);
+        for (unsigned i = 0; i < ALL; i++) {
+            own[i] = u[i / OWN * s->unknowns + i % OWN];
+            force[i] = 0;
+        }
+        for (unsigned i = 0; i < ALL; i++)
+            for (unsigned j = 0; j < ALL; j++)
+                force[i] += (slope[i][j] - slope[j][i]) * own[j];
+        scatter(path, e, factor / 2, force, y);
+    }
+}
+
+static const struct pzs_option_calls calls = {.add = add, .unit = unit, .skew = skew};
 
 pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables)
 {

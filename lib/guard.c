@@ -87,6 +87,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_SLEW: return "slew and limit do not meet: the limit won";
     case PZS_W_SENSOR: return "a measurement is not finite or frozen: its last disturbance is kept";
     case PZS_W_HELD: return "no usable measurement or target: volts held";
+    case PZS_W_ELECTRODE: return "an electrode does not follow its amplifier: it is held";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format number";
     case PZS_E_CRC: return "tables damaged";

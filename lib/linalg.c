@@ -92,6 +92,16 @@ pzs_real *linalg_entry(const pzs_envelope *a, uint32_t i, uint32_t j)
     return column(a, i / PZS_TILE, j) + i % PZS_TILE;
 }
 
+/* The rows of a panel that exist: all but in the last panel. */
+static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
+{
+    if (rows == PZS_TILE)
+        memcpy(to, from, PZS_TILE * sizeof *to);
+    else
+        for (uint32_t i = 0; i < rows; i++)
+            to[i] = from[i];
+}
+
 /* ---- scale and norm --------------------------------------------------- */
 
 /* The power of two s with 1/2 <= s d s < 2, d positive and finite. At most 540 rounds, 2 or 3 for usual d. */
@@ -118,12 +128,20 @@ int32_t linalg_scale(pzs_envelope *a, pzs_real *scale)
     return -1;
 }
 
+/* Panel by panel, column by column, as they stand in memory; the padding is zero and stays so. */
 void linalg_apply_scale(pzs_envelope *a, const pzs_real *scale)
 {
-    for (uint32_t i = 0; i < a->n; i++) {
-        pzs_real *entry = linalg_entry(a, i, a->first[i]);
-        for (uint32_t j = a->first[i]; j <= i; j++, entry += PZS_TILE)
-            *entry = *entry * scale[i] * scale[j];
+    pzs_real *restrict entry = a->value;
+
+    for (uint32_t row = 0; row < a->n; row += PZS_TILE) {
+        pzs_real s[PZS_TILE] = {0};
+        copy_rows(s, scale + row, smaller(PZS_TILE, a->n - row));
+        for (uint32_t k = left_of(a, row / PZS_TILE); k < row + PZS_TILE; k++, entry += PZS_TILE) {
+            const pzs_real t = k < a->n ? scale[k] : 0;
+            UNROLLED
+            for (int i = 0; i < PZS_TILE; i++)
+                entry[i] = entry[i] * s[i] * t;
+        }
     }
 }
 
@@ -276,16 +294,6 @@ linalg_inertia linalg_factor(pzs_envelope *a)
 }
 
 /* ---- solve ------------------------------------------------------------ */
-
-/* The rows of a panel that exist: all but in the last panel. */
-static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
-{
-    if (rows == PZS_TILE)
-        memcpy(to, from, PZS_TILE * sizeof *to);
-    else
-        for (uint32_t i = 0; i < rows; i++)
-            to[i] = from[i];
-}
 
 /* L x = b, first half of a panel: subtract the known x_k left of its diagonal tile, rows side by side. */
 static void forward_known(const pzs_envelope *a, uint32_t panel, pzs_real *x)

@@ -24,13 +24,15 @@ struct pzs_option_calls {
     void (*unit)(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *force);
     /*
      * Unknowns of the option's own: add to du [dof], solved without them by the model's factor, what they make of it.
-     * `input` is the one whose unit du answers to, or NEWTON: du answers to the imbalance. Returns whether it can be
-     * done. The model's work rows from the third on are free.
+     * `input` is the one whose unit du answers to, or NEWTON: du answers to the imbalance, or NO_INPUT: to a force alone.
+     * Returns whether it can be done. Rows three and four of the model's work are free.
      */
     int (*condense)(pzs_option *option, pzs_path *path, uint32_t input, pzs_real *du);
+    /* y [dof] += factor W x: W the skew part of the derivative of add's forces, which its matrix leaves out.  x [dof] in */
+    void (*skew)(pzs_option *option, pzs_path *path, const pzs_real *x, pzs_real factor, pzs_real *y);
 };
 
-enum { NEWTON = 0xFFFF };
+enum { NEWTON = 0xFFFF, NO_INPUT = 0xFFFE };
 
 /* CRC of the arrays of a pzs_nonlinear, as stored in its crc field. */
 uint32_t nonlinear_crc(const pzs_nonlinear *tables, uint32_t inputs);

@@ -104,30 +104,28 @@ static void corner_strains(const shape *s, const corner *d, pzs_real h, pzs_real
 }
 
 /* The transpose of corner_strains: forces on the derivatives from stresses t on the strains. */
-static corner corner_stresses(const shape *s, const pzs_real t[10], pzs_real h)
+static void corner_stresses(const shape *s, const pzs_real t[10], pzs_real h, corner *f)
 {
     const pzs_real hh4 = h * h / 4;
-    corner f;
-    memset(&f, 0, sizeof f);
+    memset(f, 0, sizeof *f);
     for (int a = 0; a < 2; a++) {
         const pzs_real m = t[2 * a], d = h * t[2 * a + 1], q = t[E13 + a];
-        add_scaled(f.mean[a], m, s->mean[a]);
-        add_scaled(f.mean[a], d, s->diff[a]);
-        add_scaled(f.mean[a], q, s->beta);
-        add_scaled(f.mean[a], t[E12M], s->mean[1 - a]);
-        add_scaled(f.mean[a], h * t[E12D], s->diff[1 - a]);
-        add_scaled(f.diff[a], hh4 * m, s->diff[a]);
-        add_scaled(f.diff[a], d, s->mean[a]);
-        add_scaled(f.diff[a], hh4 * t[E12M], s->diff[1 - a]);
-        add_scaled(f.diff[a], h * t[E12D], s->mean[1 - a]);
-        f.diff[a][2] -= 2 * h * q * s->q;
-        add_scaled(f.beta, q, s->mean[a]);
-        f.q -= 2 * h * q * s->diff[a][2];
+        add_scaled(f->mean[a], m, s->mean[a]);
+        add_scaled(f->mean[a], d, s->diff[a]);
+        add_scaled(f->mean[a], q, s->beta);
+        add_scaled(f->mean[a], t[E12M], s->mean[1 - a]);
+        add_scaled(f->mean[a], h * t[E12D], s->diff[1 - a]);
+        add_scaled(f->diff[a], hh4 * m, s->diff[a]);
+        add_scaled(f->diff[a], d, s->mean[a]);
+        add_scaled(f->diff[a], hh4 * t[E12M], s->diff[1 - a]);
+        add_scaled(f->diff[a], h * t[E12D], s->mean[1 - a]);
+        f->diff[a][2] -= 2 * h * q * s->q;
+        add_scaled(f->beta, q, s->mean[a]);
+        f->q -= 2 * h * q * s->diff[a][2];
     }
-    add_scaled(f.beta, t[E33M], s->beta);
-    f.beta[2] -= 8 * t[E33D] * s->q;
-    f.q += 16 * t[E33M] * s->q - 8 * t[E33D] * s->beta[2];
-    return f;
+    add_scaled(f->beta, t[E33M], s->beta);
+    f->beta[2] -= 8 * t[E33D] * s->q;
+    f->q += 16 * t[E33M] * s->q - 8 * t[E33D] * s->beta[2];
 }
 
 /* Turn strains at the corners into modes: e^m = 1/4 sum_r sign e_r, added corner by corner. */
@@ -203,8 +201,9 @@ static void force_at_rest(const pzs_kind *kind, unsigned unknowns, pzs_real h[4]
     for (int r = 0; r < SHELL_NODES; r++) {
         const shape rest = at_rest(kind, r);
         pzs_real t[10];
+        corner force;
         corner_of_modes(h, r, t);
-        const corner force = corner_stresses(&rest, t, kind->thickness);
+        corner_stresses(&rest, t, kind->thickness, &force);
         corner_scatter(kind, unknowns, &force, r, f);
     }
 }
@@ -339,7 +338,8 @@ void shell_corner_force(const pzs_kind *kind, unsigned unknowns, const corner at
     memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const shape s = shape_of(&at[r]);
-        const corner force = corner_stresses(&s, t[r], kind->thickness);
+        corner force;
+        corner_stresses(&s, t[r], kind->thickness, &force);
         corner_scatter(kind, unknowns, &force, r, f);
     }
 }

@@ -12,6 +12,19 @@ static bridge_rows rows_of(const pzs_rows *rows)
     return r;
 }
 
+static void fill_path(bridge *b, const path *p)
+{
+    const pzs_given *g = &p->tables.given;
+    b->full = p->full;
+    b->given_values = g->values;
+    b->given_start = g->start;
+    b->given_element = g->element;
+    b->given_which = g->which;
+    b->given_value = (const double *)g->value;
+    b->systems = p->run.systems;
+    b->negative = p->run.negative;
+}
+
 static int fill(bridge *b, inside *in, char *error)
 {
     const design *d = &in->analysis.design;
@@ -30,11 +43,17 @@ static int fill(bridge *b, inside *in, char *error)
     b->kind_reals = sizeof *m->kind / sizeof(double);
     b->input = rows_of(&d->structure.input);
     b->output = rows_of(&d->structure.output);
+    b->electrodes = d->electrodes.count;
+    b->electrode_input = d->electrodes.input;
+    b->electrode_open = d->electrodes.open;
+    b->direct = rows_of(&d->electrodes.direct);
+    b->amount = in->analysis.amount;
     b->amplifiers = d->amplifiers;
     b->targets = d->targets;
     b->u = calloc((size_t)m->dof, sizeof *b->u);
     if (!b->u || analysis_solve(&in->analysis, b->u, error) < 0)
         return -1;
+    fill_path(b, &in->analysis.path);
     b->condition = in->analysis.model.condition;
     b->error = in->analysis.model.error;
     if (d->targets && analysis_influence(&in->analysis, error) < 0)

@@ -20,6 +20,17 @@ typedef struct bridge {
     const double *influence;             /* [outputs][inputs], refined, NULL without a target */
     const double *target;                /* [targets] */
     double *u;                           /* [dof] displacement under the scene's loads, refined in double */
+    const double *full;                  /* [inputs] the scene's loads and volts; these six NULL or 0 where it is linear */
+    int given_values;
+    const uint32_t *given_start;         /* pzs_given */
+    const uint16_t *given_element, *given_which;
+    const double *given_value;           /* [given_values][10] */
+    int electrodes;                      /* pzs_electrodes, none where the scene has no sensors */
+    const uint16_t *electrode_input;
+    const uint8_t *electrode_open;
+    bridge_rows direct;
+    const double *amount;                /* [inputs] of u, volts of open electrodes as they were found */
+    unsigned systems, negative;          /* of the path that led to u */
     double condition, error;
     void *inside;
 } bridge;

@@ -48,6 +48,7 @@ for gate in tests/gates/*.sh; do
 done
 part target-start sh tests/target/start.sh
 part target-units sh tests/target/units.sh
+part target-loop sh tests/target/loop.sh
 part qemu "${MAKE:-make}" --no-print-directory -s qemu
 part size "${MAKE:-make}" --no-print-directory -s size
 echo

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "bridge.h"
+#include "electrode.h"
 #include "guard.h"
 #include "linalg.h"
 #include "testdata.h"
@@ -416,13 +417,52 @@ static void test_indices_out_of_range(void **state)
     device_close(&d);
 }
 
+/* Law: open electrodes float at the same volts in either precision, the refined solve's rounding apart. */
+static void test_open_electrodes(void **state)
+{
+    (void)state;
+    static const char *const set[] = {"loads=[{line: theta1+, u1: 1e4, on: outer}, {line: theta1-, u1: -1e4, on: outer}]",
+                                      "patches=[{name: up, layer: upper, grid: [3, 1]}, {name: low, layer: lower}]",
+                                      "sensors.1={name: t, drives: [{patches: low}]}"};
+    device d;
+    device_open(&d, "tests/scenes/piezo-plate.yaml", set, 3);
+    const bridge *b = &d.bridge;
+    pzs_electrodes t = {PZS_TABLE_FORMAT, 0, 0, (uint16_t)b->electrodes, b->electrode_input, b->electrode_open, {0}};
+    pzs_real *direct = round_rows(&b->direct, &t.direct), *charge = calloc((size_t)b->electrodes, sizeof *charge);
+    t.crc = electrode_crc(&t, (uint32_t)b->input.count);
+    const size_t bytes = PZS_ELECTRIC_BYTES(b->electrodes, b->electrodes, b->input.count);
+    void *work = malloc(bytes);
+    pzs_electric e;
+    assert_int_equal(b->electrodes, 4);
+    assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_OK);
+    assert_int_equal(pzs_electric_init(&e, &d.model, &t, work, bytes), PZS_OK);
+    assert_int_equal(pzs_electric_factor(&e), PZS_E_STAGE);
+    assert_int_equal(pzs_assemble(&d.model, NULL, NULL), PZS_OK);
+    assert_int_equal(pzs_factor(&d.model), PZS_OK);
+    assert_int_equal(pzs_electric_factor(&e), PZS_OK);
+    for (int k = 0; k < b->electrodes; k++)
+        d.amount[b->electrode_input[k]] = 0;
+    assert_int_equal(pzs_open_volts(&e, d.amount), PZS_OK);
+    assert_int_equal(pzs_charges(&e, d.amount, charge), PZS_OK);
+    for (int k = 0; k < b->electrodes; k++) {
+        const int input = b->electrode_input[k];
+        assert_true(fabs(b->amount[input]) > 1);
+        assert_true(fabs((double)d.amount[input] - b->amount[input]) < 100 * EPS * fabs(b->amount[input]));
+        assert_true(fabs((double)charge[k]) < 100 * EPS * fabs((double)e.per[k * b->input.count + input] * b->amount[input]));
+    }
+    free(direct);
+    free(charge);
+    free(work);
+    device_close(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stability_source), cmocka_unit_test(test_stability_corrected), cmocka_unit_test(test_influence),
         cmocka_unit_test(test_stiffness_factor), cmocka_unit_test(test_held_unknown),        cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_load_on_held_unknown), cmocka_unit_test(test_load_scaling), cmocka_unit_test(test_unsound_tables),
-        cmocka_unit_test(test_indices_out_of_range),
+        cmocka_unit_test(test_indices_out_of_range), cmocka_unit_test(test_open_electrodes),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);
 }

@@ -225,6 +225,9 @@ static const bad_line bad_lines[] = {
     {3, "mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {points: [0, 1], elements: 2}}", "'points' says all"},
     {3, "mesh: {theta1: {from: 0, to: 2, elements: 4}}", ":3:7: 'theta2' is missing in mesh"},
     /* materials and layers */
+    {4, "materials: {steel: {E: 2, nu: 0}, pzt: {E: 1, nu: 0, d31: 1, permittivity: -1}}", "'permittivity: -1' must not be below 0"},
+    {4, "materials: {steel: {E: 2, nu: 0}, pzt: {E: 1, nu: 0, d31: 1, pyroelectric: [1]}}", "'pyroelectric' must be a single value"},
+    {2, "surface: {type: plate}\nelement: {preset: best}", ":3:19: 'preset: best' is not known; known: corrected, source"},
     {4, "materials: {steel: {E: 200e9, nu: 0.5}, pzt: {E: 60e9, nu: 0.3}}", ":4:35: 'nu: 0.5' of steel leaves no positive definite stiffness"},
     {4, "materials: {steel: {E: 200e9}, pzt: {E: 60e9, nu: 0.3}}", ":4:20: 'nu' is missing in steel"},
     {4, "materials: {steel: {E: 0, nu: 0}, pzt: {E: 60e9, nu: 0.3}}", ":4:24: 'E: 0' must be above 0"},
@@ -260,6 +263,16 @@ static const bad_line bad_lines[] = {
     {8, "limits: {each: [{actuator: w, hold: 0}]}", ":8:28: there is no actuator 'w'; the first one is 'v_1_1'"},
     {8, "limits: {each: [{actuator: v_3_1, hold: 0}]}", "there is no actuator 'v_3_1'"},
     {8, "limits: {each: [{actuator: v}]}", ":8:17: an item of 'each' needs either voltage"},
+    {7, "actuators: []\nsensors: [{drives: [{patches: p}]}]", ":8:11: 'name' is missing in sensors"},
+    {7, "actuators: []\nsensors: [{name: s}]", ":8:11: 'drives' is missing in sensors"},
+    {7, "actuators: []\nsensors: [{name: s, drives: [{patches: q}]}]", ":8:40: there are no patches named 'q'"},
+    {7, "actuators: []\nsensors: [{name: s, drives: []}]", ":8:29: 'drives' is empty; name the patches"},
+    {7, "actuators: []\nsensors: [{name: s, drives: [{patches: p, factor: x}]}]", ":8:51: 'factor: x' varies over the surface"},
+    {7, "actuators: []\nsensors: [{name: s, drives: [{patches: p}], circuit: closed}]", ":8:54: 'circuit: closed' is not known; known: open, short"},
+    {7, "actuators: []\nsensors: [{name: s, temperature: uniform}]", ":8:21: unknown key 'temperature' in sensors"},
+    {7, "actuators: []\nsensors: [{name: s, drives: [{patches: p}]}]", ":8:30: patches 'p' are of 'pzt', which has no permittivity; a sensor needs it"},
+    {7, "actuators: []\nsensors: s", ":8:10: 'sensors' must be a list [...], not a single value"},
+    {7, "actuators: [{name: v, drives: [{patches: p}]}]\nsensors: [{name: s, drives: [{patches: p}]}]", ":8:30: patches 'p' are driven by 'v' already"},
     /* supports, loads, outputs, target, compare */
     {9, "supports: [{edge: left, fix: clamped}]", ":9:19: 'edge: left' is not known; known: theta1-"},
     {9, "supports: [{fix: clamped}]", ":9:12: no place in this item of supports"},
@@ -329,6 +342,23 @@ static const bad_line bad_lines[] = {
     {12, "target: {u3: middle, contact: x, at: nodes, value: x}", ":12:22: unknown key 'contact' in target"},
     {12, "target: {u3: middle, at: nodes, value: w}", ":12:40: 'value: w' is no number or formula, at its character 1: unknown name"},
     {12, "target: {u3: middle, at: nodes}", ":12:9: 'value' is missing in target"},
+    {10, "loads: [{temperature: {inner: 1}}]", ":10:23: 'outer' is missing in temperature"},
+    {10, "loads: [{temperature: {inner: 1, outer: 2, middle: 3}}]", ":10:44: unknown key 'middle' in temperature"},
+    {11, "outputs: [{name: q, charge: s}]", ":11:29: there is no sensor or actuator 's'; add it to sensors"},
+    {11, "outputs: [{name: q, voltage: v_9_9}]", ":11:30: there is no sensor or actuator 'v_9_9'"},
+    {11, "outputs: [{name: q, charge: v, at: nodes}]", ":11:36: an electrode has one voltage and one charge; remove the place"},
+    {11, "outputs: [{name: q, u3: middle, charge: v}]", ":11:33: an output is one of displacement, contact, voltage and charge"},
+    {11, "outputs: [{name: q, u3: middle, at: {theta1: [1.1, 1.4]}}]", ":11:37: no node of the mesh lies in this rectangle"},
+    {11, "outputs: [{name: q, u3: middle, at: {theta1: [1, 0]}}]", ":11:37: no node of the mesh lies in this rectangle; write [from, to], ascending"},
+    {11, "outputs: [{name: q, u3: middle, at: {theta1: [0, 1], theta2: 0}}]", ":11:62: 'theta2' must be a list"},
+    {11, "outputs: [{name: q, u3: middle, at: {theta1: [0]}}]", ":11:46: 'theta1' has 1 values; give two"},
+    {11, "outputs: [{name: q, u3: middle, at: {theta3: [0, 1]}}]", ":11:38: unknown key 'theta3' in at"},
+    {12, "target: {u3: middle, at: nodes, value: x, modes: 3}", ":12:50: 'modes' must be a list"},
+    {12, "target: {u3: middle, at: nodes, value: x, modes: [{value: x}]}", ":12:51: 'name' is missing in modes"},
+    {12, "target: {u3: middle, at: nodes, value: x, modes: [{name: a}]}", ":12:51: 'value' is missing in modes"},
+    {12, "target: {u3: middle, at: nodes, value: x, modes: [{name: a, value: x}, {name: a, value: y}]}", ":12:72: there are two modes named 'a'"},
+    {12, "target: {u3: middle, at: nodes, value: \"zernike(4, x)\"}", "this function needs three arguments"},
+    {12, "target: {u3: middle, at: nodes, value: \"zernike(4, x, y, 1)\"}", "too many arguments"},
     {13, "compare: [{name: c, values: [1]}]", ":13:29: 1 values for 2 amplifiers"},
 };
 
@@ -548,7 +578,8 @@ static void test_expressions(void **state)
     static const struct { const char *text; double value; } good[] = {
         {"1+2*3", 7}, {"(1+2)*3", 9}, {"-2^2", -4}, {"2^3^2", 512}, {"2^-1", 0.5}, {"6/3/2", 1}, {"1-2-3", -4}, {"--2", 2}, {"2*-3+1", -5},
         {" 40 * pi / 180", 40 * 3.14159265358979323846 / 180}, {"x+10*y+100*z", 321}, {"theta1*theta2", 20}, {"sqrt(16)+abs(-1)", 5},
-        {"min(3, 2)+max(1, 2)*10", 22}, {"hypot(3,4)", 5}, {"pow(2,10)", 1024}, {"atan2(0,1)", 0}, {"exp(log(2))", 2}, {"1e3", 1000}, {".5", 0.5}};
+        {"min(3, 2)+max(1, 2)*10", 22}, {"hypot(3,4)", 5}, {"pow(2,10)", 1024}, {"atan2(0,1)", 0}, {"exp(log(2))", 2}, {"zernike(1, 0.3, 2)", 1}, {"zernike(4, 1, 0)^2", 3}, {"zernike(2, 0.5, 0)", 1}, {"zernike(3, 0.5, pi/2)", 1},
+        {"zernike(5, 1, pi/4)^2", 6}, {"zernike(6, 1, 0)^2", 6}, {"zernike(11, 0, 5)^2", 5}, {"zernike(7, 1, pi/2)^2", 8}, {"1e3", 1000}, {".5", 0.5}};
     static const struct { const char *text; int column; } bad[] = {
         {"", 1}, {"1+", 3}, {"1 2", 3}, {"(1", 3}, {"1)", 2}, {"w", 1}, {"sin 1", 5}, {"min(1)", 6}, {"sin(1,2)", 6}, {"1,2", 2}, {"2**3", 2}, {"0x10", 1}, {"1e999", 1}, {"\"", 1}};
     const expr_point at = {1, 2, 3, 4, 5};

@@ -3,9 +3,10 @@
 
 FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
-.PHONY: bench bench-linalg bench-step bench-accuracy bench-path bench-count bench-device
+BENCHES := bench-linalg bench-step bench-accuracy bench-path bench-count bench-device
+.PHONY: bench bench-peers $(BENCHES)
 bench: setup-bench
-	@$(MAKE) --no-print-directory -s -k bench-linalg bench-step bench-accuracy bench-path bench-count bench-device
+	@$(MAKE) --no-print-directory -s -k $(BENCHES) bench-peers PEERS=--quick
 
 $(B)/bench/linalg-64: tests/bench/bench_linalg.c lib/linalg.c
 	@mkdir -p $(@D)
@@ -32,23 +33,34 @@ bench-device: setup-test
 FAST_PATH := -O3 -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8
 $(eval $(call variant,native,-march=native $(FAST_PATH)))
 $(eval $(call variant,avx2,-march=x86-64-v3 $(FAST_PATH)))
-$(B)/bench/path: $(B)/native/tests/bench/bench_path.o $(B)/native/host.a $(B)/native/libpiezoshape.a
-	@mkdir -p $(@D)
-	$(CC) $^ -lyaml -lm -o $@
-$(B)/bench/count-path: $(B)/avx2/tests/bench/count_path.o $(B)/avx2/host.a $(B)/avx2/libpiezoshape.a
-	@mkdir -p $(@D)
-	$(CC) $^ -lyaml -lm -o $@
 
-# PEERS=full: every run of the peers, each three times (three minutes); otherwise the best of them, once (40 seconds).
+# bench_program: program in $(B)/bench, variant, object without .o
+define bench_program
+$(B)/bench/$(1): $(B)/$(2)/$(3).o $(B)/$(2)/host.a $(B)/$(2)/libpiezoshape.a
+	@mkdir -p $$(@D)
+	$$(CC) $$^ -lyaml -lm -o $$@
+endef
+$(eval $(call bench_program,path,native,tests/bench/bench_path))
+$(eval $(call bench_program,avx2/run_path,avx2,tests/bench/run_path))
+$(eval $(call bench_program,native/run_path,native,tests/bench/run_path))
+$(eval $(call bench_program,native/pzs,native,host_tools/main))
+$(eval $(call bench_program,default/run_path,64,tests/bench/run_path))
+$(eval $(call bench_program,default/pzs,64,host_tools/main))
+
 bench-path: $(B)/bench/path
-	@echo 'Speed against error, nonlinear shells; load of this machine' $$(cut -d' ' -f1 /proc/loadavg)
-	@$(B)/bench/path --json $(B)/bench/path.json
-	@$(PYTHON) tests/bench/peers/run.py --build $(B) $(if $(filter full,$(PEERS)),,--quick) >$(B)/bench/peers.json; failed=$$?; \
-	    echo; echo 'Time to reach an error, against the peers; load of this machine' $$(cut -d' ' -f1 /proc/loadavg); \
-	    $(PYTHON) tests/bench/peers/compare.py $(B)/bench/path.json $(B)/bench/peers.json && exit $$failed
-bench-count: $(B)/bench/count-path $(F)/mps2-an500-hemisphere4.out
-	@echo 'Instructions of a Newton system, element "source", double, AVX2'
-	@sh tests/bench/count_path.sh $(B)/bench/count-path $(F)/mps2-an500-hemisphere4.out
+	@echo 'Speed against error, nonlinear shells'
+	@$(B)/bench/path
+bench-count: $(B)/bench/avx2/run_path $(F)/mps2-an500-hemisphere4.out
+	@echo 'Instructions of a Newton system, double, AVX2'
+	@sh tests/bench/count_path.sh $(B)/bench/avx2/run_path $(F)/mps2-an500-hemisphere4.out
+	@echo 'The element at a shape: floating-point operations and instructions, counted by QEMU'
+	@B=$(B) sh tests/bench/count_shell.sh
+
+# Every case, each code five times in turn: six minutes. `make bench` takes the best of them, the slow code once: two minutes.
+bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)/pzs)
+	@echo 'Time to reach an error, against the peers'
+	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \
+	    $(PYTHON) -B tests/bench/peers/compare.py $(B)/bench/peers.json && exit $$failed
 
 # bench_step holds lib/boxls.c and lib/control.c itself, to time the solver apart from the product B'e.
 $(B)/daqp/libdaqp.a:

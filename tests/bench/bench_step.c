@@ -18,6 +18,8 @@
 #include <stdlib.h>
 #include "clock.h"
 #include "../../lib/boxls.c"
+#include "../../lib/product.c"
+#include "../../lib/sense.c"
 #include "../../lib/control.c"
 #ifdef WITH_DAQP
 #include "api.h"

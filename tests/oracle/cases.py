@@ -343,29 +343,40 @@ def patch_target():
 
 # ---------------------------------------------------------------- piezo film on a laminate
 
-def film_strip(span):
-    """Layers (thickness, angle, material, e31) of the strip, L = span x 3 mm, and L."""
-    soft = 6.9e9
-    graphite = ply([25 * soft, soft, soft, 0.5 * soft, 0.5 * soft, 0.2 * soft, 0.25, 0.25, 0.25])
+def pvdf():
+    """The film of 40 um: e31 = .046, e32 = e33 = 0."""
     film = isotropic(2e9, 0.29)
     film["d"] = np.linalg.solve(ply_stiffness(film["constants"])[:3, :3], [0.046, 0, 0])
-    return [*[(1e-3, a, graphite, 0.0) for a in (0, 90, 0)], (40e-6, 0, film, 0.046)], span * 3e-3
+    return 40e-6, 0, film
 
 
-def film_strip_3d(span):
+def ceramic(d33):
+    """A ceramic of .25 mm in its place, d31 = d32 = 254e-12, with any d33."""
+    return 0.25e-3, 0, isotropic(63e9, 0.3, d=(254e-12, 254e-12, d33))
+
+
+def film_strip(span, film):
+    """Layers (thickness, angle, material) of the strip, L = span x 3 mm, and L."""
+    soft = 6.9e9
+    graphite = ply([25 * soft, soft, soft, 0.5 * soft, 0.5 * soft, 0.2 * soft, 0.25, 0.25, 0.25])
+    return [*[(1e-3, a, graphite) for a in (0, 90, 0)], film], span * 3e-3
+
+
+def film_strip_3d(span, film):
     """Deflections at the laminate's middle (z = 1.5 mm): 100 V sin(pi x/L), 1 Pa sin(pi x/L).
 
-    Cylindrical bending, simply supported; E3 = -V/t, stress e31 V/t in the film.  State
+    Cylindrical bending, simply supported; E3 = -V/t, stress C d V/t in the film.  State
     (U, W, s33, s13, 1)' = A state, u = U cos px, w = W sin px; load on the film's face.
     """
-    layers, length = film_strip(span)
+    layers, length = film_strip(span, film)
     p, through, half = np.pi / length, np.eye(5), None
-    for thick, angle, material, e31 in layers:
+    for thick, angle, material in layers:
         turn = ply_turn(angle)
-        c = turn.T @ ply_stiffness(material["constants"]) @ turn
-        exx = np.array([-p, 0, 0, 0, 0])
-        ezz = (np.eye(5)[2] - c[0, 2] * exx) / c[2, 2]
-        sxx = c[0, 0] * exx + c[0, 2] * ezz + e31 * 100 / thick * np.eye(5)[4]
+        plain = ply_stiffness(material["constants"])
+        c, e = turn.T @ plain @ turn, plain[:, :3] @ material["d"] * 100 / thick
+        exx, one = np.array([-p, 0, 0, 0, 0]), np.eye(5)[4]
+        ezz = (np.eye(5)[2] - c[0, 2] * exx - e[2] * one) / c[2, 2]
+        sxx = c[0, 0] * exx + c[0, 2] * ezz + e[0] * one
         a = np.array([[0, -p, 0, 1 / c[4, 4], 0], ezz, [0, 0, 0, p, 0], -p * sxx, np.zeros(5)])
         if angle == 90:
             half = expm(a * thick / 2) @ through
@@ -377,21 +388,21 @@ def film_strip_3d(span):
     return np.array(out)
 
 
-def film_strip_ratios(n, preset, unknowns, span):
+def film_strip_ratios(n, preset, unknowns, span, film):
     """u3M of the element over film_strip_3d, (100 V, 1 Pa).
 
     Half strip theta1 = x from the support 0 to L/2, n x 1 elements; theta2 fixed everywhere
     (u2 and its difference), theta1-: u3 of both faces and middle, theta1+: symmetric.
-    Reference surface in the middle of the package (1.52 mm).  Voltage: sin(pi x/L) at the
+    Reference surface in the middle of the package.  Voltage: sin(pi x/L) at the
     middle of each element; load on the upper face.
     """
-    layers, length = film_strip(span)
+    layers, length = film_strip(span, film)
     x = np.linspace(0, length / 2, n + 1)
-    m = Model(Plate(), x, [0, length / n], Section([layer[:3] for layer in layers]), preset, unknowns, uniform)
+    m = Model(Plate(), x, [0, length / n], Section(layers), preset, unknowns, uniform)
     m.fix(range(m.n1 * m.n2), [1, 4])
     m.fix(m.edge("theta1-"), [2, 5, 6])
     m.symmetric("theta1+")
     volts = m.gather(lambda el, i, j: 100 * np.sin(np.pi * (x[i] + x[i + 1]) / 2 / length) * el.given_force(el.volt[3]))
     load = m.distributed(lambda t1, t2, triad: np.array([0, 0, np.sin(np.pi * t1 / length)]), 0.5)
     u = m.solve(np.column_stack([volts, load]))
-    return m.middle(u, m.node(-1, 0)) / film_strip_3d(span)
+    return m.middle(u, m.node(-1, 0)) / film_strip_3d(span, film)

@@ -183,6 +183,23 @@ def lumped_pressure_at_rest_is_pressure_times_area():
 
 
 @check
+def pressure_on_an_arc_is_that_on_its_chord():
+    """Resultant 2 p R sin(phi/2) and moment p R^2 (1 - cos phi) about an end, however the arc is cut."""
+    for cuts in ([0, 2.0], [0, 0.3, 1.1, 2.0], np.linspace(0, 2, 9)):
+        m = Model(nc.Ring(100.0), np.array(cuts), [0, 1.0], Section([(10.0, 0, nc.isotropic(2.1e7, 0.3))]), CORRECTED)
+        force = Pressure(m, lambda a, b: 1.0, 0).evaluate(Shell(m), np.zeros(m.size), 1)[0].reshape(-1, 7)
+        total, moment = np.zeros(3), np.zeros(3)
+        start = m.surface.at(0, 0)[0]
+        for i, angle in enumerate(cuts):
+            x, triad = m.surface.at(angle, 0)[:2]
+            push, couple = (triad @ force[2 * i:2 * i + 2, k:k + 3].sum(axis=0) for k in (0, 3))
+            total += push
+            moment += np.cross(x - start, push) + np.cross(triad[:, 2], couple)
+        yield f"{len(cuts)} resultant", relative(np.linalg.norm(total), 200 * np.sin(1)), 1e-13
+        yield f"{len(cuts)} moment", relative(np.linalg.norm(moment[2]), 1e4 * (1 - np.cos(2))), 1e-13
+
+
+@check
 def data_file_is_what_this_code_writes():
     stored = textdata.read(os.path.join(DATA, "nonlinear.txt"))
     made = write_nonlinear.blocks(quiet=True)

@@ -5,9 +5,13 @@ Normal of the deformed face at corner r of an element, in the corner's triad:
 kind "unit": size p per reference area, direction of the OUTER face's normal, acting on `face`.
 kind "true": p per deformed area of `face`.
 form "consistent": nodal vectors p eta, interpolated bilinearly, weights area/36 [4 2 1 2].
-form "lumped": each corner carries a quarter of the area; eta is divided by its e3 component at rest, times
-    the metric factors c1 c2 of the face for "true": at rest exactly p c1 c2 area/4 along e3 (plus tangential parts
-    that neighbours cancel), and a finite rotation of the mesh turns it exactly.
+form "lumped": each corner carries a quarter of the area.  G_a are chords, x = half their angle out of the tangent
+    plane; with t = e3 + (w+ - w-)/h the director and g_a3 = g_a . e3,
+        U_a = G_a - g_a3 t,  eta = U1 x U2,  side = k1 t x U2 + k2 U1 x t,  k_a = |g_a - g_a3 e3| (1 - x cot x)/x
+    eta acts on the face and is divided by its length at rest, times the metric factors c1 c2 of the face for "true": at
+    rest exactly p c1 c2 area/4 along e3.  side acts on the middle, divided by the same: the tangential part
+    p R tan(...) that makes the pressure on an arc that on its chord, and balances the chords of an inflated ring
+    whatever their lengths.  A finite rotation of the mesh turns both exactly.
 form "facet": derivative of the volume under the bilinear Cartesian facet ("true" only).
 """
 
@@ -50,9 +54,9 @@ def cross_matrix(v):
 class Pressure:
     """pressure: function (t1, t2) -> p at load factor 1, positive along +e3."""
 
-    def __init__(self, model, pressure, face, kind="unit", form=None, tangent="symmetrised", tilt=1 / 3):
+    def __init__(self, model, pressure, face, kind="unit", form=None, tangent="symmetrised"):
         """face: 0 inner, 1 outer; form: default consistent for local kinematics, lumped for Cartesian."""
-        self.kind, self.tangent, self.tilt = kind, tangent, tilt
+        self.kind, self.tangent = kind, tangent
         self.form = form or ("lumped" if model.elements[0].cartesian else "consistent")
         self.values = np.zeros((len(model.elements), 4))
         for e in range(len(model.elements)):
@@ -66,16 +70,19 @@ class Pressure:
         self.elements = model.elements
 
     def table(self, el, faces, face, normal_face):
-        """Constants of G, and the map from corner normals [4][3] to the element force [n][4][3]."""
-        const, linear = corner_tangents(el, faces, normal_face)
-        for r in range(4 if self.form == "lumped" else 0):
-            director = face_rows(el, r, 1) - face_rows(el, r, 0)
-            for a in (0, 1):
-                part = (1 - self.tilt) * const[r, a, 2]
-                const[r, a, 2] -= part
-                linear[r, a] -= part / el.h * director
-        apply = np.zeros((el.size, 4, 3))
-        _, _, _, k, _ = el.centre
+        """Constants and matrices of U1, U2, t [4][3]...; the maps from eta and side [4][3] to the element force [n][4][3]; k."""
+        const, linear = np.zeros((4, 3, 3)), np.zeros((4, 3, 3, el.size))
+        const[:, :2], linear[:, :2] = corner_tangents(el, faces, normal_face)
+        apply, middle, kept = np.zeros((el.size, 4, 3)), np.zeros((el.size, 4, 3)), np.zeros((4, 2))
+        for r in range(4):
+            const[r, 2] = [0, 0, 1]
+            linear[r, 2] = (face_rows(el, r, 1) - face_rows(el, r, 0)) / el.h
+            for a in (0, 1) if self.form == "lumped" else ():
+                lean, flat = const[r, a, 2], np.hypot(*const[r, a, :2])
+                x = np.arctan2(lean, flat)
+                kept[r, a] = flat * (1 / x - 1 / np.tan(x)) if x else 0
+                const[r, a] -= lean * const[r, 2]
+                linear[r, a] -= lean * linear[r, 2]
         for r in range(4):
             rows = face_rows(el, r, face)
             if self.form == "consistent":
@@ -83,30 +90,37 @@ class Pressure:
                     turn = el.triads[r].T @ el.triads[s] if el.cartesian else np.eye(3)
                     apply[:, s] += el.area * LOAD[r, s] * rows.T @ turn
             elif self.form == "lumped":
-                rest = np.cross(*const[r])
-                if self.kind == "unit":
-                    rest = rest / np.linalg.norm(rest)
+                rest = np.linalg.norm(np.cross(*const[r, :2])) if self.kind == "true" else 1.0
                 metric = (np.prod([1 + c * faces[face] for c in el.corners[r][3]])
                           if self.kind == "true" else 1.0)
-                apply[:, r] += el.area / 4 * metric / rest[2] * rows.T
-        return const, linear, apply
+                apply[:, r] += el.area / 4 * metric / rest * rows.T
+                middle[:, r] += el.area / 4 * metric / rest * (face_rows(el, r, 0) + face_rows(el, r, 1)).T / 2
+        return const, linear, apply, middle, kept
 
     def evaluate(self, shell, u, factor):
         """Force [size] and, unless tangent is None, its derivative [size][size] (sparse)."""
         forces, blocks = [], []
         for _, which, dofs in shell.groups:
-            const, linear, apply = self.tables[id(self.elements[which[0]])]
+            const, linear, apply, middle, kept = self.tables[id(self.elements[which[0]])]
             g = const + np.einsum("raci,ei->erac", linear, u[dofs])
-            eta = np.cross(g[:, :, 0], g[:, :, 1])
-            d_eta = (cross_matrix(g[:, :, 0]) @ linear[None, :, 1] - cross_matrix(g[:, :, 1]) @ linear[None, :, 0])
+
+            def product(a, b):
+                """G_a x G_b of all corners, with the director as the third, and its derivative."""
+                return (np.cross(g[:, :, a], g[:, :, b]),
+                        cross_matrix(g[:, :, a]) @ linear[None, :, b] - cross_matrix(g[:, :, b]) @ linear[None, :, a])
+            (eta, d_eta), (one, d_one), (two, d_two) = product(0, 1), product(2, 1), product(0, 2)
+            side = kept[:, :1] * one + kept[:, 1:] * two
+            d_side = kept[:, :1, None] * d_one + kept[:, 1:, None] * d_two
             if self.kind == "unit":
                 size = np.linalg.norm(eta, axis=2)[..., None]
-                eta = eta / size
-                d_eta = (d_eta - eta[..., None] * np.einsum("erc,erci->eri", eta, d_eta)[:, :, None]) / size[..., None]
+                longer = np.einsum("erc,erci->eri", eta, d_eta)[:, :, None] / size[..., None] ** 2
+                d_eta, d_side = ((d - v[..., None] * longer) / size[..., None] for v, d in ((eta, d_eta), (side, d_side)))
+                eta, side = eta / size, side / size
             p = factor * self.values[which]
-            forces.append(np.einsum("irc,er,erc->ei", apply, p, eta))
+            forces.append(np.einsum("irc,er,erc->ei", apply, p, eta) + np.einsum("irc,er,erc->ei", middle, p, side))
             if self.tangent:
-                k = np.einsum("irc,er,ercj->eij", apply, p, d_eta, optimize=True)
+                k = (np.einsum("irc,er,ercj->eij", apply, p, d_eta, optimize=True)
+                     + np.einsum("irc,er,ercj->eij", middle, p, d_side, optimize=True))
                 blocks.append((k + k.transpose(0, 2, 1)) / 2 if self.tangent == "symmetrised" else k)
         return shell.scatter(forces), shell.sparse(blocks) if self.tangent else None
 

@@ -97,7 +97,7 @@ def given_of(el, free):
     return -el.D[0] @ free
 
 
-def pressed_ring(n, preset, kind="unit", form=None, tangent="symmetrised", unknowns=7, tilt=1 / 3):
+def pressed_ring(n, preset, kind="unit", form=None, tangent="symmetrised", unknowns=7):
     """Ring under follower pressure, quarter, n x 1; outputs u3M/r at 0 and -u3M/r at 90 degrees.
 
     r = 100, h = b = 1, E = 2.1e7, nu = .3, plane strain; theta1 0 to 90 degrees, theta2 the axis; theta1 edges symmetric;
@@ -119,7 +119,7 @@ def pressed_ring(n, preset, kind="unit", form=None, tangent="symmetrised", unkno
         return Case(Shell(m), m.distributed(lambda t1, t2, triad: np.array([0, 0, pressure(t1, t2)]), -0.5), outputs=outputs)
     if form == "facet":
         return Case(Shell(m), followers=[FacetPressure(m, pressure, 0, tangent)], outputs=outputs)
-    return Case(Shell(m), followers=[Pressure(m, pressure, 0, kind, form, tangent, tilt)], outputs=outputs)
+    return Case(Shell(m), followers=[Pressure(m, pressure, 0, kind, form, tangent)], outputs=outputs)
 
 
 def ring_on_body(n, preset, base=1000.0, plane_strain=False, kappa=1.0, unknowns=7):
@@ -169,7 +169,7 @@ TYRE = ply([500, 10, 10, 3.5, 3.5, 3.448276, 0.4, 0.4, 0.45])
 TORUS_PLIES = [(1.2, a, TYRE) for a in (-45, 45, -45, 45)]
 
 
-def torus_inflation(n, preset, kind="unit", tangent="symmetrised", form=None, tilt=1 / 3, degrees=1.0):
+def torus_inflation(n, preset, kind="unit", tangent="symmetrised", form=None, degrees=1.0):
     """Axisymmetric sector of the cross-ply torus under .5 MPa inside; output u3M at the crown.
 
     Middle surface r = 200 + 50 cos a, z = -50 sin a, theta1 = a in +-120 degrees (n elements), theta2 one
@@ -183,7 +183,7 @@ def torus_inflation(n, preset, kind="unit", tangent="symmetrised", form=None, ti
     out = dict(A=middle(m, m.node(n // 2, 0)))
     if kind == "dead":
         return Case(Shell(m), m.distributed(lambda t1, t2, triad: np.array([0, 0, 0.5]), -0.5), outputs=out)
-    return Case(Shell(m), followers=[Pressure(m, lambda t1, t2: 0.5, 0, kind, form, tangent, tilt)], outputs=out)
+    return Case(Shell(m), followers=[Pressure(m, lambda t1, t2: 0.5, 0, kind, form, tangent)], outputs=out)
 
 
 def graded(n, limit, a):

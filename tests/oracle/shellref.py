@@ -197,9 +197,9 @@ class Section:
 
         D = integral N^T (C_ab c1 c2/(s_a s_b)) N dz and H0 = integral N^T s0 c1 c2/s_a dz
         with s = (c1^2, c2^2, 1, c2, c1, c1 c2), c_a = 1 + k_a z; all 1 without metric.
-        Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n; kelvin -C alpha;
-        with free33 condensed on s33 = 0 in each ply, whose mean free strain along the normal,
-        -s0_33/C_33, the mean of e33 then holds.
+        Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n, with the metric times
+        field_share; kelvin -C alpha; with free33 condensed on s33 = 0 in each ply, whose mean free
+        strain along the normal, -s0_33/C_33, the mean of e33 then holds.
         """
         dmat = np.zeros((10, 10))
         volt = np.zeros((len(self.layers), 10))
@@ -227,7 +227,8 @@ class Section:
                     dz = w * thick / 2 * c1 * c2
                     shape = self.shape(z)
                     dmat += shape.T @ (stiff / np.outer(scale, scale)) @ shape * dz
-                    volt[n] += shape.T @ (given_volt / scale) * dz
+                    volt[n] += shape.T @ (given_volt / scale) * dz * (
+                        field_share(k, low, thick, z) if options["metric"] else 1)
                     kelvin += shape.T @ (given_kelvin / scale) * dz
             low += thick
         return dmat, volt + np.outer(thick_volt, dmat[:, 4]), kelvin + thick_kelvin * dmat[:, 4]
@@ -240,6 +241,20 @@ class Section:
             shape[row, col:col + 2] = 1, zeta
         shape[4, 8] = shape[3, 9] = 1
         return shape
+
+
+def field_share(k, low, thick, z):
+    """Field across a curved layer at height z over V/thick, for curvatures k [2].
+
+    No charge inside: the flux through dA = c1 c2 dA0 is that of every height, and with one
+    permittivity E3 = a/(c1 c2).  Its integral over the layer is V:
+        a integral dz/(c1 c2) = a ln(1 + (k1 - k2) thick/(c1(low) c2(high)))/(k1 - k2) = V
+    On a cylinder V/(r ln(r2/r1)), on a sphere V r1 r2/(r^2 thick).
+    """
+    bottom, top = 1 + k[0] * low, 1 + k[1] * (low + thick)
+    x = (k[0] - k[1]) * thick / (bottom * top)
+    mean = (np.log1p(x) / x if x else 1.0) / (bottom * top)
+    return 1 / (mean * (1 + k[0] * z) * (1 + k[1] * z))
 
 
 class GivenSection:

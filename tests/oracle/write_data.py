@@ -37,7 +37,8 @@ Keys with n = 4 x unknowns (7 or 6 a node), corners (-,-) (+,-) (+,+) (-,+):
     array area 1 1
     array D00 D01 D10 D11     10 x 10 of the strains 11m 11d 22m 22d 33m 33d 12m 12d 13 23 (m mean of the
                               faces, d outer minus inner), zero where a mode keeps no strain
-    array volt n L            nodal force at rest per volt of each layer (E3 = -V/thickness)
+    array volt n L            nodal force at rest per volt of each layer (E3 = -V/thickness; where the
+                              metric counts, falling as 1/(c1 c2), V between the layer's faces)
     array kelvin n 1          nodal force at rest per kelvin
     array pressure n 1        nodal force of a unit pressure along +e3 on the outer face, per reference area, weights
                               area/36 [4 2 1 2]; source by components, corrected as vectors E_r^T E_s e3

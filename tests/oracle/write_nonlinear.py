@@ -38,7 +38,7 @@ Cases:
                               symmetric; u2 = 0; pressure -p0 (1 - cos 2 theta1) along the normal on the inner face,
                               p0 = 3 E h^3/(12 (1 - nu^2) R^3); word pressure unit (size per reference area, normal of
                               the outer face) or true (per deformed area of the inner face); nodal values; source:
-                              consistent weights; corrected: lumped, tilt 1/3; symmetrised load stiffness; outputs
+                              consistent weights; corrected: lumped (follower.py); symmetrised load stiffness; outputs
                               u3M/R at 0, -u3M/R at 90 degrees
     ring-contact              half ring theta1 0..180, theta2 axial 0..1, same R h E nu; theta1 edges symmetric, u2 = 0 on
                               theta2- (faces); force along e3 -P/4 at both nodes of 180, P = 88.5 E/(120 R^2); outer face

@@ -1,16 +1,22 @@
 """One case by CalculiX: writes the deck, runs ccx, reads displacements, increments and iterations.
 
 Load steps are ccx's automatic increments, from a given first one on; convergence is ccx's own default.
-Timed is ccx from its first increment on: reading the deck is not.
+Timed is the processor time of ccx; reading the deck is less than a hundredth of it.
 """
 
 import os
+import resource
 import subprocess
-import time
 
 import cases
 
 ORDER = {"S4": 1, "S8R": 2}
+
+
+def spent():
+    """Processor time of all processes started here that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def frame(normal, tangent):
@@ -63,16 +69,14 @@ def solve(name, mesh, element, first, folder, limit=300):
     for ending in (".sta", ".cvg", ".dat"):
         with open(job + ending, "w", encoding="ascii"):
             pass
-    begin = end = 0.0
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
-    with subprocess.Popen(["stdbuf", "-oL", "ccx", "-i", os.path.basename(job)], cwd=folder, env=environment,
-                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
-        for line in process.stdout:
-            end = time.perf_counter()
-            if "increment 1 attempt 1" in line and not begin:
-                begin = end
-            if begin and end - begin > limit:
-                process.kill()
+    begin = spent()
+    try:
+        subprocess.run(["ccx", "-i", os.path.basename(job)], cwd=folder, env=environment, timeout=limit, check=False,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    except subprocess.TimeoutExpired:
+        pass
+    seconds = spent() - begin
     with open(job + ".sta", encoding="ascii") as file:
         rows = [line.split() for line in file if line.strip()[:1].isdigit()]
     with open(job + ".cvg", encoding="ascii") as file:
@@ -83,4 +87,4 @@ def solve(name, mesh, element, first, folder, limit=300):
     with open(job + ".dat", encoding="ascii") as file:
         moved = {int(row[0]) - 1: row[1:] for row in map(str.split, file) if row and row[0].isdigit()}
     a, b = (sign * float(moved[k][axis]) for k, axis, sign in case.read)
-    return {"steps": len(rows), "iterations": iterations, "seconds": end - begin, "a": a, "b": b}
+    return {"steps": len(rows), "iterations": iterations, "seconds": seconds, "a": a, "b": b}

@@ -1,0 +1,60 @@
+/*
+ * The controller of a simulation as firmware: built from firmware_demo with the tables of the simulation, run by QEMU on
+ * a board's processor, or as a program of this computer, with the plant at the other end of a pipe.
+ * firmware_demo/demo_loop.c says what goes over it.
+ */
+#ifndef DEVICE_H
+#define DEVICE_H
+
+#include "pzs.h"
+
+typedef struct device_board {
+    const char *name;
+    const char *machine;    /* QEMU's name of the board; NULL: a program of this computer */
+    int bits;               /* of its reals */
+    const char *twin;       /* the same C in the same precision on this computer */
+} device_board;
+
+/* Boards by name or by number from 0; NULL where there is none. */
+const device_board *device_find(const char *name);
+const device_board *device_number(int k);
+
+/* Room for a path, and for a message: one line. */
+enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
+
+/*
+ * A folder for the firmware: write the tables into folder/loop.h (prefix demo), then build.
+ * Return 0, or -1 with error filled; the compiler's own words are on standard error.
+ */
+int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR]);
+int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR]);
+void device_remove(const char *folder);
+
+/* A firmware that runs. All zero: none does, and orders to it are left out. */
+typedef struct device {
+    const device_board *board;
+    int process, to, from;      /* its pipe */
+    size_t inputs, outputs;
+    unsigned char *frame;
+} device;
+
+/* Start it. volt [inputs] out: those it starts with (V). Returns 0, or -1 with error filled. */
+int device_start(device *d, const device_board *board, const char *folder, const pzs_problem *problem, double *volt,
+                 char error[DEVICE_ERROR]);
+void device_stop(device *d);
+
+/* pzs_hold, pzs_release, pzs_watch_init; what goes wrong shows in the next tick. */
+void device_hold(device *d, int input, double volt);
+void device_release(device *d, int input);
+void device_watch(device *d, int delay);
+
+/*
+ * pzs_tick, and pzs_watch_tick where it watches.
+ *   wanted, measured [outputs]       in
+ *   volt, state [inputs], passes     out  state of the watch; 0 where there is none
+ * Returns its status, or -1 with error filled: the device no longer answers.
+ */
+int device_tick(device *d, const double *wanted, const double *measured, double *volt, uint8_t *state, int *passes,
+                char error[DEVICE_ERROR]);
+
+#endif

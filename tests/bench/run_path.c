@@ -1,0 +1,35 @@
+/*
+ * One equilibrium of a scene from rest, in a process of its own:  run_path SCENE [path=value ...]
+ * for callgrind to count (count_path.sh) and for peers/run.py to time.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <stdio.h>
+#include "analysis.h"
+#include "clock.h"
+
+enum { MOST_SETTINGS = 8 };
+
+int main(int count, char **argument)
+{
+    char file[512], error[SCENE_ERROR];
+    const char *set[MOST_SETTINGS];
+    scene s;
+    analysis a;
+    if (count < 2 || count - 2 > MOST_SETTINGS)
+        return 2;
+    for (int i = 2; i < count; i++)
+        set[i - 2] = argument[i];
+    snprintf(file, sizeof file, SCENE_FOLDER "/%s.yaml", argument[1]);
+    if (scene_read(&s, file, set, count - 2, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
+        fprintf(stderr, "%s\n", error);
+        return 1;
+    }
+    const double begin = spent();
+    pzs_equilibrium(&a.path.run, a.path.full);
+    const double end = spent();
+    printf("elements %u unknowns %u seconds %.9f\n", (unsigned)a.design.structure.elements, (unsigned)a.model.k.n,
+           1e-6 * (end - begin));
+    analysis_free(&a);
+    scene_free(&s);
+    return 0;
+}

@@ -1,0 +1,44 @@
+/* What tests of whole scenes share: scenes that must run, numbers that must agree. After cmocka.h. */
+#ifndef SCENE_ASSERT_H
+#define SCENE_ASSERT_H
+
+#include <math.h>
+#include <stdio.h>
+#include "scene_run.h"
+
+#define PLATE "tests/scenes/piezo-plate.yaml"
+#define SOURCE "element=source;"
+#define CORRECTED "element=corrected;"
+/* The upper layer of PLATE alone, with one electrode. */
+#define ONE_LAYER "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: upper}];"
+
+static const char *const elements[3] = {SOURCE, CORRECTED, CORRECTED "unknowns=6;"};
+
+static inline void open_run(scene_run *r, const char *name, const char *changes)
+{
+    if (scene_run_open(r, name, changes) < 0)
+        fail_msg("%s", r->error);
+}
+
+static inline void solve_run(scene_run *r, const char *name, const char *changes)
+{
+    open_run(r, name, changes);
+    if (scene_run_solve(r) < 0)
+        fail_msg("%s", r->error);
+}
+
+/* A change after others. */
+static inline const char *with(const char *first, const char *second)
+{
+    static char text[2048];
+    snprintf(text, sizeof text, "%s%s", first, second);
+    return text;
+}
+
+static inline void assert_near(const char *what, double value, double want, double relative)
+{
+    if (!(fabs(value - want) <= relative * fabs(want)))
+        fail_msg("%s: %.15g, should be %.15g, off by %.2g", what, value, want, value / want - 1);
+}
+
+#endif

@@ -1,0 +1,49 @@
+#!/bin/sh
+# `pzs simulate --device`: the firmware of each board in the loop, its plant on this computer, the same bits as without it.
+#   ARM_CC, QEMU, B, CI from the environment; TAP on stdout
+: "${QEMU:=qemu-system-arm}" "${B:=build}"
+. tests/gates/common.sh
+PZS=${PZS:-$B/pzs}
+export ARM_CC QEMU
+
+# 200 ticks with an order of every kind to the controller: late and missing measurements, held and released electrodes.
+events='[{at: 30, load: 0, amount: 2}, {at: 50, target: 0.5}, {at: 70, nan: 0.3, ticks: 20}, {at: 95, nan: 1, ticks: 3}, '\
+'{at: 100, lost: 10}, {at: 115, dead: [v_1_1, v_3_2], told: found}, {at: 160, alive: [v_1_1, v_3_2]}, '\
+'{at: 165, stuck: [v_2_4], told: 3}, {at: 172, target: -0.5}]'
+
+# loop NAME ARGUMENTS: the loop's volts in NAME.csv, its summary in NAME.json
+loop() {
+    name=$1
+    shift
+    "$PZS" simulate plate-closed-loop --set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear \
+        --set simulate.ticks=200 --set simulate.sensors.delay=1 --set "simulate.events=$events" --json --csv "$scratch/$name.csv" "$@" \
+        >"$scratch/$name.json" 2>"$scratch/found"
+}
+
+# count FILE KEY: the first number of a key
+count() {
+    sed -n "s/^.*\"$2\": \([0-9]*\).*$/\1/p" "$1" | head -n 1
+}
+
+# board NAME OTHER: every tick the bits of the same C on this computer, and the file of another run
+board() {
+    loop "$1" --device "$1" && [ "$(count "$scratch/$1.json" device_same)" = 190 ] && cmp "$scratch/$1.csv" "$scratch/$2.csv" >"$scratch/found" 2>&1
+    tap $? "$1: 190 ticks, all with the bits of the same C here"
+}
+
+if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
+    loop double
+    tap $? 'the loop in double'
+    [ "$(count "$scratch/double.json" found)" = 2 ]
+    tap $? 'both dead electrodes are found'
+    board mps2-an500 double
+    board netduinoplus2 netduinoplus2
+    board mps2-an386 netduinoplus2
+    ! cmp -s "$scratch/double.csv" "$scratch/netduinoplus2.csv"
+    tap $? 'float and double differ'
+    ARM_CC=false
+    ! loop unbuilt --device netduinoplus2 && grep -q 'pzs: the firmware of netduinoplus2 could not be built' "$scratch/found" &&
+        [ ! -e "$scratch/unbuilt.csv" ]
+    tap $? 'a firmware that does not build ends the run with a message'
+fi
+tap_end
