@@ -93,7 +93,9 @@ $(call for_variants,cases,64,@tests/testdata.o @host.a)
 $(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,fields,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,targets,64,@tests/scene_run.o @host.a)
-$(foreach t,path path_tables path_ends,$(call for_variants,$(t),64,@tests/path_run.o @tests/scene_run.o @host.a))
+$(foreach t,path path_tables path_oracle,$(call for_variants,$(t),64,@tests/testdata.o @tests/scene_run.o @host.a))
+$(call for_variants,path_ends,64 san64,@tests/scene_run.o @host.a)
+$(call for_variants,path_precision,64 32,@bridge64.o)
 
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
@@ -106,18 +108,20 @@ san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
 $(B)/pzs-san: $(B)/san64/host_tools/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
 	$(CC) -fsanitize=address,undefined $^ -lyaml -lm -o $@
 
-# 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions.
+# 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
 	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/test_tick.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/test_faults.c tests/testdata.c \
+	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
 	    tests/test_simulate.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
 	    && $(B)/long-simulate
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
-	    tests/test_path_tables.c tests/path_run.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
+	    tests/test_path_tables.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
 	    && $(B)/long-path
 	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in source corrected; do \
@@ -127,7 +131,7 @@ check-long: setup-test
 # ---- data made by programs of this project -------------------------------
 
 oracle:
-	cd tests/oracle && $(PYTHON) write_data.py
+	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py
 
 tables: $(B)/pzs
 	$(B)/pzs tables plate-50-patches --set limits.slew=20 --image control --prefix demo -o firmware_demo/tables/plate_control.h

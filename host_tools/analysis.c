@@ -95,6 +95,11 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
     return -1;
 }
 
+int analysis_ended_early(const analysis *a)
+{
+    return a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT || a->status == PZS_E_SYSTEMS;
+}
+
 /* What the nonlinear path met, in words; only errors fail. */
 static int explain_path(const analysis *a, char *error)
 {
@@ -102,7 +107,7 @@ static int explain_path(const analysis *a, char *error)
     const scene *s = a->design.scene;
     if (!PZS_IS_ERROR(a->status))
         return 0;
-    if (a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT || a->status == PZS_E_SYSTEMS)
+    if (analysis_ended_early(a))
         return scene_fault(s, s->equilibrium.at, error, "%s: reached %.4g of the load in %u systems, %u load step%s; "
                            "the last equilibrium has %u negative pivots",
                            pzs_status_text(a->status), run->factor, run->systems, run->steps_taken, run->steps_taken == 1 ? "" : "s", run->negative);

@@ -46,6 +46,9 @@ int analysis_solve(analysis *a, double *u, char *error);
  */
 int analysis_reach(analysis *a, const double *volt, int warm, double *u, char *error);
 
+/* Whether a->status says that the load steps ended before the full load. */
+int analysis_ended_early(const analysis *a);
+
 /* Value of the scene's k-th output at its i-th node. value [output rows] in, rows of the structure. */
 double analysis_output(const analysis *a, int k, int i, const double *value);
 /* Its number of values, and their unit. */

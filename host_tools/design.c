@@ -298,6 +298,29 @@ static void carry(const mesh *m, const scene_load *load, int from, int to, const
     }
 }
 
+double design_chords(const mesh *m, int element, int r, scene_face face, double flat[2][2], double lean[2])
+{
+    const pzs_kind *kind = &m->kind[m->element_kind[element]];
+    const double half = face == FACE_OUTER ? kind->thickness / 2 : face == FACE_INNER ? -kind->thickness / 2 : 0;
+    for (int a = 0; a < 2; a++) {
+        for (int i = 0; i < 2; i++)
+            flat[a][i] = kind->g_mean[r][a][i] + half * kind->g_diff[r][a][i];
+        const double length = hypot(flat[a][0], flat[a][1]), x = atan2(kind->g_mean[r][a][2] + half * kind->g_diff[r][a][2], length);
+        lean[a] = length * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
+    }
+    return flat[0][0] * flat[1][1] - flat[0][1] * flat[1][0];
+}
+
+/* What a pressure on a corner of a chord pushes along the surface, on its middle. c [3] in the pressure there. */
+static void add_lean(const mesh *m, const scene_load *load, int element, int r, double size, const double c[3], double *dense)
+{
+    double flat[2][2], lean[2], weight[7] = {0};
+    const double part = c[2] * size / design_chords(m, element, r, load->face, flat, lean);
+    weight[0] = part * (lean[1] * flat[0][1] - lean[0] * flat[1][1]);
+    weight[1] = part * (lean[0] * flat[1][0] - lean[1] * flat[0][0]);
+    add_node(m, m->element[element][r], 1, weight, dense);
+}
+
 /* A distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r, s) p_s. */
 static void add_distributed(const mesh *m, const scene_load *load, const int *node, const double *value, int count, double size, double *dense)
 {
@@ -326,6 +349,11 @@ static void face_column(const mesh *m, const scene_load *load, const double *val
             corner[r] = value[node[r]];
         }
         add_distributed(m, load, node, corner, 4, place->area * weight, dense);
+        for (int r = 0; r < 4 && m->scene->element.cartesian && load->component == COMPONENT_U3; r++) {
+            double c[3];
+            load_vector(m, load, node[r], corner[r], c);
+            add_lean(m, load, e, r, place->area / 4, c, dense);
+        }
     }
 }
 

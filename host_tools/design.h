@@ -64,6 +64,15 @@ int design_patch(const mesh *m, int element, const scene_patches *patches);
 int design_target_values(const design *d, const expr *wanted, scene_at at, double *value, char *error);
 
 /* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is not finite. */
+/*
+ * Base vectors of a face at corner r of an element of the corrected kind: chords, a/2 out of the tangent plane where the
+ * element spans the angle a. Of that lean the tangent (1 - (a/2) cot(a/2))/(a/2) counts, about a third: a pressure that
+ * pushes by it along the surface, towards the ends of the element, has the resultant and the moment on an arc of that
+ * on its chord, and is what the stretched chords of a ring hold in balance, whatever their angles.
+ *   flat [2][2] out  without their lean; lean [2] out what counts of it. Returns the area they span.
+ */
+double design_chords(const mesh *m, int element, int r, scene_face face, double flat[2][2], double lean[2]);
+
 int design_load_values(const mesh *m, const scene_load *load, double *value, char *error);
 
 /* Quarter areas of the elements at each node. area [nodes] out */

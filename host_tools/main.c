@@ -428,7 +428,7 @@ static int prepare_tables(analysis *a, tables_image image, double **influence, c
 {
     const scene *s = a->design.scene;
     pzs_problem problem;
-    if (image != TABLES_NONLINEAR && analysis_influence(a, error) < 0)
+    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && s->target.given)) && analysis_influence(a, error) < 0)
         return -1;
     if (image == TABLES_CONTROL && simulate_tables(a, &problem, influence, error) < 0)
         return -1;

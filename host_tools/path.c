@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "model.h"
 #include "nonlinear.h"
 #include "shell.h"
 
@@ -99,26 +100,14 @@ static pzs_status build_given(path *p, double *value)
 
 /* ---- follower loads --------------------------------------------------- */
 
-/*
- * The corrected element's base vectors are chords, a/2 out of the tangent plane where an element spans the angle a. Of that
- * lean the tangent (1 - (a/2) cot(a/2))/(a/2) counts, about a third: the pressure on an arc then has the resultant and the
- * moment of that on its chord, and is what the stretched chords of a ring hold in balance, whatever their angles.
- */
 static void set_corner(const mesh *m, int element, int r, const pzs_follower *f, double *area, double lean[2])
 {
-    const pzs_kind *table = &m->kind[m->element_kind[element]];
     const surface_point *point = &m->point[m->element[element][r]];
-    const double half = (f->normal_face ? 0.5 : -0.5) * table->thickness, z = m->laminate.z[f->normal_face];
-    double g[2][3], flat[2];
-    for (int a = 0; a < 2; a++) {
-        for (int i = 0; i < 3; i++)
-            g[a][i] = table->g_mean[r][a][i] + half * table->g_diff[r][a][i];
-        flat[a] = hypot(g[a][0], g[a][1]);
-        const double x = atan2(g[a][2], flat[a]);
-        lean[a] = flat[a] * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
-    }
+    const double z = m->laminate.z[f->normal_face];
+    double flat[2][2];
+    const double size = design_chords(m, element, r, f->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
     if (f->true_area)
-        *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / (g[0][0] * g[1][1] - g[0][1] * g[1][0]);
+        *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
 }
 
 static pzs_status build_follower(path *p, const scene_load *load, uint16_t input)
@@ -205,6 +194,7 @@ static pzs_status build_contact(path *p, uint16_t input)
     p->face.triad = (const double (*)[3][3])triad;
     p->face.area = area;
     p->contact_work = malloc(bytes);
+    p->contact_bytes = bytes;
     if (!place || !triad || !area || !p->contact_work)
         return PZS_E_WORKSPACE;
     p->face.face = contact->face == FACE_OUTER;
@@ -243,6 +233,55 @@ double path_contact_output(const path *p, const scene_output *output)
     return (double)NAN;
 }
 
+/* ---- coming back ------------------------------------------------------ */
+
+enum { PIECES = 6 };
+
+typedef struct piece { void *at; size_t bytes; } piece;
+
+static void list_pieces(const path *p, piece piece[PIECES])
+{
+    path *q = (path *)p;
+    piece[0].at = &q->run, piece[0].bytes = sizeof q->run;
+    piece[1].at = &q->contact, piece[1].bytes = sizeof q->contact;
+    piece[2].at = &q->circuit, piece[2].bytes = sizeof q->circuit;
+    piece[3].at = q->work, piece[3].bytes = q->bytes;
+    piece[4].at = q->contact_work, piece[4].bytes = q->contact_bytes;
+    piece[5].at = q->circuit_work, piece[5].bytes = q->circuit_bytes;
+}
+
+size_t path_state_bytes(const path *p)
+{
+    piece piece[PIECES];
+    size_t all = 0;
+    list_pieces(p, piece);
+    for (int i = 0; i < PIECES; i++)
+        all += piece[i].bytes;
+    return all;
+}
+
+void path_keep(const path *p, void *state)
+{
+    piece piece[PIECES];
+    unsigned char *to = state;
+    list_pieces(p, piece);
+    for (int i = 0; i < PIECES; to += piece[i++].bytes)
+        if (piece[i].bytes > 0)
+            memcpy(to, piece[i].at, piece[i].bytes);
+}
+
+/* The model's factor stays where it went: the shape's own is made by the next equilibrium. */
+void path_return(path *p, const void *state)
+{
+    piece piece[PIECES];
+    const unsigned char *from = state;
+    list_pieces(p, piece);
+    for (int i = 0; i < PIECES; from += piece[i++].bytes)
+        if (piece[i].bytes > 0)
+            memcpy(piece[i].at, from, piece[i].bytes);
+    p->run.model->stage = STAGE_READY;
+}
+
 /* ---- open ------------------------------------------------------------- */
 
 /* Full loads and applied volts; a follower's amount is that of its extra input. */
@@ -268,6 +307,7 @@ static pzs_status start(path *p, pzs_model *model)
     p->follower = calloc((size_t)d->loads + 1, sizeof *p->follower);
     p->load = calloc((size_t)d->loads + 1, sizeof *p->load);
     p->work = malloc(bytes);
+    p->bytes = bytes;
     double *value = calloc((size_t)s->nodes, sizeof *value);
     pzs_status status = p->full && p->follower && p->load && p->work && value ? build_given(p, value) : PZS_E_WORKSPACE;
     free(value);
@@ -293,6 +333,7 @@ static pzs_status build_circuit(path *p)
     if (open == 0)
         return PZS_OK;
     p->circuit_work = malloc(bytes);
+    p->circuit_bytes = bytes;
     return p->circuit_work ? pzs_attach_circuit(&p->run, &p->circuit, &d->electrodes, p->circuit_work, bytes) : PZS_E_WORKSPACE;
 }
 

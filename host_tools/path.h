@@ -20,6 +20,7 @@ typedef struct path {
     pzs_path run;
     double *full;                  /* [inputs] the scene's loads and applied volts */
     void *work, *contact_work, *circuit_work;
+    size_t bytes, contact_bytes, circuit_bytes; /* of each */
 } path;
 
 /*
@@ -30,6 +31,14 @@ typedef struct path {
  */
 pzs_status path_open(path *p, const design *d, pzs_model *model);
 void path_close(path *p);
+
+/*
+ * Copy what a path has reached, to come back to it.
+ *   state [path_state_bytes] out, in
+ */
+size_t path_state_bytes(const path *p);
+void path_keep(const path *p, void *state);
+void path_return(path *p, const void *state);
 
 /*
  * Value of an output of contact.

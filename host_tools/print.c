@@ -344,7 +344,10 @@ void print_shape(const shape_run *run)
         const voltages *v = &run->volts[i];
         char limits[32];
         limit_text(v, limits);
-        printf("  %-26s %-16s %11.3f%% %7d %12.2f ", v->name, limits, 100 * v->error, v->active, largest(v->volt, d->amplifiers));
+        if (isnan(v->error))
+            printf("  %-26s %-16s %12s %7d %12.2f ", v->name, limits, "no equil.", v->active, largest(v->volt, d->amplifiers));
+        else
+            printf("  %-26s %-16s %11.3f%% %7d %12.2f ", v->name, limits, 100 * v->error, v->active, largest(v->volt, d->amplifiers));
         if (isfinite(v->optimality))
             printf("%10.1e\n", v->optimality);
         else

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "electrode.h"
 #include "estimator.h"
 #include "guard.h"
 #include "shell.h"
@@ -228,7 +229,7 @@ static pzs_structure controlled(const analysis *a)
 static void write_structure(writer *w, const analysis *a, tables_image image)
 {
     const mesh *m = &a->design.mesh;
-    const int whole = image == TABLES_NONLINEAR;
+    const int whole = image == TABLES_NONLINEAR || a->design.electrodes.count > 0;
     const pzs_structure s = whole ? a->design.structure : controlled(a);
     const size_t packed = SHELL_PACKED(4 * (size_t)m->unknowns);
     const uint16_t counts[5] = {s.nodes, s.elements, s.kinds, s.unknowns, s.dof};
@@ -253,6 +254,34 @@ static void write_structure(writer *w, const analysis *a, tables_image image)
     name_rows(w, "input", s.input.count);
     name_rows(w, "output", s.output.count);
     fputs("};\n\n", w->file);
+}
+
+/* ---- electrodes ------------------------------------------------------- */
+
+/* Nothing where the scene has no sensors and asks for no charge. The workspaces: at rest, and at a shape. */
+static void write_electrodes(writer *w, const analysis *a)
+{
+    const pzs_electrodes *t = &a->design.electrodes;
+    if (t->count == 0)
+        return;
+    const uint32_t entries = t->direct.start[t->count], open = electrode_open_count(t);
+    w->crc32 = GUARD_CRC_START;
+    write_shorts(w, "electrode_input", t->input, t->count, "input whose amount is the volts of each electrode");
+    fprintf(w->file, "static const uint8_t %s_electrode_open[%u] = {", w->prefix, t->count);
+    for (int k = 0; k < t->count; k++)
+        fprintf(w->file, "%u,%s", t->open[k], k % 16 == 15 ? "\n    " : " ");
+    fputs("};\n", w->file);
+    count_bytes(w, t->open, t->count);
+    write_longs(w, "electrode_start", t->direct.start, t->count + 1u);
+    write_shorts(w, "electrode_dof", t->direct.dof, entries, "inputs that draw charge while the shell is held");
+    write_reals(w, "electrode_value", t->direct.value, entries, "how much (C/V, C/K)");
+    fprintf(w->file, "#define %s_ELECTRODES %u\n#define %s_ELECTRIC_BYTES PZS_ELECTRIC_BYTES(%u, %u, %u)\n"
+            "#define %s_CIRCUIT_BYTES PZS_CIRCUIT_BYTES(%u, %u)\nstatic const pzs_electrodes %s_electrodes = {\n"
+            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %s_electrode_input, %s_electrode_open,\n"
+            "    {%u, %s_electrode_start, %s_electrode_dof, %s_electrode_value},\n};\n\n",
+            w->upper, t->count, w->upper, t->count, (unsigned)open, a->design.structure.input.count, w->upper, t->count, (unsigned)open,
+            w->prefix, t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->count, w->prefix, w->prefix,
+            t->count, w->prefix, w->prefix, w->prefix);
 }
 
 /* ---- nonlinear path --------------------------------------------------- */
@@ -399,6 +428,7 @@ static int write_equilibrium(writer *w, const analysis *a)
 static int write_nonlinear(writer *w, const analysis *a)
 {
     write_structure(w, a, TABLES_NONLINEAR);
+    write_electrodes(w, a);
     write_path(w, &a->path.tables, a->design.structure.input.count);
     write_followers(w, &a->path);
     write_contact(w, &a->path);
@@ -459,6 +489,10 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
             need.work[k] += PZS_PATH_BYTES(s->dof, s->elements, s->input.count)                                            \
                           + sizeof(pzs_real) * (size_t)s->input.count * s->output.count                                    \
                           + (d->scene->contact.given ? PZS_CONTACT_BYTES(s->nodes) : 0);                                   \
+        if (image == TABLES_LINEAR && d->electrodes.count > 0)                                                             \
+            need.work[k] += PZS_ELECTRIC_BYTES(d->electrodes.count, open, s->input.count);                                 \
+        if (image == TABLES_NONLINEAR && d->electrodes.count > 0)                                                          \
+            need.work[k] += PZS_CIRCUIT_BYTES(d->electrodes.count, open);                                                  \
         need.stack[k] = image == TABLES_NONLINEAR ? PZS_STACK_NONLINEAR : PZS_STACK_LINEAR;                                \
     }
 
@@ -467,6 +501,7 @@ tables_memory tables_need(const analysis *a, tables_image image)
     const design *d = &a->design;
     const pzs_structure *s = &d->structure;
     const int controlled = d->problem.inputs > 0;
+    const uint32_t open = electrode_open_count(&d->electrodes);
     tables_memory need = {{0, 0}, {0, 0}};
     NEED(float, 0)
     NEED(double, 1)
@@ -559,7 +594,12 @@ int tables_write(FILE *file, const analysis *a, tables_image image, const char *
         status = write_nonlinear(&w, a);
     } else if (image == TABLES_LINEAR) {
         write_structure(&w, a, image);
-        fprintf(file, "#define %s_LINEAR 1\n\n", w.upper);
+        write_electrodes(&w, a);
+        fprintf(file, "#define %s_LINEAR 1\n", w.upper);
+        if (a->design.electrodes.count > 0)
+            fprintf(file, "/* columns of the influence made on the device; the first %s_INPUTS are the amplifiers' */\n#define %s_ALL_INPUTS %u\n",
+                    w.upper, w.upper, a->design.structure.input.count);
+        fputs("\n", file);
     }
     if (controlled) {
         write_problem(&w, a, image);

@@ -144,6 +144,16 @@ static int reach(analysis *a, voltages *v, int warm, char *error)
     return 0;
 }
 
+/* The same from rest; where the load steps end early, error is NAN and the shape the last equilibrium. */
+static int reach_or_none(analysis *a, voltages *v, char *error)
+{
+    if (reach(a, v, 0, error) == 0)
+        return 0;
+    shape_of(a, v->u, v->shape);
+    v->error = (double)NAN;
+    return a->nonlinear && analysis_ended_early(a) ? 0 : -1;
+}
+
 int voltages_linear(analysis *a, double limit, voltages *v, char *error)
 {
     if (start(a, v, isinf(limit) ? "linear optimum, no limits" : "linear optimum in limits") < 0)
@@ -151,7 +161,7 @@ int voltages_linear(analysis *a, double limit, voltages *v, char *error)
     const pzs_status status = best_volts(&a->design, limit, NULL, a->design.wanted, HUGE_VAL, v, v->volt);
     if (status != PZS_OK)
         return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
-    if (reach(a, v, 0, error) < 0)
+    if (reach_or_none(a, v, error) < 0)
         return -1;
     if (a->nonlinear)
         v->optimality = (double)NAN; /* no claim on another structure than the one it was found for */
@@ -171,7 +181,7 @@ int voltages_clipped(analysis *a, double limit, voltages *v, char *error)
     trial_free(&t);
     if (status != PZS_OK)
         return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
-    return reach(a, v, 0, error);
+    return reach_or_none(a, v, error);
 }
 
 int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error)
@@ -179,7 +189,7 @@ int voltages_given(analysis *a, const char *name, const double *volt, voltages *
     if (start(a, v, name) < 0)
         return out_of_memory(a, error);
     memcpy(v->volt, volt, (size_t)a->design.amplifiers * sizeof *v->volt);
-    return reach(a, v, 0, error);
+    return reach_or_none(a, v, error);
 }
 
 void voltages_free(voltages *v)
@@ -209,9 +219,33 @@ typedef struct newton {
     double *all;       /* [outputs][inputs] influence at the shape reached */
     double *influence; /* [targets][amplifiers] its part */
     double *wanted;    /* [targets] what influence times volts should be */
-    double *from;      /* [amplifiers] volts of the shape reached */
     double reach;      /* most change of any volt for which the influence is trusted */
+    void *state;       /* of the path at the shape reached */
+    voltages best;     /* there */
 } newton;
+
+/* What v holds is the best so far; and back to it. */
+static void keep(const analysis *a, newton *g, const voltages *v)
+{
+    const voltages own = g->best;
+    path_keep(&a->path, g->state);
+    g->best = *v;
+    g->best.volt = memcpy(own.volt, v->volt, (size_t)v->volts * sizeof *v->volt);
+    g->best.shape = memcpy(own.shape, v->shape, (size_t)a->design.targets * sizeof *v->shape);
+    g->best.u = memcpy(own.u, v->u, (size_t)a->design.mesh.dof * sizeof *v->u);
+}
+
+static void go_back(analysis *a, const newton *g, voltages *v)
+{
+    path_return(&a->path, g->state);
+    memcpy(v->volt, g->best.volt, (size_t)v->volts * sizeof *v->volt);
+    memcpy(v->shape, g->best.shape, (size_t)a->design.targets * sizeof *v->shape);
+    memcpy(v->u, g->best.u, (size_t)a->design.mesh.dof * sizeof *v->u);
+    v->error = g->best.error;
+    v->residual = g->best.residual;
+    v->active = g->best.active;
+    v->optimality = g->best.optimality;
+}
 
 /* Influence at the shape reached. */
 static pzs_status relinearise(analysis *a, newton *g, voltages *v)
@@ -227,7 +261,7 @@ static pzs_status relinearise(analysis *a, newton *g, voltages *v)
         }
     }
     v->relinearised++;
-    memcpy(g->from, v->volt, n * sizeof *g->from);
+    keep(a, g, v);
     return status;
 }
 
@@ -251,7 +285,7 @@ static double largest_change(const analysis *a, const newton *g, const voltages 
 {
     double most = 0;
     for (int k = 0; k < a->design.amplifiers; k++)
-        most = fmax(most, fabs(v->volt[k] - g->from[k]));
+        most = fmax(most, fabs(v->volt[k] - g->best.volt[k]));
     return most;
 }
 
@@ -261,7 +295,6 @@ static double largest_change(const analysis *a, const newton *g, const voltages 
  */
 static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_status *status, char *error)
 {
-    const size_t n = (size_t)a->design.amplifiers;
     const double before = objective(a, v);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
         *status = best_volts(&a->design, limit, g->influence, g->wanted, g->reach, v, v->volt);
@@ -276,7 +309,7 @@ static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_sta
             g->reach = 2 * change;
         if (reached && objective(a, v) < before)
             return 1 - objective(a, v) / before;
-        memcpy(v->volt, g->from, n * sizeof *v->volt);
+        go_back(a, g, v);
     }
     return 0;
 }
@@ -287,24 +320,39 @@ static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
     const size_t all = (size_t)d->structure.output.count * inputs;
     double fell = 1;
-    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + m + n, sizeof *g.all)};
+    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + m, sizeof *g.all), .state = malloc(path_state_bytes(&a->path))};
     g.influence = g.all + all;
     g.wanted = g.influence + m * n;
-    g.from = g.wanted + m;
-    pzs_status status = g.all ? PZS_OK : PZS_E_WORKSPACE;
+    pzs_status status = start(a, &g.best, "") == 0 && g.all && g.state ? PZS_OK : PZS_E_WORKSPACE;
     while (status == PZS_OK && fell > 1e-3 && v->relinearised < MOST_RELINEARISED) {
         status = relinearise(a, &g, v);
         if (status == PZS_OK)
             fell = improve(a, limit, &g, v, &status, error);
     }
-    const int back = status == PZS_OK && fell <= 0 ? reach(a, v, 1, error) : 0; /* the refused moves left the shape elsewhere */
+    voltages_free(&g.best);
+    free(g.state);
     free(g.all);
-    return status == PZS_OK ? back : analysis_explain(a, status, error);
+    return status == PZS_OK ? 0 : analysis_explain(a, status, error);
+}
+
+/* Halve the volts, within their limits, until there is an equilibrium. */
+static int retreat(analysis *a, double limit, voltages *v, char *error)
+{
+    trial t;
+    const pzs_status status = trial_start(&t, &a->design, limit, NULL);
+    int failed = -1;
+    for (int tries = 0; status == PZS_OK && failed && tries < MOST_REFUSED; tries++) {
+        for (int k = 0; k < v->volts; k++)
+            v->volt[k] = fmin(fmax(v->volt[k] / 2, t.problem.lower[k]), t.problem.upper[k]);
+        failed = reach(a, v, 0, error);
+    }
+    trial_free(&t);
+    return failed;
 }
 
 int voltages_optimum(analysis *a, double limit, voltages *v, char *error)
 {
-    if (voltages_linear(a, limit, v, error) < 0)
+    if (voltages_linear(a, limit, v, error) < 0 || (isnan(v->error) && retreat(a, limit, v, error) < 0))
         return -1;
     snprintf(v->name, sizeof v->name, "%s", isinf(limit) ? "optimum, no limits" : "optimum within limits");
     return a->nonlinear ? gauss_newton(a, limit, v, error) : 0;

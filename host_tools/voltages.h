@@ -13,7 +13,7 @@ typedef struct voltages {
     double *volt;               /* [volts] one an amplifier */
     double *u;                  /* [dof] displacement under them and the scene's loads */
     double *shape;              /* [targets] its part that the target is about */
-    double error;               /* |W (shape - target)| / |W (target - shape without volts)|, linear */
+    double error;               /* |W (shape - target)| / |W (target - shape without volts)|, linear; NAN: no equilibrium found */
     double optimality;          /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
     double limit[2];            /* the tightest limits of any amplifier */
     double residual;            /* of the displacement */
@@ -24,8 +24,8 @@ typedef struct voltages {
 
 /*
  * The bounded optimum for the scene's target, after analysis_influence. On the nonlinear structure (a->nonlinear):
- * Gauss-Newton with the influence at the shape reached, from the linear optimum, steps halved where the error does
- * not fall, until it stops falling.
+ * Gauss-Newton with the influence at the shape reached, from the linear optimum (the part of it that has an
+ * equilibrium), within a reach that shrinks where the error does not fall, until it stops falling.
  *   limit  in  voltage limit that replaces the scene's, or NAN for the scene's own, or INFINITY for none
  * voltages_linear: the optimum of the linear model, its shape that of the structure asked about.
  * voltages_clipped: the unlimited linear optimum cut to that limit. voltages_given: volts as they are.

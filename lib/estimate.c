@@ -37,7 +37,8 @@ static pzs_status check(const pzs_estimator *t, const pzs_control *c)
 {
     if (t->format != PZS_TABLE_FORMAT)
         return PZS_E_FORMAT;
-    if (t->direct == NULL || t->gain == NULL || t->sensors == 0 || t->inputs != c->problem->inputs || t->outputs != c->problem->outputs)
+    const int fits = t->inputs == c->problem->inputs && t->outputs == c->problem->outputs;
+    if (t->direct == NULL || t->gain == NULL || t->sensors == 0 || !fits)
         return PZS_E_ARGUMENT;
     if (estimate_crc(t) != t->crc)
         return PZS_E_CRC;
@@ -52,7 +53,8 @@ static pzs_status finish(pzs_estimate *e, pzs_status status, int32_t where)
     return status;
 }
 
-pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control, const pzs_estimator *tables, void *work, size_t bytes)
+pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control, const pzs_estimator *tables, void *work,
+                             size_t bytes)
 {
     if (estimate == NULL)
         return PZS_E_ARGUMENT;

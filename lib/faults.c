@@ -334,7 +334,8 @@ static void remove(pzs_watch *w, pzs_probe *probe)
 static int silent(const pzs_probe *p)
 {
     const pzs_real n = (pzs_real)p->moves;
-    const pzs_real moves = p->square - p->sum * p->sum / n, responses = p->response_square - p->response_sum * p->response_sum / n;
+    const pzs_real moves = p->square - square(p->sum) / n;
+    const pzs_real responses = p->response_square - square(p->response_sum) / n;
     return SILENT * responses <= moves;
 }
 

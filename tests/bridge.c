@@ -21,8 +21,8 @@ static void fill_path(bridge *b, const path *p)
     b->given_element = g->element;
     b->given_which = g->which;
     b->given_value = (const double *)g->value;
+    b->change = p->run.change;
     b->systems = p->run.systems;
-    b->negative = p->run.negative;
 }
 
 static int fill(bridge *b, inside *in, char *error)

@@ -20,7 +20,7 @@ typedef struct bridge {
     const double *influence;             /* [outputs][inputs], refined, NULL without a target */
     const double *target;                /* [targets] */
     double *u;                           /* [dof] displacement under the scene's loads, refined in double */
-    const double *full;                  /* [inputs] the scene's loads and volts; these six NULL or 0 where it is linear */
+    const double *full;                  /* [inputs] the scene's loads and volts; these seven NULL or 0 where it is linear */
     int given_values;
     const uint32_t *given_start;         /* pzs_given */
     const uint16_t *given_element, *given_which;
@@ -30,7 +30,8 @@ typedef struct bridge {
     const uint8_t *electrode_open;
     bridge_rows direct;
     const double *amount;                /* [inputs] of u, volts of open electrodes as they were found */
-    unsigned systems, negative;          /* of the path that led to u */
+    double change;                       /* pzs_path.change */
+    unsigned systems;                    /* of the path that led to u */
     double condition, error;
     void *inside;
 } bridge;

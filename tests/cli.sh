@@ -87,6 +87,11 @@ json "abs(j['results'][2]['shape_error']-.520)<5e-4"; check 'clipped .520' $?
 json "abs(j['results'][3]['shape_error']-.36114)<1e-5"; check 'shape within 100 V .36114' $?
 json "max(abs(v) for v in j['results'][1]['volts'].values())<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
 json "[r for r in j['results'] if r['name']=='published'][0]['shape_error'] > .0705"; check 'published voltages beside' $?
+run 0 shape mirror --set mesh.theta1.elements=10 --set mesh.theta2.elements=16 --limit 30 --limit 100 --json && json "len(j['modes'])==14 and all(m['unlimited_error']<=l['shape_error']*(1+1e-9)<=l['clipped_error']*(1+1e-8) for m in j['modes'] for l in m['limits']) and [l['limits'][1] for l in j['modes'][0]['limits']]==[30,100]"; check 'modes of shape --json' $?
+run 0 shape mirror --report "$dir/m.html" && grep -q 'Z11 spherical .* 3.962% .* 187.753%' "$dir/out" && grep -q 'Mode by mode' "$dir/m.html"; check 'modes as a table and a picture' $?
+run 0 solve bimorph-sensor --json && json "abs(j['outputs']['V1']/292.351-1)<1e-6 and j['electrodes']['s_1_1']['circuit']=='open' and abs(j['electrodes']['s_1_1']['capacitance_held']/1.062e-11-1)<1e-12 and 1<j['open_over_short_stiffness']<1.01"; check 'electrodes of solve --json' $?
+run 0 solve bimorph-sensor && grep -q '^  s_1_1 *open *2.923510e+02' "$dir/out" && grep -q 'stiffer than short' "$dir/out"; check 'electrodes of solve' $?
+run 0 solve crawley-lazarus --report "$dir/c.html" && grep -q 'Along lines' "$dir/c.html"; check 'curves along lines' $?
 run 0 solve clamped-plate --set element=corrected --set materials.plate.nu=0.49; check '--set changes the scene' $?
 
 run 0 tables plate-50-patches --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
@@ -195,6 +200,24 @@ for bits in 32 64; do
     gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/l.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/l" && "$dir/l"
     check "limits are rounded inwards, $bits bits" $?
 done
+
+# simulate
+quick='--set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear --set simulate.events=[]'
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$dir/loop.csv" --report "$dir/loop.html" &&
+    json "j['ticks'] == 60 and j['counts']['controller']['ran'] == 60 and j['counts']['controller']['beyond'] == 0 and
+          j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clamped']['steady'] / 2"
+check 'simulate: optimum, controller and clamping in JSON' $?
+[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,active,passes,status,lost,v_1_1,.*,v_5_5$' &&
+    [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 32 ]
+check 'simulate: a CSV line a tick, a column a quantity' $?
+grep -q 'Volts of the amplifiers' "$dir/loop.html" && ! grep -qi '[^a-z]nan[^a-z]' "$dir/loop.html"; check 'simulate: report' $?
+[ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
+run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
+run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
+run 0 tables plate-closed-loop -o "$dir/target.h" && run 0 tables plate-closed-loop --set simulate.influence=rest -o "$dir/rest.h" &&
+    grep -q 'influence\[3025\]' "$dir/target.h" && ! cmp -s "$dir/target.h" "$dir/rest.h"
+check 'control tables have the influence that the simulation has' $?
 
 # The README's table is what the demo prints, but for the last column: rounding differs between machines
 run 0 shape plate-50-patches --limit 200 --limit 100 --limit 500

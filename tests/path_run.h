@@ -1,12 +1,10 @@
-/* Scenes run on the nonlinear path, for CMocka programs: a scene that does not open or settle fails the test. */
+/* What tests of the nonlinear path share: changes of scenes, the path of a run, vectors compared. After cmocka.h. */
 #ifndef PATH_RUN_H
 #define PATH_RUN_H
 
-#include "scene_run.h"
+#include "scene_assert.h"
 
 /* Changes of a scene, each ended. */
-#define SOURCE "element=source;"
-#define CORRECTED "element=corrected;"
 #define METRIC_OFF "element={kinematics: cartesian, metric: off};"
 #define MESH(n1, n2) "mesh.theta1.elements=" #n1 ";mesh.theta2.elements=" #n2 ";"
 #define HALF_TURN "actuators.v.applied=4*0.05^2*(pi/10)/(3*1e-6);"
@@ -15,14 +13,31 @@
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 
-void open_run(scene_run *r, const char *scene, const char *changes);
-void solve_run(scene_run *r, const char *scene, const char *changes);
+static inline pzs_path *path_of(scene_run *r)
+{
+    return &r->analysis.path.run;
+}
 
-pzs_path *path_of(scene_run *r);
-size_t dof_of(const scene_run *r);
+static inline size_t dof_of(const scene_run *r)
+{
+    return (size_t)r->analysis.design.mesh.dof;
+}
 
-double largest(const double *x, size_t n);
+static inline double largest(const double *x, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
 /* Largest difference of two vectors over the largest entry of the second; infinite where one entry of x is. */
-double apart(const double *x, const double *y, size_t n);
+static inline double apart(const double *x, const double *y, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = isfinite(x[i]) ? fmax(most, fabs(x[i] - y[i])) : HUGE_VAL;
+    return most / largest(y, n);
+}
 
 #endif

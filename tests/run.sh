@@ -41,6 +41,7 @@ for program in "$B"/test/*; do
     part "$(basename "$program")" "$program"
 done
 part oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
+part oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear.py'
 part scipy sh tests/oracle/boxls.sh
 part cli sh tests/cli.sh
 for gate in tests/gates/*.sh; do

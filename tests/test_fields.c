@@ -262,6 +262,36 @@ static void test_curved_bimetal(void **state)
     }
 }
 
+/*
+ * Law: force, volts and temperature act each for itself on the linear shell, on its shape and on what a sensor shows; a millionth
+ * of them does the same to the nonlinear one.
+ */
+static void test_together(void **state)
+{
+    (void)state;
+    static const char *const base = "actuators=[{name: v, drives: [{patches: low}], applied: %g}];"
+                                    "loads=[{temperature: {inner: %g, outer: %g}}, {line: theta1+, u1: %g, on: outer}, {line: theta1-, u1: %g, on: outer}];";
+    static const double part[4][3] = {{50, 0, 0}, {0, 7, 0}, {0, 0, 1e3}, {50, 7, 1e3}};
+    for (int e = 0; e < 3; e++) {
+        double w[5], volt[5];
+        for (int i = 0; i < 5; i++) {
+            const double *p = part[i < 4 ? i : 3], size = i < 4 ? 1 : 1e-6;
+            char changes[1024], all[2048];
+            scene_run r;
+            snprintf(changes, sizeof changes, base, size * p[0], size * p[1], -2 * size * p[1], size * p[2], -size * p[2]);
+            snprintf(all, sizeof all, "%s%s%s", elements[e], changes, i < 4 ? "" : "kinematics=nonlinear");
+            solve_run(&r, PLATE, all);
+            w[i] = r.output[r.analysis.design.named_first[1] - 1] / size; /* at the far corner */
+            volt[i] = scene_run_value(&r, 2) / size;
+            scene_run_close(&r);
+        }
+        assert_near("shape", w[0] + w[1] + w[2], w[3], 1e-9);
+        assert_near("volts", volt[0] + volt[1] + volt[2], volt[3], 1e-9);
+        assert_near("shape, nonlinear", w[4], w[3], 1e-5);
+        assert_near("volts, nonlinear", volt[4], volt[3], 1e-5);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -269,7 +299,7 @@ int main(void)
         cmocka_unit_test(test_curved_actuator),
         cmocka_unit_test(test_spiral), cmocka_unit_test(test_free_expansion),
         cmocka_unit_test(test_temperature_gradient), cmocka_unit_test(test_bimetal),
-        cmocka_unit_test(test_curved_bimetal),
+        cmocka_unit_test(test_curved_bimetal), cmocka_unit_test(test_together),
     };
     return cmocka_run_group_tests_name("fields", tests, NULL, NULL);
 }

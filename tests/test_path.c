@@ -37,14 +37,20 @@ static void test_uneven_ring_inflates_evenly(void **state)
         {"[0, 0.1, 0.5, 1.1, pi/2]", 0.6},
         {"[0, 0.05, 0.1, 0.2, 0.25, 0.4, 0.5, 0.6, 0.7, 0.8, 1, 1.1, 1.3, 1.4, pi/2]", 0.2},
     };
-    for (size_t i = 0; i < COUNT(mesh); i++) {
-        char changes[256];
+    static const char *const way[] = {
+        CORRECTED "loads=[{face: middle, pressure: 0.01, follower: normal}]",
+        CORRECTED "loads=[{face: middle, pressure: 0.01}]",
+        CORRECTED "kinematics=linear;loads=[{face: middle, pressure: 0.01}]",
+        SOURCE "kinematics=linear;loads=[{face: middle, pressure: 0.01}]",
+    };
+    for (size_t i = 0; i < COUNT(mesh) * COUNT(way); i++) {
+        const double side = mesh[i / COUNT(way)].side;
+        char changes[512];
         scene_run r;
-        snprintf(changes, sizeof changes, CORRECTED "equilibrium.change=1e-9;mesh.theta1={points: %s};"
-                 "loads=[{face: middle, pressure: 0.01, follower: normal}]", mesh[i].points);
+        snprintf(changes, sizeof changes, "equilibrium.change=1e-9;mesh.theta1={points: %s};%s", mesh[i / COUNT(way)].points, way[i % COUNT(way)]);
         solve_run(&r, "ring-follower", changes);
         for (int k = 0; k < 2; k++)
-            assert_true(fabs(scene_run_value(&r, k) / (0.01 * 1e4 * 0.91 / 2.1e7) - 1) < mesh[i].side * mesh[i].side / 100);
+            assert_true(fabs(scene_run_value(&r, k) / (0.01 * 1e4 * 0.91 / 2.1e7) - 1) < side * side / 100);
         scene_run_close(&r);
     }
 }
@@ -259,6 +265,67 @@ static void test_contact_stiffness(void **state)
             scene_run_close(&r);
         }
         scene_run_close(&ten);
+    }
+}
+
+/* Law: on rubber and cord, whose skin is soft and whose bending is softer, neither. */
+static void test_contact_stiffness_of_rubber(void **state)
+{
+    (void)state;
+    static const char *const stiffness[] = {"1e-3", "0.1", "1", "10", "1e3"};
+    scene_run hundred;
+    solve_run(&hundred, "torus-contact", SOURCE MESH(24, 18) "equilibrium={change: 1e-8};");
+    for (size_t k = 0; k < COUNT(stiffness); k++) {
+        char changes[256];
+        scene_run r;
+        snprintf(changes, sizeof changes, SOURCE MESH(24, 18) "equilibrium={change: 1e-8};contact.stiffness=%s", stiffness[k]);
+        solve_run(&r, "torus-contact", changes);
+        assert_int_equal(path_of(&r)->steps_taken, 1);
+        assert_true(apart(r.u, hundred.u, dof_of(&r)) < 1e-6);
+        scene_run_close(&r);
+    }
+    scene_run_close(&hundred);
+}
+
+/* Law: a body is where its formula is zero, whatever the formula's scale and slope. */
+static void test_body_by_formula(void **state)
+{
+    (void)state;
+    static const char *const formula[] = {"sqrt((x-200.5)^2+y^2)-100", "(x-200.5)^2+y^2-1e4", "1e-6*((x-200.5)^2+y^2)^2-1e2"};
+    scene_run body;
+    solve_run(&body, "ring-contact", CORRECTED "equilibrium.change=1e-8;" BASE_100);
+    for (size_t i = 0; i < COUNT(formula); i++) {
+        char changes[256];
+        scene_run r;
+        snprintf(changes, sizeof changes, CORRECTED "equilibrium.change=1e-8;contact.body={type: psi, value: %s}", formula[i]);
+        solve_run(&r, "ring-contact", changes);
+        assert_true(apart(r.u, body.u, dof_of(&r)) < 1e-6);
+        scene_run_close(&r);
+    }
+    scene_run_close(&body);
+}
+
+/* ---- linear or not ---------------------------------------------------- */
+
+/* Law: kinematics auto takes the linear displacement where it is within the scene's tolerance of the other, which it takes if not. */
+static void test_auto(void **state)
+{
+    (void)state;
+    static const struct { const char *changes, *known; int nonlinear; } cases[] = {
+        {"kinematics=auto;loads.0.u3=0.01;", "kinematics=linear;loads.0.u3=0.01;", 0},
+        {"kinematics=auto;loads.0.u3=0.01;tolerance=1e-6;", "loads.0.u3=0.01;", 1},
+        {"kinematics=auto;", "", 1},
+        {"kinematics=auto;tolerance=0.9;loads.0.u3=0.2;", "kinematics=linear;loads.0.u3=0.2;", 0},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        scene_run r, known;
+        solve_run(&r, "tests/scenes/strip.yaml", cases[i].changes);
+        solve_run(&known, "tests/scenes/strip.yaml", cases[i].known);
+        assert_int_equal(r.analysis.nonlinear, cases[i].nonlinear);
+        assert_int_equal(r.analysis.cost > r.scene.tolerance, cases[i].nonlinear);
+        assert_true(apart(r.u, known.u, dof_of(&r)) == 0);
+        scene_run_close(&r);
+        scene_run_close(&known);
     }
 }
 
@@ -478,6 +545,7 @@ int main(void)
         cmocka_unit_test(test_mixed_beats_plain), cmocka_unit_test(test_rigid_motion),
         cmocka_unit_test(test_rigid_motion_of_the_source), cmocka_unit_test(test_prescribed_and_reaction),
         cmocka_unit_test(test_contact_resultant), cmocka_unit_test(test_contact_stiffness),
+        cmocka_unit_test(test_contact_stiffness_of_rubber), cmocka_unit_test(test_body_by_formula), cmocka_unit_test(test_auto),
         cmocka_unit_test(test_thickness_locking), cmocka_unit_test(test_given_force_at_rest),
         cmocka_unit_test(test_influence), cmocka_unit_test(test_influence_of_prescribed),
         cmocka_unit_test(test_influence_under_followers), cmocka_unit_test(test_influence_in_contact),

@@ -101,15 +101,15 @@ static void test_straight_column(void **state)
     }
 }
 
-/* Law: turned aside before it is pressed and let go after, it takes the shape of the elastica, to second order in its elements. */
+/* Law: turned aside while it is pressed and then let go, it takes the shape of the elastica, to second order in its elements. */
 static void test_buckled_column(void **state)
 {
     (void)state;
-    static const struct { double times, along, across; } elastica[] = { /* tip over length, end slope 40, 60, 80, 100 degrees */
+    static const struct { double times, along, across; } elastica[] = { /* tip over length, end slope 40, 60, 80 degrees */
         {1.0636632663994, 0.8812035117260, 0.4222403401212}, {1.1517196204691, 0.7410196060764, 0.5932076461649},
-        {1.2938893238823, 0.5593959189512, 0.7194971047317}, {1.5183887932924, 0.3489893004148, 0.7915394965369},
+        {1.2938893238823, 0.5593959189512, 0.7194971047317},
     };
-    static const double way[][2] = {{0, 2}, {1, 2}, {1, 0}};
+    static const double way[][2] = {{1, 0.5}, {1, 0}};
     for (int n = 10; n <= 40; n *= 2)
         for (size_t i = 0; i < COUNT(elastica); i++) {
             scene_run r;

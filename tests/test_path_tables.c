@@ -97,7 +97,7 @@ static const row corrected[] = {
 #define CYLINDER_LOAD {1, 1, -2.1e7 * 200 / (120 * .91 * 100. * 100) / 4}
 
 static const row contacts[] = {
-    {"ring-contact", SOURCE MESH(30, 1), {-198.021, 88.949, 2}, RING_LOAD, 5e-4, 1e-4, 1, 91, 0},
+    {"ring-contact", SOURCE MESH(30, 1), {-198.021, 88.949, 2}, RING_LOAD, 5e-4, 1e-4, 1, 20, 0},
     {"ring-contact", SOURCE MESH(60, 1), {-198.823, 88.614, 3}, RING_LOAD, 5e-4, 1e-4, 1, 91, 0},
     {"ring-contact", SOURCE MESH(30, 1) BASE_100, {-209.032, 88.977}, RING_LOAD, 5e-4, 1e-4, 1, 91, 0},
     {"ring-contact", SOURCE MESH(60, 1) BASE_100, {-209.773, 88.621}, RING_LOAD, 5e-4, 1e-4, 1, 91, 0},

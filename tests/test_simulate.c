@@ -304,7 +304,7 @@ static void hold_shape(const char *influence, double over[2])
     char changes[200];
     bench b;
     tally t;
-    snprintf(changes, sizeof changes, "simulate.influence=%s;simulate.ticks=160;simulate.events=[{at: 80, load: 0, amount: 2}]", influence);
+    snprintf(changes, sizeof changes, "simulate.influence=%s;simulate.ticks=90;simulate.events=[{at: 50, load: 0, amount: 2}]", influence);
     open_bench(&b, changes);
     run(&b, LAW_CONTROLLER, &t);
     find_optima(&b);
@@ -341,7 +341,7 @@ static void test_finds_dead(void **state)
     bench b;
     tally t;
     (void)state;
-    open_bench(&b, "simulate.ticks=240;simulate.events=[{at: 60, load: 0, amount: 2}, {at: 90, temperature: 30}, {at: 120, "
+    open_bench(&b, "simulate.ticks=150;simulate.events=[{at: 40, load: 0, amount: 2}, {at: 60, temperature: 30}, {at: 80, "
                "dead: [v_1_1, v_3_2], told: found}]");
     run(&b, LAW_CONTROLLER, &t);
     find_optima(&b);

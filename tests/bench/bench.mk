@@ -25,9 +25,11 @@ bench-accuracy: $(B)/bench/accuracy
 	@echo 'Speed against error, linear shells'
 	@$(B)/bench/accuracy
 
-bench-device: setup-test
+bench-device: setup-test $(B)/pzs
 	@echo 'Instructions on the device, counted by QEMU (not cycles)'
 	@B=$(B) sh tests/bench/device.sh
+	@echo 'A control tick with estimate, feed-forward, converter steps and watch'
+	@B=$(B) sh tests/bench/count_tick.sh $(B)/pzs
 
 # The whole library for this machine; and for valgrind, which does not know AVX-512.
 FAST_PATH := -O3 -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8
@@ -56,7 +58,7 @@ bench-count: $(B)/bench/avx2/run_path $(F)/mps2-an500-hemisphere4.out
 	@echo 'The element at a shape: floating-point operations and instructions, counted by QEMU'
 	@B=$(B) sh tests/bench/count_shell.sh
 
-# Every case, each code five times in turn: six minutes. `make bench` takes the best of them, the slow code once: two minutes.
+# Every case, each code five times in turn: six minutes. `make bench` takes the best of them, CalculiX once: two minutes.
 bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)/pzs)
 	@echo 'Time to reach an error, against the peers'
 	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \

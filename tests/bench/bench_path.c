@@ -64,9 +64,9 @@ static void solve(const ladder *l, analysis *a, int plain, run *r)
         path->mixed = 0;
     for (int k = 0; k < RUNS; k++) {
         pzs_path_rest(path);
-        const double begin = spent();
+        const double begin = processor_time();
         r->status = pzs_equilibrium(path, a->path.full);
-        time[k] = 1e-3 * (spent() - begin);
+        time[k] = 1e-3 * (processor_time() - begin);
     }
     pzs_observe(&a->design.structure, path->u, y);
     r->solve = median(time, RUNS);
@@ -90,12 +90,12 @@ static run measure(const ladder *l, const char *element, const grid *g, int plai
     snprintf(text[0], sizeof text[0], "element=%s", element);
     for (int i = 0; i < 2; i++)
         snprintf(text[1 + i], sizeof text[1 + i], "mesh.theta%d.elements=%d", 1 + i, g->n[i]);
-    const double begin = spent();
+    const double begin = processor_time();
     if (scene_read(&s, file, set, g->graded ? 5 : 3, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
         fprintf(stderr, "%s\n", error);
         exit(1);
     }
-    r.tables = 1e-3 * (spent() - begin);
+    r.tables = 1e-3 * (processor_time() - begin);
     solve(l, &a, plain, &r);
     analysis_free(&a);
     scene_free(&s);

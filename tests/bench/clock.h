@@ -19,7 +19,7 @@ static inline double now(void)
 }
 
 /* Processor time of this process: what else the machine does is not in it. It costs a system call. */
-static inline double spent(void)
+static inline double processor_time(void)
 {
     return microseconds(CLOCK_PROCESS_CPUTIME_ID);
 }

@@ -56,7 +56,6 @@ row() {
 }
 
 row hemisphere source 16 16
-row annular-plate source 10 40
 echo 'The meshes that reach 2 % and .5 % of the converged answer first'
 row hemisphere corrected 12 8
 row annular-plate corrected 2 16

@@ -24,9 +24,9 @@ int main(int count, char **argument)
         fprintf(stderr, "%s\n", error);
         return 1;
     }
-    const double begin = spent();
+    const double begin = processor_time();
     pzs_equilibrium(&a.path.run, a.path.full);
-    const double end = spent();
+    const double end = processor_time();
     printf("elements %u unknowns %u seconds %.9f\n", (unsigned)a.design.structure.elements, (unsigned)a.model.k.n,
            1e-6 * (end - begin));
     analysis_free(&a);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # A nonlinear image's header, compiled on the host, finds the equilibrium that `pzs` found, bit for bit: dead loads,
-# actuation, follower loads and contact. Where float cannot carry the scene the header does not compile in float.
+# actuation, follower loads, contact and open electrodes. Where float cannot carry the scene the header does not compile in float.
 #   B (build directory), PZS from the environment
 : "${B:=build}"
 : "${PZS:=$B/pzs}"
@@ -19,6 +19,10 @@ static pzs_follower_load load[T_FOLLOWERS];
 static pzs_real contact_work[T_CONTACT_BYTES / sizeof(pzs_real) + 1];
 static pzs_contact contact;
 #endif
+#ifdef T_ELECTRODES
+static pzs_real circuit_work[T_CIRCUIT_BYTES / sizeof(pzs_real) + 1];
+static pzs_circuit circuit;
+#endif
 
 static pzs_status options(pzs_path *path)
 {
@@ -29,6 +33,9 @@ static pzs_status options(pzs_path *path)
 #ifdef T_CONTACT_BYTES
     if (status == PZS_OK) status = pzs_attach_contact(path, &contact, &t_contact_face, &t_body, contact_work, sizeof contact_work);
     contact.stiffness = T_CONTACT_STIFFNESS;
+#endif
+#ifdef T_ELECTRODES
+    if (status == PZS_OK) status = pzs_attach_circuit(path, &circuit, &t_electrodes, circuit_work, sizeof circuit_work);
 #endif
     (void)path;
     return status;
@@ -92,6 +99,7 @@ same 'actuation' roll-up
 tap $? 'roll-up: above the rule, refused in float'
 same 'follower load' ring-follower
 same 'contact' ring-contact
+same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
 "$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
     grep -q 'the nonlinear path needs double' "$scratch/found"
 tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"

@@ -13,7 +13,7 @@ import textdata
 import write_data
 from model import Model
 from shellref import (CORRECTED, SOURCE, SURFACES, Element, Plate, Ring, Section, cylinder,
-                      face_map, isotropic, rigid_motion, strain_map)
+                      face_map, field_share, isotropic, rigid_motion, strain_map)
 
 NO_METRIC = {**CORRECTED, "metric": False}
 PRESETS = [(SOURCE, 7), (CORRECTED, 7), (CORRECTED, 6)]
@@ -312,6 +312,32 @@ def piezo_film_on_a_laminate():
         yield f"exact {span}", np.abs(cases.film_strip_3d(span, cases.pvdf()) / row[:2] - 1).max(), 5e-7
         got = cases.film_strip_ratios(64, SOURCE, 7, span, cases.pvdf())
         yield f"element {span}", np.abs(got - row[2:]).max(), 6e-4 if span < 50 else 1.2e-4
+
+
+@check
+def ceramic_on_a_laminate():
+    """d33 in a ply that may thicken: nothing in three dimensions, nothing in the corrected element."""
+    for span, ratio in ((10, 0.83576), (20, 0.95039), (50, 0.99117), (100, 0.99739)):
+        plain, thickening = cases.film_strip_3d(span, cases.ceramic(0)), cases.film_strip_3d(span, cases.ceramic(594e-12))
+        yield f"exact {span}", abs(thickening[0] / plain[0] - 1), 2.5e-4
+        for unknowns in (7, 6):
+            got = [cases.film_strip_ratios(64, CORRECTED, unknowns, span, cases.ceramic(d33))[0] for d33 in (0, 594e-12)]
+            yield f"element {span}", abs(got[0] - ratio), 6e-6
+            yield f"element {span} with d33", abs(got[1] - got[0]), 2.5e-4
+
+
+@check
+def field_across_a_curved_layer():
+    """V between the faces; on a cylinder V/(r ln(r2/r1)), on a sphere V r1 r2/(r^2 h)."""
+    x, w = np.polynomial.legendre.leggauss(20)
+    low, thick = -0.3, 0.5
+    for k in ((0.0, 0.0), (0.5, 0.0), (0.0, -0.4), (0.5, 0.5), (0.7, 0.7 + 1e-9), (-0.6, 0.9)):
+        share = [field_share(k, low, thick, low + thick * (1 + xi) / 2) for xi in x]
+        yield f"volts {k}", abs(w @ share / 2 - 1), 1e-13
+    radius = 2.0 + np.array([low, 0.1, low + thick])
+    wanted = thick / (radius[1] * np.log(radius[2] / radius[0]))
+    yield "cylinder", abs(field_share((0.5, 0.0), low, thick, 0.1) / wanted - 1), 1e-14
+    yield "sphere", abs(field_share((0.5, 0.5), low, thick, 0.1) * radius[1]**2 / (radius[0] * radius[2]) - 1), 1e-14
 
 
 @check

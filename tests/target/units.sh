@@ -46,6 +46,8 @@ if tap_needs "$ARM_CC" 'unit tests' && tap_needs "$QEMU" 'unit tests'; then
         check linalg
         check control
         check tick
+        check faults
+        check estimate
     else
         tap 1 'CMocka builds for the target'
     fi

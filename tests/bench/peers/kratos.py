@@ -1,7 +1,8 @@
 """One case by Kratos, in the Python that has it:  kratos.py CASE MESH ELEMENT SOLVER STEPS
 
 Prints one JSON object: steps, iterations, seconds, a, b; or {"failed": step} where a step did not converge.
-Timed, as processor time, is the solution from the strategy's Initialize on; the import, the mesh and the model's making are not.
+Timed, as processor time, is the solution from the strategy's Initialize on; the import, the mesh and the model's making
+are not.
 """
 
 import json

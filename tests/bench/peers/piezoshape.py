@@ -34,6 +34,6 @@ def solve(folder, name, mesh, element):
     if printed is None or alone is None:
         return {"failed": process if printed is None else reason}
     result = json.loads(printed)
-    a, b = (s * result["outputs"][k][0] for s, k in zip(sign, "AB"))
+    a, b = (s * result["outputs"][k] for s, k in zip(sign, "AB"))
     return {"steps": result["steps"], "iterations": result["systems"], "seconds": float(alone.split()[-1]),
             "process": process, "a": a, "b": b}

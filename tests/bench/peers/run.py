@@ -165,7 +165,8 @@ def in_turns(jobs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", default="build", metavar="FOLDER", help="our programs; Kratos and the decks go to FOLDER/peers (build)")
+    parser.add_argument("--build", default="build", metavar="FOLDER",
+                        help="our programs; Kratos and the decks go to FOLDER/peers (build)")
     parser.add_argument("--quick", action="store_true", help="fewer cases, CalculiX once: under two minutes")
     parser.add_argument("--search", action="store_true", help="find the steps and first increments again: about ten minutes")
     options = parser.parse_args()
@@ -174,7 +175,8 @@ def main():
     python = get_kratos(os.path.abspath(os.path.join(folder, "venv")))
     decks = os.path.join(folder, "decks") if get_calculix() else None
     if options.search:
-        for code, where, table, search in (("kratos", python, KRATOS, search_kratos), ("calculix", decks, CALCULIX, search_calculix)):
+        for code, where, table, search in (("kratos", python, KRATOS, search_kratos),
+                                           ("calculix", decks, CALCULIX, search_calculix)):
             for key in table if where else ():
                 print(code, *key, search(where, key), flush=True)
         return 0

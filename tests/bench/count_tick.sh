@@ -1,0 +1,40 @@
+#!/bin/sh
+# Instructions of a control tick with everything beside it, under QEMU: float on a Cortex-M4F, double on a Cortex-M7.
+#   count_tick.sh PZS      PZS makes the tables; TAP lines
+set -u
+B=${B:-build}
+CC=${ARM_CC:-arm-none-eabi-gcc}
+dir=$B/bench/device
+mkdir -p "$dir"
+flags="-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude -Ilib -Ifirmware_demo -I$dir"
+rest='tests/bench/count_tick.c firmware_demo/print.c'
+for file in control product sense boxls faults estimate amplifier electrode model shell linalg guard; do rest="$rest lib/$file.c"; done
+n=0
+
+"$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.slew=20 \
+    --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' \
+    --image control --prefix demo -o "$dir/count_tick.h" >/dev/null || { echo 'not ok 1 - tables'; exit 1; }
+
+# row NAME BITS LEVEL MACHINE SCRIPT PROCESSOR...
+row() {
+    n=$((n + 1))
+    name=$1 bits=$2 level=$3 machine=$4 script=$5
+    shift 5
+    # shellcheck disable=SC2086
+    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES='"count_tick.h"' -nostartfiles -Lfirmware_demo -T"firmware_demo/$script.ld" \
+        -Wl,--gc-sections $rest firmware_demo/start.c firmware_demo/board_mps2.c -lm -o "$dir/tick.elf" &&
+        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES='"count_tick.h"' $rest firmware_demo/board_host.c -lm -o "$dir/tick" ||
+        { echo "not ok $n - build"; return; }
+    timeout 120 "${QEMU:-qemu-system-arm}" -M "$machine" -icount shift=10 -kernel "$dir/tick.elf" -nographic -monitor none \
+        -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"
+    "$dir/tick" | grep '^bits' >"$dir/host"
+    grep '^bits' "$dir/out" | cmp -s - "$dir/host" && same=ok || same='not ok'
+    echo "$same $n - $name, $bits bits, $level: $(sed -n 's/^bits //p' "$dir/out"), bits of the host"
+    sed -n 's/^count \([a-z_]*\) */#   \1: /p' "$dir/out"
+    sed -n 's/^count all mean=\([0-9]*\) worst=\([0-9]*\)/\1 \2/p' "$dir/out" | awk '{
+        printf "#   estimate for real parts, two cycles an instruction: %.0f ticks/s at 168 MHz, %.0f at 480 MHz (worst tick)\n", 168e6 / 2 / $2, 480e6 / 2 / $2 }'
+}
+
+row Cortex-M4F 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
+row Cortex-M7 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
+echo "1..$n"

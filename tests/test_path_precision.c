@@ -1,0 +1,229 @@
+/* The nonlinear path in either precision, on tables made in double by the host tools, against the host's answer in double. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "bridge.h"
+#include "guard.h"
+#include "linalg.h"
+#include "nonlinear.h"
+#include "shell.h"
+
+#define IS_FLOAT (PZS_REAL_BITS == 32)
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+/* ---- a device: the structure rounded to the working precision --------- */
+
+typedef struct device {
+    bridge bridge;
+    pzs_structure structure;
+    pzs_nonlinear tables;
+    pzs_model model;
+    pzs_path path;
+    pzs_real *stiffness, *kind, *input, *output, *given, *amount;
+    void *work, *path_work;
+} device;
+
+static pzs_real *rounded(const double *x, size_t n)
+{
+    pzs_real *y = calloc(n + 1, sizeof *y);
+    assert_non_null(y);
+    for (size_t i = 0; i < n; i++)
+        y[i] = (pzs_real)x[i];
+    return y;
+}
+
+static pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
+{
+    pzs_real *value = rounded(from->value, from->count ? from->start[from->count] : 0);
+    to->count = (uint16_t)from->count;
+    to->start = from->start;
+    to->dof = from->dof;
+    to->value = value;
+    return value;
+}
+
+static void round_structure(device *d)
+{
+    const bridge *b = &d->bridge;
+    const size_t corners = 4 * (size_t)b->unknowns;
+    pzs_structure *s = &d->structure;
+    assert_int_equal(b->kind_reals * sizeof(pzs_real), sizeof(pzs_kind));
+    d->stiffness = rounded(b->stiffness, (size_t)b->kinds * corners * (corners + 1) / 2);
+    d->kind = rounded(b->kind, (size_t)b->kinds * b->kind_reals);
+    s->format = PZS_TABLE_FORMAT;
+    s->nodes = (uint16_t)b->nodes;
+    s->elements = (uint16_t)b->elements;
+    s->kinds = (uint16_t)b->kinds;
+    s->unknowns = (uint16_t)b->unknowns;
+    s->dof = (uint16_t)b->dof;
+    s->element = (const uint16_t(*)[4])(const void *)b->element;
+    s->element_kind = b->element_kind;
+    s->node_dof = b->node_dof;
+    s->first = b->first;
+    s->stiffness = d->stiffness;
+    s->kind = (const pzs_kind *)(const void *)d->kind;
+    d->input = round_rows(&b->input, &s->input);
+    d->output = round_rows(&b->output, &s->output);
+    s->crc = guard_structure_crc(s);
+}
+
+static void round_path(device *d)
+{
+    const bridge *b = &d->bridge;
+    d->given = rounded(b->given_value, 10 * (size_t)b->given_values);
+    d->amount = rounded(b->full, (size_t)b->input.count);
+    d->tables.format = PZS_TABLE_FORMAT;
+    d->tables.given.values = (uint16_t)b->given_values;
+    d->tables.given.start = b->given_start;
+    d->tables.given.element = b->given_element;
+    d->tables.given.which = b->given_which;
+    d->tables.given.value = (const pzs_real(*)[10])(const void *)d->given;
+    d->tables.crc = nonlinear_crc(&d->tables, (uint32_t)b->input.count);
+}
+
+/* Returns the status of pzs_path_init. */
+static pzs_status device_open(device *d, const char *scene, const char *const *set, int sets)
+{
+    char error[400] = "";
+    memset(d, 0, sizeof *d);
+    if (bridge_open(&d->bridge, scene, set, sets, error) < 0)
+        fail_msg("%s", error);
+    const bridge *b = &d->bridge;
+    round_structure(d);
+    round_path(d);
+    const size_t bytes = PZS_MODEL_BYTES(b->dof, linalg_reals(b->first, (uint32_t)b->dof));
+    const size_t path_bytes = PZS_PATH_BYTES(b->dof, b->elements, b->input.count);
+    d->work = malloc(bytes);
+    d->path_work = malloc(path_bytes);
+    assert_int_equal(pzs_model_init(&d->model, &d->structure, d->work, bytes), PZS_OK);
+    return pzs_path_init(&d->path, &d->model, &d->tables, d->path_work, path_bytes);
+}
+
+static void device_close(device *d)
+{
+    bridge_close(&d->bridge);
+    free(d->stiffness);
+    free(d->kind);
+    free(d->input);
+    free(d->output);
+    free(d->given);
+    free(d->amount);
+    free(d->work);
+    free(d->path_work);
+}
+
+/* Largest error of any unknown, as a displacement of the faces, over the largest displacement. */
+static double off(const device *d)
+{
+    const bridge *b = &d->bridge;
+    double most = 0, size = 0;
+    for (int n = 0; n < b->nodes; n++)
+        for (int k = 0; k < b->unknowns; k++) {
+            const uint16_t dof = b->node_dof[n * b->unknowns + k];
+            const double weight = k < 3 ? 1 : (double)d->structure.kind[0].thickness;
+            if (dof == PZS_FIXED)
+                continue;
+            most = fmax(most, weight * fabs((double)d->path.u[dof] - b->u[dof]));
+            size = fmax(size, weight * fabs(b->u[dof]));
+        }
+    return most / size;
+}
+
+typedef struct outcome { pzs_status status; double condition, error; unsigned systems, wanted; } outcome;
+
+enum { MOST_CHANGES = 3 };
+
+static outcome run(const char *scene, const char *const *change)
+{
+    int sets = 0;
+    device d;
+    outcome o;
+    while (sets < MOST_CHANGES && change[sets])
+        sets++;
+    memset(&o, 0, sizeof o);
+    o.status = device_open(&d, scene, change, sets);
+    if (!IS_FLOAT)
+        d.path.change = (pzs_real)d.bridge.change;
+    if (o.status == PZS_OK)
+        o.status = pzs_equilibrium(&d.path, d.amount);
+    o.condition = d.bridge.condition;
+    o.error = off(&d);
+    o.systems = d.path.systems;
+    o.wanted = d.bridge.systems;
+    print_message("%-24s %-22s %-24s condition %.1e  off by %.1e, %u systems of %u: %s\n", scene, change[0], sets > 1 ? change[1] : "", o.condition,
+                  o.error, o.systems, o.wanted, pzs_status_text(o.status));
+    device_close(&d);
+    return o;
+}
+
+typedef struct shell_case {
+    const char *scene, *change[MOST_CHANGES];
+} shell_case;
+
+#define HEMISPHERE(element, n) {"hemisphere", {"element=" element, "mesh.theta1.elements=" #n, "mesh.theta2.elements=" #n}}
+/* As thick as told, its forces 200 and the cube of that. */
+#define THIN_HEMISPHERE(element, h, force) {"hemisphere", {"element=" element, "layers.0.thickness=" #h, \
+    "loads=[{point: {theta1: pi/2, theta2: 0}, u3: -" #force "}, {point: {theta1: pi/2, theta2: pi/2}, u3: " #force "}]"}}
+#define ROLL_UP(element, n) {"roll-up", {"element=" element, "mesh.theta1.elements=" #n}}
+#define ANNULAR(element, n1, n2) {"annular-plate", {"element=" element, "mesh.theta1.elements=" #n1, "mesh.theta2.elements=" #n2}}
+#define STRIP "tests/scenes/strip.yaml"
+
+/* ---- what float does -------------------------------------------------- */
+
+static const shell_case good[] = {
+    HEMISPHERE("source", 4), HEMISPHERE("source", 8), HEMISPHERE("corrected", 4), ROLL_UP("source", 10), ROLL_UP("corrected", 10),
+    {"hyperboloid", {"element=source", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
+    {"hyperboloid", {"element=corrected", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
+    {STRIP, {"element=source"}}, {STRIP, {"element=corrected"}},
+    {"tests/scenes/cap.yaml", {"element=source"}}, {"tests/scenes/cap.yaml", {"element=corrected"}},
+};
+
+/*
+ * Law: on these shells, of conditions up to 3e7 at rest, a device in float reaches the shape that double reaches to some
+ * roundings; a device in double does what the host does.
+ */
+static void test_well_conditioned(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT(good); i++) {
+        const outcome o = run(good[i].scene, good[i].change);
+        assert_int_equal(o.status, PZS_OK);
+        assert_true(o.error < (IS_FLOAT ? 8 * (double)PZS_EPSILON : 1e-12));
+        assert_true(IS_FLOAT || o.systems == o.wanted);
+    }
+}
+
+static const shell_case hard[] = {
+    HEMISPHERE("corrected", 8), HEMISPHERE("source", 16), HEMISPHERE("corrected", 16), ROLL_UP("source", 40), ROLL_UP("corrected", 40),
+    ANNULAR("source", 2, 4), ANNULAR("source", 6, 12), ANNULAR("corrected", 2, 4), ANNULAR("corrected", 6, 12),
+    {STRIP, {"element=source", "layers.0.thickness=0.01", "loads.0.u3=0.0025"}},
+    {STRIP, {"element=corrected", "layers.0.thickness=0.01", "loads.0.u3=0.0025"}},
+    THIN_HEMISPHERE("source", 0.02, 25), THIN_HEMISPHERE("source", 0.01, 3.125), THIN_HEMISPHERE("source", 0.005, 0.390625),
+    THIN_HEMISPHERE("corrected", 0.02, 25), THIN_HEMISPHERE("corrected", 0.01, 3.125), THIN_HEMISPHERE("corrected", 0.005, 0.390625),
+};
+
+/* Law: beyond, a shape that is called an equilibrium is one, to ten times the change that the step was to settle to; others are named. */
+static void test_ill_conditioned(void **state)
+{
+    (void)state;
+    int refused = 0;
+    for (size_t i = 0; i < COUNT(hard); i++) {
+        const outcome o = run(hard[i].scene, hard[i].change);
+        if (o.status == PZS_OK)
+            assert_true(o.error < (IS_FLOAT ? 1e-3 : 1e-12));
+        else
+            assert_true(o.status >= PZS_E_DIVERGED && o.status <= PZS_E_SYSTEMS);
+        refused += o.status != PZS_OK;
+    }
+    assert_true(IS_FLOAT || refused == 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_well_conditioned), cmocka_unit_test(test_ill_conditioned)};
+    return cmocka_run_group_tests_name("path_precision", tests, NULL, NULL);
+}
