@@ -134,13 +134,13 @@ oracle:
 	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py
 
 tables: $(B)/pzs
-	$(B)/pzs tables plate-50-patches --set limits.slew=20 --image control --prefix demo -o firmware_demo/tables/plate_control.h
-	$(B)/pzs tables plate-50-patches --set limits.slew=20 --image linear --prefix demo -o firmware_demo/tables/plate_linear.h
+	$(B)/pzs tables plate-50-patches --set limits.slew=20 --level control --prefix demo -o firmware_demo/tables/plate_control.h
+	$(B)/pzs tables plate-50-patches --set limits.slew=20 --level linear --prefix demo -o firmware_demo/tables/plate_linear.h
 	$(B)/pzs tables plate-50-patches --set limits.slew=20 --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 \
-	    --image linear --prefix demo -o firmware_demo/tables/plate5_linear.h
-	$(B)/pzs tables plate-50-patches --set kinematics=nonlinear --image nonlinear --prefix demo -o firmware_demo/tables/plate_nonlinear.h
+	    --level linear --prefix demo -o firmware_demo/tables/plate5_linear.h
+	$(B)/pzs tables plate-50-patches --set kinematics=nonlinear --level nonlinear --prefix demo -o firmware_demo/tables/plate_nonlinear.h
 	$(B)/pzs tables hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4 \
-	    --image nonlinear --prefix demo -o firmware_demo/tables/hemisphere4_nonlinear.h
+	    --level nonlinear --prefix demo -o firmware_demo/tables/hemisphere4_nonlinear.h
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

@@ -247,6 +247,8 @@ int analysis_solve(analysis *a, double *u, char *error)
 int analysis_influence(analysis *a, char *error)
 {
     const pzs_structure *s = &a->design.structure;
+    if (a->influence)
+        return 0;
     a->influence = calloc((size_t)s->input.count * s->output.count + 1, sizeof *a->influence);
     if (!a->influence)
         return analysis_explain(a, PZS_E_WORKSPACE, error);

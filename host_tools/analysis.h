@@ -64,7 +64,7 @@ double analysis_capacitance(const analysis *a, int k, int is_free);
  */
 double analysis_stiffening(analysis *a);
 
-/* Influence at rest of every input on every output, and from it the voltage problem of the design. */
+/* Influence at rest of every input on every output, and from it the voltage problem of the design; once. */
 int analysis_influence(analysis *a, char *error);
 
 /* The message of a status of the library, with the place it names on the mesh. Returns -1. */

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include "estimator.h"
 #include "print.h"
 #include "print_simulate.h"
 #include "report.h"
@@ -39,15 +40,15 @@ static const char *const help =
     "                     controller did not run), then the volts that each amplifier gives\n"
     "  --device BOARD     simulate: the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the\n"
     "                     controller; every bit compared with the same C here. host-32, host-64: that C alone\n"
-    "  --image IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
+    "  --level IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
     "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
-    "  -o FILE            tables: output file\n"
+    "  -o FILE            tables: output file, or a folder for it\n"
     "\n"
     "Examples:\n"
     "  pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8\n"
     "  pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html\n"
-    "  pzs tables plate-50-patches --image linear --prefix plate -o plate.h\n"
+    "  pzs tables plate-50-patches --level linear --prefix plate -o plate.h\n"
     "  pzs simulate plate-closed-loop --report loop.html --csv loop.csv\n"
     "  pzs simulate plate-closed-loop --set simulate.plant.d=0.5 --set simulate.ticks=300 --device netduinoplus2\n"
     "\n"
@@ -84,11 +85,11 @@ static int take_value(options *o, const char *name, const char *value)
         if (o->limits == MOST_LIMITS || end == value || *end || !(limit > 0))
             return usage_error("--limit wants a positive voltage, not", value);
         o->limit[o->limits++] = limit;
-    } else if (strcmp(name, "--image") == 0) {
+    } else if (strcmp(name, "--level") == 0) {
         for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
             o->image++;
         if (o->image == TABLES_IMAGES)
-            return usage_error("--image is control, linear or nonlinear, not", value);
+            return usage_error("--level is control, linear or nonlinear, not", value);
     } else if (strcmp(name, "--report") == 0) {
         o->report = value;
     } else if (strcmp(name, "--vtu") == 0) {
@@ -168,15 +169,28 @@ static int open_scene(const options *o, scene *s)
     return EXIT_USAGE;
 }
 
+/* Sensors that cannot see the shape are refused before anything runs. */
+static int check_sensors(analysis *a, char *error)
+{
+    estimator e;
+    if (!a->design.scene->estimate.given)
+        return 0;
+    if (analysis_influence(a, error) < 0 || estimator_open(&e, a, error) < 0)
+        return -1;
+    estimator_close(&e);
+    return 0;
+}
+
 static int open_analysis(const options *o, scene *s, analysis *a)
 {
     char error[SCENE_ERROR];
     const int status = open_scene(o, s);
     if (status)
         return status;
-    if (analysis_prepare(a, s, error) == 0)
+    if (analysis_prepare(a, s, error) == 0 && check_sensors(a, error) == 0)
         return 0;
     fprintf(stderr, "pzs: %s\n", error);
+    analysis_free(a);
     scene_free(s);
     return EXIT_USAGE;
 }
@@ -420,6 +434,17 @@ static void table_prefix(const options *o, const scene *s, char prefix[SCENE_NAM
             *c = '_';
 }
 
+/* The output file; in a folder it takes the prefix as its name. */
+static const char *table_path(const options *o, const char *prefix, char path[PATH_ROOM])
+{
+    struct stat there;
+    if (stat(o->output, &there) == 0 && S_ISDIR(there.st_mode))
+        snprintf(path, PATH_ROOM, "%s/%s.h", o->output, prefix);
+    else
+        snprintf(path, PATH_ROOM, "%s", o->output);
+    return path;
+}
+
 /*
  * Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem where it has a target. A
  * control image: the influence that the scene's simulation has, which is the caller's to free.
@@ -445,10 +470,10 @@ static int prepare_tables(analysis *a, tables_image image, double **influence, c
     return failed ? -1 : s->target.given ? analysis_influence(a, error) : 0;
 }
 
-static void print_tables(const options *o, const analysis *a)
+static void print_tables(const options *o, const analysis *a, const char *path)
 {
     const design *d = &a->design;
-    printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", o->output, tables_image_name[o->image], d->scene->name,
+    printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", path, tables_image_name[o->image], d->scene->name,
            d->amplifiers, d->targets, d->mesh.dof);
     if (o->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", a->model.condition, tables_fit_float(a) ? "float or double" : "refused in float");
@@ -461,7 +486,7 @@ static int command_tables(const options *o)
     output_file f;
     tables_size size;
     double *influence = NULL;
-    char error[SCENE_ERROR], prefix[SCENE_NAME];
+    char error[SCENE_ERROR], prefix[SCENE_NAME], path[PATH_ROOM];
     if (!o->output)
         return usage_error("say where to write with -o FILE for", "tables");
     int status = open_analysis(o, &s, &a);
@@ -470,11 +495,10 @@ static int command_tables(const options *o)
     if (prepare_tables(&a, o->image, &influence, error) < 0) {
         fprintf(stderr, "pzs: %s\n", error);
         status = EXIT_USAGE;
-    } else if ((status = output_begin(&f, o->output)) == 0) {
-        table_prefix(o, &s, prefix);
+    } else if (table_prefix(o, &s, prefix), (status = output_begin(&f, table_path(o, prefix, path))) == 0) {
         status = output_end(&f, tables_write(f.file, &a, o->image, prefix, &size));
         if (status == 0)
-            print_tables(o, &a);
+            print_tables(o, &a, path);
     }
     free(influence);
     analysis_free(&a);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "estimator.h"
 #include "json.h"
 #include "model.h"
 #include "tables.h"
@@ -25,6 +26,34 @@ static const char *metric_word(const scene *s)
     return s->element.metric ? "exact metric" : "flat metric";
 }
 
+/* What the sensors of an estimate see. */
+static void print_sensors(const analysis *a)
+{
+    char text[SCENE_ERROR];
+    estimator e;
+    if (!a->design.scene->estimate.given || estimator_open(&e, a, text) < 0)
+        return;
+    estimator_text(&e, a, text);
+    printf("  %s\n", text);
+    estimator_close(&e);
+}
+
+static void json_sensors(json *j, const analysis *a)
+{
+    char text[SCENE_ERROR];
+    estimator e;
+    if (!a->design.scene->estimate.given || estimator_open(&e, a, text) < 0)
+        return;
+    json_open(j, "estimate", '{');
+    json_number(j, "sensors", e.sensors);
+    json_number(j, "rank", e.rank);
+    json_number(j, "condition", e.condition);
+    json_number(j, "missed", e.missed / e.disturbed);
+    json_number(j, "worst_missed", e.worst_missed / e.worst_disturbed);
+    json_close(j, '}');
+    estimator_close(&e);
+}
+
 void print_head(const analysis *a)
 {
     const scene *s = a->design.scene;
@@ -36,6 +65,7 @@ void print_head(const analysis *a)
            metric_word(s), s->element.unknowns);
     if (a->model.condition > 0)
         printf("  condition %.1e after scaling: %s\n", a->model.condition, precision_needed(a));
+    print_sensors(a);
 }
 
 static void json_head(json *j, const analysis *a)
@@ -52,6 +82,7 @@ static void json_head(json *j, const analysis *a)
     json_string(j, "kinematics_of_element", a->design.scene->element.cartesian ? "cartesian" : "local");
     json_string(j, "metric", a->design.scene->element.metric ? "exact" : "flat");
     json_number(j, "condition", a->model.condition);
+    json_sensors(j, a);
 }
 
 /* ---- check ------------------------------------------------------------ */

@@ -474,7 +474,8 @@ typedef struct pzs_contact {
     pzs_real *facing;         /* [nodes] below 0 where the face points at the body */
     uint8_t *touching;        /* [nodes] 1 in contact */
     uint8_t *kept_touching;   /* [nodes] at the last equilibrium */
-    pzs_real stiffness;       /* choice: kappa, in units of the structure's own; 10. The answer does not depend on it. */
+    pzs_real stiffness;       /* choice: kappa at the first system of a step, in units of the structure's own; 10. It
+                                 grows to a hundred times that; the answer does not depend on it. */
     pzs_real force[3];        /* resultant on the shell (N) */
     uint16_t nodes;           /* in contact */
     uint8_t changed;          /* nodes came or went before the last system */
@@ -489,8 +490,8 @@ typedef struct pzs_contact {
  * Let a contact take part in a path at rest; face and body must outlive it. Where the supports do not hold the shell
  * without the body, the body must touch it from the start. After an equilibrium contact->pressure, force and nodes
  * hold what was found; settled, that is every gap open or closed to within 1e-8 of size (in float: of rounding),
- * no pressure negative, none across a gap. Influence at a shape in contact sees the body as stiff as kappa makes it (a
- * ring of R/h = 10: off by 2e-3/kappa). Errors: ARGUMENT, WORKSPACE (path->where = bytes needed).
+ * no pressure negative, none across a gap. Influence at a shape in contact sees the body as stiff as kappa has grown (a
+ * ring of R/h = 10: off by 3e-8). Errors: ARGUMENT, WORKSPACE (path->where = bytes needed).
  */
 pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
                               void *work, size_t bytes);

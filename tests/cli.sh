@@ -137,7 +137,7 @@ gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=64 "$dir/p.c" "$B/64/libpiezosha
 gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/p.c" "$B/32/libpiezoshape.a" -lm -o "$dir/p" && "$dir/p"; check 'a float program runs on the same tables' $?
 ! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/p.c" "$B/64/libpiezoshape.a" -lm -o "$dir/p" 2>/dev/null; check 'a float program does not link with the double library' $?
 for t in plate_control:control plate_linear:linear; do
-    run 0 tables plate-50-patches --set limits.slew=20 --image "${t#*:}" --prefix demo -o "$dir/t.h" && cmp -s "$dir/t.h" "firmware_demo/tables/${t%:*}.h"
+    run 0 tables plate-50-patches --set limits.slew=20 --level "${t#*:}" --prefix demo -o "$dir/t.h" && cmp -s "$dir/t.h" "firmware_demo/tables/${t%:*}.h"
     check "committed tables are those of the scene: ${t%:*}" $?
 done
 
@@ -156,7 +156,7 @@ int main(void)
     return status != PZS_OK ? (int)status : (int)pzs_control_init(&c, &q_problem, b, more, sizeof more);
 }
 EOT
-run 0 tables plate-50-patches --set element=corrected --set 'limits.voltage=[-0.0, 3]' --image linear --prefix q -o "$dir/q.h"
+run 0 tables plate-50-patches --set element=corrected --set 'limits.voltage=[-0.0, 3]' --level linear --prefix q -o "$dir/q.h"
 for bits in 32 64; do
     gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/q.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/q" && "$dir/q"
     check "a linear image of the corrected element starts, $bits bits" $?

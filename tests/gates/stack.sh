@@ -97,12 +97,18 @@ check() {
     tap $? "$name: $(cat "$scratch/worst")"
 }
 
+# Bytes that include/pzs.h promises: budget IMAGE BYTES_OF_A_REAL
+budget() {
+    reals=$(sed -n "s/^#define PZS_STACK_$1 (\([0-9]*\)u \* sizeof(pzs_real))\$/\1/p" include/pzs.h)
+    echo $((${reals:?include/pzs.h promises no stack} * $2))
+}
+
 # shellcheck disable=SC2086
 {
-    check 'Cortex-M4F, float' 1024 0 $m4 -DPZS_REAL_BITS=32
-    check 'Cortex-M7, float' 1024 0 $m7 -DPZS_REAL_BITS=32
-    check 'Cortex-M7, double' 2048 0 $m7 -DPZS_REAL_BITS=64
-    check 'Cortex-M4F, float, nonlinear' 9216 1 $m4 -DPZS_REAL_BITS=32
-    check 'Cortex-M7, double, nonlinear' 17408 1 $m7 -DPZS_REAL_BITS=64
+    check 'Cortex-M4F, float' "$(budget LINEAR 4)" 0 $m4 -DPZS_REAL_BITS=32
+    check 'Cortex-M7, float' "$(budget LINEAR 4)" 0 $m7 -DPZS_REAL_BITS=32
+    check 'Cortex-M7, double' "$(budget LINEAR 8)" 0 $m7 -DPZS_REAL_BITS=64
+    check 'Cortex-M4F, float, nonlinear' "$(budget NONLINEAR 4)" 1 $m4 -DPZS_REAL_BITS=32
+    check 'Cortex-M7, double, nonlinear' "$(budget NONLINEAR 8)" 1 $m7 -DPZS_REAL_BITS=64
 }
 tap_end

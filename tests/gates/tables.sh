@@ -71,7 +71,7 @@ compile() {
 same() {
     name=$1
     shift
-    "$PZS" tables "$@" --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && compile 64 &&
+    "$PZS" tables "$@" --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && compile 64 &&
         "$scratch/program" >"$scratch/found"
     tap $? "$name: the equilibrium of pzs, bit for bit"
 }
@@ -100,11 +100,11 @@ tap $? 'roll-up: above the rule, refused in float'
 same 'follower load' ring-follower
 same 'contact' ring-contact
 same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
-"$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
+"$PZS" tables annular-plate --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
     grep -q 'the nonlinear path needs double' "$scratch/found"
 tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
 
-"$PZS" tables scordelis-lo --image nonlinear -o "$scratch/t.h" 2>"$scratch/found"
+"$PZS" tables scordelis-lo --level nonlinear -o "$scratch/t.h" 2>"$scratch/found"
 [ $? -eq 2 ] && grep -q 'kinematics: nonlinear' "$scratch/found"
 tap $? 'a scene of linear kinematics is refused'
 
@@ -112,7 +112,7 @@ tap $? 'a scene of linear kinematics is refused'
 committed() {
     name=$1
     shift
-    "$PZS" tables "$@" --image nonlinear --prefix demo -o "$scratch/t.h" >"$scratch/found" &&
+    "$PZS" tables "$@" --level nonlinear --prefix demo -o "$scratch/t.h" >"$scratch/found" &&
         diff "$scratch/t.h" "firmware_demo/tables/$name.h" >"$scratch/found"
     tap $? "committed tables are those of the scene: $name (else: make tables)"
 }
