@@ -17,7 +17,8 @@ all: $(B)/pzs
 help:
 	@echo 'make demo        shape a real plate with 25 pairs of piezo patches; pictures in $(B)/'
 	@echo 'make test        every test: unit, oracle, command line, sanitizers, gates, firmware under QEMU'
-	@echo 'make bench       speed against OpenBLAS and DAQP, and speed against error'
+	@echo 'make bench       speed against OpenBLAS, DAQP, Kratos and CalculiX, and speed against error'
+	@echo 'make bench-peers the last of these on all meshes and several times;  bench-linalg, bench-step, bench-path ...: one alone'
 	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
 	@echo 'make size        flash, RAM and stack against the committed budget'
 	@echo 'make tables      regenerate the firmware tables;  make oracle: the test data'
@@ -89,6 +90,7 @@ $(call for_variants,surface,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)
 $(call for_variants,options,64 32 san64 san32,)
 $(call for_variants,simulate,64 san64,@tests/scene_run.o @host.a)
+$(call for_variants,loop,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,cases,64,@tests/testdata.o @host.a)
 $(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,fields,64 san64,@tests/scene_run.o @host.a)

@@ -176,8 +176,9 @@ static void print_output(const analysis *a, int k, const double *value)
 
 static void print_path(const pzs_path *run)
 {
-    printf("  %u load step%s, %u linear systems, %s (%u negative pivots), residual %.1e\n\n", run->steps_taken, run->steps_taken == 1 ? "" : "s",
-           run->systems, run->negative ? "UNSTABLE" : "stable", run->negative, run->residual);
+    printf("  %u load step%s, %u linear systems, %s (%u negative pivots)\n", run->steps_taken, run->steps_taken == 1 ? "" : "s",
+           run->systems, run->negative ? "UNSTABLE" : "stable", run->negative);
+    printf("  settled to %.0e of the displacement (equilibrium.change), residual %.1e of the load\n\n", run->change, run->residual);
 }
 
 void print_solve(analysis *a, const double *value)
