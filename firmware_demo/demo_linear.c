@@ -4,6 +4,10 @@
 #include "print.h"
 #include DEMO_TABLES
 
+#ifdef DEMO_ALL_INPUTS
+#error "tables with sensors: their influence has more columns and takes pzs_influence_open; run `pzs tables --level control`"
+#endif
+
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
 
 static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;

@@ -1,9 +1,9 @@
 /*
  * Start-up of a Cortex-M with FPU: vectors, memory, stack painting, exit, and a stream to the debugger's host.
  *
- * The stack lies at the lowest RAM address, so that an overflow leaves RAM
- * and faults instead of running into data. Exit codes and the stream reach
- * the host by semihosting; on a board without a debugger the breakpoint faults
+ * The stack lies at the lowest RAM address, and below it nothing can be written: not on a part whose bus ends there, and
+ * by the MPU on those where other memory lies below. So an overflow faults instead of running into data or code. Exit
+ * codes and the stream reach the host by semihosting; on a board without a debugger the breakpoint faults
  * and the fault handler waits for the watchdog.
  */
 #include "board.h"
@@ -73,6 +73,17 @@ static void enable_fpu(void)
     __asm volatile("dsb\n\tisb" : : : "memory");
 }
 
+/* All below 0x20000000, half a gigabyte, is for reading and running; elsewhere memory is as without an MPU. */
+static void guard_stack(void)
+{
+    volatile uint32_t *mpu = (volatile uint32_t *)0xE000ED94u; /* control, region, its base, its attributes */
+    mpu[1] = 0;
+    mpu[2] = 0;
+    mpu[3] = 6u << 24 | 1u << 17 | 28u << 1 | 1u; /* read only; as flash is cached; 2^29 bytes; on */
+    mpu[0] = 1u << 2 | 1u;
+    __asm volatile("dsb\n\tisb" : : : "memory");
+}
+
 static void paint_stack(void)
 {
     uintptr_t sp;
@@ -91,6 +102,7 @@ static void reset(void)
 {
     const uint32_t *from = data_load;
     enable_fpu();
+    guard_stack();
     paint_stack();
     for (uint32_t *p = data_start; p < data_end; p++) *p = *from++;
     for (uint32_t *p = bss_start; p < bss_end; p++) *p = 0;

@@ -108,7 +108,7 @@ static int explain_path(const analysis *a, char *error)
     if (!PZS_IS_ERROR(a->status))
         return 0;
     if (analysis_ended_early(a))
-        return scene_fault(s, s->equilibrium.at, error, "%s: reached %.4g of the load in %u systems, %u load step%s; "
+        return scene_fault(s, s->equilibrium.at.line ? s->equilibrium.at : s->at_surface, error, "%s: reached %.4g of the load in %u systems, %u load step%s; "
                            "the last equilibrium has %u negative pivots",
                            pzs_status_text(a->status), run->factor, run->systems, run->steps_taken, run->steps_taken == 1 ? "" : "s", run->negative);
     return analysis_explain(a, a->status, error);
@@ -239,9 +239,17 @@ static int solve_auto(analysis *a, double *u, char *error)
     return failed;
 }
 
+/* Contact and moved supports are the path's alone: there is nothing linear to compare it with. */
 int analysis_solve(analysis *a, double *u, char *error)
 {
-    return a->design.scene->kinematics == KINEMATICS_AUTO ? solve_auto(a, u, error) : solve_applied(a, u, error);
+    const int path_alone = a->design.scene->contact.given || a->design.mesh.prescribed_count > 0;
+    if (a->design.scene->kinematics == KINEMATICS_AUTO && !path_alone)
+        return solve_auto(a, u, error);
+    if (a->design.scene->kinematics == KINEMATICS_AUTO) {
+        a->nonlinear = 1;
+        a->cost = (double)NAN;
+    }
+    return solve_applied(a, u, error);
 }
 
 int analysis_influence(analysis *a, char *error)

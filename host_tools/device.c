@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { TICK, HOLD, RELEASE, WATCH };        /* orders */
+enum { TICK, HOLD, RELEASE, WATCH, ESTIMATE, QUANTISE, KNOW }; /* orders */
 enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };
 
 #define SOURCES SCENE_FOLDER "/../.."       /* the project's */
@@ -149,6 +149,15 @@ static void get_reals(const device *d, double *x, size_t n)
     }
 }
 
+/* A frame that takes an order and so many reals. Returns whether memory was there. */
+static int take_frame(device *d, size_t reals)
+{
+    unsigned char *more = realloc(d->frame, 2 * sizeof(uint32_t) + reals * sizeof(double));
+    if (more)
+        d->frame = more;
+    return more != NULL;
+}
+
 /* Everything up to `end` of the frame goes out. */
 static int send(const device *d, const unsigned char *end)
 {
@@ -207,9 +216,8 @@ int device_start(device *d, const device_board *board, const char *folder, const
     memset(d, 0, sizeof *d);
     d->board = board;
     d->inputs = problem->inputs;
-    d->outputs = problem->outputs;
-    d->frame = malloc(2 * sizeof(uint32_t) + (d->inputs + 2 * d->outputs) * sizeof(double));
-    if (!d->frame || launch(d, folder) < 0 || receive(d, about, sizeof about) < 0)
+    d->outputs = d->readings = problem->outputs;
+    if (!take_frame(d, d->inputs + 2 * d->outputs) || launch(d, folder) < 0 || receive(d, about, sizeof about) < 0)
         return silent(d, error);
     if ((int)about[0] != board->bits || about[1] != d->inputs || about[2] != d->outputs || about[3] != PZS_OK) {
         snprintf(error, DEVICE_ERROR, "%s refuses the tables: %s", board->name, pzs_status_text((pzs_status)about[3]));
@@ -255,12 +263,33 @@ void device_watch(device *d, int delay)
         (void)send(d, put_order(d, WATCH, (uint32_t)delay));
 }
 
+void device_estimate(device *d, size_t sensors)
+{
+    if (d->process <= 0 || !take_frame(d, d->inputs + 2 * d->outputs + sensors))
+        return;
+    d->readings = sensors;
+    (void)send(d, put_order(d, ESTIMATE, 0));
+}
+
+void device_quantise(device *d, double step, double dead_band)
+{
+    const double of[2] = {step, dead_band};
+    if (d->process > 0)
+        (void)send(d, put_reals(d, put_order(d, QUANTISE, 0), of, 2));
+}
+
+void device_know(device *d, const double *then, const double *coming, size_t loads)
+{
+    if (d->process > 0 && take_frame(d, d->inputs + 2 * d->outputs + d->readings + 2 * loads))
+        (void)send(d, put_reals(d, put_reals(d, put_order(d, KNOW, 0), then, loads), coming, loads));
+}
+
 int device_tick(device *d, const double *wanted, const double *measured, double *volt, uint8_t *state, int *passes,
                 char error[DEVICE_ERROR])
 {
     uint32_t about[2];
     unsigned char *end = put_reals(d, put_order(d, TICK, 0), wanted, d->outputs);
-    if (send(d, put_reals(d, end, measured, d->outputs)) < 0 || receive(d, about, sizeof about) < 0
+    if (send(d, put_reals(d, end, measured, d->readings)) < 0 || receive(d, about, sizeof about) < 0
         || receive(d, d->frame, d->inputs * real_bytes(d)) < 0 || receive(d, state, d->inputs) < 0)
         return silent(d, error);
     get_reals(d, volt, d->inputs);

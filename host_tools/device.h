@@ -34,7 +34,7 @@ void device_remove(const char *folder);
 typedef struct device {
     const device_board *board;
     int process, to, from;      /* its pipe */
-    size_t inputs, outputs;
+    size_t inputs, outputs, readings; /* readings: length of measured */
     unsigned char *frame;
 } device;
 
@@ -43,14 +43,22 @@ int device_start(device *d, const device_board *board, const char *folder, const
                  char error[DEVICE_ERROR]);
 void device_stop(device *d);
 
-/* pzs_hold, pzs_release, pzs_watch_init; what goes wrong shows in the next tick. */
+/*
+ * pzs_hold, pzs_release, pzs_watch_init; pzs_estimate_init: from now on `measured` are readings of so many sensors;
+ * pzs_quantise from now on. What goes wrong shows in the next tick.
+ */
 void device_hold(device *d, int input, double volt);
 void device_release(device *d, int input);
 void device_watch(device *d, int delay);
+void device_estimate(device *d, size_t sensors);
+void device_quantise(device *d, double step, double dead_band);
+
+/* Known loads of the tables: amounts at the next measurement, and to come. then, coming [loads] in */
+void device_know(device *d, const double *then, const double *coming, size_t loads);
 
 /*
- * pzs_tick, and pzs_watch_tick where it watches.
- *   wanted, measured [outputs]       in
+ * pzs_tick, before it pzs_feed_forward and pzs_estimate_tick, after it pzs_quantise and pzs_watch_tick, each where asked for.
+ *   wanted [outputs], measured [readings] in
  *   volt, state [inputs], passes     out  state of the watch; 0 where there is none
  * Returns its status, or -1 with error filled: the device no longer answers.
  */

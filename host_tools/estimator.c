@@ -192,8 +192,10 @@ static void make_gains(bench *b, estimator *e)
         for (size_t k = 0; k < b->k; k++)
             e->gain[i * b->k + k] = b->side[k] / b->noise[k];
     }
-    for (size_t k = 0; k < b->k; k++)
+    for (size_t k = 0; k < b->k; k++) {
         memcpy(e->direct + k * b->n, b->seen + k * inputs, b->n * sizeof *e->direct);
+        memcpy(e->shown + k * b->loads, b->seen + k * inputs + b->n, b->loads * sizeof *e->shown);
+    }
 }
 
 /* left [p] = what the sensors do not take from a disturbance: (1 + C'N^-2 C)^-1 left. */
@@ -301,10 +303,13 @@ static void fill_tables(estimator *e, const design *d)
     const pzs_problem *p = &d->problem;
     const pzs_estimator t = {p->format, p->scene, 0, p->inputs, p->outputs, (uint16_t)e->sensors, e->direct, e->gain};
     const pzs_known known = {p->format, p->scene, 0, (uint16_t)d->loads, p->outputs, e->known};
+    const pzs_known shown = {p->format, p->scene, 0, (uint16_t)d->loads, (uint16_t)e->sensors, e->shown};
     e->tables = t;
     e->tables.crc = e->sensors > 0 ? estimate_crc(&t) : 0;
     e->known_tables = known;
     e->known_tables.crc = estimate_known_crc(&known);
+    e->shown_tables = shown;
+    e->shown_tables.crc = estimate_known_crc(&shown);
 }
 
 static int refuse(const estimator *e, const analysis *a, char *error)
@@ -324,10 +329,11 @@ static int build(bench *b, estimator *e, char *error)
     const design *d = &b->a->design;
     const size_t inputs = d->structure.input.count;
     e->known = calloc(b->m * b->loads + 1, sizeof *e->known);
+    e->shown = calloc(b->k * b->loads + 1, sizeof *e->shown);
     e->direct = calloc(b->k * b->n + 1, sizeof *e->direct);
     e->gain = calloc(b->m * b->k + 1, sizeof *e->gain);
     e->worst = calloc(b->m + 1, sizeof *e->worst);
-    if (!e->known || !e->direct || !e->gain || !e->worst || !take(b))
+    if (!e->known || !e->shown || !e->direct || !e->gain || !e->worst || !take(b))
         return no_memory(b->a, error);
     for (size_t i = 0; i < b->m; i++)
         memcpy(e->known + i * b->loads, b->a->influence + i * inputs + b->n, b->loads * sizeof *e->known);
@@ -368,6 +374,7 @@ void estimator_close(estimator *e)
     free(e->direct);
     free(e->gain);
     free(e->known);
+    free(e->shown);
     free(e->worst);
     memset(e, 0, sizeof *e);
 }

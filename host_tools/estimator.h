@@ -22,8 +22,9 @@ typedef struct estimator {
     int worst_target;       /* where that is */
     double *direct, *gain;  /* S [sensors][amplifiers], G [targets][sensors] */
     double *known;          /* [targets][loads] shape per unit of each load */
+    double *shown;          /* [sensors][loads] what the sensors show per unit of each */
     pzs_estimator tables;
-    pzs_known known_tables; /* none without loads */
+    pzs_known known_tables, shown_tables; /* none without loads, or sensors */
 } estimator;
 
 /*

@@ -37,7 +37,8 @@ static const char *const help =
     "  --vtu FILE.vtu     deformed shape for ParaView\n"
     "  --csv FILE.csv     simulate: a line a tick: tick, time (s), error of the shape over the scene's target, active\n"
     "                     (volts at a limit), passes of the optimiser, status (pzs_status of the tick), lost (1: the\n"
-    "                     controller did not run), then the volts that each amplifier gives\n"
+    "                     controller did not run), missed (by the estimate of the shape), then the volts that each\n"
+    "                     amplifier gives\n"
     "  --device BOARD     simulate: the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the\n"
     "                     controller; every bit compared with the same C here. host-32, host-64: that C alone\n"
     "  --level IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
@@ -50,6 +51,7 @@ static const char *const help =
     "  pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html\n"
     "  pzs tables plate-50-patches --level linear --prefix plate -o plate.h\n"
     "  pzs simulate plate-closed-loop --report loop.html --csv loop.csv\n"
+    "  pzs simulate plate-few-sensors --device mps2-an386\n"
     "  pzs simulate plate-closed-loop --set simulate.plant.d=0.5 --set simulate.ticks=300 --device netduinoplus2\n"
     "\n"
     "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.\n";
@@ -129,11 +131,6 @@ static int parse(options *o, int argc, char **argv)
             i++;
         }
     }
-    const char *const file[5] = {o->scene, o->report, o->vtu, o->csv, o->output};
-    for (int i = 0; i < 5; i++)
-        for (int j = 0; j < i; j++)
-            if (file[i] && file[j] && strcmp(file[i], file[j]) == 0)
-                return usage_error("two files under one name:", file[i]);
     if (o->prefix && strlen(o->prefix) == 3 && tolower((unsigned char)o->prefix[0]) == 'p'
         && tolower((unsigned char)o->prefix[1]) == 'z' && tolower((unsigned char)o->prefix[2]) == 's')
         return usage_error("the library's own names start with --prefix", o->prefix);
@@ -159,6 +156,58 @@ static void find_scene(const char *name, char path[PATH_ROOM])
         snprintf(path, PATH_ROOM, "%s/%s.yaml", scene_folder(), name);
 }
 
+static int stat_folder(const char *path, struct stat *there)
+{
+    char folder[PATH_ROOM];
+    const char *const slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
+    return stat(folder, there);
+}
+
+/* Do two paths lead to one file, whichever way they are written? */
+static int same_file(const char *a, const char *b)
+{
+    struct stat s, t;
+    const char *const end_a = strrchr(a, '/'), *const end_b = strrchr(b, '/');
+    if (strcmp(a, b) == 0)
+        return 1;
+    if (stat(a, &s) == 0 && stat(b, &t) == 0)
+        return S_ISREG(s.st_mode) && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+    return strcmp(end_a ? end_a + 1 : a, end_b ? end_b + 1 : b) == 0 && stat_folder(a, &s) == 0 && stat_folder(b, &t) == 0
+        && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+}
+
+/* No file is written over another, nor over the scene. */
+static int check_files(const options *o)
+{
+    char scene_path[PATH_ROOM];
+    const char *const file[5] = {scene_path, o->report, o->vtu, o->csv, o->output};
+    find_scene(o->scene, scene_path);
+    for (int i = 1; i < 5; i++)
+        for (int j = 0; j < i; j++)
+            if (file[i] && file[j] && same_file(file[i], file[j]))
+                return usage_error("two files under one name:", file[i]);
+    return 0;
+}
+
+/* An option that a command does not know is refused: who gives it waits for what it makes. */
+static int check_options(const options *o, const char *command)
+{
+    const struct {
+        const char *name, *commands;
+        int given;
+    } option[] = {{"--limit", "shape", o->limits > 0}, {"--report", "solve, shape, simulate", o->report != NULL},
+                  {"--vtu", "solve, shape", o->vtu != NULL}, {"--csv", "simulate", o->csv != NULL},
+                  {"--device", "simulate", o->device != NULL}, {"--prefix", "tables", o->prefix != NULL},
+                  {"--level", "tables", o->image != TABLES_CONTROL}, {"-o", "tables", o->output != NULL}};
+    for (size_t i = 0; i < sizeof option / sizeof *option; i++)
+        if (option[i].given && !strstr(option[i].commands, command)) {
+            fprintf(stderr, "pzs: %s belongs to %s, not to %s; see pzs --help\n", option[i].name, option[i].commands, command);
+            return EXIT_USAGE;
+        }
+    return 0;
+}
+
 static int open_scene(const options *o, scene *s)
 {
     char path[PATH_ROOM], error[SCENE_ERROR];
@@ -167,6 +216,12 @@ static int open_scene(const options *o, scene *s)
         return 0;
     fprintf(stderr, "pzs: %s\n", error);
     return EXIT_USAGE;
+}
+
+/* Exit code of an analysis that failed: its path ended early, or the scene is wrong. */
+static int failed_code(const analysis *a)
+{
+    return analysis_ended_early(a) ? 1 : EXIT_USAGE;
 }
 
 /* Sensors that cannot see the shape are refused before anything runs. */
@@ -348,7 +403,6 @@ static int command_shape(const options *o)
     int status = open_analysis(o, &run.scene, &run.analysis);
     if (status)
         return status;
-    status = EXIT_USAGE;
     run.analysis.nonlinear = run.scene.kinematics != KINEMATICS_LINEAR;
     if (analysis_influence(&run.analysis, error) == 0 && shape_results(&run, o, error) == 0) {
         (o->as_json ? print_shape_json : print_shape)(&run);
@@ -357,6 +411,7 @@ static int command_shape(const options *o)
             status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count, &run.modes));
     } else {
         fprintf(stderr, "pzs: %s\n", error);
+        status = failed_code(&run.analysis);
     }
     for (int i = 0; i < run.count; i++)
         voltages_free(&run.volts[i]);
@@ -447,18 +502,15 @@ static const char *table_path(const options *o, const char *prefix, char path[PA
 
 /*
  * Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem where it has a target. A
- * control image: the influence that the scene's simulation has, which is the caller's to free.
+ * control image: the influence that the scene's simulation has.
  */
-static int prepare_tables(analysis *a, tables_image image, double **influence, char *error)
+static int prepare_tables(analysis *a, tables_image image, char *error)
 {
     const scene *s = a->design.scene;
-    pzs_problem problem;
     if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && s->target.given)) && analysis_influence(a, error) < 0)
         return -1;
-    if (image == TABLES_CONTROL && simulate_tables(a, &problem, influence, error) < 0)
+    if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
         return -1;
-    if (image == TABLES_CONTROL)
-        a->design.problem = problem;
     if (image != TABLES_NONLINEAR)
         return 0;
     if (s->kinematics == KINEMATICS_LINEAR)
@@ -485,22 +537,20 @@ static int command_tables(const options *o)
     analysis a;
     output_file f;
     tables_size size;
-    double *influence = NULL;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[PATH_ROOM];
     if (!o->output)
         return usage_error("say where to write with -o FILE for", "tables");
     int status = open_analysis(o, &s, &a);
     if (status)
         return status;
-    if (prepare_tables(&a, o->image, &influence, error) < 0) {
+    if (prepare_tables(&a, o->image, error) < 0) {
         fprintf(stderr, "pzs: %s\n", error);
-        status = EXIT_USAGE;
+        status = failed_code(&a);
     } else if (table_prefix(o, &s, prefix), (status = output_begin(&f, table_path(o, prefix, path))) == 0) {
         status = output_end(&f, tables_write(f.file, &a, o->image, prefix, &size));
         if (status == 0)
             print_tables(o, &a, path);
     }
-    free(influence);
     analysis_free(&a);
     scene_free(&s);
     return status;
@@ -578,7 +628,9 @@ static int run_command(int argc, char **argv)
             for (int k = 2; k < argc; k++)
                 if (strcmp(argv[k], "--help") == 0)
                     return fputs(help, stdout) < 0;
-            const int wrong = parse(&o, argc, argv);
+            int wrong = parse(&o, argc, argv);
+            wrong = wrong ? wrong : check_options(&o, argv[1]);
+            wrong = wrong ? wrong : check_files(&o);
             return wrong ? wrong : commands[i].run(&o);
         }
     return usage_error("unknown command", argv[1]);

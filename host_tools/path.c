@@ -319,7 +319,7 @@ static pzs_status start(path *p, pzs_model *model)
     p->tables.prescribed.input = (uint16_t)input;
     p->tables.prescribed.dof = d->mesh.prescribed_dof;
     p->tables.prescribed.value = d->mesh.prescribed_value;
-    p->tables.crc = status == PZS_OK ? nonlinear_crc(&p->tables, s->input.count) : 0;
+    p->tables.crc = status == PZS_OK ? nonlinear_crc(&p->tables, s) : 0;
     return status == PZS_OK ? pzs_path_init(&p->run, model, &p->tables, p->work, bytes) : status;
 }
 

@@ -69,7 +69,8 @@ int plant_open(plant *p, const scene *nominal, char *error)
         p->amount = calloc((size_t)d->structure.input.count, sizeof *p->amount);
         p->reached = calloc((size_t)d->structure.input.count, sizeof *p->reached);
         p->full = calloc((size_t)d->structure.input.count, sizeof *p->full);
-        failed = !p->amount || !p->reached || !p->full ? scene_fault(nominal, nominal->simulate.at, error, "out of memory") : 0;
+        p->value = calloc((size_t)d->structure.output.count + 1, sizeof *p->value);
+        failed = !p->amount || !p->reached || !p->full || !p->value ? scene_fault(nominal, nominal->simulate.at, error, "out of memory") : 0;
     }
     if (failed) {
         plant_close(p);
@@ -91,6 +92,7 @@ void plant_close(plant *p)
     free(p->amount);
     free(p->reached);
     free(p->full);
+    free(p->value);
     memset(p, 0, sizeof *p);
 }
 
@@ -142,10 +144,10 @@ static void observe(const plant *p, const double *u, double *shape)
     }
 }
 
-static void sum_columns(const plant *p, double *shape)
+static void sum_columns(const plant *p, size_t rows, double *shape)
 {
     const size_t inputs = p->analysis.design.structure.input.count;
-    for (size_t i = 0; i < (size_t)p->analysis.design.targets; i++) {
+    for (size_t i = 0; i < rows; i++) {
         const double *row = p->analysis.influence + i * inputs;
         shape[i] = 0;
         for (size_t k = 0; k < inputs; k++)
@@ -174,13 +176,41 @@ int plant_shape(plant *p, const double *volt, double *shape, char *error)
 {
     memcpy(p->amount, volt, (size_t)p->analysis.design.amplifiers * sizeof *volt);
     if (!p->analysis.nonlinear) {
-        sum_columns(p, shape);
+        sum_columns(p, (size_t)p->analysis.design.targets, shape);
         return 0;
     }
     if (reach(p, error) < 0)
         return -1;
     observe(p, p->analysis.path.run.u, shape);
     return 0;
+}
+
+/* All rows, and volts and charges of electrodes where there are some. */
+static pzs_status look(plant *p)
+{
+    analysis *a = &p->analysis;
+    const size_t inputs = a->design.structure.input.count;
+    if (a->nonlinear) {
+        pzs_observe(&a->design.structure, a->path.run.u, p->value);
+        memcpy(a->amount, a->path.run.amount, inputs * sizeof *a->amount);
+        pzs_charges_at(&a->path.run, &a->design.electrodes, a->charge);
+        return PZS_OK;
+    }
+    sum_columns(p, a->design.structure.output.count, p->value);
+    memcpy(a->amount, p->amount, inputs * sizeof *a->amount);
+    const pzs_status status = a->electric.model ? pzs_open_volts(&a->electric, a->amount) : PZS_OK;
+    return status == PZS_OK && a->electric.model ? pzs_charges(&a->electric, a->amount, a->charge) : status;
+}
+
+int plant_readings(plant *p, double *reading, char *error)
+{
+    const analysis *a = &p->analysis;
+    const scene_estimate *estimate = &p->scene.estimate;
+    const pzs_status status = look(p);
+    for (int r = 0; r < estimate->readings; r++)
+        for (int i = 0; i < analysis_outputs(a, estimate->reading[r].output); i++)
+            *reading++ = analysis_output(a, estimate->reading[r].output, i, p->value);
+    return status == PZS_OK ? 0 : analysis_explain(a, status, error);
 }
 
 int plant_displacement(plant *p, double *u, char *error)

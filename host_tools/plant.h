@@ -13,6 +13,7 @@ typedef struct plant {
     double *amount;       /* [inputs] volts, loads, temperature, body: of the shape asked for */
     double *reached;      /* [inputs] of the shape reached last */
     double *full;         /* [inputs] loads and moving supports as the scene says */
+    double *value;        /* [output rows] of the last shape */
     int temperature;      /* input of the temperature, or -1 */
     int moved;            /* some shape has been reached */
     long systems;         /* linear systems solved by the nonlinear path */
@@ -37,6 +38,9 @@ void plant_rest(plant *p);
  *   volt [amplifiers] in, shape [targets] out
  */
 int plant_shape(plant *p, const double *volt, double *shape, char *error);
+
+/* What the readings of the scene's estimate show of the last shape, without noise. reading [sensors] out */
+int plant_readings(plant *p, double *reading, char *error);
 
 /* Displacement of the last shape. u [dof] out */
 int plant_displacement(plant *p, double *u, char *error);

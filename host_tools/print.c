@@ -184,7 +184,7 @@ static void print_path(const pzs_path *run)
 void print_solve(analysis *a, const double *value)
 {
     print_head(a);
-    if (a->design.scene->kinematics == KINEMATICS_AUTO)
+    if (a->design.scene->kinematics == KINEMATICS_AUTO && isfinite(a->cost))
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n", a->cost, a->design.scene->tolerance,
                a->nonlinear ? "nonlinear is needed" : "linear is enough");
     if (a->nonlinear)

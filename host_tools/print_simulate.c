@@ -8,9 +8,9 @@ static const char *const law_name[LAWS] = {"controller", "clamped"};
 
 /* ---- CSV -------------------------------------------------------------- */
 
-static void print_csv_head(FILE *file, const scene *s)
+static void print_csv_head(FILE *file, const scene *s, int estimates)
 {
-    fputs("tick,time,error,active,passes,status,lost", file);
+    fprintf(file, "tick,time,error,active,passes,status,lost%s", estimates ? ",missed" : "");
     for (int k = 0; k < s->amplifiers; k++) {
         char name[SCENE_NAME + 24];
         scene_amplifier_name(s, k, name);
@@ -19,10 +19,12 @@ static void print_csv_head(FILE *file, const scene *s)
     fputc('\n', file);
 }
 
-static void print_csv_tick(FILE *file, const scene *s, const simulate_sample *sample)
+static void print_csv_tick(FILE *file, const scene *s, int estimates, const simulate_sample *sample)
 {
     fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / s->simulate.rate, sample->error, sample->active,
             sample->passes, (int)sample->status, sample->lost);
+    if (estimates)
+        fprintf(file, ",%.17g", sample->missed);
     for (int k = 0; k < s->amplifiers; k++)
         fprintf(file, ",%.17g", sample->volt[k]);
     fputc('\n', file);
@@ -35,6 +37,7 @@ typedef struct onlookers {
     simulate_record *record;
     FILE *csv;
     int bar, shown; /* a terminal is there; percent on it */
+    int estimates;
 } onlookers;
 
 static void look(void *context, const simulate_sample *sample)
@@ -43,7 +46,7 @@ static void look(void *context, const simulate_sample *sample)
     const int percent = (int)(100.0 * (sample->tick + 1.0) / w->scene->simulate.ticks);
     record_tick(w->record, sample);
     if (w->csv && sample->law == LAW_CONTROLLER)
-        print_csv_tick(w->csv, w->scene, sample);
+        print_csv_tick(w->csv, w->scene, w->estimates, sample);
     if (!w->bar || percent == w->shown)
         return;
     w->shown = percent;
@@ -55,9 +58,9 @@ static void look(void *context, const simulate_sample *sample)
 
 int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *error)
 {
-    onlookers w = {s->nominal->design.scene, record, csv, bar, -1};
+    onlookers w = {s->nominal->design.scene, record, csv, bar, -1, s->estimates};
     if (csv)
-        print_csv_head(csv, w.scene);
+        print_csv_head(csv, w.scene, s->estimates);
     const int failed = simulate_run(s, LAW_CONTROLLER, look, &w, error) < 0 || simulate_run(s, LAW_CLAMP, look, &w, error) < 0
                     || simulate_optima(s, error) < 0;
     if (failed && bar)
@@ -74,8 +77,12 @@ static void print_plant(const simulation *s)
     for (int i = 0; i < s->plant.scene.materials; i++)
         printf("%s %s stiffness x %g, d x %g", i ? ";" : ",", s->plant.scene.material[i].name,
                simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
-    printf("; hysteresis %g\n  sensors: noise %g, delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->hysteresis,
-           simulate->noise, simulate->delay, simulate->step, simulate->dead_band);
+    printf("; hysteresis %g\n  sensors: ", simulate->hysteresis);
+    if (s->estimates)
+        printf("%d, with the noise of their readings", s->estimator.sensors);
+    else
+        printf("%d, noise %g", s->nominal->design.targets, simulate->noise);
+    printf(", delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->delay, simulate->step, simulate->dead_band);
     printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
            simulate->at_target ? "at the nonlinear optimum" : "at rest", simulate->ticks, simulate->rate);
 }
@@ -117,6 +124,18 @@ static void print_count(const simulation *s, simulate_law law)
                c->passes_most, PZS_STEP_PASSES);
 }
 
+/* What was estimated, at its worst. */
+static void print_estimated(const simulation *s)
+{
+    const simulate_phase *worst = s->phase;
+    if (!s->estimates)
+        return;
+    for (int k = 1; k < s->phases; k++)
+        worst = s->phase[k].course[LAW_CONTROLLER].missed > worst->course[LAW_CONTROLLER].missed ? &s->phase[k] : worst;
+    printf("  %-10s %d nodes estimated from %d sensors: off by %.3f%% of the target at the end of the phase from tick %d, less in the "
+           "others\n", "", s->nominal->design.targets, s->estimator.sensors, 100 * worst->course[LAW_CONTROLLER].missed, worst->from);
+}
+
 static void print_found(const simulation *s)
 {
     const simulate_count *c = &s->count[LAW_CONTROLLER];
@@ -142,6 +161,7 @@ void print_simulation(const simulation *s)
     print_plant(s);
     print_phases(s);
     print_count(s, LAW_CONTROLLER);
+    print_estimated(s);
     print_found(s);
     print_board(s);
     print_count(s, LAW_CLAMP);
@@ -155,6 +175,8 @@ static void json_course(json *j, const simulation *s, const simulate_course *c, 
     json_open(j, law_name[law], '{');
     json_number(j, "steady", c->steady);
     json_number(j, "worst", c->worst);
+    if (s->estimates)
+        json_number(j, "missed", c->missed);
     json_number(j, "settled", c->settled);
     json_number(j, "slew_ticks", c->slew_ticks);
     json_numbers(j, "volts", c->volt, s->nominal->design.amplifiers);
@@ -205,6 +227,15 @@ void print_simulation_json(const simulation *s)
         json_string(&j, "device", s->board->name);
         json_number(&j, "device_bits", s->board->bits);
         json_number(&j, "device_same", (double)s->count[LAW_CONTROLLER].same);
+    }
+    if (s->estimates) {
+        json_open(&j, "estimate", '{');
+        json_number(&j, "sensors", s->estimator.sensors);
+        json_number(&j, "rank", s->estimator.rank);
+        json_number(&j, "condition", s->estimator.condition);
+        json_number(&j, "missed", s->estimator.missed / s->estimator.disturbed);
+        json_number(&j, "worst_missed", s->estimator.worst_missed / s->estimator.worst_disturbed);
+        json_close(&j, '}');
     }
     json_number(&j, "amplifiers", s->nominal->design.amplifiers);
     json_number(&j, "targets", s->nominal->design.targets);

@@ -34,6 +34,8 @@ void record_tick(simulate_record *r, const simulate_sample *sample)
     const int bin = (int)((double)sample->tick * r->bins / r->ticks);
     r->error[sample->law][bin] = fmax(r->error[sample->law][bin], sample->error);
     if (sample->law == LAW_CONTROLLER)
+        r->missed[bin] = fmax(r->missed[bin], sample->missed);
+    if (sample->law == LAW_CONTROLLER)
         memcpy(r->volt + (size_t)(bin * r->amplifiers), sample->volt, (size_t)r->amplifiers * sizeof *r->volt);
 }
 
@@ -108,6 +110,13 @@ static void write_phases(const page *p)
 static void write_extras(const page *p, const simulate_count *c)
 {
     const device_board *board = p->s->board;
+    char text[SCENE_ERROR];
+    if (p->s->estimates) {
+        estimator_text(&p->s->estimator, p->s->nominal, text);
+        fputs("<p>The shape is estimated: ", p->file);
+        html_text(p->file, text);
+        fputs(".</p>\n", p->file);
+    }
     if (p->scene->simulate.finds)
         fprintf(p->file, "<p>Electrodes that the controller found not to follow: %ld, the slowest after %d ticks; %ld of them were in good "
                 "order.</p>\n", c->found, c->search, c->wrong);
@@ -144,8 +153,11 @@ static void write_plant(const page *p)
         html_text(p->file, p->scene->material[i].name);
         fprintf(p->file, " stiffness &times;&nbsp;%g, d &times;&nbsp;%g", simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     }
-    fprintf(p->file, "; hysteresis %g. Sensors: noise ", simulate->hysteresis);
-    html_quantity(p->file, simulate->noise, p->scene->unit_length);
+    fprintf(p->file, "; hysteresis %g. Sensors: %d, ", simulate->hysteresis, p->s->estimates ? p->s->estimator.sensors : p->s->nominal->design.targets);
+    if (p->s->estimates)
+        fputs("with the noise of their readings", p->file);
+    else
+        fputs("noise ", p->file), html_quantity(p->file, simulate->noise, p->scene->unit_length);
     fprintf(p->file, ", delay %d ticks. Amplifiers: steps of ", simulate->delay);
     html_quantity(p->file, simulate->step, p->scene->unit_voltage);
     fputs(", dead band ", p->file);
@@ -201,6 +213,8 @@ static log_axis axis_of(const page *p, double bottom)
             axis.low = fmin(axis.low, p->r->error[law][i] > 0 ? p->r->error[law][i] : HUGE_VAL);
             axis.high = fmax(axis.high, p->r->error[law][i]);
         }
+    for (int i = 0; i < p->r->bins && p->s->estimates; i++)
+        axis.low = fmin(axis.low, p->r->missed[i] > 0 ? p->r->missed[i] : HUGE_VAL);
     for (int k = 0; k < p->s->phases; k++)
         axis.low = fmin(axis.low, p->s->phase[k].optimum > 0 ? p->s->phase[k].optimum : axis.low);
     axis.low = fmax(isfinite(axis.low) ? axis.low : 1, 1e-6 * axis.high);
@@ -226,6 +240,15 @@ static void draw_levels(const page *p, const log_axis *axis)
         }
 }
 
+/* value [bins] in: an error over time */
+static void draw_curve(const page *p, const log_axis *axis, const char *style, double width, const double *value)
+{
+    fprintf(p->file, "<path class=\"%s\" style=\"stroke-width:%.1f\" d=\"", style, width);
+    for (int i = 0; i < p->r->bins; i++)
+        fprintf(p->file, "%c%.1f %.1f", i ? 'L' : 'M', x_of(p, (i + 0.5) * p->r->ticks / p->r->bins), y_of(axis, value[i]));
+    fputs("\"/>\n", p->file);
+}
+
 static void draw_errors(const page *p)
 {
     const log_axis axis = axis_of(p, 250);
@@ -234,12 +257,10 @@ static void draw_errors(const page *p)
     draw_begin(p->file, 1160, 270, "Shape error over time of the controller and of clamping, with the optimum of each phase");
     draw_levels(p, &axis);
     draw_phases(p, axis.bottom);
-    for (int law = LAWS - 1; law >= 0; law--) {
-        fprintf(p->file, "<path class=\"%s\" style=\"stroke-width:1.6\" d=\"", style[law]);
-        for (int i = 0; i < p->r->bins; i++)
-            fprintf(p->file, "%c%.1f %.1f", i ? 'L' : 'M', x_of(p, (i + 0.5) * p->r->ticks / p->r->bins), y_of(&axis, p->r->error[law][i]));
-        fputs("\"/>\n", p->file);
-    }
+    for (int law = LAWS - 1; law >= 0; law--)
+        draw_curve(p, &axis, style[law], 1.6, p->r->error[law]);
+    if (p->s->estimates)
+        draw_curve(p, &axis, "wire", 0.7, p->r->missed);
     fputs("<path class=\"outline\" d=\"", p->file);
     for (int k = 0; k < p->s->phases; k++)
         fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, p->s->phase[k].from), y_of(&axis, p->s->phase[k].optimum), x_of(p, p->s->phase[k].until));
@@ -247,6 +268,8 @@ static void draw_errors(const page *p)
     draw_end(p->file);
     fputs("<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clamped</span>"
           "<span><i class=\"key dash\"></i>optimum of the plant</span></span> Shape error, logarithmic", p->file);
+    if (p->s->estimates)
+        fputs("; thin: what the estimate is off by", p->file);
     if (p->r->ticks > p->r->bins)
         fprintf(p->file, "; the largest of every %d ticks", (p->r->ticks + p->r->bins - 1) / p->r->bins);
     fputs(".</figcaption></figure>\n", p->file);

@@ -11,6 +11,7 @@ enum { RECORD_BINS = 800 };
 typedef struct simulate_record {
     int bins, ticks, amplifiers;
     double error[LAWS][RECORD_BINS]; /* the largest of the bin */
+    double missed[RECORD_BINS];      /* the same of the estimate under the controller; 0 where there is none */
     double *volt;                    /* [RECORD_BINS][amplifiers] the last of the bin, under the controller */
     double *lower, *upper;           /* [amplifiers] of the controller, for the bins at a limit */
 } simulate_record;

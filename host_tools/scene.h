@@ -252,7 +252,7 @@ typedef struct scene_estimate {
 /* What happens at a tick of a simulation. */
 typedef enum scene_event_type {
     EVENT_TARGET, EVENT_VALUE,               /* a factor of the target, another target */
-    EVENT_LOAD, EVENT_TEMPERATURE,           /* on the structure; the controller does not know */
+    EVENT_LOAD, EVENT_TEMPERATURE,           /* on the structure; the controller does not know, but of known loads */
     EVENT_DEAD, EVENT_STUCK, EVENT_ALIVE,    /* electrodes: at 0 V, at their last voltage, as they should be */
     EVENT_NAN, EVENT_FROZEN,                 /* a share of the sensors */
     EVENT_LOST                               /* ticks in which the controller does not run */
@@ -266,11 +266,15 @@ typedef struct scene_event {
     double amount;               /* factor of target or load, temperature, share of the sensors */
     int ticks;                   /* nan, frozen, lost: for how long */
     int load;                    /* its number */
+    int known;                   /* load: the controller is told the amount a tick before */
     int amplifiers, *amplifier;  /* dead, stuck, alive: [amplifiers] */
     int told;                    /* dead, stuck: ticks until the controller is told, or one of the two below */
     expr *value;                 /* another target */
     scene_at at;
 } scene_event;
+
+/* What the sensors are: those of the scene's estimate where it has one, or that, or one for every target node. */
+typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_sight;
 
 /* A structure that is not quite the scene's, sensors, amplifiers and a schedule, for the controller to live with. */
 typedef struct scene_simulate {
@@ -281,12 +285,14 @@ typedef struct scene_simulate {
     scene_kinematics kinematics; /* of the plant: linear or nonlinear */
     double *stiffness, *d;       /* [materials] factors that the controller does not know */
     double hysteresis;           /* width of the largest loop over the range of the volts */
-    double noise;                /* of the sensors, standard deviation */
+    scene_sight sight;
+    double noise;                /* of measured shapes, standard deviation; an estimate's readings have their own */
     int delay;                   /* of the sensors, ticks */
     double step, dead_band;      /* of the amplifiers, V */
     double fault_chance;         /* of a random fault in a tick */
     int fault_until;             /* tick from which there are none */
     int finds;                   /* some electrode is TOLD_FOUND */
+    int feeds;                   /* some load is known */
     int events;
     scene_event *event;
     scene_at at;

@@ -68,10 +68,23 @@ static int read_plant(reader *r, int node, void *to, const void *rule)
 
 /* ---- sensors, amplifiers, faults ---- */
 
+static int read_sight(reader *r, int node, void *to, const void *rule)
+{
+    static const choice sights[] = {{"estimated", SIGHT_ESTIMATED}, {"measured", SIGHT_MEASURED}, {NULL, 0}};
+    scene_simulate *simulate = to;
+    int sight = 0;
+    (void)rule;
+    if (read_choice(r, node, &sight, sights) != 0) return -1;
+    simulate->sight = (scene_sight)sight;
+    if (sight == SIGHT_MEASURED || r->s->estimate.given) return 0;
+    return tree_fault(r->t, node, "an estimated shape needs readings; add estimate: {readings: [{output: name, noise: 1e-6}]}");
+}
+
 static int read_measurement(reader *r, int node, void *to, const void *rule)
 {
     static const range late = {0, 16, 0, "must be from 0 to 16 ticks"};
     static const field fields[] = {
+        {"shape", read_sight, 0, NULL, 0},
         {"noise", read_real, offsetof(scene_simulate, noise), &not_negative, 0},
         {"delay", read_int, offsetof(scene_simulate, delay), &late, 0},
         {NULL, NULL, 0, NULL, 0}};
@@ -105,7 +118,7 @@ static int read_faults(reader *r, int node, void *to, const void *rule)
 
 typedef struct event_text {
     scene_event *event;
-    int kinds, amount_given, ticks_given, told_given;
+    int kinds, amount_given, ticks_given, told_given, known_given;
 } event_text;
 
 static int expands(const scene *s)
@@ -199,6 +212,15 @@ static int read_event_told(reader *r, int node, void *to, const void *rule)
     return read_int(r, node, &text->event->told, rule);
 }
 
+static int read_event_known(reader *r, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->known_given = 1;
+    if (read_flag(r, node, &text->event->known, rule) != 0) return -1;
+    r->s->simulate.feeds |= text->event->known;
+    return 0;
+}
+
 static int read_event_at(reader *r, int node, void *to, const void *rule)
 {
     static const range later = {0, 1e7, 0, "must be a tick from 0"};
@@ -226,6 +248,10 @@ static int check_event(reader *r, int node, const event_text *text)
                                                         : "sensors fail for some ticks; add ticks: 20");
     if (text->told_given && !electrodes)
         return tree_fault(r->t, node, "'told' belongs to dead and stuck electrodes; remove it");
+    if (text->known_given && type == EVENT_TEMPERATURE)
+        return tree_fault(r->t, node, "a known temperature is a load of the scene; add {temperature: 1} to loads, write its number and "
+                          "the kelvin as load and amount");
+    if (text->known_given && type != EVENT_LOAD) return tree_fault(r->t, node, "'known' belongs to a load; remove it");
     return 0;
 }
 
@@ -240,7 +266,7 @@ static int read_event(reader *r, int node, scene_event *event)
         {"alive", read_event_type, 0, &event_types[6], 0}, {"nan", read_event_type, 0, &event_types[7], 0},
         {"frozen", read_event_type, 0, &event_types[8], 0}, {"lost", read_event_type, 0, &event_types[9], 0},
         {"amount", read_event_amount, 0, NULL, 0}, {"ticks", read_event_ticks, 0, &tick_count, 0},
-        {"told", read_event_told, 0, &waits, 0}, {NULL, NULL, 0, NULL, 0}};
+        {"told", read_event_told, 0, &waits, 0}, {"known", read_event_known, 0, NULL, 0}, {NULL, NULL, 0, NULL, 0}};
     event_text text = {0};
     text.event = event;
     event->told = TOLD_NEVER;

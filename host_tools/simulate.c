@@ -73,41 +73,38 @@ static int lay_out_phases(simulation *s)
     return good && quiet >= 0 ? phase_begin(s, quiet, simulate->events) : good;
 }
 
-/* Influence at the best shape of the nonlinear structure that the controller knows. */
-static int tables_at_target(analysis *nominal, double *influence, char *error)
+/* Volts and charges of electrodes have no influence at a shape. */
+static int check_readings(const design *d, char *error)
 {
-    const design *d = &nominal->design;
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
-    double *all = calloc((size_t)d->structure.output.count * inputs, sizeof *all);
-    voltages best;
-    memset(&best, 0, sizeof best);
-    int failed = all ? 0 : no_memory(nominal, error);
-    nominal->nonlinear = 1;
-    failed = failed || voltages_optimum(nominal, (double)NAN, &best, error) < 0;
-    if (!failed && pzs_influence_at(&nominal->path.run, all) != PZS_OK)
-        failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
-    for (size_t i = 0; !failed && i < m; i++)
-        memcpy(influence + i * n, all + i * inputs, n * sizeof *all);
-    voltages_free(&best);
-    free(all);
-    return failed ? -1 : 0;
+    const scene_estimate *estimate = &d->scene->estimate;
+    for (int r = 0; r < estimate->readings; r++)
+        if (d->scene->output[estimate->reading[r].output].electric != ELECTRIC_NONE)
+            return scene_fault(d->scene, estimate->reading[r].at, error, "'%s' is read by an electrode, whose gains are made at rest; "
+                               "write influence: rest in simulate", d->scene->output[estimate->reading[r].output].name);
+    return 0;
 }
 
-int simulate_tables(analysis *nominal, pzs_problem *problem, double **influence, char *error)
+/* Influence at the best shape of the nonlinear structure that the controller knows. */
+int simulate_tables(analysis *nominal, char *error)
 {
-    const design *d = &nominal->design;
-    *influence = NULL;
-    *problem = d->problem;
+    design *d = &nominal->design;
+    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
+    voltages best;
     if (!d->scene->simulate.at_target)
         return 0;
-    problem->influence = *influence = calloc((size_t)d->targets * (size_t)d->amplifiers, sizeof **influence);
-    problem->hessian = NULL;
-    if (!*influence)
-        return no_memory(nominal, error);
-    if (tables_at_target(nominal, *influence, error) < 0)
+    if (check_readings(d, error) < 0)
         return -1;
-    problem->crc = guard_problem_crc(problem);
-    return 0;
+    memset(&best, 0, sizeof best);
+    nominal->nonlinear = 1;
+    int failed = voltages_optimum(nominal, (double)NAN, &best, error) < 0;
+    if (!failed && pzs_influence_at(&nominal->path.run, nominal->influence) != PZS_OK)
+        failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
+    for (size_t i = 0; !failed && i < (size_t)d->targets; i++)
+        memcpy(d->influence + i * n, nominal->influence + i * inputs, n * sizeof *d->influence);
+    d->problem.hessian = NULL;
+    d->problem.crc = guard_problem_crc(&d->problem);
+    voltages_free(&best);
+    return failed ? -1 : 0;
 }
 
 /* Loops are measured by the range of the volts. */
@@ -118,6 +115,17 @@ static int check_range(const design *d, char *error)
             return scene_fault(d->scene, d->scene->simulate.at, error, "hysteresis is a part of the range of the volts; add "
                                "limits: {voltage: [lowest, highest]}");
     return 0;
+}
+
+/* What stands beside the controller. Returns 0, or -1 with error filled. */
+static int equip(simulation *s, char *error)
+{
+    const scene *scene = s->nominal->design.scene;
+    s->problem = &s->nominal->design.problem;
+    s->estimates = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
+    s->feeds = scene->simulate.feeds;
+    s->quantises = scene->simulate.step > 0 || scene->simulate.dead_band > 0;
+    return s->estimates || s->feeds ? estimator_open(&s->estimator, s->nominal, error) : 0;
 }
 
 int simulate_open(simulation *s, analysis *nominal, char *error)
@@ -131,7 +139,7 @@ int simulate_open(simulation *s, analysis *nominal, char *error)
         s->reference += pow(d->weight[i] * d->target[i], 2);
     s->reference = s->reference > 0 ? sqrt(s->reference) : 1;
     int failed = lay_out_phases(s) ? 0 : no_memory(nominal, error);
-    failed = failed || simulate_tables(nominal, &s->problem, &s->influence, error) < 0;
+    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0;
     if (failed)
         simulate_close(s);
     return failed ? -1 : 0;
@@ -141,11 +149,9 @@ static int write_tables(const simulation *s, char *error)
 {
     char path[DEVICE_PATH + 16];
     tables_size size;
-    analysis a = *s->nominal;
-    a.design.problem = s->problem;
     snprintf(path, sizeof path, "%s/loop.h", s->folder);
     FILE *file = fopen(path, "w");
-    int failed = !file || tables_write(file, &a, TABLES_CONTROL, "demo", &size) < 0;
+    int failed = !file || tables_write(file, s->nominal, TABLES_CONTROL, "demo", &size) < 0;
     failed |= file && fclose(file) != 0;
     if (failed)
         snprintf(error, SCENE_ERROR, "cannot write %.300s", path);
@@ -173,7 +179,7 @@ void simulate_close(simulation *s)
         free(s->phase[k].held);
     }
     free(s->phase);
-    free(s->influence);
+    estimator_close(&s->estimator);
     device_remove(s->folder);
     plant_close(&s->plant);
     memset(s, 0, sizeof *s);
@@ -185,7 +191,7 @@ typedef struct course_log {
     double *window;  /* [WINDOW][targets] shapes at the start of the phase, */
     double *last;    /* [LAST][targets] at its end, */
     double *mean;    /* [targets] the mean of those */
-    double error[LAST];
+    double error[LAST], missed[LAST];
     double *before;  /* [amplifiers] volts before the phase */
     int ticks;
 } course_log;
@@ -216,6 +222,7 @@ static void follow(course_log *f, const loop *l, simulate_course *c)
         memcpy(f->window + (size_t)f->ticks * m, l->shape, m * sizeof *f->window);
     memcpy(f->last + (size_t)(f->ticks % LAST) * m, l->shape, m * sizeof *f->last);
     f->error[f->ticks % LAST] = l->error;
+    f->missed[f->ticks % LAST] = l->missed;
     c->worst = fmax(c->worst, l->error);
     f->ticks++;
 }
@@ -249,16 +256,18 @@ static void finish_course(course_log *f, const loop *l, simulate_course *c)
 {
     const design *d = l->design;
     const int quarter = (f->ticks + 3) / 4, count = quarter < LAST ? quarter : LAST;
-    double squares = 0, slew = 0;
+    double squares = 0, missed = 0, slew = 0;
     memset(f->mean, 0, (size_t)d->targets * sizeof *f->mean);
     for (int k = f->ticks - count; k < f->ticks; k++) {
         squares += f->error[k % LAST] * f->error[k % LAST] / count;
+        missed += f->missed[k % LAST] * f->missed[k % LAST] / count;
         for (int i = 0; i < d->targets; i++)
             f->mean[i] += f->last[(k % LAST) * d->targets + i] / count;
     }
     for (int k = 0; k < d->amplifiers; k++)
         slew = fmax(slew, fabs(l->given[k] - f->before[k]) / d->slew[k]);
     c->steady = sqrt(squares);
+    c->missed = sqrt(missed);
     c->settled = settled_after(f, d);
     c->slew_ticks = (int)fmin(ceil(slew), 1e9);
     memcpy(c->volt, l->given, (size_t)d->amplifiers * sizeof *c->volt);
@@ -281,7 +290,7 @@ static void keep_conditions(const loop *l, simulate_phase *p)
 
 static void tell(const loop *l, simulate_law law, int tick, simulate_watch *watch, void *context)
 {
-    const simulate_sample sample = {.law = law, .tick = tick, .error = l->error, .command = l->command, .volt = l->given,
+    const simulate_sample sample = {.law = law, .tick = tick, .error = l->error, .missed = l->missed, .command = l->command, .volt = l->given,
                                     .active = loop_active(l), .passes = l->passes, .status = l->status, .lost = l->is_lost};
     if (watch)
         watch(context, &sample);
@@ -406,7 +415,7 @@ static void name_event(const scene *s, const scene_event *event, char *text, siz
         snprintf(text, room, " %g", event->amount);
         break;
     case EVENT_LOAD:
-        snprintf(text, room, " %d x %g", event->load, event->amount);
+        snprintf(text, room, " %d x %g%s", event->load, event->amount, event->known ? ", known" : "");
         break;
     case EVENT_NAN:
     case EVENT_FROZEN:

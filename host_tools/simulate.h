@@ -12,6 +12,7 @@
 #define SIMULATE_H
 
 #include "device.h"
+#include "estimator.h"
 #include "plant.h"
 
 typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAWS } simulate_law;
@@ -21,6 +22,7 @@ typedef struct simulate_sample {
     simulate_law law;
     int tick;
     double error;            /* of the shape at its start: |W (shape - wanted)| / |W target of the scene| */
+    double missed;           /* |W (shape - what the controller takes it for)| / the same */
     const double *command;   /* [amplifiers] volts asked for */
     const double *volt;      /* [amplifiers] volts that the amplifiers give */
     int active, passes;      /* volts at a limit; passes of the optimiser */
@@ -34,6 +36,7 @@ typedef void simulate_watch(void *context, const simulate_sample *sample);
 typedef struct simulate_course {
     double steady;           /* error: root mean square over the last ticks */
     double worst;            /* largest error */
+    double missed;           /* root mean square over the last ticks of what the controller does not see */
     int settled;             /* ticks until the shape stays within 5 % of its way to the last one; -1: it does not */
     int slew_ticks;          /* what the slew alone needs from the volts before to those at the end */
     double *volt;            /* [amplifiers] at the end */
@@ -69,8 +72,9 @@ typedef struct simulate_count {
 typedef struct simulation {
     const analysis *nominal;
     plant plant;
-    pzs_problem problem;     /* the controller's tables */
-    double *influence;       /* [targets][amplifiers] at the nonlinear optimum, where the scene asks for it */
+    const pzs_problem *problem; /* the controller's tables: the nominal design's */
+    estimator estimator;     /* its gains and known loads, where `estimates` or `feeds` */
+    int estimates, feeds, quantises; /* the shape from few sensors; known loads; amplifiers with steps or a dead band */
     double reference;        /* |W target of the scene| */
     const device_board *board; /* the controller runs on it; NULL: here */
     char folder[DEVICE_PATH]; /* of its firmware */
@@ -88,11 +92,10 @@ int simulate_open(simulation *s, analysis *nominal, char *error);
 void simulate_close(simulation *s);
 
 /*
- * The controller's tables: those of the design, or where the scene asks for it with the influence at the nonlinear
- * optimum that it believes in. Returns 0, or -1 with error filled.
- *   influence out  NULL or that one; free it
+ * Make the tables of an analysis those of its scene's controller: nothing to do, or where the scene asks for it the
+ * influence of all inputs at the nonlinear optimum that it believes in. Returns 0, or -1 with error filled.
  */
-int simulate_tables(analysis *nominal, pzs_problem *problem, double **influence, char *error);
+int simulate_tables(analysis *nominal, char *error);
 
 /*
  * The firmware of a board in place of the controller: built now, run by QEMU in simulate_run. Its twin, the same C in the

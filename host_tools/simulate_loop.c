@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "control.h"
 
 /* ---- random numbers --------------------------------------------------- */
 
@@ -16,7 +17,7 @@ static uint64_t draw(loop *l)
 }
 
 /* From 0 to 1, 1 left out. */
-static double draw_share(loop *l)
+double loop_draw(loop *l)
 {
     return (double)(draw(l) >> 11) * 0x1p-53;
 }
@@ -24,16 +25,7 @@ static double draw_share(loop *l)
 /* From 0 to count - 1. */
 static int draw_int(loop *l, int count)
 {
-    return (int)(draw_share(l) * count);
-}
-
-/* Mean 0, variance 1: the sum of twelve shares less six; no function of libm, so the same bits everywhere. */
-static double draw_noise(loop *l)
-{
-    double sum = -6;
-    for (int i = 0; i < 12; i++)
-        sum += draw_share(l);
-    return sum;
+    return (int)(loop_draw(l) * count);
 }
 
 /* ---- what the controller is told -------------------------------------- */
@@ -97,8 +89,8 @@ static void revive(loop *l, int amplifier)
 
 static void fail_sensors(loop *l, const scene_event *event, int tick)
 {
-    for (int i = 0; i < l->design->targets; i++) {
-        if (!(draw_share(l) < event->amount))
+    for (int i = 0; i < l->sensors; i++) {
+        if (!(loop_draw(l) < event->amount))
             continue;
         if (event->type == EVENT_NAN)
             l->sensor[i].nan_until = tick + event->ticks;
@@ -142,6 +134,8 @@ static void happen(loop *l, const scene_event *event, int tick)
 static void schedule(loop *l, const scene_event *event, int tick)
 {
     happen(l, event, tick);
+    if (event->known)
+        l->known[event->load] = event->amount;
     if (event->type == EVENT_TARGET)
         l->scheduled_factor = event->amount;
     if (event->type == EVENT_LOAD || event->type == EVENT_TEMPERATURE)
@@ -155,7 +149,7 @@ static void random_fault(loop *l, int tick)
                                              EVENT_TARGET, EVENT_LOAD};
     int amplifier[2];
     scene_event event = {.type = kinds[draw_int(l, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
-    event.amount = draw_share(l);
+    event.amount = loop_draw(l);
     event.ticks = 1 + draw_int(l, 50);
     event.amplifiers = 1 + draw_int(l, 2);
     for (int i = 0; i < 2; i++)
@@ -175,22 +169,33 @@ static void end_faults(loop *l)
 {
     l->factor = l->scheduled_factor;
     l->lost_until = 0;
-    memset(l->sensor, 0, (size_t)l->design->targets * sizeof *l->sensor);
+    memset(l->sensor, 0, (size_t)l->sensors * sizeof *l->sensor);
     for (int k = 0; k <= l->design->loads; k++)
         set_load(l, k, l->scheduled_load[k]);
     for (int k = 0; k < l->design->amplifiers; k++)
         revive(l, k);
 }
 
+/* Known loads are known a tick before they come. */
+static void look_ahead(loop *l, int tick)
+{
+    const scene_simulate *simulate = &l->design->scene->simulate;
+    memcpy(l->coming, l->known, (size_t)l->design->loads * sizeof *l->known);
+    for (int k = l->next_event; k < simulate->events && simulate->event[k].tick == tick + 1; k++)
+        if (simulate->event[k].known)
+            l->coming[simulate->event[k].load] = simulate->event[k].amount;
+}
+
 static void run_events(loop *l, int tick)
 {
     const scene_simulate *simulate = &l->design->scene->simulate;
-    if (simulate->fault_chance > 0 && tick < simulate->fault_until && draw_share(l) < simulate->fault_chance)
+    if (simulate->fault_chance > 0 && tick < simulate->fault_until && loop_draw(l) < simulate->fault_chance)
         random_fault(l, tick);
     if (simulate->fault_chance > 0 && tick == simulate->fault_until)
         end_faults(l);
     for (; l->next_event < simulate->events && simulate->event[l->next_event].tick == tick; l->next_event++)
         schedule(l, &simulate->event[l->next_event], tick);
+    look_ahead(l, tick);
     for (int k = 0; k < l->design->amplifiers; k++) {
         electrode *e = &l->electrode[k];
         if (e->good_at == tick)
@@ -198,13 +203,14 @@ static void run_events(loop *l, int tick)
         if (e->told_at == tick) {
             hold(l, k, e->held);
             e->is_told = 1;
+            e->out_since = e->failed_at;
         }
     }
     for (int i = 0; i < l->design->targets; i++)
         l->wanted[i] = l->factor * l->goal[i];
 }
 
-/* ---- electrodes, plant, sensors --------------------------------------- */
+/* ---- electrodes ------------------------------------------------------- */
 
 static double through_play(electrode *e, double volt, double half_range, double share)
 {
@@ -226,46 +232,6 @@ static void drive(loop *l)
         electrode *e = &l->electrode[k];
         const double volt = e->fault == ELECTRODE_GOOD ? l->given[k] : e->held;
         l->effect[k] = hysteresis > 0 ? through_play(e, volt, (d->upper[k] - d->lower[k]) / 2, hysteresis * 16 / 5) : volt;
-    }
-}
-
-/* Place of a tick in what is kept for the delay. */
-static double *late(const loop *l, double *kept, int tick)
-{
-    return kept + (size_t)(tick % (l->design->scene->simulate.delay + 1)) * (size_t)l->design->targets;
-}
-
-/* The model's shape under the command, which the tables alone make. */
-static void predict(loop *l)
-{
-    const pzs_problem *p = &l->simulation->problem;
-    for (size_t i = 0; i < p->outputs; i++) {
-        l->predicted[i] = 0;
-        for (size_t k = 0; k < p->inputs; k++)
-            l->predicted[i] += p->influence[i * p->inputs + k] * l->command[k];
-    }
-}
-
-/*
- * What the sensors say of the shape `delay` ticks ago; what the model has moved by since is added, so that the
- * controller compares shape and prediction of the same tick. A reading that stands still to the last bit is
- * handed on standing still.
- */
-static void sense(loop *l, int tick)
-{
-    const scene_simulate *simulate = &l->design->scene->simulate;
-    const int then = tick > simulate->delay ? tick - simulate->delay : 0;
-    const double *shape = late(l, l->late_shape, then), *said = late(l, l->late_predicted, then);
-    for (int i = 0; i < l->design->targets; i++) {
-        const double noise = simulate->noise > 0 ? simulate->noise * draw_noise(l) : 0;
-        const double reading = tick < l->sensor[i].frozen_until ? l->reading[i] : shape[i] + noise;
-        if (simulate->delay == 0)
-            l->measured[i] = reading;
-        else if (tick == 0 || reading < l->reading[i] || reading > l->reading[i] || isnan(l->measured[i]))
-            l->measured[i] = reading + (l->predicted[i] - said[i]);
-        l->reading[i] = reading;
-        if (tick < l->sensor[i].nan_until)
-            l->measured[i] = (double)NAN;
     }
 }
 
@@ -300,7 +266,7 @@ static pzs_status clamp(loop *l)
     const design *d = l->design;
     for (int i = 0; i < d->targets; i++) {
         l->disturbance[i] = isfinite(l->measured[i]) ? l->measured[i] - l->predicted[i] : l->disturbance[i];
-        l->wish[i] = l->wanted[i] - l->disturbance[i];
+        l->wish[i] = l->asked[i] - l->disturbance[i];
     }
     const pzs_status status = pzs_clipped(&l->control, l->wish, l->next);
     for (int k = 0; status == PZS_OK && k < d->amplifiers; k++)
@@ -309,17 +275,21 @@ static pzs_status clamp(loop *l)
 }
 
 /* The board's answer, and whether its twin's has the same bits. Returns 0, or -1 with error filled. */
-static int ask_board(loop *l, char *error)
+static int ask_board(loop *l, int tick, char *error)
 {
-    const size_t n = (size_t)l->design->amplifiers;
-    const int status = device_tick(&l->board, l->wanted, l->measured, l->command, l->state, &l->passes, error);
+    const size_t n = (size_t)l->design->amplifiers, loads = (size_t)l->design->loads;
+    if (l->simulation->feeds) {
+        device_know(&l->board, sense_known(l, tick), l->coming, loads);
+        device_know(&l->twin, sense_known(l, tick), l->coming, loads);
+    }
+    const int status = device_tick(&l->board, l->wanted, l->sensed, l->command, l->state, &l->passes, error);
     int passes = 0, same = -1;
     if (status < 0)
         return -1;
     l->status = (pzs_status)status;
     if (!l->twin.board)
         return 0;
-    same = device_tick(&l->twin, l->wanted, l->measured, l->next, l->twin_state, &passes, error);
+    same = device_tick(&l->twin, l->wanted, l->sensed, l->next, l->twin_state, &passes, error);
     l->same = same == status && passes == l->passes && memcmp(l->next, l->command, n * sizeof *l->next) == 0
            && memcmp(l->twin_state, l->state, n) == 0;
     return same < 0 ? -1 : 0;
@@ -327,10 +297,14 @@ static int ask_board(loop *l, char *error)
 
 static void ask_library(loop *l)
 {
+    const scene_simulate *simulate = &l->design->scene->simulate;
     const size_t n = (size_t)l->design->amplifiers;
-    l->status = pzs_tick(&l->control, l->wanted, l->measured);
+    const pzs_status seen = l->status, stepped = pzs_tick(&l->control, l->asked, l->measured);
+    l->status = stepped == PZS_OK ? seen : stepped;
     l->passes = l->control.passes;
-    if (!PZS_IS_ERROR(l->status) && l->design->scene->simulate.finds) {
+    if (!PZS_IS_ERROR(l->status) && l->simulation->quantises)
+        (void)pzs_quantise(&l->control, l->converted, simulate->step, simulate->dead_band);
+    if (!PZS_IS_ERROR(l->status) && simulate->finds) {
         const pzs_status watched = pzs_watch_tick(&l->watch, l->measured);
         l->status = PZS_IS_ERROR(watched) ? watched : l->status;
         memcpy(l->state, l->watch.state, n);
@@ -347,6 +321,7 @@ static void learn(loop *l, int tick)
         if (l->state[k] != PZS_HELD || e->is_told)
             continue;
         e->is_told = 1;
+        e->out_since = 0;
         l->found++;
         if (e->fault == ELECTRODE_GOOD)
             l->wrong++;
@@ -355,18 +330,33 @@ static void learn(loop *l, int tick)
     }
 }
 
+/* A controller that others give its volts: what they are. */
+static void follow(loop *l)
+{
+    memcpy(l->control.volt, l->command, (size_t)l->design->amplifiers * sizeof *l->command);
+    control_moved(&l->control);
+}
+
 static int command(loop *l, int tick, char *error)
 {
+    if (l->simulation->estimates && (l->law == LAW_CLAMP || l->board.board))
+        follow(l);
+    l->status = sense_shape(l, tick);
+    if (PZS_IS_ERROR(l->status))
+        return 0;
     if (l->law == LAW_CLAMP) {
         l->status = clamp(l);
     } else if (l->board.board) {
-        if (ask_board(l, error) < 0)
+        if (ask_board(l, tick, error) < 0)
             return -1;
     } else {
         ask_library(l);
     }
     learn(l, tick);
-    predict(l);
+    for (int k = 0; k < l->design->amplifiers; k++)
+        if (l->electrode[k].is_told)
+            sense_taken_out(l, k, l->electrode[k].out_since, tick);
+    sense_predict(l);
     return 0;
 }
 
@@ -436,15 +426,14 @@ static double shape_error(const loop *l)
 
 int loop_tick(loop *l, int tick, char *error)
 {
-    const size_t n = (size_t)l->design->amplifiers, m = (size_t)l->design->targets;
+    const size_t n = (size_t)l->design->amplifiers;
     run_events(l, tick);
     drive(l);
     if (plant_shape(&l->simulation->plant, l->effect, l->shape, error) < 0)
         return -1;
     l->error = shape_error(l);
-    memcpy(late(l, l->late_shape, tick), l->shape, m * sizeof *l->shape);
-    memcpy(late(l, l->late_predicted, tick), l->predicted, m * sizeof *l->shape);
-    sense(l, tick);
+    if (sense_tick(l, tick, error) < 0)
+        return -1;
     l->is_lost = tick < l->lost_until;
     l->beyond = l->not_finite = 0;
     if (l->is_lost)
@@ -468,25 +457,20 @@ static int take_memory(loop *l)
 {
     const design *d = l->design;
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, loads = (size_t)d->loads + 1;
-    const size_t kept = (size_t)d->scene->simulate.delay + 1;
-    double *at = l->memory = calloc((8 + 2 * kept) * m + 2 * loads + 5 * n, sizeof *l->memory);
+    double *at = l->memory = calloc(5 * m + 2 * loads + 6 * n, sizeof *l->memory);
     l->electrode = calloc(n, sizeof *l->electrode);
-    l->sensor = calloc(m, sizeof *l->sensor);
     l->state = calloc(2 * n, 1);
     l->work = malloc(PZS_CONTROL_BYTES(n, m));
     l->watch_work = malloc(PZS_WATCH_BYTES(n, m, d->scene->simulate.delay));
-    if (!at || !l->electrode || !l->sensor || !l->state || !l->work || !l->watch_work)
+    if (!at || !l->electrode || !l->state || !l->work || !l->watch_work || !sense_open(l))
         return 0;
     l->twin_state = l->state + n;
-    double **const of_targets[] = {&l->goal, &l->wanted, &l->shape, &l->reading, &l->measured, &l->predicted, &l->wish,
-                                   &l->disturbance};
-    double **const of_amplifiers[] = {&l->command, &l->given, &l->effect, &l->next, &l->last};
-    for (int i = 0; i < 8; i++, at += m)
+    double **const of_targets[] = {&l->goal, &l->wanted, &l->shape, &l->wish, &l->disturbance};
+    double **const of_amplifiers[] = {&l->command, &l->given, &l->effect, &l->next, &l->last, &l->converted};
+    for (int i = 0; i < 5; i++, at += m)
         *of_targets[i] = at;
-    for (int i = 0; i < 5; i++, at += n)
+    for (int i = 0; i < 6; i++, at += n)
         *of_amplifiers[i] = at;
-    l->late_shape = at, at += kept * m;
-    l->late_predicted = at, at += kept * m;
     l->load = at, at += loads;
     l->scheduled_load = at;
     return 1;
@@ -501,12 +485,25 @@ static void start(loop *l)
     memcpy(l->command, l->control.volt, (size_t)d->amplifiers * sizeof *l->command);
     memcpy(l->given, l->command, (size_t)d->amplifiers * sizeof *l->given);
     memcpy(l->last, l->command, (size_t)d->amplifiers * sizeof *l->last);
+    memcpy(l->converted, l->command, (size_t)d->amplifiers * sizeof *l->converted);
     for (int k = 0; k < d->loads; k++)
         l->load[k] = l->scheduled_load[k] = 1;
     for (int k = 0; k < d->amplifiers; k++)
         l->electrode[k].told_at = l->electrode[k].good_at = -1;
-    predict(l);
+    sense_predict(l);
     plant_rest(&l->simulation->plant);
+}
+
+/* What stands beside the controller on a board. */
+static void equip(const loop *l, device *board)
+{
+    const scene_simulate *simulate = &l->design->scene->simulate;
+    if (l->simulation->estimates)
+        device_estimate(board, (size_t)l->sensors);
+    if (l->simulation->quantises)
+        device_quantise(board, simulate->step, simulate->dead_band);
+    if (simulate->finds)
+        device_watch(board, simulate->delay);
 }
 
 /* Board and twin with their volts of the start. */
@@ -514,17 +511,15 @@ static int start_board(loop *l, char *error)
 {
     const simulation *s = l->simulation;
     const device_board *twin = device_find(s->board->twin);
-    if (twin && device_start(&l->twin, twin, s->folder, &s->problem, l->command, error) < 0)
+    if (twin && device_start(&l->twin, twin, s->folder, s->problem, l->command, error) < 0)
         return -1;
-    if (device_start(&l->board, s->board, s->folder, &s->problem, l->command, error) < 0)
+    if (device_start(&l->board, s->board, s->folder, s->problem, l->command, error) < 0)
         return -1;
     memcpy(l->given, l->command, (size_t)l->design->amplifiers * sizeof *l->given);
     memcpy(l->last, l->command, (size_t)l->design->amplifiers * sizeof *l->last);
-    predict(l);
-    if (l->design->scene->simulate.finds) {
-        device_watch(&l->board, l->design->scene->simulate.delay);
-        device_watch(&l->twin, l->design->scene->simulate.delay);
-    }
+    sense_predict(l);
+    equip(l, &l->board);
+    equip(l, &l->twin);
     return 0;
 }
 
@@ -538,9 +533,11 @@ int loop_open(loop *l, simulation *s, simulate_law law, char *error)
     if (!take_memory(l))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
     const int n = l->design->amplifiers, m = l->design->targets, delay = scene->simulate.delay;
-    pzs_status status = pzs_control_init(&l->control, &s->problem, NULL, l->work, PZS_CONTROL_BYTES(n, m));
+    pzs_status status = pzs_control_init(&l->control, s->problem, NULL, l->work, PZS_CONTROL_BYTES(n, m));
     if (status == PZS_OK)
         status = pzs_watch_init(&l->watch, &l->control, (uint16_t)delay, l->watch_work, PZS_WATCH_BYTES(n, m, delay));
+    if (status == PZS_OK && s->estimates)
+        status = pzs_estimate_init(&l->estimate, &l->control, &s->estimator.tables, l->estimate_work, PZS_ESTIMATE_BYTES(l->sensors));
     if (status != PZS_OK)
         return scene_fault(scene, scene->limits.at, error, "%s", pzs_status_text(status));
     start(l);
@@ -551,10 +548,10 @@ void loop_close(loop *l)
 {
     free(l->memory);
     free(l->electrode);
-    free(l->sensor);
     free(l->state);
     free(l->work);
     free(l->watch_work);
+    sense_close(l);
     device_stop(&l->board);
     device_stop(&l->twin);
     memset(l, 0, sizeof *l);

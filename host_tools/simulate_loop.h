@@ -21,6 +21,7 @@ typedef struct electrode {
     int failed_at;           /* tick of its last fault */
     int told_at, good_at;    /* tick in which the controller is told; in which it recovers by itself; -1: never */
     int is_told;             /* the controller holds it, since this tick or before: it was told or has found it */
+    int out_since;           /* first tick whose readings it takes for those without it */
 } electrode;
 
 /* A sensor: until which tick it gives NaN or stands still. */
@@ -32,6 +33,7 @@ typedef struct loop {
     simulate_law law;
     pzs_control control;     /* the library's, in double */
     pzs_watch watch;         /* over it, where the scene says found */
+    pzs_estimate estimate;   /* beside it, where the simulation estimates */
     device board, twin;      /* in place of both, where the simulation has a board */
     uint64_t random;         /* state of the generator */
     int next_event, lost_until;
@@ -41,21 +43,32 @@ typedef struct loop {
     double *wanted;          /* [targets] */
     double *load, *scheduled_load; /* [loads + 1] amounts, the temperature last */
     double *shape;           /* [targets] of the plant */
-    double *late_shape;      /* [delay + 1][targets] the last shapes */
-    double *late_predicted;  /* [delay + 1][targets] what the model said to them */
-    double *reading;         /* [targets] last readings of the sensors */
-    double *measured;        /* [targets] what the controller gets */
-    double *predicted;       /* [targets] the model's shape under the command */
     double *wish;            /* [targets] error for the clamped law */
     double *disturbance;     /* [targets] of the clamped law */
     double *command;         /* [amplifiers] of the controller */
     double *given;           /* [amplifiers] by the amplifiers */
     double *effect;          /* [amplifiers] what the ceramic makes of them */
     double *next, *last;     /* [amplifiers] room; before the tick */
+    double *converted;       /* [amplifiers] the library's own view of `given` */
     electrode *electrode;    /* [amplifiers] */
-    sensor *sensor;          /* [targets] */
+    int sensors;             /* one for each target, or those of the scene's estimate */
+    sensor *sensor;          /* [sensors] */
+    double *sense_memory;    /* the vectors down to coming */
+    double *noise;           /* [sensors] standard deviation */
+    double *reading;         /* [sensors] last ones */
+    double *sensed;          /* [sensors] handed on: what the model has moved by since is added to late ones */
+    double *expected, *said; /* [sensors] by the model under the command, and under that of late readings */
+    double *unknown;         /* [sensors] sensed less what known loads show */
+    double *late_reading;    /* [delay + 1][sensors] without noise, of the last ticks */
+    double *late_command;    /* [delay + 1][amplifiers] */
+    double *late_known;      /* [delay + 1][loads] */
+    double *measured;        /* [targets] shape for the controller, less what known loads do */
+    double *predicted;       /* [targets] the model's shape under the command */
+    double *asked;           /* [targets] wanted less what known loads will do */
+    double *known, *coming;  /* [loads] amounts that the controller knows of, now and in the next tick */
+    double missed;           /* of the last shape by the measurement, over the scene's target */
     uint8_t *state, *twin_state; /* [amplifiers] of the watch */
-    void *work, *watch_work; /* of the controller */
+    void *work, *watch_work, *estimate_work; /* of the controller */
     double error;            /* of the last shape */
     pzs_status status;       /* of the last tick */
     int passes;
@@ -73,5 +86,32 @@ int loop_tick(loop *l, int tick, char *error);
 
 /* Volts given that are at a limit. */
 int loop_active(const loop *l);
+
+/* ---- simulate_sense.c: what the controller gets to know --------------- */
+
+/* Room for it. Returns whether memory was there; close it in either case. */
+int sense_open(loop *l);
+void sense_close(loop *l);
+
+/* The model's shape under the command, which the tables alone make. */
+void sense_predict(loop *l);
+
+/* Readings of the plant in its last shape, late and noisy as they are: `sensed`. Returns 0, or -1 with error filled. */
+int sense_tick(loop *l, int tick, char *error);
+
+/* `measured` and `asked` from them, by the library. */
+pzs_status sense_shape(loop *l, int tick);
+
+/* Amounts of known loads at the readings of a tick. [loads] */
+const double *sense_known(const loop *l, int tick);
+
+/*
+ * An electrode is held from a tick on: what late readings show since then was made with the volts it is held at, whatever
+ * its amplifier was told. Otherwise its leaving would count as a motion that the readings are yet to show.
+ */
+void sense_taken_out(loop *l, int amplifier, int since, int tick);
+
+/* From 0 to 1, 1 left out: the loop's random numbers. */
+double loop_draw(loop *l);
 
 #endif

@@ -523,16 +523,16 @@ static void write_estimator(writer *w, const estimator *e)
             t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->inputs, t->outputs, t->sensors, w->prefix, w->prefix);
 }
 
-/* The shape under each load of the scene, to be fed forward. */
-static void write_known(writer *w, const estimator *e)
+/* The shape, or what the sensors show, under each load of the scene, to be fed forward. */
+static void write_known(writer *w, const char *name, const pzs_known *t, const char *meaning)
 {
-    const pzs_known *t = &e->known_tables;
+    char array[64];
     const uint16_t counts[2] = {t->amounts, t->outputs};
     w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    write_reals(w, "per_load", e->known, (size_t)t->outputs * t->amounts, "displacement of target node (row) per load (column), 1: as the scene says");
-    fprintf(w->file, "#define %s_LOADS %u\nstatic const pzs_known %s_known = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), "
-            "%u, %u, %s_per_load,\n};\n\n", w->upper, t->amounts, w->prefix, t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc,
-            t->amounts, t->outputs, w->prefix);
+    snprintf(array, sizeof array, "%s_per_load", name);
+    write_reals(w, array, t->per, (size_t)t->outputs * t->amounts, meaning);
+    fprintf(w->file, "static const pzs_known %s_%s = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %s_%s,\n};\n\n", w->prefix, name,
+            t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->amounts, t->outputs, w->prefix, array);
 }
 
 static int write_beside(writer *w, const analysis *a)
@@ -541,8 +541,12 @@ static int write_beside(writer *w, const analysis *a)
     char error[SCENE_ERROR];
     if (estimator_open(&e, a, error) < 0)
         return -1;
-    if (e.known_tables.amounts > 0)
-        write_known(w, &e);
+    if (e.known_tables.amounts > 0) {
+        fprintf(w->file, "#define %s_LOADS %u\n", w->upper, e.known_tables.amounts);
+        write_known(w, "known", &e.known_tables, "displacement of target node (row) per load (column), 1: as the scene says");
+    }
+    if (e.known_tables.amounts > 0 && e.sensors > 0)
+        write_known(w, "shown", &e.shown_tables, "what sensors (rows) show per load (column)");
     if (e.sensors > 0)
         write_estimator(w, &e);
     estimator_close(&e);

@@ -333,7 +333,7 @@ typedef struct pzs_path {
     pzs_real (*kept_resultant)[22]; /* [elements] all of it */
 
     pzs_real change;             /* choice: a step has settled when the last increment, and the next one to come, are
-                                    below this part of the step's displacement; 1e-4 */
+                                    below this part of the step's displacement, 0 < change < 1; 1e-4 */
     uint16_t steps;              /* choice: load steps tried first; 1 */
     uint16_t mixed;              /* choice: systems of a step with extrapolated resultants before those of the shape
                                     take over; 12, 0: the plain Newton method */
@@ -405,7 +405,7 @@ typedef struct pzs_follower_load {
 } pzs_follower_load;
 
 /*
- * Let a follower load take part in a path; both must outlive it. Errors: ARGUMENT.
+ * Let a follower load take part in a path; both must outlive it. Errors: ARGUMENT (also attached already).
  * Its tangent is symmetrised for the equilibrium, so the solver stays symmetric; influence has the true one.
  */
 pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables);
@@ -430,7 +430,7 @@ typedef struct pzs_circuit {
 /*
  * Let open electrodes take part in a path at rest; tables must outlive it. Their volts are unknowns of the same
  * Newton's method, found in path->amount whatever was asked for; pzs_influence_at gives their columns per unit of charge.
- * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (path->where = bytes needed).
+ * Errors: ARGUMENT (also attached already), FORMAT, CRC, WORKSPACE (path->where = bytes needed).
  */
 pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *circuit, const pzs_electrodes *tables, void *work,
                               size_t bytes);
@@ -491,7 +491,7 @@ typedef struct pzs_contact {
  * without the body, the body must touch it from the start. After an equilibrium contact->pressure, force and nodes
  * hold what was found; settled, that is every gap open or closed to within 1e-8 of size (in float: of rounding),
  * no pressure negative, none across a gap. Influence at a shape in contact sees the body as stiff as kappa has grown (a
- * ring of R/h = 10: off by 3e-8). Errors: ARGUMENT, WORKSPACE (path->where = bytes needed).
+ * ring of R/h = 10: off by 3e-8). Errors: ARGUMENT (also attached already), WORKSPACE (path->where = bytes needed).
  */
 pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
                               void *work, size_t bytes);
@@ -655,7 +655,7 @@ typedef struct pzs_watch {
  * Watch over a controller, from its present volts on.
  *   control in/out  must outlive the watch; after pzs_control_init
  *   delay   in      of the measurements, ticks, at most PZS_MOST_DELAY: measured is what the shape was then, and what
- *                   the prediction moved by since
+ *                   the prediction moved by since, an electrode taken out counting in both with the volts it is held at
  * Errors: ARGUMENT, STAGE, WORKSPACE (where = bytes needed), NONFINITE.
  */
 pzs_status pzs_watch_init(pzs_watch *watch, pzs_control *control, uint16_t delay, void *work, size_t bytes);
@@ -734,7 +734,8 @@ pzs_status pzs_known_check(const pzs_known *tables);
 
 /*
  * Take what known loads do out of a shape: before a tick, out of `measured` by the amounts at the measurement, out of
- * `wanted` by those to come. The controller then sees the unknown rest alone, and meets the known part before it shows.
+ * `wanted` by those to come; with an estimator not out of `measured` but out of its readings, by a table with a row for
+ * each sensor. The controller then sees the unknown rest alone, and meets the known part before it shows.
  *   amount [amounts] in
  *   shape  [outputs] in/out (m)
  * Errors: ARGUMENT, NONFINITE (shape untouched).

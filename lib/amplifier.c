@@ -34,7 +34,8 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
         return PZS_E_STAGE;
     const pzs_problem *p = control->problem;
     for (uint32_t j = 0; j < p->inputs; j++) {
-        const pzs_real wish = control->volt[j], have = boxls_cut(given[j], p->lower[j], p->upper[j]);
+        const pzs_real wish = control->volt[j];
+        const pzs_real have = boxls_finite(given[j]) ? boxls_cut(given[j], p->lower[j], p->upper[j]) : wish;
         given[j] = boxls_size(wish - have) <= dead_band ? have : whole_step(wish, have, step);
         control->volt[j] = given[j];
     }

@@ -417,6 +417,8 @@ pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_co
         path->where = (int32_t)PZS_CONTACT_BYTES(nodes);
         return PZS_E_WORKSPACE;
     }
+    if (nonlinear_is_attached(path, &contact->option))
+        return PZS_E_ARGUMENT;
     memset(contact, 0, sizeof *contact);
     contact->face = face;
     contact->body = body;

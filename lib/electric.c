@@ -188,6 +188,8 @@ pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *c, const pzs_electrod
         path->where = need > INT32_MAX ? INT32_MAX : (int32_t)need;
         return PZS_E_WORKSPACE;
     }
+    if (nonlinear_is_attached(path, &c->option))
+        return PZS_E_ARGUMENT;
     memset(c, 0, sizeof *c);
     c->tables = tables;
     c->charge = work;

@@ -289,7 +289,7 @@ static void suspect(pzs_watch *w, const pzs_real *volt, pzs_real all)
     }
 }
 
-/* Hold the suspects at their next volts. */
+/* Hold the suspects at their next volts, inside their limits whatever the swing was changed to. */
 static void swing_all(pzs_watch *w)
 {
     pzs_control *c = w->control;
@@ -299,7 +299,8 @@ static void swing_all(pzs_watch *w)
         if (j == NOBODY)
             continue;
         p->side = !p->side;
-        p->set = p->middle + (p->side ? w->swing[j] : -w->swing[j]);
+        const pzs_real wish = p->middle + (p->side ? w->swing[j] : -w->swing[j]);
+        p->set = boxls_cut(boxls_finite(wish) ? wish : c->volt[j], p->lower, p->upper);
         c->lower[j] = c->upper[j] = p->set;
     }
 }

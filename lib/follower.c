@@ -225,6 +225,8 @@ pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pz
     if (!path || !path->model || !load || !tables || !tables->area || !tables->pressure || tables->load_face > 2
         || tables->normal_face > 1 || tables->input >= path->model->structure->input.count)
         return PZS_E_ARGUMENT;
+    if (nonlinear_is_attached(path, &load->option))
+        return PZS_E_ARGUMENT;
     load->tables = tables;
     nonlinear_attach(path, &load->option, &calls);
     return PZS_OK;

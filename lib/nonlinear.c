@@ -20,10 +20,12 @@ static pzs_status fail(pzs_path *path, pzs_status status, int32_t where)
 
 /* ---- init ------------------------------------------------------------- */
 
-uint32_t nonlinear_crc(const pzs_nonlinear *t, uint32_t inputs)
+uint32_t nonlinear_crc(const pzs_nonlinear *t, const pzs_structure *s)
 {
-    const uint32_t entries = t->given.start ? t->given.start[inputs] : 0;
+    const uint32_t inputs = s->input.count, entries = t->given.start ? t->given.start[inputs] : 0;
     uint32_t crc = GUARD_CRC_START;
+    if (entries > inputs * s->elements || t->given.values > entries || t->prescribed.count > s->dof)
+        return crc; /* damaged: not to be led astray by it */
     if (entries > 0) {
         crc = guard_crc(crc, t->given.start, (inputs + 1) * sizeof *t->given.start);
         crc = guard_crc(crc, t->given.element, entries * sizeof *t->given.element);
@@ -70,7 +72,7 @@ pzs_status pzs_path_init(pzs_path *path, pzs_model *model, const pzs_nonlinear *
     path->where = -1;
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != s->scene)
         return PZS_E_FORMAT;
-    if (nonlinear_crc(tables, s->input.count) != tables->crc)
+    if (nonlinear_crc(tables, s) != tables->crc)
         return PZS_E_CRC;
     if (!tables_in_range(tables, s))
         return PZS_E_ARGUMENT;
@@ -102,6 +104,8 @@ pzs_status pzs_path_init(pzs_path *path, pzs_model *model, const pzs_nonlinear *
 
 void pzs_path_rest(pzs_path *path)
 {
+    if (!path || !path->model)
+        return;
     const pzs_structure *s = path->model->structure;
     memset(path->kept_u, 0, s->dof * sizeof *path->u);
     memset(path->kept_amount, 0, s->input.count * sizeof *path->amount);
@@ -117,6 +121,14 @@ void pzs_path_rest(pzs_path *path)
     for (pzs_option *o = path->option; o; o = o->next)
         if (o->call->rest)
             o->call->rest(o, path);
+}
+
+int nonlinear_is_attached(const pzs_path *path, const pzs_option *option)
+{
+    const pzs_option *o = path->option;
+    while (o && o != option)
+        o = o->next;
+    return o != NULL;
 }
 
 void nonlinear_attach(pzs_path *path, pzs_option *option, const struct pzs_option_calls *call)
@@ -458,10 +470,12 @@ static pzs_status follow(pzs_path *path, const pzs_real *amount)
 
 pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
 {
-    if (!path || !amount || path->steps == 0)
+    if (!path || !amount)
         return PZS_E_ARGUMENT;
     if (path->stage < PATH_READY)
         return fail(path, PZS_E_STAGE, -1);
+    if (path->steps == 0 || !(path->change > 0 && path->change < 1))
+        return fail(path, PZS_E_ARGUMENT, -1);
     const int32_t bad = guard_nonfinite(amount, path->model->structure->input.count);
     if (bad >= 0)
         return fail(path, PZS_E_NONFINITE, bad);

@@ -34,14 +34,17 @@ struct pzs_option_calls {
 
 enum { NEWTON = 0xFFFF, NO_INPUT = 0xFFFE };
 
-/* CRC of the arrays of a pzs_nonlinear, as stored in its crc field. */
-uint32_t nonlinear_crc(const pzs_nonlinear *tables, uint32_t inputs);
+/* CRC of the arrays of a pzs_nonlinear, as stored in its crc field. An input has at most one entry an element. */
+uint32_t nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *structure);
 
 /* H0 of every element at the present amounts, per unit of its stiffness factor, into path->given. */
 void nonlinear_set_given(pzs_path *path);
 
 /* Force at path->u per unit of an input, onto force [dof]: a dead load's row, -L(u)' H0, or that of an option. */
 void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force);
+
+/* Once in the list, an option must not come into it again: the list would have no end. */
+int nonlinear_is_attached(const pzs_path *path, const pzs_option *option);
 
 /* Put an option in front of those attached; its state counts as that of the last equilibrium. */
 void nonlinear_attach(pzs_path *path, pzs_option *option, const struct pzs_option_calls *call);

@@ -166,6 +166,15 @@ run 0 tables plate-50-patches --set 'loads=[{face: outer, pressure: 5}]' --prefi
 run 2 tables plate-50-patches --prefix Pzs -o "$dir/t.h" && says 'prefix'; check "the library's own prefix is refused" $?
 run 2 solve "$dir/good.yaml" --report "$dir/one" --vtu "$dir/one" && says 'one name'; check 'two outputs under one name' $?
 run 2 solve "$dir/good.yaml" --report "$dir/good.yaml" && says 'one name'; check 'a report over the scene itself' $?
+run 2 solve "$dir/good.yaml" --report "$dir/./good.yaml" && says 'one name' && run 2 solve "$dir/good.yaml" --report "$dir/new" --vtu "$dir/./new" && says 'one name'
+check 'one file by two paths' $?
+run 2 solve "$dir/good.yaml" --csv "$dir/x.csv" && says '--csv belongs to simulate' && run 2 check "$dir/good.yaml" --report "$dir/x.html" && says 'belongs to solve'
+check 'an option of another command' $?
+scene "$dir/far.yaml"; sed -i 's/pressure: 1/pressure: 1e40/; 1a kinematics: nonlinear' "$dir/far.yaml"; run 1 solve "$dir/far.yaml" && says 'far.yaml:3:10: '; check 'a load beyond every equilibrium: exit 1, with a place' $?
+run 1 shape plate-50-patches --set kinematics=nonlinear --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 --set 'equilibrium={systems: 1}' && says 'budget of linear systems'
+check 'a shape without an equilibrium: exit 1' $?
+run 0 solve ring-contact --set kinematics=auto --json && json "j['kinematics']=='nonlinear' and abs(j['outputs']['A']/-198.02-1)<1e-4"
+check 'contact needs no linear answer beside it' $?
 "$PZS" solve scordelis-lo --json >/dev/full 2>"$dir/err"; [ $? -eq 1 ] && says 'standard output'; check 'a full standard output is an error' $?
 mkfifo "$dir/pipe"; cat "$dir/pipe" >"$dir/read" & run 0 solve "$dir/good.yaml" --vtu "$dir/pipe"; wait; [ -p "$dir/pipe" ] && grep -q '<Points>' "$dir/read"; check 'a pipe stays a pipe' $?
 { sed '/^compare:/,$d' host_tools/scenes/plate-50-patches.yaml; echo compare:; for i in $(seq 80); do echo "  - {name: c$i, values: [$(seq -s, 25)]}"; done; } >"$dir/many.yaml"

@@ -382,6 +382,10 @@ static void test_misuse(void **state)
     assert_int_equal(pzs_quantise(&r.control, r.given, -1, 0), PZS_E_ARGUMENT);
     assert_int_equal(pzs_quantise(&r.control, r.given, 1, (pzs_real)NAN), PZS_E_ARGUMENT);
     assert_int_equal(pzs_quantise(&r.control, NULL, 1, 0), PZS_E_ARGUMENT);
+    const pzs_real volt = r.control.volt[0];
+    r.given[0] = (pzs_real)NAN;
+    assert_int_equal(pzs_quantise(&r.control, r.given, 1, 0), PZS_OK);
+    assert_true(r.given[0] >= volt && r.given[0] <= volt && r.control.volt[0] >= volt && r.control.volt[0] <= volt);
     rig_close(&r);
 }
 

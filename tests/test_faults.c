@@ -401,6 +401,35 @@ static void test_blind(void **state)
 }
 
 /* Every way to start wrongly has its status. */
+/* Whatever the swings are changed to in the middle of a probe, volts and limits in force stay inside the table's limits. */
+static void test_swings_changed(void **state)
+{
+    const pzs_real bad[4] = {(pzs_real)NAN, (pzs_real)HUGE_VAL, (pzs_real)-1e30, 0};
+    (void)state;
+    for (int b = 0; b < 4; b++) {
+        int probed = 0;
+        rig r;
+        rig_open(&r, 31);
+        settle(&r, 1, 50);
+        for (int k = 0; k < N; k += 3)
+            if (matters(&r, k))
+                break_down(&r, k, DEAD);
+        for (int t = 0; t < 40; t++) {
+            look(&r);
+            assert_false(PZS_IS_ERROR(pzs_tick(&r.control, r.wanted, r.measured)));
+            assert_false(PZS_IS_ERROR(pzs_watch_tick(&r.watch, r.measured)));
+            for (int k = 0; k < N; k++) {
+                probed += r.watch.state[k] == PZS_PROBED;
+                r.watch.swing[k] = probed ? bad[b] : r.watch.swing[k];
+                assert_true(r.control.volt[k] >= r.lower[k] && r.control.volt[k] <= r.upper[k]);
+                assert_true(r.control.lower[k] >= r.lower[k] && r.control.upper[k] <= r.upper[k]);
+            }
+        }
+        assert_true(probed > 0);
+        rig_close(&r);
+    }
+}
+
 static void test_misuse(void **state)
 {
     const size_t bytes = PZS_WATCH_BYTES(N, M, 2);
@@ -434,7 +463,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_two_die), cmocka_unit_test(test_stuck), cmocka_unit_test(test_lost_sensors),
         cmocka_unit_test(test_hold_and_release), cmocka_unit_test(test_no_false_alarm), cmocka_unit_test(test_leaves_alone),
-        cmocka_unit_test(test_blind), cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_blind), cmocka_unit_test(test_swings_changed), cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests_name("faults", tests, NULL, NULL);
 }

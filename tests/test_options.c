@@ -156,7 +156,7 @@ static void make_structure(rig *g, int loaded)
     *s = made;
     s->crc = guard_structure_crc(s);
     g->tables.format = PZS_TABLE_FORMAT;
-    g->tables.crc = nonlinear_crc(&g->tables, 2);
+    g->tables.crc = nonlinear_crc(&g->tables, s);
 }
 
 /* A shell at rest with a path on it. radius 0: a plate; step: lengths of an element. */
@@ -578,6 +578,62 @@ static void follower_tables_out_of_range_are_refused(void **state)
     bad[3].pressure = NULL;
     for (int i = 0; i < 4; i++)
         assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &bad[i]), PZS_E_ARGUMENT);
+    rig_close(g);
+}
+
+/* An option twice in the list would be a list without end. */
+static void options_are_attached_once(void **state)
+{
+    (void)state;
+    const pzs_real amount[2] = {0, (pzs_real)1e-5};
+    rig *g = rig_open(2, 1, 0, 0.5, 0.7, 0.1, 0, nothing, 0);
+    pzs_follower_load other;
+    attach_follower(g, 0, 0, 0);
+    assert_int_equal(pzs_attach_follower(&g->path, &other, &g->follower), PZS_OK);
+    assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &g->follower), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_attach_follower(&g->path, &other, &g->follower), PZS_E_ARGUMENT);
+    g->path.systems_allowed = 3;
+    pzs_equilibrium(&g->path, amount);
+    assert_true(g->path.systems <= 3);
+    rig_close(g);
+}
+
+/* Choices that would call any shape settled, or none, are refused; a path that never was is left alone. */
+static void choices_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    const pzs_real amount[2] = {(pzs_real)1e-5, 0}, bad[5] = {0, -1, 1, (pzs_real)NAN, (pzs_real)HUGE_VAL};
+    pzs_path never = {0};
+    rig *g = rig_open(2, 1, 0, 0.5, 0.7, 0.1, 0, nothing, 2);
+    for (int i = 0; i < 5; i++) {
+        g->path.change = bad[i];
+        assert_int_equal(pzs_equilibrium(&g->path, amount), PZS_E_ARGUMENT);
+    }
+    pzs_path_rest(&never);
+    assert_int_equal(pzs_equilibrium(&never, amount), PZS_E_STAGE);
+    rig_close(g);
+}
+
+/* The checksum of damaged tables is not led past them by their own counts. */
+static void damaged_counts_are_not_followed(void **state)
+{
+    (void)state;
+    static const uint16_t element[1], which[1];
+    static const pzs_real value[1][10];
+    static const uint32_t start[2][3] = {{0, 1, 1}, {0, 1, 0x40000001u}};
+    rig *g = rig_open(2, 1, 0, 0.5, 0.7, 0.1, 0, nothing, 0);
+    const pzs_nonlinear sound = {PZS_TABLE_FORMAT, 0, 0, {1, start[0], element, which, value}, {0, 0, NULL, NULL}};
+    pzs_nonlinear bad[3] = {sound, sound, sound};
+    bad[0].given.start = start[1];
+    bad[1].given.values = 0x8001u;
+    bad[2].prescribed.count = 0x8000u;
+    for (int i = 0; i < 3; i++)
+        bad[i].crc = nonlinear_crc(&sound, &g->structure);
+    for (int i = 0; i < 3; i++) {
+        pzs_path path;
+        pzs_real work[8];
+        assert_int_equal(pzs_path_init(&path, &g->model, &bad[i], work, sizeof work), PZS_E_CRC);
+    }
     rig_close(g);
 }
 
@@ -1092,6 +1148,7 @@ static void contact_tables_out_of_range_are_refused(void **state)
     assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, bytes - 1),
                      PZS_E_WORKSPACE);
     assert_int_equal(g->path.where, bytes);
+    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, bytes), PZS_E_ARGUMENT);
     rig_close(g);
 }
 
@@ -1108,6 +1165,9 @@ int main(void)
         cmocka_unit_test(skew_part_that_is_none_is_told),
         cmocka_unit_test(true_pressure_on_a_closed_ring_adds_up_to_nothing),
         cmocka_unit_test(follower_tables_out_of_range_are_refused),
+        cmocka_unit_test(options_are_attached_once),
+        cmocka_unit_test(choices_out_of_range_are_refused),
+        cmocka_unit_test(damaged_counts_are_not_followed),
         cmocka_unit_test(gaps_are_distances_with_their_derivatives),
         cmocka_unit_test(gaps_are_finite_on_axis_and_centre),
         cmocka_unit_test(contact_tangent_is_the_derivative_of_its_force),

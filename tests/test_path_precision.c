@@ -82,7 +82,7 @@ static void round_path(device *d)
     d->tables.given.element = b->given_element;
     d->tables.given.which = b->given_which;
     d->tables.given.value = (const pzs_real(*)[10])(const void *)d->given;
-    d->tables.crc = nonlinear_crc(&d->tables, (uint32_t)b->input.count);
+    d->tables.crc = nonlinear_crc(&d->tables, &d->structure);
 }
 
 /* Returns the status of pzs_path_init. */

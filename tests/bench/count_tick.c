@@ -55,7 +55,7 @@ static void act(const pzs_control *control, int tick)
         volt[j] = tick >= DEAD && (j == ONE || j == OTHER) ? 0 : GAIN * control->volt[j];
     for (int i = 0; i < DEMO_OUTPUTS; i++) {
         const pzs_real place = (pzs_real)(2 * i + 1 - DEMO_OUTPUTS) / DEMO_OUTPUTS;
-        measured[i] = tick < LOADED ? 0 : demo_per_load[i] + PZS_R(1e-6) * place * place;
+        measured[i] = tick < LOADED ? 0 : demo_known_per_load[i] + PZS_R(1e-6) * place * place;
         for (int j = 0; j < DEMO_INPUTS; j++)
             measured[i] += demo_influence[i * DEMO_INPUTS + j] * volt[j];
         wanted[i] = wave(tick) * demo_target[i];

@@ -11,12 +11,26 @@ events='[{at: 30, load: 0, amount: 2}, {at: 50, target: 0.5}, {at: 70, nan: 0.3,
 '{at: 100, lost: 10}, {at: 115, dead: [v_1_1, v_3_2], told: found}, {at: 160, alive: [v_1_1, v_3_2]}, '\
 '{at: 165, stuck: [v_2_4], told: 3}, {at: 172, target: -0.5}]'
 
+# The shape from few sensors, known and unknown loads, whole steps, a watch, lost and missing readings.
+few='[{at: 0, load: 0, amount: 0, known: true}, {at: 40, load: 0, amount: 1, known: true}, {at: 70, nan: 0.3, ticks: 10}, '\
+'{at: 80, load: 0, amount: 2}, {at: 90, nan: 1, ticks: 4}, {at: 110, lost: 10}, {at: 125, dead: [v_1_1], told: found}, '\
+'{at: 160, alive: [v_1_1]}, {at: 165, target: 0.5}]'
+
 # loop NAME ARGUMENTS: the loop's volts in NAME.csv, its summary in NAME.json
 loop() {
     name=$1
     shift
     "$PZS" simulate plate-closed-loop --set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear \
         --set simulate.ticks=200 --set simulate.sensors.delay=1 --set "simulate.events=$events" --json --csv "$scratch/$name.csv" "$@" \
+        >"$scratch/$name.json" 2>"$scratch/found"
+}
+
+# loop_few NAME ARGUMENTS: the same of the scene with few sensors
+loop_few() {
+    name=$1
+    shift
+    "$PZS" simulate plate-few-sensors --set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear \
+        --set simulate.ticks=200 --set "simulate.events=$few" --json --csv "$scratch/$name.csv" "$@" \
         >"$scratch/$name.json" 2>"$scratch/found"
 }
 
@@ -31,6 +45,13 @@ board() {
     tap $? "$1: 190 ticks, all with the bits of the same C here"
 }
 
+# board_few NAME OTHER: as board, of few sensors
+board_few() {
+    loop_few "few-$1" --device "$1" && [ "$(count "$scratch/few-$1.json" device_same)" = 190 ] &&
+        cmp "$scratch/few-$1.csv" "$scratch/few-$2.csv" >"$scratch/found" 2>&1
+    tap $? "$1: the same from few sensors, with a known load"
+}
+
 if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop double
     tap $? 'the loop in double'
@@ -39,6 +60,10 @@ if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     board mps2-an500 double
     board netduinoplus2 netduinoplus2
     board mps2-an386 netduinoplus2
+    loop_few few-double
+    tap $? 'few sensors in double'
+    board_few mps2-an500 double
+    board_few netduinoplus2 netduinoplus2
     ! cmp -s "$scratch/double.csv" "$scratch/netduinoplus2.csv"
     tap $? 'float and double differ'
     ARM_CC=false

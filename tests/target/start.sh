@@ -34,6 +34,8 @@ board() {
     check 'exit code of main' 3 "$@" 2
     check 'a fault ends the run' 70 "$@" 3
     check 'a stack overflow ends the run' fault "$@" 4
+    check 'a write right below the stack ends the run' 70 "$@" 5
+    check 'a write far below the stack ends the run' 70 "$@" 6
 }
 
 if tap_needs "$ARM_CC" 'start-up' && tap_needs "$QEMU" 'start-up'; then

@@ -3,11 +3,15 @@
  *   1  data copied, bss cleared, FPU on, stack painted: exit 0
  *   2  an exit code of main reaches the shell: 3
  *   3  a read from nowhere ends in the fault handler
- *   4  a stack overflow ends the run too, and not in someone's data
+ *   4  a stack overflow ends the run too, and not in someone's data:
+ *   5  a write right below the stack does
+ *   6  a write far below it does, as of a large frame
  */
 #include "board.h"
 
 int main(void);
+
+extern uint32_t stack_low[]; /* sections.ld */
 
 static volatile uint32_t copied = 0x12345678u;
 static volatile uint32_t cleared;
@@ -23,6 +27,13 @@ static int carried(void)
 static int read_nowhere(void)
 {
     return (int)*(volatile uint32_t *)0xF0000000u;
+}
+
+/* Returns only where nothing stops it. */
+static int write_below(uint32_t bytes)
+{
+    *(volatile uint32_t *)((uintptr_t)stack_low - bytes) = 0;
+    return 0;
 }
 
 /* Deeper than any stack; the volatile array keeps it from becoming a loop. */
@@ -41,6 +52,8 @@ int main(void)
     case 1: return carried();
     case 2: return 3;
     case 3: return read_nowhere();
+    case 5: return write_below(4u);
+    case 6: return write_below(0x1FE00000u); /* into the vectors' memory, where that can be written */
     default: return (int)overflow(10000000u);
     }
 }
