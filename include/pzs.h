@@ -348,6 +348,7 @@ typedef struct pzs_path {
     uint16_t iteration;          /* systems before the present one in its load step */
     int32_t where;               /* index that goes with the last status, or -1 */
     uint8_t open;                /* 1: the last step ended with an option that had not settled */
+    uint8_t balanced;            /* 1: residual at most 1, or by rounding alone */
     uint8_t stage;
 } pzs_path;
 

@@ -21,9 +21,12 @@ static int rows_complete(const pzs_rows *rows)
     return rows->count == 0 || (rows->start && rows->dof && rows->value);
 }
 
+/* All there, and counts that fit together: a damaged one must not lead the checksum past the tables. */
 static int structure_complete(const pzs_structure *s)
 {
-    return s->nodes > 0 && s->elements > 0 && s->kinds > 0 && s->dof > 0 && s->dof < PZS_FIXED
+    const int counts_fit = s->kinds <= s->elements && s->nodes <= 4u * s->elements
+                           && s->dof <= (uint32_t)s->nodes * s->unknowns;
+    return s->nodes > 0 && s->elements > 0 && s->kinds > 0 && s->dof > 0 && s->dof < PZS_FIXED && counts_fit
         && (s->unknowns == 6 || s->unknowns == 7) && s->element && s->element_kind && s->node_dof
         && s->first && s->stiffness && rows_complete(&s->input) && rows_complete(&s->output);
 }

@@ -338,6 +338,9 @@ static void add_actuation(const pzs_path *path, pzs_real *f)
     }
 }
 
+/* Imbalances of a displacement by rounding are below this part of it, scaled rows. */
+#define ROUNDING (256 * PZS_EPSILON)
+
 /*
  * Tangent and residual at path->u, factored; the resultants become the true ones. Returns whether all is finite.
  *   next [dof] out the increment that Newton's method would make from here
@@ -353,6 +356,7 @@ static int judge(pzs_path *path, pzs_real *next)
     const pzs_real load2 = model_scaled_norm2(model, applied), reaction2 = prescribe_all(path, next);
     const pzs_real left2 = model_scaled_norm2(model, next);
     path->residual = load2 + reaction2 > 0 ? PZS_SQRT(left2 / (load2 + reaction2)) : PZS_SQRT(left2);
+    path->balanced = path->residual <= 1 || left2 <= ROUNDING * ROUNDING * displacement_norm2(path, path->u, NULL);
     extrapolate(path, NULL);
     if (!factor(path))
         return 0;
@@ -369,7 +373,8 @@ static int hopeful(const pzs_path *path, uint32_t wild)
 
 /*
  * Newton's method at the present amounts: settled when the last increment is below `change` of the step's displacement,
- * and so is the next one that the tangent at the shape reached would make. Returns whether it settled; if only an option
+ * and so is the next one that the tangent at the shape reached would make, and the forces left over are no larger than those
+ * applied, or rounding. Returns whether it settled; if only an option
  * did not, path->open is set. A step that moves less than a thousandth of the whole displacement (a tenth in float,
  * whose round-off it would be) is judged by that.
  */
@@ -391,7 +396,7 @@ static int settle(pzs_path *path)
         if (!(last2 <= limit2 * moved2))
             continue;
         path->open = !options_settled(path);
-        if (!path->open && judge(path, du) && displacement_norm2(path, du, NULL) <= limit2 * moved2)
+        if (!path->open && judge(path, du) && path->balanced && displacement_norm2(path, du, NULL) <= limit2 * moved2)
             return 1;
     }
     return 0;

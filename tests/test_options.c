@@ -634,6 +634,11 @@ static void damaged_counts_are_not_followed(void **state)
         pzs_real work[8];
         assert_int_equal(pzs_path_init(&path, &g->model, &bad[i], work, sizeof work), PZS_E_CRC);
     }
+    pzs_structure damaged[2] = {g->structure, g->structure};
+    damaged[0].kinds |= 0x8000u;
+    damaged[1].nodes |= 0x8000u;
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(pzs_model_init(&g->model, &damaged[i], g->model_work, 8), PZS_E_ARGUMENT);
     rig_close(g);
 }
 

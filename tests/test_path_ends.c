@@ -244,13 +244,28 @@ static void test_pole(void **state)
     }
 }
 
+/* Law: small increments do not make an equilibrium of a shape whose forces left over exceed those applied. */
+static void test_small_increments(void **state)
+{
+    (void)state;
+    static const char *const points[] = {"[0, 1e-4, pi/4, pi/2]", "[0, 1e-5, pi/4, pi/2]", "[0, 1e-6, pi/4, pi/2]"};
+    for (size_t i = 0; i < COUNT(points); i++) {
+        char changes[256];
+        scene_run r;
+        snprintf(changes, sizeof changes, SOURCE "mesh.theta1.elements=6;mesh.theta2={points: %s};", points[i]);
+        solve_run(&r, "hemisphere", changes);
+        assert_true(path_of(&r)->residual <= 1);
+        scene_run_close(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_budget), cmocka_unit_test(test_straight_column), cmocka_unit_test(test_buckled_column),
         cmocka_unit_test(test_snap_through), cmocka_unit_test(test_limit_point),
         cmocka_unit_test(test_no_load), cmocka_unit_test(test_absurd_loads), cmocka_unit_test(test_nan_amounts),
-        cmocka_unit_test(test_misplaced_bodies), cmocka_unit_test(test_pole),
+        cmocka_unit_test(test_misplaced_bodies), cmocka_unit_test(test_pole), cmocka_unit_test(test_small_increments),
     };
     return cmocka_run_group_tests_name("path_ends", tests, NULL, NULL);
 }
