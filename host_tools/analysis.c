@@ -14,7 +14,7 @@
 
 static const char *const unknown_name[7] = {"mean u1", "mean u2", "mean u3", "difference u1", "difference u2", "difference u3", "u3M"};
 
-static double now(void)
+double analysis_now(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -44,13 +44,13 @@ static pzs_status at_rest(analysis *a)
 {
     if (a->model.stage == STAGE_FACTORED)
         return PZS_OK;
-    const double begin = now();
+    const double begin = analysis_now();
     pzs_status status = pzs_assemble(&a->model, NULL, NULL);
-    const double assembled = now();
+    const double assembled = analysis_now();
     if (status == PZS_OK)
         status = pzs_factor(&a->model);
     a->seconds.assemble = assembled - begin;
-    a->seconds.factor = now() - assembled;
+    a->seconds.factor = analysis_now() - assembled;
     return status == PZS_OK && a->electric.model ? pzs_electric_factor(&a->electric) : status;
 }
 
@@ -150,32 +150,39 @@ double analysis_output(const analysis *a, int k, int i, const double *value)
     return output->contact == CONTACT_NONE ? value[a->design.named_first[k] + i] : path_contact_output(&a->path, output);
 }
 
+pzs_status analysis_electrodes(analysis *a, const double *amount)
+{
+    memcpy(a->amount, a->nonlinear ? a->path.run.amount : amount, a->design.structure.input.count * sizeof *a->amount);
+    if (a->nonlinear)
+        pzs_charges_at(&a->path.run, &a->design.electrodes, a->charge);
+    if (a->nonlinear || !a->electric.model)
+        return PZS_OK;
+    const pzs_status status = pzs_open_volts(&a->electric, a->amount);
+    return status == PZS_OK ? pzs_charges(&a->electric, a->amount, a->charge) : status;
+}
+
 static pzs_status reach_nonlinear(analysis *a, const double *amount, int warm, double *u)
 {
     pzs_path *run = &a->path.run;
-    const double begin = now();
+    const double begin = analysis_now();
     if (!warm)
         pzs_path_rest(run);
     a->status = pzs_equilibrium(run, amount);
-    a->seconds.solve = now() - begin;
+    a->seconds.solve = analysis_now() - begin;
     memcpy(u, run->u, (size_t)a->design.mesh.dof * sizeof *u);
-    memcpy(a->amount, run->amount, a->design.structure.input.count * sizeof *a->amount);
-    pzs_charges_at(run, &a->design.electrodes, a->charge);
+    (void)analysis_electrodes(a, amount);
     return a->status;
 }
 
 static pzs_status reach_linear(analysis *a, const double *amount, double *u)
 {
     a->status = at_rest(a);
-    const double begin = now();
-    memcpy(a->amount, amount, a->design.structure.input.count * sizeof *a->amount);
-    if (a->status == PZS_OK && a->electric.model)
-        a->status = pzs_open_volts(&a->electric, a->amount);
-    if (a->status == PZS_OK && a->electric.model)
-        a->status = pzs_charges(&a->electric, a->amount, a->charge);
+    const double begin = analysis_now();
+    if (a->status == PZS_OK)
+        a->status = analysis_electrodes(a, amount);
     if (a->status == PZS_OK)
         a->status = pzs_solve(&a->model, a->amount, u);
-    a->seconds.solve = now() - begin;
+    a->seconds.solve = analysis_now() - begin;
     return a->status;
 }
 
@@ -199,9 +206,7 @@ static int solve_applied(analysis *a, double *u, char *error)
     double *volt = calloc((size_t)d->amplifiers + 1, sizeof *volt);
     if (!volt)
         return analysis_explain(a, PZS_E_WORKSPACE, error);
-    for (int k = 0; k < d->scene->actuators; k++)
-        for (int c = 0; c < d->scene->actuator[k].grid[0] * d->scene->actuator[k].grid[1]; c++)
-            volt[d->scene->actuator[k].first + c] = d->scene->actuator[k].applied;
+    design_applied(d, volt);
     const int failed = analysis_reach(a, volt, 0, u, error);
     free(volt);
     return failed;

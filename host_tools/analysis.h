@@ -46,6 +46,12 @@ int analysis_solve(analysis *a, double *u, char *error);
  */
 int analysis_reach(analysis *a, const double *volt, int warm, double *u, char *error);
 
+/*
+ * a->amount and a->charge at the last equilibrium of the path, or of a linear structure under amounts; the solving calls do this.
+ *   amount [inputs] in  open electrodes left out: their volts are found
+ */
+pzs_status analysis_electrodes(analysis *a, const double *amount);
+
 /* Whether a->status says that the load steps ended before the full load. */
 int analysis_ended_early(const analysis *a);
 
@@ -71,5 +77,8 @@ int analysis_influence(analysis *a, char *error);
 int analysis_explain(const analysis *a, pzs_status status, char *error);
 
 void analysis_free(analysis *a);
+
+/* Seconds of a clock that only runs forward. */
+double analysis_now(void);
 
 #endif

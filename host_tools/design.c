@@ -1,10 +1,11 @@
-/* Columns, rows and voltage problem of a scene (design.h). */
+/* Columns and rows of a scene (design.h). */
 #include "design.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "electrodes.h"
 #include "guard.h"
+#include "model.h"
 #include "shell.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
@@ -17,12 +18,18 @@ typedef struct builder {
     int full; /* memory ran out */
 } builder;
 
-static void *grown(builder *b, void *old, size_t count, size_t size)
+void *design_grow(void *old, size_t count, size_t size, int *full)
 {
     void *bigger = realloc(old, count * size);
     if (!bigger)
-        b->full = 1;
+        *full = 1;
     return bigger ? bigger : old;
+}
+
+void design_release(const void *table)
+{
+    union { const void *table; void *memory; } owned = {table};
+    free(owned.memory);
 }
 
 /* Append a dense row [dof]: its nonzero entries. */
@@ -30,12 +37,12 @@ static void append_row(builder *b, const double *dense, int dof)
 {
     if (b->rows + 2 > b->room_rows) {
         b->room_rows = 2 * b->room_rows + 64;
-        b->start = grown(b, b->start, b->room_rows, sizeof *b->start);
+        b->start = design_grow(b->start, b->room_rows, sizeof *b->start, &b->full);
     }
     if (b->terms + (size_t)dof > b->room_terms) {
         b->room_terms = 2 * b->room_terms + (size_t)dof;
-        b->dof = grown(b, b->dof, b->room_terms, sizeof *b->dof);
-        b->value = grown(b, b->value, b->room_terms, sizeof *b->value);
+        b->dof = design_grow(b->dof, b->room_terms, sizeof *b->dof, &b->full);
+        b->value = design_grow(b->value, b->room_terms, sizeof *b->value, &b->full);
     }
     if (b->full)
         return;
@@ -65,17 +72,30 @@ static void direction(const surface_point *p, scene_component component, double 
         c[a] = component <= COMPONENT_U3 ? component - COMPONENT_U1 == (unsigned)a : p->e[a][component - COMPONENT_X];
 }
 
-/* Mean and difference weights of a face; middle also has the seventh unknown along e3. */
-void design_output_weights(const mesh *m, int node, scene_component component, scene_face face, double weight[7])
+/* Height of a face above the middle of a thickness h. */
+static double face_height(scene_face face, double h)
 {
-    const double h = m->laminate.h, half = face == FACE_OUTER ? h / 2 : face == FACE_INNER ? -h / 2 : 0;
-    double c[3];
-    direction(&m->point[node], component, c);
+    return face == FACE_OUTER ? h / 2 : face == FACE_INNER ? -h / 2 : 0;
+}
+
+/* Mean and difference weights of components c on a face, without the seventh unknown. */
+static void face_weights(const mesh *m, scene_face face, const double c[3], double weight[7])
+{
     for (int a = 0; a < 3; a++) {
         weight[a] = c[a];
-        weight[3 + a] = half * c[a];
+        weight[3 + a] = face_height(face, m->laminate.h) * c[a];
     }
-    weight[6] = face == FACE_MIDDLE ? h * c[2] : 0;
+    weight[6] = 0;
+}
+
+/* The middle also has the seventh unknown along e3. */
+void design_output_weights(const mesh *m, int node, scene_component component, scene_face face, double weight[7])
+{
+    double c[3];
+    direction(&m->point[node], component, c);
+    face_weights(m, face, c, weight);
+    if (face == FACE_MIDDLE)
+        weight[6] = m->laminate.h * c[2];
 }
 
 /* dense += factor times weights on the free unknowns of a node */
@@ -97,12 +117,6 @@ static void append_output(const mesh *m, const scene_output *output, int node, b
     append_row(rows, dense, m->dof);
 }
 
-static expr_point point_of(const mesh *m, int node)
-{
-    const expr_point at = {m->point[node].x[0], m->point[node].x[1], m->point[node].x[2], m->theta[node][0], m->theta[node][1]};
-    return at;
-}
-
 void design_node_areas(const mesh *m, double *area)
 {
     memset(area, 0, (size_t)m->nodes * sizeof *area);
@@ -115,7 +129,7 @@ int design_target_values(const design *d, const expr *wanted, scene_at at, doubl
 {
     const mesh *m = &d->mesh;
     for (int i = 0; i < d->targets; i++) {
-        const expr_point place = point_of(m, d->target_node[i]);
+        const expr_point place = mesh_place(m, d->target_node[i]);
         value[i] = expr_value(wanted, &place);
         if (!isfinite(value[i]))
             return scene_fault(d->scene, at, error, "target is not a finite number at theta1 = %g, theta2 = %g",
@@ -271,12 +285,8 @@ static void load_vector(const mesh *m, const scene_load *load, int node, double 
 /* Nodal force of components c on the chosen face (half on each where it is the middle): virtual work of F.u. */
 static void add_force(const mesh *m, const scene_load *load, int node, double factor, const double c[3], double *dense)
 {
-    const double h = m->laminate.h, half = load->face == FACE_OUTER ? h / 2 : load->face == FACE_INNER ? -h / 2 : 0;
-    double weight[7] = {0};
-    for (int a = 0; a < 3; a++) {
-        weight[a] = c[a];
-        weight[3 + a] = half * c[a];
-    }
+    double weight[7];
+    face_weights(m, load->face, c, weight);
     add_node(m, node, factor, weight, dense);
 }
 
@@ -301,7 +311,7 @@ static void carry(const mesh *m, const scene_load *load, int from, int to, const
 double design_chords(const mesh *m, int element, int r, scene_face face, double flat[2][2], double lean[2])
 {
     const pzs_kind *kind = &m->kind[m->element_kind[element]];
-    const double half = face == FACE_OUTER ? kind->thickness / 2 : face == FACE_INNER ? -kind->thickness / 2 : 0;
+    const double half = face_height(face, kind->thickness);
     for (int a = 0; a < 2; a++) {
         for (int i = 0; i < 2; i++)
             flat[a][i] = kind->g_mean[r][a][i] + half * kind->g_diff[r][a][i];
@@ -404,7 +414,7 @@ static void load_column(const mesh *m, const scene_load *load, const double *val
 int design_load_values(const mesh *m, const scene_load *load, double *value, char *error)
 {
     for (int n = 0; n < m->nodes; n++) {
-        const expr_point at = point_of(m, n);
+        const expr_point at = mesh_place(m, n);
         value[n] = expr_value(load->value, &at);
         if (!isfinite(value[n]))
             return scene_fault(m->scene, load->at, error, "load is not a finite number at theta1 = %g, theta2 = %g", m->theta[n][0], m->theta[n][1]);
@@ -412,7 +422,8 @@ int design_load_values(const mesh *m, const scene_load *load, double *value, cha
     return 0;
 }
 
-int design_extras(const design *d)
+/* Number of inputs that only the nonlinear path has. */
+static int extras_of(const design *d)
 {
     const scene *s = d->scene;
     int extras = (d->mesh.prescribed_count > 0) + s->contact.given;
@@ -437,7 +448,7 @@ static int build_inputs(design *d, builder *columns, double *dense, int *node, d
     }
     d->loads = s->loads;
     memset(dense, 0, (size_t)m->dof * sizeof *dense);
-    for (int k = 0; k < design_extras(d); k++)
+    for (int k = 0; k < extras_of(d); k++)
         append_row(columns, dense, m->dof);
     d->sensor_first = (int)columns->rows;
     for (int k = 0; k < s->sensors; k++)
@@ -500,121 +511,39 @@ int design_build(design *d, const scene *s, char *error)
     return -1;
 }
 
-/* ---- voltage problem -------------------------------------------------- */
+/* ---- shapes ----------------------------------------------------------- */
 
-/* B'W^2 B, and the effort in m2/V2. */
-static double build_hessian(design *d)
+void design_applied(const design *d, double *volt)
 {
-    const size_t n = (size_t)d->amplifiers;
-    double trace = 0;
-    for (int i = 0; i < d->targets; i++)
-        for (size_t j = 0; j < n; j++)
-            for (size_t k = 0; k < n; k++)
-                d->hessian[j * n + k] += d->weight[i] * d->weight[i] * d->influence[(size_t)i * n + j] * d->influence[(size_t)i * n + k];
-    for (size_t j = 0; j < n; j++)
-        trace += d->hessian[j * n + j];
-    return d->scene->limits.effort_is_relative ? d->scene->limits.effort * trace / d->amplifiers : d->scene->limits.effort;
-}
-
-/* Narrow the limits of one amplifier by the depolarisation field of a patch it drives: a field against the poling. */
-static void narrow_by_field(design *d, int k, const scene_drive *drive)
-{
-    const scene_layer *layer = &d->scene->layer[d->scene->patches[drive->patches].layer];
-    const double field = d->scene->material[layer->material].field_limit;
-    if (field <= 0 || drive->factor == 0)
-        return;
-    /* E3 = -factor V / h opposes poling along +e3 when factor V > 0. */
-    const double volt = field * layer->thickness / fabs(drive->factor);
-    if ((drive->factor > 0) == (layer->poling > 0))
-        d->upper[k] = fmin(d->upper[k], volt);
-    else
-        d->lower[k] = fmax(d->lower[k], -volt);
-}
-
-static int build_limits(design *d, char *error)
-{
-    const scene_limits *limits = &d->scene->limits;
-    for (int k = 0; k < d->amplifiers; k++) {
-        d->lower[k] = limits->lower;
-        d->upper[k] = limits->upper;
-        d->slew[k] = limits->slew;
-    }
-    for (int i = 0; i < limits->each_count; i++)
-        for (int k = limits->each[i].first; k < limits->each[i].first + limits->each[i].count; k++) {
-            d->lower[k] = limits->each[i].lower;
-            d->upper[k] = limits->each[i].upper;
-        }
-    for (int a = 0; a < d->scene->actuators; a++) {
-        const scene_actuator *actuator = &d->scene->actuator[a];
+    for (int k = 0; k < d->scene->actuators; k++) {
+        const scene_actuator *actuator = &d->scene->actuator[k];
         for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++)
-            for (int k = 0; k < actuator->drives; k++)
-                narrow_by_field(d, actuator->first + c, &actuator->drive[k]);
+            volt[actuator->first + c] = actuator->applied;
     }
-    for (int k = 0; k < d->amplifiers; k++)
-        if (d->lower[k] > d->upper[k]) {
-            char name[SCENE_NAME + 24];
-            scene_amplifier_name(d->scene, k, name);
-            return scene_fault(d->scene, limits->at, error, "%s has no voltage left between %g and %g; its limits and the material's field_limit do not meet",
-                               name, d->lower[k], d->upper[k]);
-        }
-    return 0;
 }
 
-static int allocate_control(design *d)
+void design_shape(const design *d, const double *u, double *shape)
 {
-    const size_t n = (size_t)d->amplifiers;
-    d->wanted = calloc((size_t)d->targets, sizeof *d->wanted);
-    d->influence = calloc((size_t)d->targets * n, sizeof *d->influence);
-    d->hessian = calloc(n * n, sizeof *d->hessian);
-    d->lower = calloc(n, sizeof *d->lower);
-    d->upper = calloc(n, sizeof *d->upper);
-    d->slew = calloc(n, sizeof *d->slew);
-    d->prefer = calloc(n, sizeof *d->prefer);
-    return d->wanted && d->influence && d->hessian && d->lower && d->upper && d->slew && d->prefer;
+    for (int i = 0; i < d->targets; i++)
+        shape[i] = model_observe_row(&d->structure, u, (uint32_t)i);
 }
 
-int design_control(design *d, const double *influence, char *error)
+double design_squares(const design *d, const double *x, const double *y)
 {
-    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
-    pzs_problem *p = &d->problem;
-    if (!d->scene->target.given)
-        return scene_fault(d->scene, d->scene->limits.at, error, "no target: add `target: {u3: middle, at: nodes, value: ...}`");
-    if (n == 0)
-        return scene_fault(d->scene, d->scene->limits.at, error, "no amplifiers: add `actuators`");
-    if (!allocate_control(d))
-        return scene_fault(d->scene, d->scene->limits.at, error, "%d amplifiers do not fit into memory", d->amplifiers);
-    for (size_t i = 0; i < (size_t)d->targets; i++) {
-        memcpy(d->influence + i * n, influence + i * inputs, n * sizeof *d->influence);
-        d->wanted[i] = d->target[i];
-        for (size_t load = n; load < n + (size_t)d->loads; load++)
-            d->wanted[i] -= influence[i * inputs + load];
-    }
-    p->effort = build_hessian(d);
-    if (build_limits(d, error) < 0)
-        return -1;
-    p->format = PZS_TABLE_FORMAT;
-    p->scene = d->scene->hash;
-    p->inputs = (uint16_t)n;
-    p->outputs = (uint16_t)d->targets;
-    p->influence = d->influence;
-    p->hessian = d->hessian;
-    p->weight = d->weight;
-    p->lower = d->lower;
-    p->upper = d->upper;
-    p->slew = d->slew;
-    p->prefer = d->prefer;
-    p->crc = guard_problem_crc(p);
-    return 0;
+    double sum = 0;
+    for (int i = 0; i < d->targets; i++)
+        sum += pow(d->weight[i] * (y ? x[i] - y[i] : x[i]), 2);
+    return sum;
 }
 
 void design_free(design *d)
 {
-    free((void *)(uintptr_t)d->structure.input.start);
-    free((void *)(uintptr_t)d->structure.input.dof);
-    free((void *)(uintptr_t)d->structure.input.value);
-    free((void *)(uintptr_t)d->structure.output.start);
-    free((void *)(uintptr_t)d->structure.output.dof);
-    free((void *)(uintptr_t)d->structure.output.value);
+    design_release(d->structure.input.start);
+    design_release(d->structure.input.dof);
+    design_release(d->structure.input.value);
+    design_release(d->structure.output.start);
+    design_release(d->structure.output.dof);
+    design_release(d->structure.output.value);
     electrodes_free(d);
     free(d->target_node);
     free(d->named_first);

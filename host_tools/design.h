@@ -10,7 +10,10 @@
 typedef struct design {
     const scene *scene;
     mesh mesh;
-    pzs_structure structure; /* inputs: amplifiers, loads, extras, sensors; outputs: target nodes, then named outputs */
+    pzs_structure structure; /* inputs: amplifiers, loads, extras, sensors; outputs: target nodes, then named outputs.
+                                Extras are the nonlinear path's, their rows empty: one for each follower load in the order
+                                of loads, one for prescribed displacements, one for the motion of a contact's body;
+                                none under linear kinematics */
     pzs_electrodes electrodes; /* amplifiers in volts and sensors, where the scene asks for volts or charges; or none */
     int amplifiers;          /* the first inputs */
     int loads;               /* the next */
@@ -40,12 +43,6 @@ int design_control(design *d, const double *influence, char *error);
 void design_free(design *d);
 
 /*
- * Inputs that only the nonlinear path has, their rows empty: one for each follower load in the order of loads,
- * then one for prescribed displacements, then one for the motion of a contact's body. None under linear kinematics.
- */
-int design_extras(const design *d);
-
-/*
  * Resultants of a volt (a kelvin) of an actuator's amplifier in one element.
  *   cell  in   amplifier within the actuator, second index fastest
  *   h0 [10] out times the element's area
@@ -63,7 +60,6 @@ int design_patch(const mesh *m, int element, const scene_patches *patches);
 /* A wanted displacement at the target's nodes. value [targets] out. Returns 0, or -1 with error filled: not finite. */
 int design_target_values(const design *d, const expr *wanted, scene_at at, double *value, char *error);
 
-/* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is not finite. */
 /*
  * Base vectors of a face at corner r of an element of the corrected kind: chords, a/2 out of the tangent plane where the
  * element spans the angle a. Of that lean the tangent (1 - (a/2) cot(a/2))/(a/2) counts, about a third: a pressure that
@@ -73,10 +69,27 @@ int design_target_values(const design *d, const expr *wanted, scene_at at, doubl
  */
 double design_chords(const mesh *m, int element, int r, scene_face face, double flat[2][2], double lean[2]);
 
+/* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is not finite. */
 int design_load_values(const mesh *m, const scene_load *load, double *value, char *error);
+
+/* Applied volts of the scene's actuators. volt [amplifiers] out */
+void design_applied(const design *d, double *volt);
+
+/* Target rows of a displacement. u [dof] in, shape [targets] out */
+void design_shape(const design *d, const double *u, double *shape);
+
+/* |W (x - y)|^2, or |W x|^2 where y is NULL. x, y [targets] in */
+double design_squares(const design *d, const double *x, const double *y);
 
 /* Quarter areas of the elements at each node. area [nodes] out */
 void design_node_areas(const mesh *m, double *area);
+
+/*
+ * Arrays under construction: room for count items of a size, or *full set and the old array; and the library's tables,
+ * const for their readers, when they are done with.
+ */
+void *design_grow(void *old, size_t count, size_t size, int *full);
+void design_release(const void *table);
 
 /*
  * Displacement of a node as weights on its unknowns, (mean, difference/h) order.

@@ -20,14 +20,9 @@ static const device_board boards[] = {
     {"netduinoplus2", "netduinoplus2", 32, "host-32"}, {"mps2-an386", "mps2-an386", 32, "host-32"},
     {"mps2-an500", "mps2-an500", 64, "host-64"}, {"host-32", NULL, 32, NULL}, {"host-64", NULL, 64, NULL}};
 
-const device_board *device_number(int k)
-{
-    return k >= 0 && k < (int)(sizeof boards / sizeof *boards) ? &boards[k] : NULL;
-}
-
 const device_board *device_find(const char *name)
 {
-    for (int k = 0; name && device_number(k); k++)
+    for (size_t k = 0; name && k < sizeof boards / sizeof *boards; k++)
         if (strcmp(boards[k].name, name) == 0)
             return &boards[k];
     return NULL;

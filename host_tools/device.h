@@ -15,9 +15,8 @@ typedef struct device_board {
     const char *twin;       /* the same C in the same precision on this computer */
 } device_board;
 
-/* Boards by name or by number from 0; NULL where there is none. */
+/* Board of a name, or NULL. name may be NULL */
 const device_board *device_find(const char *name);
-const device_board *device_number(int k);
 
 /* Room for a path, and for a message: one line. */
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };

@@ -1,7 +1,6 @@
 /* Electrodes of a scene (electrodes.h). */
 #include "electrodes.h"
 #include <stdlib.h>
-#include <string.h>
 #include "electrode.h"
 
 /* A volt of an input across a ply, in one element. */
@@ -130,20 +129,13 @@ int electrodes_build(design *d, char *error)
     return 0;
 }
 
-/* The library's tables are const for their readers; they were allocated here. */
-static void release(const void *table)
-{
-    union { const void *table; void *memory; } owned = {table};
-    free(owned.memory);
-}
-
 void electrodes_free(design *d)
 {
-    release(d->electrodes.input);
-    release(d->electrodes.open);
-    release(d->electrodes.direct.start);
-    release(d->electrodes.direct.dof);
-    release(d->electrodes.direct.value);
+    design_release(d->electrodes.input);
+    design_release(d->electrodes.open);
+    design_release(d->electrodes.direct.start);
+    design_release(d->electrodes.direct.dof);
+    design_release(d->electrodes.direct.value);
 }
 
 int electrodes_of(const design *d, int input)

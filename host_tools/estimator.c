@@ -20,8 +20,7 @@ typedef struct bench {
     double *clear;       /* N^-1 C [k][p] */
     double *square;      /* [k][k] N^-1 C C' N^-1, then its eigenvalues on the diagonal */
     double *turn;        /* [k][k] its eigenvectors, as columns */
-    double *left;        /* [p] and [k] and [m]: work */
-    double *side, *way;
+    double *left, *side, *way, *turned; /* [p], [k], [m], [k] work */
 } bench;
 
 static int take(bench *b)
@@ -37,12 +36,13 @@ static int take(bench *b)
     b->left = calloc(b->p + 1, sizeof *b->left);
     b->side = calloc(b->k + 1, sizeof *b->side);
     b->way = calloc(b->m + 1, sizeof *b->way);
-    return b->sigma && b->seen && b->noise && b->shape && b->clear && b->square && b->turn && b->left && b->side && b->way;
+    b->turned = calloc(b->k + 1, sizeof *b->turned);
+    return b->sigma && b->seen && b->noise && b->shape && b->clear && b->square && b->turn && b->left && b->side && b->way && b->turned;
 }
 
 static void give_back(bench *b)
 {
-    double *const all[] = {b->sigma, b->seen, b->noise, b->shape, b->clear, b->square, b->turn, b->left, b->side, b->way};
+    double *const all[] = {b->sigma, b->seen, b->noise, b->shape, b->clear, b->square, b->turn, b->left, b->side, b->way, b->turned};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
 }
@@ -158,22 +158,21 @@ static double eigenvalue(const bench *b, size_t i)
     return fmax(b->square[i * b->k + i], 0);
 }
 
-/* side [k] = (1 + square)^-1 side. */
-static void filter(const bench *b, double *side)
+/* side = (1 + square)^-1 side. */
+static void filter(bench *b)
 {
     const size_t n = b->k;
-    double *turned = calloc(n + 1, sizeof *turned);
-    for (size_t e = 0; turned && e < n; e++) {
+    for (size_t e = 0; e < n; e++) {
+        b->turned[e] = 0;
         for (size_t i = 0; i < n; i++)
-            turned[e] += b->turn[i * n + e] * side[i];
-        turned[e] /= 1 + eigenvalue(b, e);
+            b->turned[e] += b->turn[i * n + e] * b->side[i];
+        b->turned[e] /= 1 + eigenvalue(b, e);
     }
-    for (size_t i = 0; turned && i < n; i++) {
-        side[i] = 0;
+    for (size_t i = 0; i < n; i++) {
+        b->side[i] = 0;
         for (size_t e = 0; e < n; e++)
-            side[i] += b->turn[i * n + e] * turned[e];
+            b->side[i] += b->turn[i * n + e] * b->turned[e];
     }
-    free(turned);
 }
 
 /* ---- gains ------------------------------------------------------------ */
@@ -188,7 +187,7 @@ static void make_gains(bench *b, estimator *e)
             for (size_t j = 0; j < b->p; j++)
                 b->side[k] += b->a->influence[i * inputs + input_of(b, j)] * b->sigma[j] * b->clear[k * b->p + j];
         }
-        filter(b, b->side);
+        filter(b);
         for (size_t k = 0; k < b->k; k++)
             e->gain[i * b->k + k] = b->side[k] / b->noise[k];
     }
@@ -206,7 +205,7 @@ static void miss(bench *b, double *left)
         for (size_t j = 0; j < b->p; j++)
             b->side[k] += b->clear[k * b->p + j] * left[j];
     }
-    filter(b, b->side);
+    filter(b);
     for (size_t j = 0; j < b->p; j++)
         for (size_t k = 0; k < b->k; k++)
             left[j] -= b->clear[k * b->p + j] * b->side[k];

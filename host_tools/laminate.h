@@ -11,13 +11,13 @@
 enum { LAMINATE_STRAINS = 10, LAMINATE_PACKED = 55, LAMINATE_LAYERS = 32 };
 
 typedef struct laminate_ply {
-    double z[2];       /* lower and upper face above the reference surface */
-    double c[6][6];    /* stiffness in the shell's axes, Voigt order 11 22 33 23 13 12 */
-    double volt[6];    /* given stress per volt across the ply */
-    double kelvin[6];  /* given stress per kelvin (negative of the stress of a held ply's expansion) */
+    double z[2];        /* lower and upper face above the reference surface */
+    double c[6][6];     /* stiffness in the shell's axes, Voigt order 11 22 33 23 13 12 */
+    double volt[6];     /* given stress per volt across the ply */
+    double kelvin[6];   /* given stress per kelvin (negative of the stress of a held ply's expansion) */
     double capacitance; /* charge of the held ply's upper electrode per volt and area */
     double pyro;        /* and per kelvin and area */
-    double weight;     /* density */
+    double weight;      /* density */
 } laminate_ply;
 
 typedef struct laminate {
@@ -52,10 +52,10 @@ typedef struct laminate_field {
 
 /* H0 of the stresses of a field, times area. h0 [10] out. */
 void laminate_resultants(const laminate *l, const scene_element *element, const laminate_place *place,
-                         const laminate_field *field, double h0[10]);
+                         const laminate_field *field, double h0[LAMINATE_STRAINS]);
 
 /* The same for a volt across a ply, or a uniform kelvin where ply < 0. */
-void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[10]);
+void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
  * Charge that a field draws to the upper electrode of a ply while the strains are held, times area.

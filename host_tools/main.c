@@ -74,6 +74,13 @@ static int usage_error(const char *what, const char *value)
     return EXIT_USAGE;
 }
 
+/* Tell what went wrong. Returns code. */
+static int complain(const char *error, int code)
+{
+    fprintf(stderr, "pzs: %s\n", error);
+    return code;
+}
+
 /* Take one option with a value. Returns 0, or an exit code. */
 static int take_value(options *o, const char *name, const char *value)
 {
@@ -205,6 +212,8 @@ static int check_options(const options *o, const char *command)
             fprintf(stderr, "pzs: %s belongs to %s, not to %s; see pzs --help\n", option[i].name, option[i].commands, command);
             return EXIT_USAGE;
         }
+    if (strcmp(command, "tables") == 0 && !o->output)
+        return usage_error("say where to write with -o FILE for", command);
     return 0;
 }
 
@@ -212,10 +221,7 @@ static int open_scene(const options *o, scene *s)
 {
     char path[PATH_ROOM], error[SCENE_ERROR];
     find_scene(o->scene, path);
-    if (scene_read(s, path, o->set, o->sets, error) == 0)
-        return 0;
-    fprintf(stderr, "pzs: %s\n", error);
-    return EXIT_USAGE;
+    return scene_read(s, path, o->set, o->sets, error) == 0 ? 0 : complain(error, EXIT_USAGE);
 }
 
 /* Exit code of an analysis that failed: its path ended early, or the scene is wrong. */
@@ -236,18 +242,24 @@ static int check_sensors(analysis *a, char *error)
     return 0;
 }
 
-static int open_analysis(const options *o, scene *s, analysis *a)
+/* A command on a scene that is ready for it. Returns an exit code. */
+typedef int command(const options *o, analysis *a);
+
+static int run_on_scene(const options *o, command *run)
 {
+    scene s;
+    analysis a;
     char error[SCENE_ERROR];
-    const int status = open_scene(o, s);
+    int status = open_scene(o, &s);
     if (status)
         return status;
-    if (analysis_prepare(a, s, error) == 0 && check_sensors(a, error) == 0)
-        return 0;
-    fprintf(stderr, "pzs: %s\n", error);
-    analysis_free(a);
-    scene_free(s);
-    return EXIT_USAGE;
+    if (analysis_prepare(&a, &s, error) == 0 && check_sensors(&a, error) == 0)
+        status = run(o, &a);
+    else
+        status = complain(error, EXIT_USAGE);
+    analysis_free(&a);
+    scene_free(&s);
+    return status;
 }
 
 /* ---- files ------------------------------------------------------------ */
@@ -304,9 +316,10 @@ static int write_vtu(const analysis *a, const double *u, const char *path)
     const mesh *m = &a->design.mesh;
     double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector);
     output_file f;
-    if (!vector || output_begin(&f, path)) {
+    const int status = vector ? output_begin(&f, path) : complain("out of memory", 1);
+    if (status) {
         free(vector);
-        return 1;
+        return status;
     }
     report_displacement(m, u, vector);
     const report_field field = {"displacement", vector};
@@ -322,7 +335,7 @@ static int solved(const options *o, analysis *a, const double *u)
     output_file f;
     int status = 0;
     if (!value)
-        return 1;
+        return complain("out of memory", 1);
     pzs_observe(s, u, value);
     (o->as_json ? print_solve_json : print_solve)(a, value);
     if (o->vtu)
@@ -333,27 +346,15 @@ static int solved(const options *o, analysis *a, const double *u)
     return status;
 }
 
-static int command_solve(const options *o)
+static int command_solve(const options *o, analysis *a)
 {
-    scene s;
-    analysis a;
-    char error[SCENE_ERROR];
-    int status = open_analysis(o, &s, &a);
-    if (status)
-        return status;
-    double *u = calloc((size_t)a.design.mesh.dof, sizeof *u);
-    snprintf(error, sizeof error, "out of memory");
-    const int failed = !u || analysis_solve(&a, u, error) < 0;
-    if (failed)
-        fprintf(stderr, "pzs: %s\n", error);
+    char error[SCENE_ERROR] = "out of memory";
+    double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
+    const int failed = u && analysis_solve(a, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
-    if (u && (!failed || a.nonlinear))
-        status = solved(o, &a, u);
-    status = failed ? 1 : status;
+    const int status = u && (!failed || a->nonlinear) ? solved(o, a, u) : 0;
     free(u);
-    analysis_free(&a);
-    scene_free(&s);
-    return status;
+    return failed ? failed : status;
 }
 
 /* ---- shape ------------------------------------------------------------ */
@@ -361,65 +362,65 @@ static int command_solve(const options *o)
 /* The scene without any volts. */
 static int shape_before(shape_run *run, char *error)
 {
-    double *none = calloc((size_t)run->analysis.design.amplifiers, sizeof *none);
-    const int failed = none ? voltages_given(&run->analysis, "no volts", none, &run->before, error)
-                            : scene_fault(&run->scene, run->scene.limits.at, error, "out of memory");
+    const design *d = &run->analysis->design;
+    double *none = calloc((size_t)d->amplifiers, sizeof *none);
+    const int failed = none ? voltages_given(run->analysis, "no volts", none, &run->before, error)
+                            : scene_fault(d->scene, d->scene->limits.at, error, "out of memory");
     free(none);
     return failed;
 }
 
-/* Optima without limits and within each limit, clipping and on a nonlinear structure the linear optimum beside,
- * then the scene's volts to compare. */
+/*
+ * Optima without limits and within each limit, clipping and on a nonlinear structure the linear optimum beside,
+ * then the scene's volts to compare.
+ */
 static int shape_results(shape_run *run, const options *o, char *error)
 {
-    const scene *s = &run->scene;
+    analysis *a = run->analysis;
+    const scene *s = a->design.scene;
     const double own[1] = {(double)NAN};
     const double *limit = o->limits ? o->limit : own;
-    const size_t most = 1 + 3 * (size_t)(o->limits ? o->limits : 1) + (size_t)s->compares;
+    const int limits = o->limits ? o->limits : 1;
+    const size_t most = 1 + 3 * (size_t)limits + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
-    if (run->volts && shape_before(run, error) < 0)
-        return -1;
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
-    if (voltages_optimum(&run->analysis, HUGE_VAL, &run->volts[run->count++], error) < 0)
+    if (shape_before(run, error) < 0 || voltages_optimum(a, HUGE_VAL, &run->volts[run->count++], error) < 0)
         return -1;
-    for (int i = 0; i < (o->limits ? o->limits : 1); i++)
-        if (voltages_optimum(&run->analysis, limit[i], &run->volts[run->count++], error) < 0
-            || (run->analysis.nonlinear && voltages_linear(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
-            || voltages_clipped(&run->analysis, limit[i], &run->volts[run->count++], error) < 0)
+    for (int i = 0; i < limits; i++)
+        if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0
+            || (a->nonlinear && voltages_linear(a, limit[i], &run->volts[run->count++], error) < 0)
+            || voltages_clipped(a, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
     run->compared = run->count;
     for (int i = 0; i < s->compares; i++)
-        if (voltages_given(&run->analysis, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
+        if (voltages_given(a, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
             return -1;
-    return modes_run(&run->modes, &run->analysis, limit, o->limits ? o->limits : 1, error);
+    return modes_run(&run->modes, a, limit, limits, error);
 }
 
-static int command_shape(const options *o)
+static int command_shape(const options *o, analysis *a)
 {
-    static shape_run run;
+    shape_run run;
     char error[SCENE_ERROR];
     output_file f;
-    int status = open_analysis(o, &run.scene, &run.analysis);
-    if (status)
-        return status;
-    run.analysis.nonlinear = run.scene.kinematics != KINEMATICS_LINEAR;
-    if (analysis_influence(&run.analysis, error) == 0 && shape_results(&run, o, error) == 0) {
+    int status = 0;
+    memset(&run, 0, sizeof run);
+    run.analysis = a;
+    a->nonlinear = a->design.scene->kinematics != KINEMATICS_LINEAR;
+    if (analysis_influence(a, error) == 0 && shape_results(&run, o, error) == 0) {
         (o->as_json ? print_shape_json : print_shape)(&run);
-        status = o->vtu ? write_vtu(&run.analysis, run.volts[1].u, o->vtu) : 0;
+        status = o->vtu ? write_vtu(a, run.volts[1].u, o->vtu) : 0;
         if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_shape(f.file, &run.analysis, run.volts, run.count, &run.modes));
+            status = output_end(&f, report_shape(f.file, a, run.volts, run.count, &run.modes));
     } else {
-        fprintf(stderr, "pzs: %s\n", error);
-        status = failed_code(&run.analysis);
+        status = complain(error, failed_code(a));
     }
     for (int i = 0; i < run.count; i++)
         voltages_free(&run.volts[i]);
     free(run.volts);
     voltages_free(&run.before);
     modes_free(&run.modes);
-    analysis_free(&run.analysis);
-    scene_free(&run.scene);
     return status;
 }
 
@@ -433,35 +434,29 @@ static int run_simulation(simulation *run, const options *o, simulate_record *re
     const int status = o->csv ? output_begin(&csv, o->csv) : 0;
     if (status)
         return status;
-    const int failed = print_run(run, record, csv.file, isatty(2), error) < 0;
-    if (failed)
-        fprintf(stderr, "pzs: %s\n", error);
-    if (failed && o->csv)
+    if (print_run(run, record, csv.file, isatty(2), error) == 0)
+        return o->csv ? output_end(&csv, 0) : 0;
+    if (o->csv)
         output_drop(&csv);
-    return failed ? 1 : o->csv ? output_end(&csv, 0) : 0;
+    return complain(error, 1);
 }
 
-static int command_simulate(const options *o)
+static int command_simulate(const options *o, analysis *a)
 {
-    scene s;
-    analysis a;
+    const scene *s = a->design.scene;
     simulation run;
     simulate_record record;
     output_file f;
     char error[SCENE_ERROR];
-    int status = open_analysis(o, &s, &a);
-    if (status)
-        return status;
+    int status = 0;
     memset(&run, 0, sizeof run);
     memset(&record, 0, sizeof record);
-    if (!s.simulate.given)
-        scene_fault(&s, s.limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
-    if (!s.simulate.given || analysis_influence(&a, error) < 0 || simulate_open(&run, &a, error) < 0) {
-        fprintf(stderr, "pzs: %s\n", error);
-        status = EXIT_USAGE;
+    if (!s->simulate.given)
+        scene_fault(s, s->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
+    if (!s->simulate.given || analysis_influence(a, error) < 0 || simulate_open(&run, a, error) < 0) {
+        status = complain(error, EXIT_USAGE);
     } else if (o->device && simulate_device(&run, o->device, error) < 0) {
-        fprintf(stderr, "pzs: %s\n", error);
-        status = 1;
+        status = complain(error, 1);
     } else if (record_open(&record, &run) < 0) {
         status = usage_error("out of memory for", o->scene);
     } else if ((status = run_simulation(&run, o, &record)) == 0) {
@@ -473,8 +468,6 @@ static int command_simulate(const options *o)
     }
     record_close(&record);
     simulate_close(&run);
-    analysis_free(&a);
-    scene_free(&s);
     return status;
 }
 
@@ -517,7 +510,7 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
         return scene_fault(s, s->at_surface, error, "a nonlinear image needs kinematics: nonlinear (or auto)");
     double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
     a->nonlinear = 1;
-    const int failed = !u || analysis_solve(a, u, error) < 0;
+    const int failed = u ? analysis_solve(a, u, error) : scene_fault(s, s->at_surface, error, "out of memory");
     free(u);
     return failed ? -1 : s->target.given ? analysis_influence(a, error) : 0;
 }
@@ -531,48 +524,29 @@ static void print_tables(const options *o, const analysis *a, const char *path)
         printf("condition %.1e after scaling: %s\n", a->model.condition, tables_fit_float(a) ? "float or double" : "refused in float");
 }
 
-static int command_tables(const options *o)
+static int command_tables(const options *o, analysis *a)
 {
-    scene s;
-    analysis a;
     output_file f;
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[PATH_ROOM];
-    if (!o->output)
-        return usage_error("say where to write with -o FILE for", "tables");
-    int status = open_analysis(o, &s, &a);
-    if (status)
-        return status;
-    if (prepare_tables(&a, o->image, error) < 0) {
-        fprintf(stderr, "pzs: %s\n", error);
-        status = failed_code(&a);
-    } else if (table_prefix(o, &s, prefix), (status = output_begin(&f, table_path(o, prefix, path))) == 0) {
-        status = output_end(&f, tables_write(f.file, &a, o->image, prefix, &size));
-        if (status == 0)
-            print_tables(o, &a, path);
-    }
-    analysis_free(&a);
-    scene_free(&s);
+    if (prepare_tables(a, o->image, error) < 0)
+        return complain(error, failed_code(a));
+    table_prefix(o, a->design.scene, prefix);
+    int status = output_begin(&f, table_path(o, prefix, path));
+    if (status == 0)
+        status = output_end(&f, tables_write(f.file, a, o->image, prefix, &size));
+    if (status == 0)
+        print_tables(o, a, path);
     return status;
 }
 
-static int command_check(const options *o)
+static int command_check(const options *o, analysis *a)
 {
-    scene s;
-    analysis a;
     char error[SCENE_ERROR];
-    int status = open_analysis(o, &s, &a);
-    if (status)
-        return status;
-    if (s.target.given && analysis_influence(&a, error) < 0) {
-        fprintf(stderr, "pzs: %s\n", error);
-        status = EXIT_USAGE;
-    } else {
-        (o->as_json ? print_check_json : print_check)(&a);
-    }
-    analysis_free(&a);
-    scene_free(&s);
-    return status;
+    if (a->design.scene->target.given && analysis_influence(a, error) < 0)
+        return complain(error, EXIT_USAGE);
+    (o->as_json ? print_check_json : print_check)(a);
+    return 0;
 }
 
 /* Entries of the scene folder that are scenes. */
@@ -613,9 +587,9 @@ static int run_command(int argc, char **argv)
 {
     static const struct {
         const char *name;
-        int (*run)(const options *);
+        command *run;
     } commands[] = {{"solve", command_solve}, {"shape", command_shape}, {"tables", command_tables}, {"check", command_check},
-                  {"simulate", command_simulate}};
+                    {"simulate", command_simulate}};
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         fputs(help, argc < 2 ? stderr : stdout);
         return argc < 2 ? EXIT_USAGE : 0;
@@ -631,7 +605,7 @@ static int run_command(int argc, char **argv)
             int wrong = parse(&o, argc, argv);
             wrong = wrong ? wrong : check_options(&o, argv[1]);
             wrong = wrong ? wrong : check_files(&o);
-            return wrong ? wrong : commands[i].run(&o);
+            return wrong ? wrong : run_on_scene(&o, commands[i].run);
         }
     return usage_error("unknown command", argv[1]);
 }

@@ -21,6 +21,13 @@ int mesh_node(const mesh *m, int i, int j)
     return i % m->lines[0] * m->lines[1] + j % m->lines[1];
 }
 
+expr_point mesh_place(const mesh *m, int node)
+{
+    const double *x = m->point[node].x, *theta = m->theta[node];
+    const expr_point place = {x[0], x[1], x[2], theta[0], theta[1]};
+    return place;
+}
+
 static void cell_lines(const mesh *m, int element, int *i, int *j)
 {
     *i = element / m->scene->line[1].elements;
@@ -250,8 +257,7 @@ static int folded(int p, int n)
 /* Give the unknowns of one node what a support says; values as in apply_supports. */
 static int hold(mesh *m, const scene_support *support, int node, double *values, char *error)
 {
-    const surface_point *p = &m->point[node];
-    const expr_point at = {p->x[0], p->x[1], p->x[2], m->theta[node][0], m->theta[node][1]};
+    const expr_point at = mesh_place(m, node);
     const double value = support->value ? expr_value(support->value, &at) : 0;
     if (!isfinite(value))
         return scene_fault(m->scene, support->at, error, "value is not a finite number at theta1 = %g, theta2 = %g", at.theta1, at.theta2);

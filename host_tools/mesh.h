@@ -38,6 +38,9 @@ void mesh_free(mesh *m);
 /* Node at line i of theta1 and line j of theta2; closed directions wrap. */
 int mesh_node(const mesh *m, int i, int j);
 
+/* A node's place, for the value of an expression there. */
+expr_point mesh_place(const mesh *m, int node);
+
 /* Nodes of a set, in node order. node [nodes] out. Returns their number. */
 int mesh_select(const mesh *m, const scene_where *where, int *node);
 

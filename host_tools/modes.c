@@ -33,12 +33,10 @@ static int run_limited(analysis *a, double limit, mode_left *left, char *error)
 /* Root mean square of the target, by its weights. */
 static double target_size(const design *d)
 {
-    double sum = 0, weights = 0;
-    for (int i = 0; i < d->targets; i++) {
-        sum += pow(d->weight[i] * d->target[i], 2);
+    double weights = 0;
+    for (int i = 0; i < d->targets; i++)
         weights += pow(d->weight[i], 2);
-    }
-    return sqrt(sum / weights);
+    return sqrt(design_squares(d, d->target, NULL) / weights);
 }
 
 /* Mode k of the target in the target's place, what the scene's loads move taken off as there. loaded [targets] in */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "electrode.h"
 #include "model.h"
 #include "nonlinear.h"
 #include "shell.h"
@@ -17,14 +18,6 @@ typedef struct builder {
     int full; /* memory ran out */
 } builder;
 
-static void *grown(builder *b, void *old, size_t count, size_t size)
-{
-    void *bigger = realloc(old, count * size);
-    if (!bigger)
-        b->full = 1;
-    return bigger ? bigger : old;
-}
-
 /* Row of value that holds h0; added if new. */
 static size_t row_of(builder *b, const double h0[LAMINATE_STRAINS])
 {
@@ -33,7 +26,7 @@ static size_t row_of(builder *b, const double h0[LAMINATE_STRAINS])
             return i - 1;
     if (b->values == b->room_values) {
         b->room_values = 2 * b->room_values + 16;
-        b->value = grown(b, b->value, b->room_values, sizeof *b->value);
+        b->value = design_grow(b->value, b->room_values, sizeof *b->value, &b->full);
     }
     if (!b->full)
         memcpy(b->value[b->values], h0, sizeof *b->value);
@@ -45,8 +38,8 @@ static void append(builder *b, int element, const double h0[LAMINATE_STRAINS])
     const size_t row = row_of(b, h0);
     if (b->entries == b->room) {
         b->room = 2 * b->room + 64;
-        b->element = grown(b, b->element, b->room, sizeof *b->element);
-        b->which = grown(b, b->which, b->room, sizeof *b->which);
+        b->element = design_grow(b->element, b->room, sizeof *b->element, &b->full);
+        b->which = design_grow(b->which, b->room, sizeof *b->which, &b->full);
     }
     if (b->full)
         return;
@@ -139,6 +132,9 @@ static pzs_status build_follower(path *p, const scene_load *load, uint16_t input
             if (lean)
                 set_corner(m, e, r, f, &area[kind][r], lean[kind][r]);
         }
+    f->format = PZS_TABLE_FORMAT;
+    f->scene = p->design->structure.scene;
+    f->crc = follower_crc(f, &p->design->structure);
     return pzs_attach_follower(&p->run, &p->load[p->followers - 1], f);
 }
 
@@ -211,6 +207,9 @@ static pzs_status build_contact(path *p, uint16_t input)
     for (int i = 0; i < 3; i++)
         p->face.size = fmax(p->face.size, high[i] - low[i]);
     build_body(p, p->face.size);
+    p->face.format = PZS_TABLE_FORMAT;
+    p->face.scene = p->design->structure.scene;
+    p->face.crc = contact_crc(&p->face, &p->design->structure);
     const pzs_status status = pzs_attach_contact(&p->run, &p->contact, &p->face, &p->body, p->contact_work, bytes);
     p->contact.stiffness = contact->stiffness;
     return status;
@@ -288,9 +287,7 @@ void path_return(path *p, const void *state)
 static void set_full(path *p)
 {
     const design *d = p->design;
-    for (int k = 0; k < d->scene->actuators; k++)
-        for (int c = 0; c < d->scene->actuator[k].grid[0] * d->scene->actuator[k].grid[1]; c++)
-            p->full[d->scene->actuator[k].first + c] = d->scene->actuator[k].applied;
+    design_applied(d, p->full);
     for (int k = 0; k < d->loads; k++)
         p->full[d->amplifiers + k] = d->scene->load[k].follower == FOLLOWER_NONE;
     for (int k = d->amplifiers + d->loads; k < d->sensor_first; k++)
@@ -326,9 +323,7 @@ static pzs_status start(path *p, pzs_model *model)
 static pzs_status build_circuit(path *p)
 {
     const design *d = p->design;
-    int open = 0;
-    for (int k = 0; k < d->scene->sensors; k++)
-        open += d->scene->sensor[k].open * d->scene->sensor[k].grid[0] * d->scene->sensor[k].grid[1];
+    const uint32_t open = electrode_open_count(&d->electrodes);
     const size_t bytes = PZS_CIRCUIT_BYTES(d->electrodes.count, open);
     if (open == 0)
         return PZS_OK;
@@ -369,27 +364,20 @@ pzs_status path_open(path *p, const design *d, pzs_model *model)
     return PZS_OK;
 }
 
-/* The library's tables are const for their readers; they were allocated here. */
-static void release(const void *table)
-{
-    union { const void *table; void *memory; } owned = {table};
-    free(owned.memory);
-}
-
 void path_close(path *p)
 {
-    release(p->tables.given.start);
-    release(p->tables.given.element);
-    release(p->tables.given.which);
-    release(p->tables.given.value);
+    design_release(p->tables.given.start);
+    design_release(p->tables.given.element);
+    design_release(p->tables.given.which);
+    design_release(p->tables.given.value);
     for (int k = 0; k < p->followers; k++) {
-        release(p->follower[k].pressure);
-        release(p->follower[k].area);
-        release(p->follower[k].lean);
+        design_release(p->follower[k].pressure);
+        design_release(p->follower[k].area);
+        design_release(p->follower[k].lean);
     }
-    release(p->face.place);
-    release(p->face.triad);
-    release(p->face.area);
+    design_release(p->face.place);
+    design_release(p->face.triad);
+    design_release(p->face.area);
     free(p->follower);
     free(p->load);
     free(p->full);

@@ -133,17 +133,6 @@ void plant_rest(plant *p)
 
 /* ---- shapes ----------------------------------------------------------- */
 
-/* Rows of the targets of the structure's outputs, from a displacement. */
-static void observe(const plant *p, const double *u, double *shape)
-{
-    const pzs_rows *row = &p->analysis.design.structure.output;
-    for (int i = 0; i < p->analysis.design.targets; i++) {
-        shape[i] = 0;
-        for (uint32_t t = row->start[i]; t < row->start[i + 1]; t++)
-            shape[i] += row->value[t] * u[row->dof[t]];
-    }
-}
-
 static void sum_columns(const plant *p, size_t rows, double *shape)
 {
     const size_t inputs = p->analysis.design.structure.input.count;
@@ -155,7 +144,7 @@ static void sum_columns(const plant *p, size_t rows, double *shape)
     }
 }
 
-/* The amounts, with the scene's say on where the last shape was left out. */
+/* The equilibrium under the amounts, from the last shape; that is it where they are the same. */
 static int reach(plant *p, char *error)
 {
     analysis *a = &p->analysis;
@@ -181,7 +170,7 @@ int plant_shape(plant *p, const double *volt, double *shape, char *error)
     }
     if (reach(p, error) < 0)
         return -1;
-    observe(p, p->analysis.path.run.u, shape);
+    design_shape(&p->analysis.design, p->analysis.path.run.u, shape);
     return 0;
 }
 
@@ -189,17 +178,11 @@ int plant_shape(plant *p, const double *volt, double *shape, char *error)
 static pzs_status look(plant *p)
 {
     analysis *a = &p->analysis;
-    const size_t inputs = a->design.structure.input.count;
-    if (a->nonlinear) {
+    if (a->nonlinear)
         pzs_observe(&a->design.structure, a->path.run.u, p->value);
-        memcpy(a->amount, a->path.run.amount, inputs * sizeof *a->amount);
-        pzs_charges_at(&a->path.run, &a->design.electrodes, a->charge);
-        return PZS_OK;
-    }
-    sum_columns(p, a->design.structure.output.count, p->value);
-    memcpy(a->amount, p->amount, inputs * sizeof *a->amount);
-    const pzs_status status = a->electric.model ? pzs_open_volts(&a->electric, a->amount) : PZS_OK;
-    return status == PZS_OK && a->electric.model ? pzs_charges(&a->electric, a->amount, a->charge) : status;
+    else
+        sum_columns(p, a->design.structure.output.count, p->value);
+    return analysis_electrodes(a, p->amount);
 }
 
 int plant_readings(plant *p, double *reading, char *error)

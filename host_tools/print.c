@@ -4,8 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "estimator.h"
-#include "json.h"
 #include "model.h"
 #include "tables.h"
 
@@ -38,19 +36,24 @@ static void print_sensors(const analysis *a)
     estimator_close(&e);
 }
 
+void print_estimate_json(json *j, const estimator *e)
+{
+    json_open(j, "estimate", '{');
+    json_number(j, "sensors", e->sensors);
+    json_number(j, "rank", e->rank);
+    json_number(j, "condition", e->condition);
+    json_number(j, "missed", e->missed / e->disturbed);
+    json_number(j, "worst_missed", e->worst_missed / e->worst_disturbed);
+    json_close(j, '}');
+}
+
 static void json_sensors(json *j, const analysis *a)
 {
     char text[SCENE_ERROR];
     estimator e;
     if (!a->design.scene->estimate.given || estimator_open(&e, a, text) < 0)
         return;
-    json_open(j, "estimate", '{');
-    json_number(j, "sensors", e.sensors);
-    json_number(j, "rank", e.rank);
-    json_number(j, "condition", e.condition);
-    json_number(j, "missed", e.missed / e.disturbed);
-    json_number(j, "worst_missed", e.worst_missed / e.worst_disturbed);
-    json_close(j, '}');
+    print_estimate_json(j, &e);
     estimator_close(&e);
 }
 
@@ -318,16 +321,17 @@ static double cost_of_linear(const shape_run *run)
 
 static const char *image_needed(const shape_run *run)
 {
-    return cost_of_linear(run) <= run->scene.tolerance ? "control" : "nonlinear";
+    return cost_of_linear(run) <= run->analysis->design.scene->tolerance ? "control" : "nonlinear";
 }
 
 static void print_choice(const shape_run *run)
 {
     const voltages *best = &run->volts[1];
+    const double tolerance = run->analysis->design.scene->tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n", best->relinearised,
            best->relinearised == 1 ? "" : "s", best->systems);
     printf("the linear model's volts cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
-           100 * run->scene.tolerance, strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
+           100 * tolerance, strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
                                                                                  : "needs the nonlinear image");
 }
 
@@ -346,19 +350,20 @@ static double reached(const analysis *a, int k, const voltages *v)
 /* The displacements of single nodes that the scene asks for, under each set of volts. */
 static void print_reached(const shape_run *run)
 {
-    const analysis *a = &run->analysis;
+    const analysis *a = run->analysis;
+    const scene *s = a->design.scene;
     int columns = 0;
-    for (int k = 0; k < run->scene.outputs; k++) {
+    for (int k = 0; k < s->outputs; k++) {
         if (!is_single(a, k))
             continue;
         if (columns++ == 0)
-            printf("\n  displacement, %-13s", run->scene.unit_length);
-        printf(" %13.13s", run->scene.output[k].name);
+            printf("\n  displacement, %-13s", s->unit_length);
+        printf(" %13.13s", s->output[k].name);
     }
     for (int i = -1; columns > 0 && i < run->count; i++) {
         const voltages *v = i < 0 ? &run->before : &run->volts[i];
         printf("\n  %-27s", v->name);
-        for (int k = 0; k < run->scene.outputs; k++)
+        for (int k = 0; k < s->outputs; k++)
             if (is_single(a, k))
                 printf(" %13.5e", reached(a, k, v));
     }
@@ -368,9 +373,10 @@ static void print_reached(const shape_run *run)
 
 void print_shape(const shape_run *run)
 {
-    const design *d = &run->analysis.design;
-    print_head(&run->analysis);
-    printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, run->analysis.model.residual);
+    const analysis *a = run->analysis;
+    const design *d = &a->design;
+    print_head(a);
+    printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, a->model.residual);
     printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
     for (int i = 0; i < run->count; i++) {
         const voltages *v = &run->volts[i];
@@ -386,22 +392,22 @@ void print_shape(const shape_run *run)
             puts("         -");
     }
     print_reached(run);
-    print_volts(&run->scene, &run->volts[1]);
+    print_volts(d->scene, &run->volts[1]);
     for (int i = run->compared; i < run->count; i++)
-        print_volts(&run->scene, &run->volts[i]);
+        print_volts(d->scene, &run->volts[i]);
     const voltages *best = &run->volts[1];
     char limits[32];
     limit_text(best, limits);
-    if (run->analysis.nonlinear)
+    if (a->nonlinear)
         print_choice(run);
-    print_modes(&run->scene, &run->modes);
+    print_modes(d->scene, &run->modes);
     printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
 }
 
 static void json_voltages(json *j, const analysis *a, const voltages *v)
 {
     const scene *s = a->design.scene;
-    char name[SCENE_NAME + 24];
+    char name[SCENE_LABEL];
     json_numbers(j, "limits", v->limit, 2);
     json_number(j, "shape_error", v->error);
     json_number(j, "active", v->active);
@@ -425,29 +431,30 @@ static void json_voltages(json *j, const analysis *a, const voltages *v)
 /* The optimum within the first limits at the top, then every set of volts. */
 void print_shape_json(const shape_run *run)
 {
-    const design *d = &run->analysis.design;
+    const analysis *a = run->analysis;
+    const design *d = &a->design;
     json j = {stdout, 0, {0}};
     json_open(&j, NULL, '{');
-    json_head(&j, &run->analysis);
+    json_head(&j, a);
     json_number(&j, "amplifiers", d->amplifiers);
     json_number(&j, "targets", d->targets);
-    json_string(&j, "kinematics", run->analysis.nonlinear ? "nonlinear" : "linear");
-    if (run->analysis.nonlinear) {
+    json_string(&j, "kinematics", a->nonlinear ? "nonlinear" : "linear");
+    if (a->nonlinear) {
         json_number(&j, "cost_of_linear", cost_of_linear(run));
         json_string(&j, "image", image_needed(run));
     }
     json_number(&j, "shape_error_before", run->before.error);
-    json_number(&j, "clipped_error", run->volts[run->analysis.nonlinear ? 3 : 2].error);
-    json_voltages(&j, &run->analysis, &run->volts[1]);
+    json_number(&j, "clipped_error", run->volts[a->nonlinear ? 3 : 2].error);
+    json_voltages(&j, a, &run->volts[1]);
     json_open(&j, "results", '[');
     for (int i = 0; i < run->count; i++) {
         json_open(&j, NULL, '{');
         json_string(&j, "name", run->volts[i].name);
-        json_voltages(&j, &run->analysis, &run->volts[i]);
+        json_voltages(&j, a, &run->volts[i]);
         json_close(&j, '}');
     }
     json_close(&j, ']');
     if (run->modes.count > 0)
-        print_modes_json(&j, &run->scene, &run->modes);
+        print_modes_json(&j, d->scene, &run->modes);
     json_close(&j, '}');
 }

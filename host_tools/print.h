@@ -2,13 +2,13 @@
 #ifndef PRINT_H
 #define PRINT_H
 
+#include "estimator.h"
 #include "json.h"
 #include "modes.h"
 
 /* What `pzs shape` found. */
 typedef struct shape_run {
-    scene scene;
-    analysis analysis;
+    analysis *analysis;
     voltages *volts;     /* [count] optimum without limits, then per limit the optimum, on a nonlinear structure that of
                             the linear model, the clipped one; then those of the scene */
     voltages before;     /* the scene without any volts */
@@ -18,6 +18,9 @@ typedef struct shape_run {
 
 /* Name, mesh and condition. */
 void print_head(const analysis *a);
+
+/* What the sensors of an estimate see, under `estimate`. */
+void print_estimate_json(json *j, const estimator *e);
 
 /* Size of the scene and what its images need of a device. */
 void print_check(const analysis *a);

@@ -4,7 +4,7 @@
 #include "print.h"
 
 /* Name of electrode k, and how it is connected. */
-static const char *connection(const design *d, int k, char name[SCENE_NAME + 24])
+static const char *connection(const design *d, int k, char name[SCENE_LABEL])
 {
     const int input = d->electrodes.input[k];
     if (input < d->amplifiers) {
@@ -18,7 +18,7 @@ static const char *connection(const design *d, int k, char name[SCENE_NAME + 24]
 void print_electrodes(analysis *a)
 {
     const design *d = &a->design;
-    char name[SCENE_NAME + 24];
+    char name[SCENE_LABEL];
     if (d->electrodes.count == 0)
         return;
     printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", "volts", "charge", "capacitance, held", "free");
@@ -38,7 +38,7 @@ void print_electrodes(analysis *a)
 void print_electrodes_json(json *j, analysis *a)
 {
     const design *d = &a->design;
-    char name[SCENE_NAME + 24];
+    char name[SCENE_LABEL];
     json_open(j, "electrodes", '{');
     for (int k = 0; k < d->electrodes.count; k++) {
         const char *circuit = connection(d, k, name);

@@ -1,7 +1,5 @@
 /* A simulation in words and numbers (print_simulate.h). */
 #include "print_simulate.h"
-#include <math.h>
-#include "json.h"
 #include "print.h"
 
 static const char *const law_name[LAWS] = {"controller", "clamped"};
@@ -12,7 +10,7 @@ static void print_csv_head(FILE *file, const scene *s, int estimates)
 {
     fprintf(file, "tick,time,error,active,passes,status,lost%s", estimates ? ",missed" : "");
     for (int k = 0; k < s->amplifiers; k++) {
-        char name[SCENE_NAME + 24];
+        char name[SCENE_LABEL];
         scene_amplifier_name(s, k, name);
         fprintf(file, ",%s", name);
     }
@@ -102,7 +100,7 @@ static void print_phases(const simulation *s)
     printf("  %-7s %-46s %9s %9s %9s %9s %9s %6s\n", "tick", "phase", "optimum", "steady", "clamped", "worst", "settled", "slew");
     for (int k = 0; k < s->phases; k++) {
         const simulate_phase *p = &s->phase[k];
-        char name[160];
+        char name[SIMULATE_NAME];
         simulate_name(s, p, name);
         printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %8.3f%% ", p->from, name, 100 * p->optimum, 100 * p->course[LAW_CONTROLLER].steady,
                100 * p->course[LAW_CLAMP].steady, 100 * p->course[LAW_CONTROLLER].worst);
@@ -185,7 +183,7 @@ static void json_course(json *j, const simulation *s, const simulate_course *c, 
 
 static void json_phase(json *j, const simulation *s, const simulate_phase *p)
 {
-    char name[160];
+    char name[SIMULATE_NAME];
     simulate_name(s, p, name);
     json_open(j, NULL, '{');
     json_string(j, "phase", name);
@@ -228,15 +226,8 @@ void print_simulation_json(const simulation *s)
         json_number(&j, "device_bits", s->board->bits);
         json_number(&j, "device_same", (double)s->count[LAW_CONTROLLER].same);
     }
-    if (s->estimates) {
-        json_open(&j, "estimate", '{');
-        json_number(&j, "sensors", s->estimator.sensors);
-        json_number(&j, "rank", s->estimator.rank);
-        json_number(&j, "condition", s->estimator.condition);
-        json_number(&j, "missed", s->estimator.missed / s->estimator.disturbed);
-        json_number(&j, "worst_missed", s->estimator.worst_missed / s->estimator.worst_disturbed);
-        json_close(&j, '}');
-    }
+    if (s->estimates)
+        print_estimate_json(&j, &s->estimator);
     json_number(&j, "amplifiers", s->nominal->design.amplifiers);
     json_number(&j, "targets", s->nominal->design.targets);
     json_open(&j, "phases", '[');

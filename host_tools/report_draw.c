@@ -11,6 +11,12 @@ double draw_dot3(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+void draw_direction(const surface_point *p, scene_component component, double along[3])
+{
+    for (int i = 0; i < 3; i++)
+        along[i] = component <= COMPONENT_U3 ? p->e[component - COMPONENT_U1][i] : (unsigned)i == component - COMPONENT_X;
+}
+
 int draw_stride(int elements, int most)
 {
     return (elements + most - 1) / most;

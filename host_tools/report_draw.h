@@ -54,6 +54,9 @@ int draw_next(int k, int step, int last);
 /* Value at (s, t) of 0..1 between four corners in element order. */
 double draw_between(const double corner[4], double s, double t);
 
+/* Unit vector along a component at a point of the surface, in x, y, z. */
+void draw_direction(const surface_point *p, scene_component component, double along[3]);
+
 double draw_dot3(const double a[3], const double b[3]);
 
 #endif

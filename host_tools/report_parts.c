@@ -161,8 +161,7 @@ static void write_value(FILE *file, const mesh *m, const scene_load *load)
     double low = 0, high = 0;
     int first = 1;
     for (int n = 0; n < m->nodes; n++) {
-        const surface_point *p = &m->point[n];
-        const expr_point at = {p->x[0], p->x[1], p->x[2], m->theta[n][0], m->theta[n][1]};
+        const expr_point at = mesh_place(m, n);
         const scene_where *where = &load->where;
         if (load->type == LOAD_POINT && n != mesh_node(m, where->node[0], where->node[1]))
             continue;
@@ -238,6 +237,22 @@ void parts_conditions(FILE *file, const design *d)
     for (int k = 0; k < s->actuators; k++)
         write_actuator(file, s, &s->actuator[k]);
     fputs("</tbody></table></div>\n", file);
+}
+
+/* ---- misfit ----------------------------------------------------------- */
+
+void parts_misfit(const design *d, const double *shape, const double *target, const double *vector, double *misfit, double *wanted)
+{
+    for (int n = 0; n < d->mesh.nodes; n++)
+        misfit[n] = wanted[3 * n] = wanted[3 * n + 1] = wanted[3 * n + 2] = (double)NAN;
+    for (int t = 0; t < d->targets; t++) {
+        const int n = d->target_node[t];
+        double along[3];
+        draw_direction(&d->mesh.point[n], d->scene->target.what.component, along);
+        misfit[n] = shape[t] - target[t];
+        for (int i = 0; i < 3; i++)
+            wanted[3 * n + i] = vector[3 * n + i] - misfit[n] * along[i];
+    }
 }
 
 /* ---- magnification ---------------------------------------------------- */

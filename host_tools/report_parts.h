@@ -1,4 +1,4 @@
-/* Parts that the report pages share: their head, the structure in words, a fair magnification. */
+/* Parts that the report pages share: their head, the structure in words, misfits, a fair magnification. */
 #ifndef REPORT_PARTS_H
 #define REPORT_PARTS_H
 
@@ -11,6 +11,14 @@ void parts_head(FILE *file, const analysis *a, const char *kind, double residual
 /* Tables: the layers; supports, loads and actuators. */
 void parts_layers(FILE *file, const scene *s);
 void parts_conditions(FILE *file, const design *d);
+
+/*
+ * What a shape misses of a target.
+ *   shape, target [targets] in; vector [nodes][3] in  displacement that belongs to the shape
+ *   misfit [nodes]    out  reached minus wanted; NAN where nothing is wanted
+ *   wanted [nodes][3] out  vector with the target's component as wanted; NAN as above
+ */
+void parts_misfit(const design *d, const double *shape, const double *target, const double *vector, double *misfit, double *wanted);
 
 /* Factor that draws the largest displacement at about a share of the structure: 1, 2 or 5 times a power of ten. most (length) in */
 double parts_magnification(const mesh *m, double most, double share);

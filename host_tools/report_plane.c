@@ -237,7 +237,7 @@ static void patch(FILE *file, const scene *s, int amplifier, const double box[4]
 {
     static const char *const said[] = {"", ", at its limit", ", beyond the limits of the scene"};
     const int level = draw_level(scale, volt);
-    char name[SCENE_NAME + 24];
+    char name[SCENE_LABEL];
     scene_amplifier_name(s, amplifier, name);
     fputs("<g><title>", file);
     html_text(file, name);
@@ -257,7 +257,7 @@ static void patch(FILE *file, const scene *s, int amplifier, const double box[4]
 }
 
 void plane_volts(FILE *file, const mesh *m, const int *plan, int which, const double *volt, const plane_outline *outline,
-               const draw_scale *scale, const char *title)
+                 const draw_scale *scale, const char *title)
 {
     const scene *s = m->scene;
     const plane p = plane_of(m);

@@ -2,7 +2,6 @@
 #include "report.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include "report_html.h"
 #include "report_modes.h"
 #include "report_parts.h"
@@ -13,8 +12,7 @@
 typedef struct result {
     const voltages *volts;
     double *vector;          /* [nodes][3] displacement reached */
-    double *wanted;          /* [nodes][3] the same with the target's component as wanted; NaN elsewhere */
-    double *misfit;          /* [nodes] reached minus wanted; NaN where nothing is wanted */
+    double *wanted, *misfit; /* [nodes][3], [nodes] as parts_misfit has them */
     plane_outline *outline;  /* [amplifiers] */
     double worst, rms, volt; /* largest and root mean square misfit, largest volt */
     int beyond;              /* amplifiers beyond the limits of the scene */
@@ -57,20 +55,9 @@ static int result_room(result *r, const design *d)
 
 static void result_misfit(const design *d, result *r)
 {
-    const scene_component c = d->scene->target.what.component;
-    for (int n = 0; n < d->mesh.nodes; n++) {
-        r->misfit[n] = (double)NAN;
-        for (int i = 0; i < 3; i++)
-            r->wanted[3 * n + i] = (double)NAN;
-    }
+    parts_misfit(d, r->volts->shape, d->target, r->vector, r->misfit, r->wanted);
     for (int t = 0; t < d->targets; t++) {
-        const int n = d->target_node[t];
-        const double miss = r->volts->shape[t] - d->target[t];
-        for (int i = 0; i < 3; i++) {
-            const double along = c <= COMPONENT_U3 ? d->mesh.point[n].e[c - COMPONENT_U1][i] : (unsigned)i == c - COMPONENT_X;
-            r->wanted[3 * n + i] = r->vector[3 * n + i] - miss * along;
-        }
-        r->misfit[n] = miss;
+        const double miss = r->misfit[d->target_node[t]];
         r->worst = fmax(r->worst, fabs(miss));
         r->rms += miss * miss / d->targets;
     }

@@ -44,7 +44,7 @@ typedef struct page {
     const simulation *s;
     const simulate_record *r;
     const scene *scene;
-    double *vector, *wanted, *misfit; /* [nodes][3], [nodes][3], [nodes] of the shape being drawn */
+    double *vector, *wanted, *misfit; /* [nodes][3], [nodes][3], [nodes] of the shape being drawn; see parts_misfit */
     draw_view view;
     draw_scale scale;
     double factor;
@@ -73,7 +73,7 @@ static void write_verdict(const page *p)
 static void write_phase(const page *p, const simulate_phase *phase)
 {
     const simulate_course *c = phase->course;
-    char name[160];
+    char name[SIMULATE_NAME];
     simulate_name(p->s, phase, name);
     fprintf(p->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
     html_text(p->file, name);
@@ -154,10 +154,12 @@ static void write_plant(const page *p)
         fprintf(p->file, " stiffness &times;&nbsp;%g, d &times;&nbsp;%g", simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     }
     fprintf(p->file, "; hysteresis %g. Sensors: %d, ", simulate->hysteresis, p->s->estimates ? p->s->estimator.sensors : p->s->nominal->design.targets);
-    if (p->s->estimates)
+    if (p->s->estimates) {
         fputs("with the noise of their readings", p->file);
-    else
-        fputs("noise ", p->file), html_quantity(p->file, simulate->noise, p->scene->unit_length);
+    } else {
+        fputs("noise ", p->file);
+        html_quantity(p->file, simulate->noise, p->scene->unit_length);
+    }
     fprintf(p->file, ", delay %d ticks. Amplifiers: steps of ", simulate->delay);
     html_quantity(p->file, simulate->step, p->scene->unit_voltage);
     fputs(", dead band ", p->file);
@@ -312,7 +314,7 @@ static void draw_volts(const page *p)
         draw_row(p, k, &scale, top + height * k, height);
     fputs("</g>\n", p->file);
     for (int k = 0; k < p->r->amplifiers && height >= 10; k++) {
-        char name[SCENE_NAME + 24];
+        char name[SCENE_LABEL];
         scene_amplifier_name(p->scene, k, name);
         fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", left - 6, top + height * (k + 0.8));
         html_text(p->file, name);
@@ -331,19 +333,9 @@ static void draw_volts(const page *p)
 static void take_shape(const page *p, const simulate_phase *phase, simulate_law law)
 {
     const design *d = &p->s->nominal->design;
-    const scene_component c = d->scene->target.what.component;
     const simulate_course *course = &phase->course[law];
     report_displacement(&d->mesh, course->u, p->vector);
-    for (int n = 0; n < d->mesh.nodes; n++)
-        p->misfit[n] = p->wanted[3 * n] = p->wanted[3 * n + 1] = p->wanted[3 * n + 2] = (double)NAN;
-    for (int t = 0; t < d->targets; t++) {
-        const int n = d->target_node[t];
-        p->misfit[n] = course->shape[t] - phase->target[t];
-        for (int i = 0; i < 3; i++) {
-            const double along = c <= COMPONENT_U3 ? d->mesh.point[n].e[c - COMPONENT_U1][i] : (unsigned)i == c - COMPONENT_X;
-            p->wanted[3 * n + i] = p->vector[3 * n + i] - p->misfit[n] * along;
-        }
-    }
+    parts_misfit(d, course->shape, phase->target, p->vector, p->misfit, p->wanted);
 }
 
 static int draw_shape(const page *p, const simulate_phase *phase, simulate_law law)
@@ -401,7 +393,7 @@ static int draw_shapes(const page *p)
     int failed = 0;
     fputs("<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>edges at rest</span><span><i class=\"key hold\"></i>support</span></p>\n", p->file);
     for (int k = 0; k < p->s->phases; k++) {
-        char name[160];
+        char name[SIMULATE_NAME];
         if (!is_worth_seeing(p->s, k))
             continue;
         simulate_name(p->s, &p->s->phase[k], name);

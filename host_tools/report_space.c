@@ -205,12 +205,10 @@ void space_supports(const space *f)
 /* Direction of a load in the picture; its length is that of a unit vector seen from here. */
 static void load_way(const space *f, const scene_load *load, int node, double way[2])
 {
-    const surface_point *p = &f->m->point[node];
-    const expr_point place = {p->x[0], p->x[1], p->x[2], f->m->theta[node][0], f->m->theta[node][1]};
+    const expr_point place = mesh_place(f->m, node);
     const double sign = expr_value(load->value, &place) < 0 ? -1 : 1;
-    double c[3] = {0, 0, 0};
-    for (int i = 0; i < 3; i++)
-        c[i] = load->component <= COMPONENT_U3 ? p->e[load->component - COMPONENT_U1][i] : (unsigned)i == load->component - COMPONENT_X;
+    double c[3];
+    draw_direction(&f->m->point[node], load->component, c);
     way[0] = sign * draw_dot3(f->view->axis[0], c);
     way[1] = -sign * draw_dot3(f->view->axis[1], c);
 }

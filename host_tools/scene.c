@@ -162,20 +162,20 @@ void scene_free(scene *s)
     memset(s, 0, sizeof *s);
 }
 
-static void name_of(const scene_actuator *a, int k, char name[SCENE_NAME + 24])
+static void name_of(const scene_actuator *a, int k, char name[SCENE_LABEL])
 {
     while (k >= a->first + a->grid[0] * a->grid[1]) a++;
     k -= a->first;
     if (a->grid[0] * a->grid[1] == 1) strcpy(name, a->name);
-    else snprintf(name, SCENE_NAME + 24, "%s_%d_%d", a->name, k / a->grid[1] + 1, k % a->grid[1] + 1);
+    else snprintf(name, SCENE_LABEL, "%s_%d_%d", a->name, k / a->grid[1] + 1, k % a->grid[1] + 1);
 }
 
-void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24])
+void scene_amplifier_name(const scene *s, int k, char name[SCENE_LABEL])
 {
     name_of(s->actuator, k, name);
 }
 
-void scene_sensor_name(const scene *s, int k, char name[SCENE_NAME + 24])
+void scene_sensor_name(const scene *s, int k, char name[SCENE_LABEL])
 {
     name_of(s->sensor, k, name);
 }

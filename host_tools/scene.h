@@ -11,7 +11,8 @@
 #include "expr.h"
 #include "spline.h"
 
-enum { SCENE_NAME = 64, SCENE_ERROR = 400, SCENE_NODES = 60000 };
+/* Room for a name, for one with _i_j behind it, for a message; most nodes of a mesh. */
+enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_ERROR = 400, SCENE_NODES = 60000 };
 
 /* Where a thing was said, for messages that come later than reading: line and column from 1.
  * Line -(k+1) is the change set[k], line 0 the file as a whole. */
@@ -170,7 +171,7 @@ typedef struct scene_contact {
     scene_body body;
     double move[3];              /* of the body at full load */
     double stiffness;            /* kappa: of contact, in units of the structure's own */
-    scene_at at, at_body;
+    scene_at at;
 } scene_contact;
 
 /* What contact gives: the resultant force on the shell, the number of nodes in contact, the pressure at a place. */
@@ -268,7 +269,7 @@ typedef struct scene_event {
     int load;                    /* its number */
     int known;                   /* load: the controller is told the amount a tick before */
     int amplifiers, *amplifier;  /* dead, stuck, alive: [amplifiers] */
-    int told;                    /* dead, stuck: ticks until the controller is told, or one of the two below */
+    int told;                    /* dead, stuck: ticks until the controller is told, or one of the two above */
     expr *value;                 /* another target */
     scene_at at;
 } scene_event;
@@ -345,10 +346,10 @@ int scene_read(scene *s, const char *path, const char *const *set, int sets, cha
 void scene_free(scene *s);
 
 /* Name of amplifier k: that of its actuator, with _i_j (from 1) where the grid has more than one patch. */
-void scene_amplifier_name(const scene *s, int k, char name[SCENE_NAME + 24]);
+void scene_amplifier_name(const scene *s, int k, char name[SCENE_LABEL]);
 
 /* The same of electrode k of the sensors. */
-void scene_sensor_name(const scene *s, int k, char name[SCENE_NAME + 24]);
+void scene_sensor_name(const scene *s, int k, char name[SCENE_LABEL]);
 
 /* The amplifiers [*first, *first + *count) of an actuator or of one amplifier's name; returns whether there are any. */
 int scene_find_amplifier(const scene *s, const char *name, int *first, int *count);

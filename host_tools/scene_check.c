@@ -282,6 +282,11 @@ static int expands(const scene_material *m)
     return m->alpha[0] != 0 || m->alpha[1] != 0 || m->alpha[2] != 0;
 }
 
+int scene_expands(const scene *s)
+{
+    return any_material(s, expands);
+}
+
 static int is_pyroelectric(const scene_material *m)
 {
     return m->pyroelectric != 0;
@@ -293,11 +298,11 @@ static int check_loads(const scene *s, char *error)
     for (i = 0; i < s->loads; i++) {
         if (s->load[i].type == LOAD_WEIGHT && !any_material(s, has_density))
             return scene_fault(s, s->load[i].at, error, "weight without density; give a layer's material 'density'");
-        if (s->load[i].type == LOAD_TEMPERATURE && !any_material(s, expands) && !any_material(s, is_pyroelectric))
+        if (s->load[i].type == LOAD_TEMPERATURE && !scene_expands(s) && !any_material(s, is_pyroelectric))
             return scene_fault(s, s->load[i].at, error, "a temperature moves nothing; give a layer's material 'alpha'");
     }
     for (i = 0; i < s->actuators; i++)
-        if (s->actuator[i].is_temperature && !any_material(s, expands) && !any_material(s, is_pyroelectric))
+        if (s->actuator[i].is_temperature && !scene_expands(s) && !any_material(s, is_pyroelectric))
             return scene_fault(s, s->actuator[i].at, error, "a temperature moves nothing; give a layer's material 'alpha'");
     return 0;
 }

@@ -1,17 +1,16 @@
 /* Section of a scene that says from which outputs the firmware knows the shape: estimate. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include "scene_parts.h"
+
+#include <math.h>
 
 static int read_output_of(reader *r, int node, void *to, const void *rule)
 {
     const scene *s = r->s;
     char name[SCENE_NAME];
-    int i = 0;
+    int i;
     if (read_name(r, node, name, rule) != 0) return -1;
-    while (i < s->outputs && strcmp(s->output[i].name, name) != 0) i++;
-    if (i == s->outputs) return tree_fault(r->t, node, "there is no output '%s'; add it to outputs", name);
+    i = find_named(s->output, s->outputs, sizeof *s->output, name);
+    if (i < 0) return tree_fault(r->t, node, "there is no output '%s'; add it to outputs", name);
     if (s->output[i].contact != CONTACT_NONE)
         return tree_fault(r->t, node, "'%s' is of a contact; an estimate reads displacements, voltages and charges", name);
     *(int *)to = i;
@@ -20,10 +19,10 @@ static int read_output_of(reader *r, int node, void *to, const void *rule)
 
 static int read_readings(reader *r, int node, void *to, const void *rule)
 {
-    static const range above_zero = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
+    static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
     static const field fields[] = {
         {"output", read_output_of, offsetof(scene_reading, output), NULL, 1},
-        {"noise", read_real, offsetof(scene_reading, noise), &above_zero, 1},
+        {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1},
         {NULL, NULL, 0, NULL, 0}};
     scene_estimate *estimate = to;
     int i, k = 0;
@@ -32,7 +31,7 @@ static int read_readings(reader *r, int node, void *to, const void *rule)
     if (!estimate->reading) return -1;
     if (estimate->readings == 0) return tree_fault(r->t, node, "'readings' is empty; write [{output: name, noise: 1e-6}]");
     for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        estimate->reading[k].at = r->t->node[i].at;
+        estimate->reading[k].at = node_at(r, i);
         if (read_map(r, i, fields, &estimate->reading[k]) != 0) return -1;
     }
     return 0;
@@ -40,7 +39,6 @@ static int read_readings(reader *r, int node, void *to, const void *rule)
 
 int read_estimate(reader *r, int node, void *to, const void *rule)
 {
-    static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
     static const range part = {0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of the disturbance"};
     static const field fields[] = {
         {"readings", read_readings, 0, NULL, 1},
@@ -50,12 +48,13 @@ int read_estimate(reader *r, int node, void *to, const void *rule)
         {NULL, NULL, 0, NULL, 0}};
     scene *s = to;
     (void)rule;
-    s->estimate.at = r->t->node[node].at;
+    s->estimate.at = node_at(r, node);
     s->estimate.loads = 1;
     s->estimate.volts = -1;
     s->estimate.tolerance = 0.5;
-    if (!s->target.given) return tree_fault(r->t, node, "an estimate needs a target, whose nodes it is for; add target: {u3: middle, "
-                                            "at: nodes, value: ...}");
+    if (!s->target.given)
+        return tree_fault(r->t, node, "an estimate needs a target, whose nodes it is for; add target: {u3: middle, at: nodes, "
+                          "value: ...}");
     if (read_map(r, node, fields, &s->estimate) != 0) return -1;
     s->estimate.given = 1;
     return 0;

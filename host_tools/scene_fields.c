@@ -13,6 +13,9 @@ enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
 /* Magnitudes outside are slips of the pen, and their products leave the range of a double. */
 static const double smallest = 1e-60, largest = 1e60;
 
+const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
+const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
+
 static const char *const kind_names[] = {"a single value", "a list [...]", "a mapping {key: value}"};
 
 /* Edit distance; long words are far from everything. */
@@ -97,6 +100,11 @@ int read_map(reader *r, int node, const field *fields, void *to)
 const char *node_text(const reader *r, int node)
 {
     return r->t->node[node].text;
+}
+
+scene_at node_at(const reader *r, int node)
+{
+    return r->t->node[node].at;
 }
 
 static int compile(reader *r, int node, expr **e)
@@ -187,7 +195,7 @@ int read_name(reader *r, int node, void *to, const void *rule)
 {
     (void)rule;
     if (require_kind(r, node, TREE_SCALAR) != 0) return -1;
-    return check_name(r, node_text(r, node), r->t->node[node].at, to);
+    return check_name(r, node_text(r, node), node_at(r, node), to);
 }
 
 int read_text(reader *r, int node, void *to, const void *rule)
@@ -203,7 +211,8 @@ int read_text(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
-int find_choice(const choice *choices, const char *text)
+/* The text's choice value, or -1. */
+static int find_choice(const choice *choices, const char *text)
 {
     for (; choices->word; choices++)
         if (strcmp(choices->word, text) == 0) return choices->value;
@@ -254,4 +263,12 @@ void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count)
     if (!items) return tree_fault(r->t, node, "out of memory"), NULL;
     *count = n;
     return items;
+}
+
+int find_named(const void *items, int count, size_t size, const char *name)
+{
+    int i;
+    for (i = 0; i < count; i++)
+        if (strcmp((const char *)items + (size_t)i * size, name) == 0) return i;
+    return -1;
 }

@@ -27,6 +27,8 @@ typedef struct range {
     const char *must;            /* "must be above 0" */
 } range;
 
+extern const range above_zero, not_negative;
+
 typedef struct choice { const char *word; int value; } choice;   /* NULL word ends */
 
 /* Read a mapping into the structure at `to`: unknown keys, then each row, then what is missing. */
@@ -46,10 +48,11 @@ int require_kind(reader *r, int node, tree_kind kind);
 /* Zeroed items for a list or mapping node of moderate length; NULL on a fault. *count is 0 for an empty one. */
 void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count);
 
+/* Index of a name among count items [size bytes] whose first member is their name; -1: none has it. */
+int find_named(const void *items, int count, size_t size, const char *name);
+
 int check_name(reader *r, const char *name, scene_at at, char *to);
 const char *node_text(const reader *r, int node);
-
-/* The text's choice value, or -1. */
-int find_choice(const choice *choices, const char *text);
+scene_at node_at(const reader *r, int node);
 
 #endif

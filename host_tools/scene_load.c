@@ -4,11 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static scene_at node_at(const reader *r, int node)
-{
-    return r->t->node[node].at;
-}
-
 /* ---- supports ---- */
 
 enum {
@@ -291,7 +286,6 @@ static int read_psi(reader *r, int node, void *to, const void *rule)
 
 static int read_body(reader *r, int node, void *to, const void *rule)
 {
-    static const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
     typedef struct body_text { int type; scene_body body; } body_text;
     static const field fields[] = {
         {"type", read_choice, offsetof(body_text, type), body_types, 1},
@@ -306,7 +300,6 @@ static int read_body(reader *r, int node, void *to, const void *rule)
     int i, k, status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    contact->at_body = node_at(r, node);
     status = read_map(r, node, fields, &text);
     contact->body = text.body;
     contact->body.type = (scene_body_type)text.type;
@@ -327,14 +320,14 @@ static int read_body(reader *r, int node, void *to, const void *rule)
 
 int read_contact(reader *r, int node, void *to, const void *rule)
 {
-    static const range above_zero = {0, HUGE_VAL, 1, "must be above 0; 10 serves, 100 for cord and rubber"};
+    static const range stiff = {0, HUGE_VAL, 1, "must be above 0; 10 serves, 100 for cord and rubber"};
     static const choice touching[] = {{"outer", FACE_OUTER}, {"inner", FACE_INNER}, {NULL, 0}};
     typedef struct contact_text { int face; scene_contact contact; } contact_text;
     static const field fields[] = {
         {"face", read_choice, offsetof(contact_text, face), touching, 1},
         {"body", read_body, offsetof(contact_text, contact), NULL, 1},
         {"move", read_vector, offsetof(contact_text, contact.move), NULL, 0},
-        {"stiffness", read_real, offsetof(contact_text, contact.stiffness), &above_zero, 0},
+        {"stiffness", read_real, offsetof(contact_text, contact.stiffness), &stiff, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene *s = to;
     contact_text text;

@@ -2,16 +2,7 @@
 #include "scene_parts.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-static const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
-static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
-
-static scene_at node_at(const reader *r, int node)
-{
-    return r->t->node[node].at;
-}
 
 /* ---- element ---- */
 
@@ -272,9 +263,8 @@ static int read_material_of(reader *r, int node, void *to, const void *rule)
     char name[SCENE_NAME];
     int i;
     if (read_name(r, node, name, rule) != 0) return -1;
-    for (i = 0; i < s->materials; i++)
-        if (strcmp(s->material[i].name, name) == 0) break;
-    if (i == s->materials)
+    i = find_named(s->material, s->materials, sizeof *s->material, name);
+    if (i < 0)
         return tree_fault(r->t, node, "there is no material '%s'; add it to materials, or use '%s'", name,
                           s->material[0].name);
     *(int *)to = i;
@@ -329,10 +319,8 @@ static int read_layer_of(reader *r, int node, void *to, const void *rule)
     char name[SCENE_NAME];
     int i;
     if (read_name(r, node, name, rule) != 0) return -1;
-    for (i = 0; i < s->layers; i++)
-        if (strcmp(s->layer[i].name, name) == 0) break;
-    if (i == s->layers)
-        return tree_fault(r->t, node, "there is no layer named '%s'; give one of the layers this name", name);
+    i = find_named(s->layer, s->layers, sizeof *s->layer, name);
+    if (i < 0) return tree_fault(r->t, node, "there is no layer named '%s'; give one of the layers this name", name);
     *(int *)to = i;
     return 0;
 }

@@ -41,4 +41,7 @@ extern const scene_element element_corrected;
 /* scene_check.c: what no single section can know; snaps points and patches to the mesh. */
 int scene_check(scene *s, char *error);
 
+/* Does the material of some layer expand with temperature? */
+int scene_expands(const scene *s);
+
 #endif

@@ -15,7 +15,7 @@ static const choice edges[] = {{"theta1-", EDGE_THETA1_MINUS}, {"theta1+", EDGE_
 static int start_where(reader *r, int node, scene_where *w, scene_where_type type)
 {
     if (w->at.column) return tree_fault(r->t, node, "two places; give either 'edge' or 'at'");
-    w->at = r->t->node[node].at;
+    w->at = node_at(r, node);
     w->type = type;
     return 0;
 }

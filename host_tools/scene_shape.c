@@ -6,14 +6,6 @@
 #include <string.h>
 #include "surface.h"
 
-static const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
-static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
-
-static scene_at node_at(const reader *r, int node)
-{
-    return r->t->node[node].at;
-}
-
 /* ---- surface ---- */
 
 /* Points of a meridian, or directions at its ends. */

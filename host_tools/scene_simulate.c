@@ -1,24 +1,13 @@
 /* Section of a scene that says what the controller has to live with: plant, sensors, amplifiers, events. */
 #include "scene_parts.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
-static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
 static const range share = {0, 1, 0, "must lie between 0 and 1"};
 static const range tick_count = {1, 10000000, 0, "must be from 1 to 10000000 ticks"};
 
 /* ---- plant ---- */
-
-static int find_material(const scene *s, const char *name)
-{
-    int i;
-    for (i = 0; i < s->materials; i++)
-        if (strcmp(s->material[i].name, name) == 0) return i;
-    return -1;
-}
 
 /* One factor for all materials, or a map of materials and their factors. */
 static int read_factors(reader *r, int node, void *to, const void *rule)
@@ -32,7 +21,7 @@ static int read_factors(reader *r, int node, void *to, const void *rule)
     if (!*factor) return tree_fault(r->t, node, "out of memory");
     for (i = 0; i < r->s->materials; i++) (*factor)[i] = all;
     for (i = is_map ? r->t->node[node].first : 0; i; i = r->t->node[i].next) {
-        k = find_material(r->s, r->t->node[i].key);
+        k = find_named(r->s->material, r->s->materials, sizeof *r->s->material, r->t->node[i].key);
         if (k < 0)
             return tree_fault_at(r->t, r->t->node[i].key_at, "there is no material '%.60s'; give a name of materials",
                                  r->t->node[i].key);
@@ -121,15 +110,6 @@ typedef struct event_text {
     int kinds, amount_given, ticks_given, told_given, known_given;
 } event_text;
 
-static int expands(const scene *s)
-{
-    int i, k;
-    for (i = 0; i < s->layers; i++)
-        for (k = 0; k < 3; k++)
-            if (s->material[s->layer[i].material].alpha[k] != 0) return 1;
-    return 0;
-}
-
 static int read_load_number(reader *r, int node, scene_event *event)
 {
     static const range number = {0, 1e6, 0, "must be the number of a load, the first is 0"};
@@ -181,7 +161,7 @@ static int read_event_type(reader *r, int node, void *to, const void *rule)
     case EVENT_TEMPERATURE: break;
     default: return read_electrodes(r, node, event);
     }
-    if (!expands(r->s))
+    if (!scene_expands(r->s))
         return tree_fault(r->t, node, "a temperature moves nothing; give a layer's material 'alpha'");
     return read_real(r, node, &event->amount, NULL);
 }
@@ -270,7 +250,7 @@ static int read_event(reader *r, int node, scene_event *event)
     event_text text = {0};
     text.event = event;
     event->told = TOLD_NEVER;
-    event->at = r->t->node[node].at;
+    event->at = node_at(r, node);
     if (read_map(r, node, fields, &text) != 0) return -1;
     return check_event(r, node, &text);
 }
@@ -310,16 +290,17 @@ int read_simulate(reader *r, int node, void *to, const void *rule)
         {NULL, NULL, 0, NULL, 0}};
     scene *s = to;
     (void)rule;
-    s->simulate.at = r->t->node[node].at;
+    s->simulate.at = node_at(r, node);
     s->simulate.rate = 1000;
     s->simulate.seed = 1;
     s->simulate.kinematics = s->kinematics == KINEMATICS_LINEAR ? KINEMATICS_LINEAR : KINEMATICS_NONLINEAR;
-    if (!s->target.given) return tree_fault(r->t, node, "a simulation needs a target; add target: {u3: middle, at: nodes, "
-                                            "value: ...}");
+    if (!s->target.given)
+        return tree_fault(r->t, node, "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
     if (read_map(r, node, fields, &s->simulate) != 0) return -1;
     s->simulate.given = 1;
     if (!s->simulate.at_target || s->kinematics != KINEMATICS_LINEAR) return 0;
-    return tree_fault(r->t, tree_find(r->t, node, "influence"), "'influence: target' needs the nonlinear structure; write kinematics: nonlinear");
+    return tree_fault(r->t, tree_find(r->t, node, "influence"), "'influence: target' needs the nonlinear structure; write "
+                      "kinematics: nonlinear");
 }
 
 void free_simulate(scene_simulate *simulate)

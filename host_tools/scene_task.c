@@ -2,14 +2,8 @@
 #include "scene_parts.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static scene_at node_at(const reader *r, int node)
-{
-    return r->t->node[node].at;
-}
 
 /* ---- equilibrium ---- */
 
@@ -39,9 +33,8 @@ static int read_patches_of(reader *r, int node, void *to, const void *rule)
     char name[SCENE_NAME];
     int i;
     if (read_name(r, node, name, rule) != 0) return -1;
-    for (i = 0; i < s->patch_grids; i++)
-        if (strcmp(s->patches[i].name, name) == 0) break;
-    if (i == s->patch_grids) return tree_fault(r->t, node, "there are no patches named '%s'; add them to patches", name);
+    i = find_named(s->patches, s->patch_grids, sizeof *s->patches, name);
+    if (i < 0) return tree_fault(r->t, node, "there are no patches named '%s'; add them to patches", name);
     *(int *)to = i;
     return 0;
 }
@@ -184,7 +177,6 @@ static int read_voltage(reader *r, int node, void *to, const void *rule)
 
 static int read_effort(reader *r, int node, void *to, const void *rule)
 {
-    static const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
     static const field fields[] = {{"relative", read_real, 0, &not_negative, 1}, {NULL, NULL, 0, NULL, 0}};
     scene_limits *limits = to;
     (void)rule;
@@ -196,7 +188,7 @@ static int read_effort(reader *r, int node, void *to, const void *rule)
 static int read_amplifier(reader *r, int node, void *to, const void *rule)
 {
     scene_limit *limit = to;
-    char name[SCENE_NAME + 24];
+    char name[SCENE_LABEL];
     if (r->t->node[node].kind != TREE_SCALAR) return read_name(r, node, name, rule);
     if (scene_find_amplifier(r->s, node_text(r, node), &limit->first, &limit->count)) return 0;
     if (r->s->amplifiers == 0)
@@ -241,10 +233,10 @@ static int read_each(reader *r, int node, void *to, const void *rule)
 
 int read_limits(reader *r, int node, void *to, const void *rule)
 {
-    static const range above_zero = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
+    static const range some = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
     static const field fields[] = {
         {"voltage", read_voltage, offsetof(scene_limits, lower), NULL, 0},
-        {"slew", read_real, offsetof(scene_limits, slew), &above_zero, 0},
+        {"slew", read_real, offsetof(scene_limits, slew), &some, 0},
         {"effort", read_effort, 0, NULL, 0},
         {"each", read_each, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};

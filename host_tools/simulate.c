@@ -1,11 +1,9 @@
 /* The closed loop (simulate.h). */
-#define _POSIX_C_SOURCE 200809L
 #include "simulate.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include "guard.h"
 #include "simulate_loop.h"
 #include "tables.h"
@@ -13,13 +11,6 @@
 enum { LAST = 20 /* ticks that count as the end of a phase */, WINDOW = 1000 /* ticks in which settling is looked for */ };
 
 static const double settled_part = 0.05;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static int no_memory(const analysis *nominal, char *error)
 {
@@ -135,9 +126,8 @@ int simulate_open(simulation *s, analysis *nominal, char *error)
     s->nominal = nominal;
     if (check_range(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
         return -1;
-    for (int i = 0; i < d->targets; i++)
-        s->reference += pow(d->weight[i] * d->target[i], 2);
-    s->reference = s->reference > 0 ? sqrt(s->reference) : 1;
+    const double squares = design_squares(d, d->target, NULL);
+    s->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(s) ? 0 : no_memory(nominal, error);
     failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0;
     if (failed)
@@ -230,10 +220,7 @@ static void follow(course_log *f, const loop *l, simulate_course *c)
 /* |W (x - y)| */
 static double apart(const design *d, const double *x, const double *y)
 {
-    double sum = 0;
-    for (int i = 0; i < d->targets; i++)
-        sum += pow(d->weight[i] * (x[i] - y[i]), 2);
-    return sqrt(sum);
+    return sqrt(design_squares(d, x, y));
 }
 
 /* Ticks after which every shape of the window is within a part of the largest distance from the last ones. */
@@ -338,7 +325,7 @@ int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *c
 {
     course_log f;
     loop l;
-    const double begin = now();
+    const double begin = analysis_now();
     memset(&s->count[law], 0, sizeof s->count[law]);
     for (int k = 0; k < s->phases; k++)
         s->phase[k].course[law].worst = 0;
@@ -346,7 +333,7 @@ int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *c
     failed = loop_open(&l, s, law, error) < 0 || failed || run_ticks(s, &l, &f, law, watch, context, error) < 0;
     loop_close(&l);
     log_close(&f);
-    s->count[law].seconds = now() - begin;
+    s->count[law].seconds = analysis_now() - begin;
     return failed ? -1 : 0;
 }
 
@@ -406,7 +393,7 @@ static void name_event(const scene *s, const scene_event *event, char *text, siz
     static const char *const word[] = {"target x", "another target", "load", "temperature", "dead", "stuck", "alive",
                                        "NaN from", "frozen", "lost ticks:"};
     const int n = snprintf(text, room, "%s", word[event->type]);
-    char name[SCENE_NAME + 24] = "";
+    char name[SCENE_LABEL] = "";
     text += n;
     room -= (size_t)n;
     switch (event->type) {
@@ -433,17 +420,17 @@ static void name_event(const scene *s, const scene_event *event, char *text, siz
     }
 }
 
-void simulate_name(const simulation *s, const simulate_phase *phase, char text[160])
+void simulate_name(const simulation *s, const simulate_phase *phase, char text[SIMULATE_NAME])
 {
     const scene *scene = s->nominal->design.scene;
     const scene_simulate *simulate = &scene->simulate;
     const int quiet = simulate->fault_chance > 0 && phase->from == simulate->fault_until;
     size_t n = 0;
-    snprintf(text, 160, "%s", phase->from == 0 ? "start" : quiet ? "random faults end" : "");
-    for (int k = phase->first; k < phase->first + phase->events && n + 70 < 160; k++) {
+    snprintf(text, SIMULATE_NAME, "%s", phase->from == 0 ? "start" : quiet ? "random faults end" : "");
+    for (int k = phase->first; k < phase->first + phase->events && n + 70 < SIMULATE_NAME; k++) {
         if (k > phase->first)
-            n += (size_t)snprintf(text + n, 160 - n, ", ");
-        name_event(scene, &simulate->event[k], text + n, 160 - n);
+            n += (size_t)snprintf(text + n, SIMULATE_NAME - n, ", ");
+        name_event(scene, &simulate->event[k], text + n, SIMULATE_NAME - n);
         n += strlen(text + n);
     }
 }

@@ -48,10 +48,8 @@ static void release(loop *l, int amplifier)
 
 static void set_target(loop *l, const scene_event *event)
 {
-    const mesh *m = &l->design->mesh;
     for (int i = 0; i < l->design->targets; i++) {
-        const int n = l->design->target_node[i];
-        const expr_point at = {m->point[n].x[0], m->point[n].x[1], m->point[n].x[2], m->theta[n][0], m->theta[n][1]};
+        const expr_point at = mesh_place(&l->design->mesh, l->design->target_node[i]);
         l->goal[i] = expr_value(event->value, &at);
     }
 }
@@ -416,14 +414,6 @@ int loop_active(const loop *l)
 
 /* ---- tick ------------------------------------------------------------- */
 
-static double shape_error(const loop *l)
-{
-    double sum = 0;
-    for (int i = 0; i < l->design->targets; i++)
-        sum += pow(l->design->weight[i] * (l->shape[i] - l->wanted[i]), 2);
-    return sqrt(sum) / l->simulation->reference;
-}
-
 int loop_tick(loop *l, int tick, char *error)
 {
     const size_t n = (size_t)l->design->amplifiers;
@@ -431,7 +421,7 @@ int loop_tick(loop *l, int tick, char *error)
     drive(l);
     if (plant_shape(&l->simulation->plant, l->effect, l->shape, error) < 0)
         return -1;
-    l->error = shape_error(l);
+    l->error = sqrt(design_squares(l->design, l->shape, l->wanted)) / l->simulation->reference;
     if (sense_tick(l, tick, error) < 0)
         return -1;
     l->is_lost = tick < l->lost_until;

@@ -6,7 +6,6 @@
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include "electrode.h"
 #include "estimator.h"
 #include "guard.h"
@@ -30,7 +29,7 @@ static uint32_t crc_reals_32(uint32_t crc, const double *x, size_t n)
 typedef struct writer {
     FILE *file;
     const char *prefix;
-    char upper[64];     /* the prefix in capitals, for macros */
+    char upper[64]; /* the prefix in capitals, for macros */
     uint32_t crc32; /* over what was written, reals rounded to float */
     tables_size size;
 } writer;
@@ -117,6 +116,13 @@ static void write_longs(writer *w, const char *name, const uint32_t *x, size_t n
         fprintf(w->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)x[i]);
     fputs(n ? "\n};\n" : "0};\n", w->file);
     count_bytes(w, x, n * sizeof *x);
+}
+
+/* Begin a table of the library: its format, scene, and checksum in either precision. */
+static void begin_table(const writer *w, const char *type, const char *name, uint32_t scene, uint32_t crc)
+{
+    fprintf(w->file, "static const pzs_%s %s_%s = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu),", type, w->prefix, name,
+            PZS_TABLE_FORMAT, (unsigned)scene, (unsigned)~w->crc32, (unsigned)crc);
 }
 
 /* ---- structure -------------------------------------------------------- */
@@ -244,13 +250,11 @@ static void write_structure(writer *w, const analysis *a, tables_image image)
     write_rows(w, "output", &s.output, s.output.count, whole ? "displacement of each target node and output" : "displacement of each target node");
     fprintf(w->file,
             "#define %s_DOF %d\n"
-            "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n"
-            "static const pzs_structure %s_structure = {\n"
-            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, %u,\n"
-            "    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n",
-            w->upper, m->dof, w->upper, m->dof, padded_entries(m, 4), padded_entries(m, 8), padded_entries(m, 16), w->prefix,
-            s.format, (unsigned)s.scene, (unsigned)~w->crc32, (unsigned)s.crc, s.nodes, s.elements, s.kinds, s.unknowns, s.dof,
-            w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, w->prefix);
+            "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
+            w->upper, m->dof, w->upper, m->dof, padded_entries(m, 4), padded_entries(m, 8), padded_entries(m, 16));
+    begin_table(w, "structure", "structure", s.scene, s.crc);
+    fprintf(w->file, " %u, %u, %u, %u, %u,\n    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n",
+            s.nodes, s.elements, s.kinds, s.unknowns, s.dof, w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, w->prefix);
     name_rows(w, "input", s.input.count);
     name_rows(w, "output", s.output.count);
     fputs("};\n\n", w->file);
@@ -276,12 +280,11 @@ static void write_electrodes(writer *w, const analysis *a)
     write_shorts(w, "electrode_dof", t->direct.dof, entries, "inputs that draw charge while the shell is held");
     write_reals(w, "electrode_value", t->direct.value, entries, "how much (C/V, C/K)");
     fprintf(w->file, "#define %s_ELECTRODES %u\n#define %s_ELECTRIC_BYTES PZS_ELECTRIC_BYTES(%u, %u, %u)\n"
-            "#define %s_CIRCUIT_BYTES PZS_CIRCUIT_BYTES(%u, %u)\nstatic const pzs_electrodes %s_electrodes = {\n"
-            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %s_electrode_input, %s_electrode_open,\n"
-            "    {%u, %s_electrode_start, %s_electrode_dof, %s_electrode_value},\n};\n\n",
-            w->upper, t->count, w->upper, t->count, (unsigned)open, a->design.structure.input.count, w->upper, t->count, (unsigned)open,
-            w->prefix, t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->count, w->prefix, w->prefix,
-            t->count, w->prefix, w->prefix, w->prefix);
+            "#define %s_CIRCUIT_BYTES PZS_CIRCUIT_BYTES(%u, %u)\n",
+            w->upper, t->count, w->upper, t->count, (unsigned)open, a->design.structure.input.count, w->upper, t->count, (unsigned)open);
+    begin_table(w, "electrodes", "electrodes", t->scene, t->crc);
+    fprintf(w->file, " %u, %s_electrode_input, %s_electrode_open,\n    {%u, %s_electrode_start, %s_electrode_dof, %s_electrode_value},\n};\n\n",
+            t->count, w->prefix, w->prefix, t->count, w->prefix, w->prefix, w->prefix);
 }
 
 /* ---- nonlinear path --------------------------------------------------- */
@@ -319,16 +322,16 @@ static void write_path(writer *w, const pzs_nonlinear *t, uint16_t inputs)
         write_blocks(w, "given_value", *t->given.value, t->given.values, &strains, 1, "resultants per unit of an input (N m)");
     }
     if (t->prescribed.count > 0) {
+        w->crc32 = guard_crc(w->crc32, &t->prescribed.input, sizeof t->prescribed.input);
         write_shorts(w, "prescribed_dof", t->prescribed.dof, t->prescribed.count, "free unknowns that are moved");
         write_reals(w, "prescribed_value", t->prescribed.value, t->prescribed.count, "by");
     }
-    fprintf(w->file, "static const pzs_nonlinear %s_nonlinear = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu),\n",
-            w->prefix, t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc);
+    begin_table(w, "nonlinear", "nonlinear", t->scene, t->crc);
     if (entries > 0)
-        fprintf(w->file, "    {%u, %s_given_start, %s_given_element, %s_given_which, %s_given_value},\n", t->given.values,
+        fprintf(w->file, "\n    {%u, %s_given_start, %s_given_element, %s_given_which, %s_given_value},\n", t->given.values,
                 w->prefix, w->prefix, w->prefix, w->prefix);
     else
-        fputs("    {0, NULL, NULL, NULL, NULL},\n", w->file);
+        fputs("\n    {0, NULL, NULL, NULL, NULL},\n", w->file);
     if (t->prescribed.count > 0)
         fprintf(w->file, "    {%u, %u, %s_prescribed_dof, %s_prescribed_value},\n};\n\n", t->prescribed.count, t->prescribed.input,
                 w->prefix, w->prefix);
@@ -340,6 +343,18 @@ static void list_vector(writer *w, const double x[3])
 {
     const int length = 3;
     nested(w->file, x, &length, 1);
+}
+
+/* CRC of a follower load's tables, reals rounded to float. */
+static uint32_t follower_crc_32(const pzs_follower *t, const mesh *m)
+{
+    const uint16_t whole[4] = {t->input, t->load_face, t->normal_face, t->true_area};
+    uint32_t crc = guard_crc(GUARD_CRC_START, whole, sizeof whole);
+    crc = crc_reals_32(crc, t->share, 3);
+    crc = crc_reals_32(crc, *t->area, 4 * (size_t)m->kinds);
+    if (t->lean)
+        crc = crc_reals_32(crc, **t->lean, 8 * (size_t)m->kinds);
+    return ~crc_reals_32(crc, t->pressure, (size_t)m->nodes);
 }
 
 static void write_followers(writer *w, const path *p)
@@ -361,7 +376,8 @@ static void write_followers(writer *w, const path *p)
         fprintf(w->file, "static const pzs_follower %s_follower[%d] = {\n", w->prefix, p->followers);
     for (int k = 0; k < p->followers; k++) {
         const pzs_follower *f = &p->follower[k];
-        fprintf(w->file, "    {%u, %u, %u, %u, ", f->input, f->load_face, f->normal_face, f->true_area);
+        fprintf(w->file, "    {%uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, ", f->format, (unsigned)f->scene,
+                (unsigned)follower_crc_32(f, m), (unsigned)f->crc, f->input, f->load_face, f->normal_face, f->true_area);
         list_vector(w, f->share);
         fprintf(w->file, ", %s_follower_area_%d, ", w->prefix, k);
         if (f->lean)
@@ -383,10 +399,15 @@ static void write_contact(writer *w, const path *p)
     const pzs_contact_face *face = &p->face;
     if (!contact->given)
         return;
+    const uint16_t whole[2] = {face->face, face->input};
+    w->crc32 = guard_crc(GUARD_CRC_START, whole, sizeof whole);
+    w->crc32 = crc_reals_32(w->crc32, face->motion, 3);
+    w->crc32 = crc_reals_32(w->crc32, &face->size, 1);
     write_blocks(w, "contact_place", *face->place, nodes, matrix, 1, "places of the face that may touch, at rest");
     write_blocks(w, "contact_triad", **face->triad, nodes, matrix, 2, "their triads");
     write_reals(w, "contact_area", face->area, nodes, "their areas");
-    fprintf(w->file, "static const pzs_contact_face %s_contact_face = {\n    %u, %u, ", w->prefix, face->face, face->input);
+    fprintf(w->file, "static const pzs_contact_face %s_contact_face = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, ",
+            w->prefix, face->format, (unsigned)face->scene, (unsigned)~w->crc32, (unsigned)face->crc, face->face, face->input);
     list_vector(w, face->motion);
     fprintf(w->file, ", PZS_R(%.17g), %s_contact_place, %s_contact_triad, %s_contact_area,\n};\n",
             face->size, w->prefix, w->prefix, w->prefix);
@@ -460,11 +481,8 @@ static void write_problem(writer *w, const analysis *a, tables_image image)
     write_limits(w, "slew", d->slew, n, 1, "most change a step (V)");
     write_reals(w, "prefer", d->prefer, n, "voltages preferred by the effort term (V)");
     w->crc32 = crc_reals_32(w->crc32, &p.effort, 1);
-    fprintf(w->file,
-            "static const pzs_problem %s_problem = {\n"
-            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %zu, %zu,\n"
-            "    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_slew, %s_prefer, PZS_R(%.17g),\n};\n\n",
-            w->prefix, p.format, (unsigned)p.scene, (unsigned)~w->crc32, (unsigned)guard_problem_crc(&p), n, m,
+    begin_table(w, "problem", "problem", p.scene, guard_problem_crc(&p));
+    fprintf(w->file, " %zu, %zu,\n    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_slew, %s_prefer, PZS_R(%.17g),\n};\n\n", n, m,
             influence ? w->prefix : "NULL", influence ? "_influence" : "", p.hessian ? w->prefix : "NULL", p.hessian ? "_hessian" : "",
             w->prefix, w->prefix, w->prefix, w->prefix, w->prefix, p.effort);
     if (image == TABLES_NONLINEAR)
@@ -518,9 +536,9 @@ static void write_estimator(writer *w, const estimator *e)
     w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_reals(w, "direct", e->direct, (size_t)t->sensors * t->inputs, "what sensors (rows) show per volt (columns)");
     write_reals(w, "gain", e->gain, (size_t)t->outputs * t->sensors, "shape (rows) per what sensors (columns) show besides");
-    fprintf(w->file, "#define %s_SENSORS %u\nstatic const pzs_estimator %s_estimator = {\n"
-            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %s_direct, %s_gain,\n};\n\n", w->upper, t->sensors, w->prefix,
-            t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->inputs, t->outputs, t->sensors, w->prefix, w->prefix);
+    fprintf(w->file, "#define %s_SENSORS %u\n", w->upper, t->sensors);
+    begin_table(w, "estimator", "estimator", t->scene, t->crc);
+    fprintf(w->file, " %u, %u, %u, %s_direct, %s_gain,\n};\n\n", t->inputs, t->outputs, t->sensors, w->prefix, w->prefix);
 }
 
 /* The shape, or what the sensors show, under each load of the scene, to be fed forward. */
@@ -531,8 +549,8 @@ static void write_known(writer *w, const char *name, const pzs_known *t, const c
     w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     snprintf(array, sizeof array, "%s_per_load", name);
     write_reals(w, array, t->per, (size_t)t->outputs * t->amounts, meaning);
-    fprintf(w->file, "static const pzs_known %s_%s = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %s_%s,\n};\n\n", w->prefix, name,
-            t->format, (unsigned)t->scene, (unsigned)~w->crc32, (unsigned)t->crc, t->amounts, t->outputs, w->prefix, array);
+    begin_table(w, "known", name, t->scene, t->crc);
+    fprintf(w->file, " %u, %u, %s_%s,\n};\n\n", t->amounts, t->outputs, w->prefix, array);
 }
 
 static int write_beside(writer *w, const analysis *a)

@@ -122,14 +122,8 @@ static int out_of_memory(const analysis *a, char *error)
 static double shape_of(const analysis *a, const double *u, double *shape)
 {
     const design *d = &a->design;
-    double missed = 0, wanted = 0;
-    for (int i = 0; i < d->targets; i++) {
-        shape[i] = 0;
-        for (uint32_t t = d->structure.output.start[i]; t < d->structure.output.start[i + 1]; t++)
-            shape[i] += d->structure.output.value[t] * u[d->structure.output.dof[t]];
-        missed += pow(d->weight[i] * (shape[i] - d->target[i]), 2);
-        wanted += pow(d->weight[i] * d->wanted[i], 2);
-    }
+    design_shape(d, u, shape);
+    const double missed = design_squares(d, shape, d->target), wanted = design_squares(d, d->wanted, NULL);
     return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
 }
 
@@ -202,16 +196,19 @@ void voltages_free(voltages *v)
 
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
-/* What the optimum makes small: the misfit, and the effort in its unit. */
-static double objective(const analysis *a, const voltages *v)
+/* A misfit and the effort in its unit. */
+static double with_effort(const analysis *a, const voltages *v, double sum)
 {
     const design *d = &a->design;
-    double sum = 0;
-    for (int i = 0; i < d->targets; i++)
-        sum += pow(d->weight[i] * (v->shape[i] - d->target[i]), 2);
     for (int k = 0; k < d->amplifiers; k++)
         sum += d->problem.effort * pow(v->volt[k] - d->prefer[k], 2);
     return sum;
+}
+
+/* What the optimum makes small. */
+static double objective(const analysis *a, const voltages *v)
+{
+    return with_effort(a, v, design_squares(&a->design, v->shape, a->design.target));
 }
 
 /* Arrays of one Gauss-Newton run; one allocation, at `all`. */
@@ -276,9 +273,7 @@ static double promised(const analysis *a, const newton *g, const voltages *v)
             miss += g->influence[(size_t)i * (size_t)d->amplifiers + (size_t)k] * v->volt[k];
         sum += pow(d->weight[i] * miss, 2);
     }
-    for (int k = 0; k < d->amplifiers; k++)
-        sum += d->problem.effort * pow(v->volt[k] - d->prefer[k], 2);
-    return sum;
+    return with_effort(a, v, sum);
 }
 
 static double largest_change(const analysis *a, const newton *g, const voltages *v)

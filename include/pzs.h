@@ -69,7 +69,7 @@ typedef enum pzs_status {
 
     /* Errors: outputs untouched. */
     PZS_E_ARGUMENT,  /* null pointer, or a size or index out of range */
-    PZS_E_FORMAT,    /* tables of another format number */
+    PZS_E_FORMAT,    /* tables of another format number, or of another scene than those they go with */
     PZS_E_CRC,       /* tables damaged */
     PZS_E_WORKSPACE, /* workspace too small or misaligned; `where` is the number of bytes needed */
     PZS_E_STAGE,     /* called before the stage it builds on */
@@ -81,9 +81,10 @@ typedef enum pzs_status {
     PZS_E_RESIDUAL,  /* refinement ended with an estimated error above the root of epsilon */
 
     /* Errors of the nonlinear path: the last equilibrium stands, `factor` of the way to the amounts asked for. */
-    PZS_E_DIVERGED,  /* no equilibrium found beyond it, down to 1/64 of a load step */
+    PZS_E_DIVERGED,  /* no equilibrium found beyond it, down to 1/64 of a load step (also: open electrodes kept changing) */
     PZS_E_LIMIT,     /* the same, and the tangent loses its sign there: a limit or branching point is near */
-    PZS_E_CONTACT,   /* the same, and the nodes in contact kept changing */
+    PZS_E_CONTACT,   /* the same, and the nodes in contact kept changing; or a shell that its supports leave loose
+                        does not touch the body from the start, is not pressed onto it, or slides away on it */
     PZS_E_SYSTEMS    /* budget of linear systems spent */
 } pzs_status;
 
@@ -272,7 +273,12 @@ pzs_status pzs_electric_factor(pzs_electric *electric);
  */
 pzs_status pzs_open_volts(const pzs_electric *electric, pzs_real *amount);
 
-/* Charges under amounts, volts of open electrodes among them.  amount [inputs] in, charge [count] out (C). */
+/*
+ * Charges under amounts, volts of open electrodes among them.
+ *   amount [inputs] in
+ *   charge [count]  out (C)
+ * Errors: ARGUMENT, STAGE.
+ */
 pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *amount, pzs_real *charge);
 
 /*
@@ -308,7 +314,7 @@ typedef struct pzs_prescribed {
 /* What the nonlinear path needs besides a structure with kinds. All arrays const, in flash. */
 typedef struct pzs_nonlinear {
     uint32_t format, scene;      /* those of the structure */
-    uint32_t crc;                /* over the arrays of given and prescribed, in their order */
+    uint32_t crc;                /* over the arrays of given, then of prescribed and its input, in their order */
     pzs_given given;
     pzs_prescribed prescribed;
 } pzs_nonlinear;
@@ -347,7 +353,7 @@ typedef struct pzs_path {
     pzs_real quiet;              /* last increment over the step's displacement */
     uint16_t iteration;          /* systems before the present one in its load step */
     int32_t where;               /* index that goes with the last status, or -1 */
-    uint8_t open;                /* 1: the last step ended with an option that had not settled */
+    uint8_t open;                /* error of an option that had not settled when the last step ended, or 0 */
     uint8_t balanced;            /* 1: residual at most 1, or by rounding alone */
     uint8_t stage;
 } pzs_path;
@@ -360,11 +366,13 @@ typedef struct pzs_path {
  * Lay a path out in the workspace, at rest, unloaded, with its choices at their defaults.
  *   model   in/out a model initialised on the structure; its envelope holds tangents from now on
  *   tables  in     must outlive the path
- * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (where = bytes needed), LOOSE.
+ *   work    in     caller's memory, aligned for pzs_real, at least PZS_PATH_BYTES
+ * Errors: ARGUMENT (also a structure without kinds, an index out of range), FORMAT, CRC, WORKSPACE (where = bytes needed),
+ * LOOSE (where = unknown).
  */
 pzs_status pzs_path_init(pzs_path *path, pzs_model *model, const pzs_nonlinear *tables, void *work, size_t bytes);
 
-/* Back to rest, all amounts zero. */
+/* Back to rest: displacements, amounts, volts of open electrodes and contacts are zero, as after pzs_path_init. */
 void pzs_path_rest(pzs_path *path);
 
 /*
@@ -372,8 +380,9 @@ void pzs_path_rest(pzs_path *path);
  * step does not settle (40 systems, twice as many near the end, fewer where it runs wild), in halves of it, down to 1/64.
  * Newton's method with independent resultants.
  *   amount [inputs] in
- * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT, STAGE, NONFINITE; DIVERGED, LIMIT, CONTACT,
- * SYSTEMS: path->u is the last equilibrium, at path->factor.
+ * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT (also a choice out of range, of an option's,
+ * too), STAGE, NONFINITE (where = input); DIVERGED, LIMIT, CONTACT, SYSTEMS: path->u is the last equilibrium, at
+ * path->factor.
  */
 pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount);
 
@@ -381,7 +390,8 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount);
  * Influence at the shape reached: outputs per unit of each input, by the tangent there. Under follower loads it is not
  * symmetric: each column takes a few solves more, 60 at most.
  *   influence [outputs][inputs] out (m/V)
- * Errors: ARGUMENT, STAGE, NONFINITE, RESIDUAL (where = input; the columns before it stand).
+ * Errors: ARGUMENT, STAGE (no equilibrium before, or the model used otherwise since), NONFINITE, RESIDUAL (where = input;
+ * the columns before it stand).
  */
 pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence);
 
@@ -389,6 +399,8 @@ pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence);
 
 /* A pressure that turns with a face. All arrays const, in flash. */
 typedef struct pzs_follower {
+    uint32_t format, scene;   /* those of the structure */
+    uint32_t crc;             /* over all that follows, each of the four choices as 16 bits */
     uint16_t input;           /* an input with an empty row: its amount scales the load */
     uint8_t load_face;        /* where it acts: 0 inner face, 1 outer, 2 half on each */
     uint8_t normal_face;      /* whose normal it follows: 0 inner, 1 outer */
@@ -406,7 +418,8 @@ typedef struct pzs_follower_load {
 } pzs_follower_load;
 
 /*
- * Let a follower load take part in a path; both must outlive it. Errors: ARGUMENT (also attached already).
+ * Let a follower load take part in a path; both must outlive it.
+ * Errors: ARGUMENT (also attached already, an index out of range), FORMAT, CRC.
  * Its tangent is symmetrised for the equilibrium, so the solver stays symmetric; influence has the true one.
  */
 pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables);
@@ -436,8 +449,13 @@ typedef struct pzs_circuit {
 pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *circuit, const pzs_electrodes *tables, void *work,
                               size_t bytes);
 
-/* Charges of all electrodes at the shape reached, under path->amount.  charge [count] out (C). */
-void pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pzs_real *charge);
+/*
+ * Charges of all electrodes at the shape reached, under path->amount: -H0 . e(u) of a volt and what flows while the
+ * shell is held, open or not. Of tables that pzs_attach_circuit or pzs_electric_init has checked.
+ *   charge [count] out (C)
+ * Errors: ARGUMENT (also tables of a path without given resultants).
+ */
+pzs_status pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pzs_real *charge);
 
 /* ---- option: contact with a rigid convex body (lib/contact.c) --------- */
 
@@ -451,12 +469,15 @@ typedef struct pzs_body {
     const void *own;          /* for a gap function of the caller's */
 } pzs_body;
 
+/* Distance, normal and hessian of the bodies there are: outside of a plane, a cylinder without end, a sphere. */
 pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
 pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
 pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
 
 /* The face that may touch. All arrays const, in flash. */
 typedef struct pzs_contact_face {
+    uint32_t format, scene;   /* those of the structure */
+    uint32_t crc;             /* over all that follows, face and input as 16 bits each */
     uint8_t face;             /* 0 inner, 1 outer */
     uint16_t input;           /* an input with an empty row: its amount times motion displaces the body; 0xFFFF: none */
     pzs_real motion[3];       /* (m) */
@@ -475,13 +496,14 @@ typedef struct pzs_contact {
     pzs_real *facing;         /* [nodes] below 0 where the face points at the body */
     uint8_t *touching;        /* [nodes] 1 in contact */
     uint8_t *kept_touching;   /* [nodes] at the last equilibrium */
-    pzs_real stiffness;       /* choice: kappa at the first system of a step, in units of the structure's own; 10. It
-                                 grows to a hundred times that; the answer does not depend on it. */
+    pzs_real stiffness;       /* choice: kappa at the first system of a step, in units of the structure's own; 10, > 0. It
+                                 doubles with each system up to a hundred; the answer does not depend on it. */
     pzs_real force[3];        /* resultant on the shell (N) */
     uint16_t nodes;           /* in contact */
     uint8_t changed;          /* nodes came or went before the last system */
     uint8_t warm;             /* the load step began with the nodes of the last equilibrium alone */
     uint8_t loose;            /* the supports alone do not hold the shell */
+    uint8_t adrift;           /* at the last system nothing touched the body, or was pressed onto it */
 } pzs_contact;
 
 /* Bytes of workspace for a contact. */
@@ -492,7 +514,8 @@ typedef struct pzs_contact {
  * without the body, the body must touch it from the start. After an equilibrium contact->pressure, force and nodes
  * hold what was found; settled, that is every gap open or closed to within 1e-8 of size (in float: of rounding),
  * no pressure negative, none across a gap. Influence at a shape in contact sees the body as stiff as kappa has grown (a
- * ring of R/h = 10: off by 3e-8). Errors: ARGUMENT (also attached already), WORKSPACE (path->where = bytes needed).
+ * ring of R/h = 10: off by 3e-8).
+ * Errors: ARGUMENT (also attached already, an index out of range), FORMAT, CRC, WORKSPACE (path->where = bytes needed).
  */
 pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
                               void *work, size_t bytes);
@@ -724,7 +747,7 @@ pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs
 
 /* The shape per unit of loads and temperatures whose amounts the firmware knows. In flash. */
 typedef struct pzs_known {
-    uint32_t format, scene;    /* those of the problem */
+    uint32_t format, scene;    /* those of the problem, which the firmware compares: a shape has no scene */
     uint32_t crc;              /* over the two counts and the array */
     uint16_t amounts, outputs;
     const pzs_real *per;       /* [outputs][amounts] (m/N, m/Pa, m/K) */

@@ -18,7 +18,7 @@
 #endif
 
 /* Rows of the factor kept together: 4 suits microcontrollers, 8 and 16 wide vector units.
- * With -ffp-contract=off (the default of -std=c99) the result has the same bits for every value. */
+ * With -ffp-contract=off (gcc's default with -std=c99; clang wants it said) the result has the same bits for every value. */
 #ifndef PZS_TILE
 #define PZS_TILE 4
 #endif

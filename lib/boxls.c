@@ -146,7 +146,7 @@ void boxls_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t str
 static void symmetric(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, uint32_t n,
                       uint32_t padded)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u); /* tells the compiler that no remainder is left */
+    const size_t width = boxls_whole(padded);
     boxls_sum_rows(y, a, width, x, n, width);
 }
 
@@ -170,11 +170,11 @@ static pzs_real own_part(const boxls *b, uint32_t k)
 /* m -= sign s s', all rows: symmetric to the last bit. */
 static void rank_one(pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign, uint32_t n, uint32_t padded)
 {
-    const uint32_t width = padded & ~(PZS_TILE - 1u);
+    const size_t width = boxls_whole(padded);
     for (uint32_t i = 0; i < n; i++) {
-        pzs_real *restrict row = m + (size_t)i * width;
+        pzs_real *restrict row = m + i * width;
         const pzs_real f = sign * s[i];
-        for (uint32_t j = 0; j < width; j++)
+        for (size_t j = 0; j < width; j++)
             row[j] -= f * s[j];
     }
 }
@@ -238,12 +238,6 @@ static void drop(boxls *b, uint32_t j, pzs_real left)
 
 /* ---- gradients ------------------------------------------------------------------ */
 
-/* The loops below run over whole tiles, which this tells the compiler. */
-static inline size_t whole(uint32_t width)
-{
-    return width & ~(PZS_TILE - 1u);
-}
-
 /* grad = pull + bias - want; where inputs are free, next is the same, elsewhere 0. */
 static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_real *restrict pull,
                     const pzs_real *restrict bias, const pzs_real *restrict want, const pzs_real *restrict free,
@@ -258,7 +252,7 @@ static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_
 
 void boxls_gradient(boxls *b)
 {
-    combine(b->grad, b->next, b->pull, b->bias, b->want, b->free, whole(b->width));
+    combine(b->grad, b->next, b->pull, b->bias, b->want, b->free, boxls_whole(b->width));
 }
 
 /* away = v - base, far = |v - base|. */
@@ -273,7 +267,7 @@ static void distance(pzs_real *restrict away, pzs_real *restrict far, const pzs_
 
 void boxls_true_gradient(boxls *b)
 {
-    distance(b->spare, b->next, b->v, b->base, whole(b->width));
+    distance(b->spare, b->next, b->v, b->base, boxls_whole(b->width));
     b->rough = PZS_EPSILON * boxls_dot(b->diag, b->next, b->width);
     symmetric(b->pull, b->h, b->spare, b->n, b->width);
     boxls_gradient(b);
@@ -308,7 +302,7 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, con
 uint32_t boxls_aim(boxls *b, pzs_real noise)
 {
     symmetric(b->move, b->m, b->next, b->n, b->width);
-    return look_ahead(b->move, b->next, b->free, b->grad, b->v, b->lo, b->hi, noise, whole(b->width));
+    return look_ahead(b->move, b->next, b->free, b->grad, b->v, b->lo, b->hi, noise, boxls_whole(b->width));
 }
 
 /* out = the size of the gradient where the volts could follow it downhill, else at most 0. */
@@ -324,7 +318,7 @@ static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const p
 /* Largest violated optimality condition at v, where the gradient is grad. */
 static pzs_real violation(const boxls *b, const pzs_real *v, const pzs_real *grad)
 {
-    downhill(b->spare, v, b->lo, b->hi, grad, whole(b->width));
+    downhill(b->spare, v, b->lo, b->hi, grad, boxls_whole(b->width));
     return boxls_largest(b->spare, b->width);
 }
 
@@ -357,7 +351,7 @@ static int settled(boxls *b)
     if (!(b->left > b->noise))
         return 1;
     const pzs_real turn = (pzs_real)b->n * b->left;
-    downhill(b->spare, b->v, b->lo, b->hi, b->grad, whole(b->width));
+    downhill(b->spare, b->v, b->lo, b->hi, b->grad, boxls_whole(b->width));
     for (uint32_t i = 0; i < b->n; i++) {
         const int small = b->lo[i] < b->hi[i] && boxls_size(b->grad[i]) <= turn;
         if (!(b->free[i] > 0) && (small || b->spare[i] > b->noise))
@@ -524,7 +518,7 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
  */
 static int fell(const boxls *b)
 {
-    difference(b->spare, b->move, b->v, b->start, b->grad, b->start_grad, whole(b->width));
+    difference(b->spare, b->move, b->v, b->start, b->grad, b->start_grad, boxls_whole(b->width));
     const pzs_real change = boxls_dot(b->spare, b->move, b->width);
     const pzs_real far = boxls_dot(b->spare, b->spare, b->width);
     return change < 0 && far * (b->rough * b->rough) < b->energy * b->energy;

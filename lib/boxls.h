@@ -68,6 +68,12 @@ void boxls_optimise(boxls *b);
 /* Whether rounding in H (v - base) may cost more than epsilon of the energy. */
 int boxls_coarse(boxls *b);
 
+/* width, which is whole tiles: a loop over so many has no remainder, which this tells the compiler. */
+static inline size_t boxls_whole(uint32_t width)
+{
+    return width & ~(PZS_TILE - 1u);
+}
+
 static inline pzs_real boxls_size(pzs_real x)
 {
     return x < 0 ? -x : x;

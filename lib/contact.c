@@ -6,17 +6,22 @@
  * system predicted, and each solve predicts  p <- p - e (g + n . d).  At the end g = 0, so the answer is free of e.
  */
 #include "face.h"
+#include "guard.h"
 #include "model.h"
 #include "nonlinear.h"
 #include "shell.h"
 #include <string.h>
 
+#if PZS_NONLINEAR
+
 /* Gap and pressure are weighed against each other with this part of the structure's own stiffness. */
 #define WEIGHING ((pzs_real)1e-5)
-/* The stiffness against the body grows up to this many times the structure's own. */
+/* The stiffness against the body doubles while it is below this many times the structure's own. */
 #define FIRM ((pzs_real)100)
 /* While a warm step moves by more than this part of its way, its nodes stay as they were. */
 #define QUIET ((pzs_real)0.2)
+
+enum { NO_MOTION = 0xFFFF }; /* as input of a face: the body stays */
 
 static pzs_contact *contact_of(pzs_option *option)
 {
@@ -210,6 +215,7 @@ static void begin(pzs_contact *c, const pzs_path *path)
         }
     c->warm = given > 0 && added == 0;
     c->changed = added > 0;
+    c->adrift = given + added == 0;
 }
 
 /* Nodes in contact by gap and pressure; of a loose shell the nearest one stays, which nothing settles with (settled). */
@@ -226,11 +232,12 @@ static void choose(pzs_contact *c, const pzs_path *path)
             c->pressure[n] = 0;
     }
     const int32_t lone = count == 0 && c->loose ? nearest(c, path) : -1;
+    c->adrift = lone >= 0;
     if (lone >= 0)
         c->touching[lone] = 1;
 }
 
-static void prepare(pzs_option *option, pzs_path *path)
+static int prepare(pzs_option *option, pzs_path *path)
 {
     pzs_contact *c = contact_of(option);
     c->changed = 0;
@@ -239,6 +246,7 @@ static void prepare(pzs_option *option, pzs_path *path)
         begin(c, path);
     else if (!c->warm || path->quiet < QUIET)
         choose(c, path);
+    return path->iteration > 0 || !c->loose || !c->adrift;
 }
 
 static int settled(pzs_option *option, pzs_path *path)
@@ -348,7 +356,7 @@ static void rest(pzs_option *option, pzs_path *path)
     keep(option, path);
 }
 
-/* ---- attach ----------------------------------------------------------- */
+/* ---- supports --------------------------------------------------------- */
 
 static int is_fixed(const pzs_path *path, uint16_t dof)
 {
@@ -399,19 +407,61 @@ static int is_loose(const pzs_contact *c, const pzs_path *path)
     return 0;
 }
 
-static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, unit, NULL, NULL};
+/* ---- choices and errors ------------------------------------------------- */
 
-static int face_complete(const pzs_path *path, const pzs_contact_face *f)
+static int choices_in_range(const pzs_option *option)
 {
-    return f->place && f->triad && f->area && f->face <= 1 && f->size > 0
-        && (f->input < path->model->structure->input.count || f->input == 0xFFFFu);
+    const pzs_real stiffness = ((const pzs_contact *)option)->stiffness;
+    return stiffness > 0 && guard_nonfinite(&stiffness, 1) < 0;
+}
+
+/* A loose shell: it does not touch the body or is not pressed onto it; or its first contact leaves it free to slide. */
+static int adrift(const pzs_option *option, const pzs_path *path)
+{
+    const pzs_contact *c = (const pzs_contact *)option;
+    uint32_t kept = 0;
+    for (uint16_t n = 0; n < path->model->structure->nodes; n++)
+        kept += c->kept_touching[n];
+    return c->loose && (c->adrift || (kept == 0 && (path->where >= 0 || path->negative > 0)));
+}
+
+static const struct pzs_option_calls calls = {
+    .choices_in_range = choices_in_range, .prepare = prepare, .add = add, .solved = solved, .settled = settled,
+    .unsettled = PZS_E_CONTACT, .adrift = adrift, .keep = keep, .restore = restore, .rest = rest, .unit = unit,
+};
+
+/* ---- attach ------------------------------------------------------------- */
+
+uint32_t contact_crc(const pzs_contact_face *f, const pzs_structure *s)
+{
+    const uint16_t whole[2] = {f->face, f->input};
+    uint32_t crc = guard_crc(GUARD_CRC_START, whole, sizeof whole);
+    crc = guard_crc(crc, f->motion, sizeof f->motion);
+    crc = guard_crc(crc, &f->size, sizeof f->size);
+    crc = guard_crc(crc, f->place, s->nodes * sizeof *f->place);
+    crc = guard_crc(crc, f->triad, s->nodes * sizeof *f->triad);
+    return ~guard_crc(crc, f->area, s->nodes * sizeof *f->area);
+}
+
+static pzs_status check(const pzs_contact_face *f, const pzs_structure *s)
+{
+    if (!f->place || !f->triad || !f->area)
+        return PZS_E_ARGUMENT;
+    if (f->format != PZS_TABLE_FORMAT || f->scene != s->scene)
+        return PZS_E_FORMAT;
+    if (contact_crc(f, s) != f->crc)
+        return PZS_E_CRC;
+    return f->face <= 1 && f->size > 0 && (f->input < s->input.count || f->input == NO_MOTION) ? PZS_OK : PZS_E_ARGUMENT;
 }
 
 pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
                               void *work, size_t bytes)
 {
-    if (!path || !path->model || !contact || !face || !body || !body->gap || !work || !face_complete(path, face))
+    if (!path || !path->model || !contact || !face || !body || !body->gap || !work)
         return PZS_E_ARGUMENT;
+    const pzs_status status = check(face, path->model->structure);
+    if (status != PZS_OK)
+        return status;
     const uint16_t nodes = path->model->structure->nodes;
     if (bytes < PZS_CONTACT_BYTES(nodes) || (uintptr_t)work % sizeof(pzs_real) != 0) {
         path->where = (int32_t)PZS_CONTACT_BYTES(nodes);
@@ -433,3 +483,5 @@ pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_co
     nonlinear_attach(path, &contact->option, &calls);
     return PZS_OK;
 }
+
+#endif

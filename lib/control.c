@@ -88,7 +88,7 @@ static int32_t cut_volts(boxls *b, const pzs_control *c)
 /* Start a step: windows, volts cut to them, their gradient. Returns the first clash of slew and limit, or -1. */
 static int32_t enter(boxls *b, const pzs_control *c)
 {
-    const size_t width = b->width & ~(PZS_TILE - 1u);
+    const size_t width = boxls_whole(b->width);
     int32_t clash = -1;
     if (open_windows(b->lo, b->hi, b->v, slew_of(c), c->lower, c->upper, width) != 0) {
         clash = cut_volts(b, c);
@@ -142,7 +142,7 @@ static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
 {
     pzs_real rest = missed;
     if (b->rough > 0) { /* off the base */
-        shape_terms(b->spare, b->move, b->v, b->base, b->pull, b->want, effort, b->width & ~(PZS_TILE - 1u));
+        shape_terms(b->spare, b->move, b->v, b->base, b->pull, b->want, effort, boxls_whole(b->width));
         rest += boxls_dot(b->spare, b->move, b->width);
     }
     return rest > 0 && b->energy > 0 ? PZS_SQRT(rest / b->energy) : 0;
@@ -157,7 +157,7 @@ static void sum_size(pzs_real *restrict z, const pzs_real *restrict x, const pzs
 /* Largest |B'W^2 e|. */
 static pzs_real most_wanted(const boxls *b, const pzs_real *full)
 {
-    sum_size(b->spare, b->want, full, b->width & ~(PZS_TILE - 1u));
+    sum_size(b->spare, b->want, full, boxls_whole(b->width));
     return boxls_largest(b->spare, b->width);
 }
 

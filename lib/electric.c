@@ -10,6 +10,8 @@
 #include "shell.h"
 #include <string.h>
 
+#if PZS_NONLINEAR
+
 static pzs_circuit *circuit_of(pzs_option *option)
 {
     return (pzs_circuit *)option;
@@ -18,14 +20,6 @@ static pzs_circuit *circuit_of(pzs_option *option)
 static uint16_t input_of(const pzs_circuit *c, uint32_t a)
 {
     return c->tables->input[electrode_open(c->tables, a)];
-}
-
-static pzs_real dot(const pzs_real *x, const pzs_real *y, uint32_t n)
-{
-    pzs_real sum = 0;
-    for (uint32_t i = 0; i < n; i++)
-        sum += x[i] * y[i];
-    return sum;
 }
 
 /* Charge at path->u: the resultants of a volt times the strains, their sign turned, and what flows while these are held. */
@@ -39,17 +33,20 @@ static pzs_real charge_at(const pzs_path *path, const pzs_electrodes *t, uint32_
         pzs_real u[SHELL_MAX], e[SHELL_MODES][SHELL_STRAINS];
         model_gather(path->model, s->element[g->element[i]], SHELL_NODES, path->u, u);
         shell_strains_at(&s->kind[s->element_kind[g->element[i]]], s->unknowns, u, e);
-        charge -= dot(g->value[g->which[i]], e[0], SHELL_STRAINS);
+        charge -= linalg_inner(g->value[g->which[i]], e[0], SHELL_STRAINS);
     }
     for (uint32_t i = t->direct.start[electrode]; i < t->direct.start[electrode + 1]; i++)
         charge += t->direct.value[i] * path->amount[t->direct.dof[i]];
     return charge;
 }
 
-void pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pzs_real *charge)
+pzs_status pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pzs_real *charge)
 {
+    if (!path || !path->model || !tables || !charge || !path->tables->given.start)
+        return PZS_E_ARGUMENT;
     for (uint32_t k = 0; k < tables->count; k++)
         charge[k] = charge_at(path, tables, k);
+    return PZS_OK;
 }
 
 /* Force of a volt on open electrode a.  f [dof] out */
@@ -62,9 +59,7 @@ static void volt_force(const pzs_circuit *c, pzs_path *path, uint32_t a, pzs_rea
 /* z = K^-1 z, where prescribed unknowns do not move. */
 static void solve_free(pzs_path *path, pzs_real *z)
 {
-    const pzs_prescribed *p = &path->tables->prescribed;
-    for (uint32_t i = 0; i < p->count; i++)
-        z[p->dof[i]] = 0;
+    nonlinear_clear_prescribed(path, z);
     model_backsolve(path->model, z, z);
 }
 
@@ -79,7 +74,7 @@ static int factor_open(pzs_circuit *c, pzs_path *path, pzs_real *f, pzs_real *z)
         for (uint32_t b = 0; b <= a; b++) {
             volt_force(c, path, b, f);
             *linalg_entry(&c->open, a, b) =
-                dot(f, z, dof) + electrode_direct(c->tables, electrode_open(c->tables, a), input_of(c, b));
+                linalg_inner(f, z, dof) + electrode_direct(c->tables, electrode_open(c->tables, a), input_of(c, b));
         }
     }
     const linalg_inertia inertia = linalg_factor(&c->open);
@@ -100,7 +95,7 @@ static int condense(pzs_option *option, pzs_path *path, uint32_t input, pzs_real
         volt_force(c, path, a, f);
         c->change[a] = input == NEWTON ? c->charge[k] - charge_at(path, c->tables, k)
                                        : (input_of(c, a) == input) - electrode_direct(c->tables, k, input);
-        c->change[a] -= dot(f, du, dof);
+        c->change[a] -= linalg_inner(f, du, dof);
     }
     linalg_solve(&c->open, c->change);
     memset(z, 0, dof * sizeof *z);
@@ -123,10 +118,11 @@ static void apply(const pzs_circuit *c, pzs_path *path)
     nonlinear_set_given(path);
 }
 
-static void prepare(pzs_option *option, pzs_path *path)
+static int prepare(pzs_option *option, pzs_path *path)
 {
     if (path->iteration == 0)
         apply(circuit_of(option), path);
+    return 1;
 }
 
 static void add(pzs_option *option, pzs_path *path, pzs_real *load)
@@ -148,7 +144,8 @@ static void solved(pzs_option *option, pzs_path *path, const pzs_real *du)
 static int settled(pzs_option *option, pzs_path *path)
 {
     const pzs_circuit *c = circuit_of(option);
-    const pzs_real volt2 = dot(c->volt, c->volt, c->open.n), change2 = dot(c->change, c->change, c->open.n);
+    const pzs_real volt2 = linalg_inner(c->volt, c->volt, c->open.n);
+    const pzs_real change2 = linalg_inner(c->change, c->change, c->open.n);
     return change2 <= path->change * path->change * volt2;
 }
 
@@ -173,7 +170,10 @@ static void rest(pzs_option *option, pzs_path *path)
     restore(option, path);
 }
 
-static const struct pzs_option_calls calls = {prepare, add, solved, settled, keep, restore, rest, NULL, condense, NULL};
+static const struct pzs_option_calls calls = {
+    .prepare = prepare, .add = add, .solved = solved, .settled = settled, .unsettled = PZS_E_DIVERGED, .keep = keep,
+    .restore = restore, .rest = rest, .condense = condense,
+};
 
 pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *c, const pzs_electrodes *tables, void *work, size_t bytes)
 {
@@ -201,3 +201,5 @@ pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *c, const pzs_electrod
     nonlinear_attach(path, &c->option, &calls);
     return PZS_OK;
 }
+
+#endif

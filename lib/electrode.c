@@ -191,6 +191,12 @@ static pzs_real charge_of(const pzs_electric *e, uint32_t electrode, const pzs_r
     return sum;
 }
 
+static void put_volts(const pzs_electric *e, const pzs_real *volt, pzs_real *amount)
+{
+    for (uint32_t a = 0; a < e->open.n; a++)
+        amount[open_input(e, a)] = volt[a];
+}
+
 pzs_status pzs_open_volts(const pzs_electric *e, pzs_real *amount)
 {
     if (!e || !amount)
@@ -198,17 +204,20 @@ pzs_status pzs_open_volts(const pzs_electric *e, pzs_real *amount)
     if (e->stage != ELECTRIC_FACTORED)
         return PZS_E_STAGE;
     pzs_real *volt = e->amount;
-    for (uint32_t a = 0; a < e->open.n; a++)
+    for (uint32_t a = 0; a < e->open.n; a++) {
+        volt[a] = amount[open_input(e, a)];
         amount[open_input(e, a)] = 0;
-    if (guard_nonfinite(amount, e->model->structure->input.count) >= 0)
+    }
+    if (guard_nonfinite(amount, e->model->structure->input.count) >= 0) {
+        put_volts(e, volt, amount);
         return PZS_E_NONFINITE;
+    }
     for (uint32_t a = 0; a < e->open.n; a++) {
         const uint32_t k = electrode_open(e->tables, a);
         volt[a] = e->charge[k] - charge_of(e, k, amount);
     }
     linalg_solve(&e->open, volt);
-    for (uint32_t a = 0; a < e->open.n; a++)
-        amount[open_input(e, a)] = volt[a];
+    put_volts(e, volt, amount);
     return PZS_OK;
 }
 

@@ -35,7 +35,7 @@ uint32_t estimate_known_crc(const pzs_known *t)
 
 static pzs_status check(const pzs_estimator *t, const pzs_control *c)
 {
-    if (t->format != PZS_TABLE_FORMAT)
+    if (t->format != PZS_TABLE_FORMAT || t->scene != c->problem->scene)
         return PZS_E_FORMAT;
     const int fits = t->inputs == c->problem->inputs && t->outputs == c->problem->outputs;
     if (t->direct == NULL || t->gain == NULL || t->sensors == 0 || !fits)

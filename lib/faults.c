@@ -201,17 +201,16 @@ static int too_few(const pzs_watch *w, const pzs_real *measured)
     return MISSING * lost > c->problem->outputs;
 }
 
-/* The volts that made the shape now looked at; those of this tick take the place of the oldest. */
-static const pzs_real *remember(pzs_watch *w)
+/* The volts that made the shape now looked at: the oldest kept. */
+static pzs_real *oldest_volts(const pzs_watch *w)
 {
-    const uint32_t n = w->control->problem->inputs;
-    return w->volt + (size_t)w->oldest * n;
+    return w->volt + (size_t)w->oldest * w->control->problem->inputs;
 }
 
-static void forget(pzs_watch *w)
+/* Those of this tick take their place. */
+static void keep_volts(pzs_watch *w)
 {
-    const uint32_t n = w->control->problem->inputs;
-    memcpy(w->volt + (size_t)w->oldest * n, w->control->volt, n * sizeof(pzs_real));
+    memcpy(oldest_volts(w), w->control->volt, w->control->problem->inputs * sizeof(pzs_real));
     w->oldest = (uint16_t)(w->oldest < w->delay ? w->oldest + 1u : 0);
 }
 
@@ -415,13 +414,13 @@ pzs_status pzs_watch_tick(pzs_watch *w, const pzs_real *measured)
         return PZS_E_ARGUMENT;
     if (w->stage != READY)
         return PZS_E_STAGE;
-    const pzs_real *volt = remember(w);
+    const pzs_real *volt = oldest_volts(w);
     int32_t first = -1;
     if (measured != NULL && !too_few(w, measured)) {
         if (compare(w, measured))
             first = judge(w, volt);
         memcpy(w->before, volt, w->columns.n * sizeof(pzs_real));
     }
-    forget(w);
+    keep_volts(w);
     return first >= 0 ? finish(w, PZS_W_ELECTRODE, first) : finish(w, PZS_OK, -1);
 }

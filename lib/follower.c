@@ -7,10 +7,13 @@
  * does at the end of an arc that is cut into sides. Everything is quadratic in the unknowns; the unit normal divides by |n|.
  */
 #include "face.h"
+#include "guard.h"
 #include "model.h"
 #include "nonlinear.h"
 #include "shell.h"
 #include <string.h>
+
+#if PZS_NONLINEAR
 
 /* A vector at a corner and its derivative by the displacement of normal_face at the four corners, then by t. */
 enum { BY_DIRECTOR = 12, SLOPES = 15 };
@@ -220,14 +223,38 @@ static void skew(pzs_option *option, pzs_path *path, const pzs_real *x, pzs_real
 
 static const struct pzs_option_calls calls = {.add = add, .unit = unit, .skew = skew};
 
+uint32_t follower_crc(const pzs_follower *t, const pzs_structure *s)
+{
+    const uint16_t whole[4] = {t->input, t->load_face, t->normal_face, t->true_area};
+    uint32_t crc = guard_crc(GUARD_CRC_START, whole, sizeof whole);
+    crc = guard_crc(crc, t->share, sizeof t->share);
+    crc = guard_crc(crc, t->area, s->kinds * sizeof *t->area);
+    if (t->lean)
+        crc = guard_crc(crc, t->lean, s->kinds * sizeof *t->lean);
+    return ~guard_crc(crc, t->pressure, s->nodes * sizeof *t->pressure);
+}
+
+static pzs_status check(const pzs_follower *t, const pzs_structure *s)
+{
+    if (!t->area || !t->pressure)
+        return PZS_E_ARGUMENT;
+    if (t->format != PZS_TABLE_FORMAT || t->scene != s->scene)
+        return PZS_E_FORMAT;
+    if (follower_crc(t, s) != t->crc)
+        return PZS_E_CRC;
+    return t->load_face <= 2 && t->normal_face <= 1 && t->input < s->input.count ? PZS_OK : PZS_E_ARGUMENT;
+}
+
 pzs_status pzs_attach_follower(pzs_path *path, pzs_follower_load *load, const pzs_follower *tables)
 {
-    if (!path || !path->model || !load || !tables || !tables->area || !tables->pressure || tables->load_face > 2
-        || tables->normal_face > 1 || tables->input >= path->model->structure->input.count)
+    if (!path || !path->model || !load || !tables || nonlinear_is_attached(path, &load->option))
         return PZS_E_ARGUMENT;
-    if (nonlinear_is_attached(path, &load->option))
-        return PZS_E_ARGUMENT;
+    const pzs_status status = check(tables, path->model->structure);
+    if (status != PZS_OK)
+        return status;
     load->tables = tables;
     nonlinear_attach(path, &load->option, &calls);
     return PZS_OK;
 }
+
+#endif

@@ -295,6 +295,14 @@ linalg_inertia linalg_factor(pzs_envelope *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
+pzs_real linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n)
+{
+    pzs_real sum = 0;
+    for (uint32_t i = 0; i < n; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+
 /* L x = b, first half of a panel: subtract the known x_k left of its diagonal tile, rows side by side. */
 static void forward_known(const pzs_envelope *a, uint32_t panel, pzs_real *x)
 {

@@ -52,6 +52,9 @@ typedef struct linalg_inertia {
  */
 linalg_inertia linalg_factor(pzs_envelope *a);
 
+/* x . y, summed in ascending order. */
+pzs_real linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n);
+
 /* Solve L D L^T x = b in place. x [n] in b, out solution. */
 void linalg_solve(const pzs_envelope *a, pzs_real *x);
 

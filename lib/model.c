@@ -287,14 +287,6 @@ void model_backsolve(const pzs_model *model, const pzs_real *r, pzs_real *z)
         z[i] *= model->scale[i];
 }
 
-static pzs_real inner(const pzs_real *x, const pzs_real *y, uint32_t n)
-{
-    pzs_real sum = 0;
-    for (uint32_t i = 0; i < n; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
 pzs_real model_scaled_norm2(const pzs_model *model, const pzs_real *r)
 {
     pzs_real sum = 0;
@@ -317,11 +309,11 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     model_backsolve(model, r, z);
     memcpy(p, z, n * sizeof *p);
     memset(u, 0, n * sizeof *u);
-    pzs_real left = inner(r, z, n);
+    pzs_real left = linalg_inner(r, z, n);
     for (model->passes = 0; model->passes < REFINE_PASSES && left > energy * PZS_EPSILON * PZS_EPSILON;) {
         memset(kp, 0, n * sizeof *kp);
         add_force(model, p, kp);
-        const pzs_real curvature = inner(p, kp, n);
+        const pzs_real curvature = linalg_inner(p, kp, n);
         if (!(curvature > 0))
             return;
         const pzs_real step = left / curvature;
@@ -332,7 +324,7 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
         energy += step * left;
         model->passes++;
         model_backsolve(model, r, z);
-        const pzs_real next = inner(r, z, n);
+        const pzs_real next = linalg_inner(r, z, n);
         const pzs_real turn = next / left;
         for (uint32_t i = 0; i < n; i++)
             p[i] = z[i] + turn * p[i];
@@ -352,13 +344,13 @@ void model_add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_re
 static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r, pzs_real *z)
 {
     const uint32_t n = model->k.n;
-    const pzs_real load = model_scaled_norm2(model, f), energy = inner(f, u, n);
+    const pzs_real load = model_scaled_norm2(model, f), energy = linalg_inner(f, u, n);
     memset(r, 0, n * sizeof *r);
     add_force(model, u, r);
     for (uint32_t i = 0; i < n; i++)
         r[i] = f[i] - r[i];
     model_backsolve(model, r, z);
-    const pzs_real error = inner(r, z, n);
+    const pzs_real error = linalg_inner(r, z, n);
     /* Rounding may leave a tiny error negative; a NaN must stay one. */
     model->residual = load <= 0 ? 0 : PZS_SQRT(model_scaled_norm2(model, r) / load);
     model->error = load <= 0 ? 0 : PZS_SQRT((error < 0 ? 0 : error) / energy);

@@ -6,11 +6,9 @@
 #include "shell.h"
 #include <string.h>
 
-enum { PATH_READY = 1, PATH_SETTLED = 2 }; /* SETTLED: the model holds the factored tangent at path->u */
+#if PZS_NONLINEAR
 
 enum { STEP_SYSTEMS = 40, MOST_CUTS = 6 }; /* systems of a step, halvings of the first */
-
-enum { TURN_PASSES = 60 }; /* of the skew part of a tangent, a column of influence */
 
 static pzs_status fail(pzs_path *path, pzs_status status, int32_t where)
 {
@@ -33,6 +31,7 @@ uint32_t nonlinear_crc(const pzs_nonlinear *t, const pzs_structure *s)
         crc = guard_crc(crc, t->given.value, t->given.values * sizeof *t->given.value);
     }
     if (t->prescribed.count > 0) {
+        crc = guard_crc(crc, &t->prescribed.input, sizeof t->prescribed.input);
         crc = guard_crc(crc, t->prescribed.dof, t->prescribed.count * sizeof *t->prescribed.dof);
         crc = guard_crc(crc, t->prescribed.value, t->prescribed.count * sizeof *t->prescribed.value);
     }
@@ -164,9 +163,10 @@ void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force)
 {
     const pzs_structure *s = path->model->structure;
     const pzs_given *g = &path->tables->given;
-    if (!is_given(path, input))
+    const int given = is_given(path, input);
+    if (!given)
         model_add_input(path->model, input, 1, force);
-    for (uint32_t t = is_given(path, input) ? g->start[input] : 0; is_given(path, input) && t < g->start[input + 1]; t++) {
+    for (uint32_t t = given ? g->start[input] : 0; given && t < g->start[input + 1]; t++) {
         const uint16_t *node = s->element[g->element[t]];
         pzs_real u[SHELL_MAX], f[SHELL_MAX], resultant[SHELL_RESULTANTS] = {0};
         memcpy(resultant, g->value[g->which[t]], SHELL_STRAINS * sizeof *resultant);
@@ -181,12 +181,7 @@ void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force)
 
 /* ---- one system ------------------------------------------------------- */
 
-/*
- * Tangent into the model's envelope and force imbalance at path->u.
- *   plain      in   geometric part by the true resultants instead of the extrapolated ones
- *   imbalance  [dof] out load - internal force; path->load gets the load
- */
-static void build(pzs_path *path, int plain, pzs_real *imbalance)
+void nonlinear_build(pzs_path *path, int plain, pzs_real *imbalance)
 {
     pzs_model *model = path->model;
     const pzs_structure *s = model->structure;
@@ -214,8 +209,7 @@ static void build(pzs_path *path, int plain, pzs_real *imbalance)
         imbalance[i] += path->load[i];
 }
 
-/* Take unknown p out of the system: K x = b with x_p = value. Its row becomes d x_p = d value, d its diagonal. */
-static void prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b)
+void nonlinear_prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b)
 {
     for (uint32_t i = 0; i < k->n; i++) {
         if (i == p || k->first[i > p ? i : p] > (i > p ? p : i))
@@ -229,6 +223,13 @@ static void prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b)
     b[p] = *d * value;
 }
 
+void nonlinear_clear_prescribed(const pzs_path *path, pzs_real *f)
+{
+    const pzs_prescribed *p = &path->tables->prescribed;
+    for (uint32_t i = 0; i < p->count; i++)
+        f[p->dof[i]] = 0;
+}
+
 /* Move the prescribed unknowns in b; what held them back, its scaled square, is returned. */
 static pzs_real prescribe_all(pzs_path *path, pzs_real *b)
 {
@@ -239,12 +240,11 @@ static pzs_real prescribe_all(pzs_path *path, pzs_real *b)
         reaction += scaled * scaled;
     }
     for (uint32_t i = 0; i < p->count; i++)
-        prescribe(&path->model->k, p->dof[i], path->amount[p->input] * p->value[i] - path->u[p->dof[i]], b);
+        nonlinear_prescribe(&path->model->k, p->dof[i], path->amount[p->input] * p->value[i] - path->u[p->dof[i]], b);
     return reaction;
 }
 
-/* Scale and factor what build left. Returns whether it can be solved. */
-static int factor(pzs_path *path)
+int nonlinear_factor(pzs_path *path)
 {
     linalg_apply_scale(&path->model->k, path->model->scale);
     const linalg_inertia inertia = linalg_factor(&path->model->k);
@@ -253,8 +253,7 @@ static int factor(pzs_path *path)
     return inertia.zero < 0;
 }
 
-/* Square of the size of a displacement: mean u, h times difference/h, h times (u3M - mean u3)/h; y may be NULL. */
-static pzs_real displacement_norm2(const pzs_path *path, const pzs_real *x, const pzs_real *y)
+pzs_real nonlinear_size2(const pzs_path *path, const pzs_real *x, const pzs_real *y)
 {
     const pzs_structure *s = path->model->structure;
     const pzs_real h = s->kind[0].thickness;
@@ -281,8 +280,7 @@ static void extrapolate(pzs_path *path, const pzs_real *du)
     }
 }
 
-/* What the options' own unknowns make of du [dof]. */
-static int condense(pzs_path *path, uint32_t input, pzs_real *du)
+int nonlinear_condense(pzs_path *path, uint32_t input, pzs_real *du)
 {
     for (pzs_option *o = path->option; o; o = o->next)
         if (o->call->condense && !o->call->condense(o, path, input, du))
@@ -295,15 +293,15 @@ static int move(pzs_path *path, int plain, pzs_real *du)
 {
     const uint32_t n = path->model->structure->dof;
     for (pzs_option *o = path->option; o; o = o->next)
-        if (o->call->prepare)
-            o->call->prepare(o, path);
-    build(path, plain, du);
+        if (o->call->prepare && !o->call->prepare(o, path))
+            return 0;
+    nonlinear_build(path, plain, du);
     prescribe_all(path, du);
-    if (!factor(path))
+    if (!nonlinear_factor(path))
         return 0;
     model_backsolve(path->model, du, du);
     path->systems++;
-    if (!condense(path, NEWTON, du) || guard_nonfinite(du, n) >= 0)
+    if (!nonlinear_condense(path, NEWTON, du) || guard_nonfinite(du, n) >= 0)
         return 0;
     for (pzs_option *o = path->option; o; o = o->next)
         if (o->call->solved)
@@ -316,13 +314,14 @@ static int move(pzs_path *path, int plain, pzs_real *du)
 
 /* ---- one load step ---------------------------------------------------- */
 
-static int options_settled(pzs_path *path)
+/* The error of an option that has not settled, or PZS_OK. */
+static pzs_status options_open(pzs_path *path)
 {
-    int settled = 1;
+    pzs_status open = PZS_OK;
     for (pzs_option *o = path->option; o; o = o->next)
         if (o->call->settled && !o->call->settled(o, path))
-            settled = 0;
-    return settled;
+            open = o->call->unsettled;
+    return open;
 }
 
 /* Force of actuation at path->u onto f. */
@@ -350,18 +349,18 @@ static int judge(pzs_path *path, pzs_real *next)
     pzs_model *model = path->model;
     const uint32_t n = model->structure->dof;
     pzs_real *applied = model->work + n;
-    build(path, 1, next);
+    nonlinear_build(path, 1, next);
     memcpy(applied, path->load, n * sizeof *applied);
     add_actuation(path, applied);
     const pzs_real load2 = model_scaled_norm2(model, applied), reaction2 = prescribe_all(path, next);
     const pzs_real left2 = model_scaled_norm2(model, next);
     path->residual = load2 + reaction2 > 0 ? PZS_SQRT(left2 / (load2 + reaction2)) : PZS_SQRT(left2);
-    path->balanced = path->residual <= 1 || left2 <= ROUNDING * ROUNDING * displacement_norm2(path, path->u, NULL);
+    path->balanced = path->residual <= 1 || left2 <= ROUNDING * ROUNDING * nonlinear_size2(path, path->u, NULL);
     extrapolate(path, NULL);
-    if (!factor(path))
+    if (!nonlinear_factor(path))
         return 0;
     model_backsolve(model, next, next);
-    return condense(path, NEWTON, next) && guard_nonfinite(next, n) < 0 && guard_nonfinite(&path->residual, 1) < 0;
+    return nonlinear_condense(path, NEWTON, next) && guard_nonfinite(next, n) < 0 && guard_nonfinite(&path->residual, 1) < 0;
 }
 
 /* Whether an iteration is worth going on: near its end it gets twice the systems; one that moves as far as the whole step
@@ -373,10 +372,9 @@ static int hopeful(const pzs_path *path, uint32_t wild)
 
 /*
  * Newton's method at the present amounts: settled when the last increment is below `change` of the step's displacement,
- * and so is the next one that the tangent at the shape reached would make, and the forces left over are no larger than those
- * applied, or rounding. Returns whether it settled; if only an option
- * did not, path->open is set. A step that moves less than a thousandth of the whole displacement (a tenth in float,
- * whose round-off it would be) is judged by that.
+ * and so is the next one that the tangent at the shape reached would make, and the forces left over are no larger than
+ * those applied, or rounding. Returns whether it settled; if only an option did not, path->open is its error. A step that
+ * moves less than a thousandth of the whole displacement (a tenth in float, whose round-off it would be) is judged by that.
  */
 static int settle(pzs_path *path)
 {
@@ -385,18 +383,19 @@ static int settle(pzs_path *path)
     uint32_t wild = 0;
     path->quiet = 1;
     path->open = 0;
+    path->where = -1;
     for (path->iteration = 0; hopeful(path, wild); path->iteration++) {
         if (path->systems >= path->systems_allowed || !move(path, path->iteration >= path->mixed, du))
             return 0;
-        const pzs_real moved2 = displacement_norm2(path, path->u, path->kept_u)
-                              + least * displacement_norm2(path, path->u, NULL);
-        const pzs_real last2 = displacement_norm2(path, du, NULL);
+        const pzs_real moved2 = nonlinear_size2(path, path->u, path->kept_u)
+                              + least * nonlinear_size2(path, path->u, NULL);
+        const pzs_real last2 = nonlinear_size2(path, du, NULL);
         path->quiet = moved2 > 0 ? PZS_SQRT(last2 / moved2) : 0;
         wild = path->iteration > 2 && path->quiet > (pzs_real)0.9 ? wild + 1 : 0;
         if (!(last2 <= limit2 * moved2))
             continue;
-        path->open = !options_settled(path);
-        if (!path->open && judge(path, du) && path->balanced && displacement_norm2(path, du, NULL) <= limit2 * moved2)
+        path->open = (uint8_t)options_open(path);
+        if (!path->open && judge(path, du) && path->balanced && nonlinear_size2(path, du, NULL) <= limit2 * moved2)
             return 1;
     }
     return 0;
@@ -427,21 +426,31 @@ static void restore(pzs_path *path)
             o->call->restore(o, path);
 }
 
-/* One load step towards the amounts, by `part` of the way that is left. Returns whether it settled; if not, u is as
- * before. */
+/* One load step towards the amounts, by `part` of the way that is left. Returns whether it settled; only then it is kept. */
 static int step(pzs_path *path, const pzs_real *amount, pzs_real part)
 {
     const uint32_t inputs = path->model->structure->input.count;
     for (uint32_t j = 0; j < inputs; j++)
         path->amount[j] = part < 1 ? path->kept_amount[j] + part * (amount[j] - path->kept_amount[j]) : amount[j];
     nonlinear_set_given(path);
-    if (settle(path)) {
-        keep(path);
-        path->steps_taken++;
-        return 1;
-    }
-    restore(path);
-    return 0;
+    if (!settle(path))
+        return 0;
+    keep(path);
+    path->steps_taken++;
+    return 1;
+}
+
+/* Why a step did not settle, by the state it ended with; negative: pivots of the last equilibrium. */
+static pzs_status reason(const pzs_path *path, uint32_t negative)
+{
+    for (const pzs_option *o = path->option; o; o = o->next)
+        if (o->call->adrift && o->call->adrift(o, path))
+            return PZS_E_CONTACT;
+    if (path->systems >= path->systems_allowed)
+        return PZS_E_SYSTEMS;
+    if (path->open)
+        return (pzs_status)path->open;
+    return path->where >= 0 || path->negative != negative ? PZS_E_LIMIT : PZS_E_DIVERGED;
 }
 
 /*
@@ -452,25 +461,31 @@ static pzs_status follow(pzs_path *path, const pzs_real *amount)
 {
     const uint32_t whole = (uint32_t)path->steps << MOST_CUTS;
     uint32_t done = 0, stride = 1u << MOST_CUTS, negative = path->negative;
-    int turned = 0; /* a system lost the sign of the last equilibrium's */
     while (done < whole) {
         const uint32_t take = stride < whole - done ? stride : whole - done;
         if (step(path, amount, (pzs_real)take / (pzs_real)(whole - done))) {
             done += take;
             stride = stride < 1u << MOST_CUTS ? 2 * stride : stride;
             negative = path->negative;
-            turned = 0;
             path->factor = (pzs_real)done / (pzs_real)whole;
             continue;
         }
-        turned = path->where >= 0 || path->negative != negative;
-        if (path->systems >= path->systems_allowed)
-            return PZS_E_SYSTEMS;
-        if (stride == 1)
-            return path->open ? PZS_E_CONTACT : turned ? PZS_E_LIMIT : PZS_E_DIVERGED;
+        const pzs_status why = reason(path, negative);
+        restore(path);
+        if (stride == 1 || path->systems >= path->systems_allowed)
+            return why;
         stride /= 2;
     }
     return path->negative > 0 ? PZS_W_UNSTABLE : PZS_OK;
+}
+
+/* Are the choices such that a settled shape is one? */
+static int choices_in_range(const pzs_path *path)
+{
+    for (const pzs_option *o = path->option; o; o = o->next)
+        if (o->call->choices_in_range && !o->call->choices_in_range(o))
+            return 0;
+    return path->steps > 0 && path->change > 0 && path->change < 1;
 }
 
 pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
@@ -479,7 +494,7 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
         return PZS_E_ARGUMENT;
     if (path->stage < PATH_READY)
         return fail(path, PZS_E_STAGE, -1);
-    if (path->steps == 0 || !(path->change > 0 && path->change < 1))
+    if (!choices_in_range(path))
         return fail(path, PZS_E_ARGUMENT, -1);
     const int32_t bad = guard_nonfinite(amount, path->model->structure->input.count);
     if (bad >= 0)
@@ -496,112 +511,4 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
     return fail(path, status, -1);
 }
 
-/* ---- influence -------------------------------------------------------- */
-
-/* Force per unit of the input that moves the prescribed unknowns, onto force [dof], 0 before: the tangent is built anew
- * for it. */
-static void unit_move(pzs_path *path, pzs_real *force)
-{
-    const pzs_prescribed *p = &path->tables->prescribed;
-    build(path, 1, path->model->work + path->model->structure->dof);
-    for (uint32_t i = 0; i < p->count; i++)
-        prescribe(&path->model->k, p->dof[i], p->value[i], force);
-    factor(path);
-    path->model->stage = STAGE_AT_SHAPE;
-}
-
-/* Add the outputs of u [dof] to an input's column of an influence. */
-static void add_outputs(const pzs_structure *s, const pzs_real *u, uint32_t input, pzs_real *influence)
-{
-    for (uint32_t i = 0; i < s->output.count; i++)
-        influence[(size_t)i * s->input.count + input] += model_observe_row(s, u, i);
-}
-
-/* Does an option leave a skew part out of the tangent? */
-static int is_skew(const pzs_path *path)
-{
-    int found = 0;
-    for (const pzs_option *o = path->option; o && !found; o = o->next)
-        found = o->call->skew != NULL;
-    return found;
-}
-
-/* y [dof] += factor W x, where K - W is the true tangent, W skew; nothing on prescribed unknowns. */
-static void add_skew(pzs_path *path, const pzs_real *x, pzs_real factor, pzs_real *y)
-{
-    const pzs_prescribed *p = &path->tables->prescribed;
-    for (pzs_option *o = path->option; o; o = o->next)
-        if (o->call->skew)
-            o->call->skew(o, path, x, factor, y);
-    for (uint32_t i = 0; i < p->count; i++)
-        y[p->dof[i]] = 0;
-}
-
-/*
- * What W adds to an input's column of influence. d [dof] in: K's own answer; lost. Generalised conjugate gradients of
- * Concus, Golub and Widlund from there: with r the force left, z = K^-1 r and d the change of the answer,
- *     omega = 1 / (1 + z'r / (z'r omega) of the pass before),  d = omega z + (omega - 1) d,
- *     r of the next pass = (1 - omega) r of the pass before + omega W z.
- * Where K has no negative pivot they converge whatever the size of W.
- */
-static pzs_status turn_column(pzs_path *path, uint32_t input, pzs_real *d, pzs_real *influence)
-{
-    const pzs_structure *s = path->model->structure;
-    const uint32_t n = s->dof;
-    const pzs_real whole2 = displacement_norm2(path, d, NULL), rounding = 16 * PZS_EPSILON;
-    pzs_real *r = path->model->work + n, *before = path->model->work + 4 * (size_t)n, *z = before + n;
-    pzs_real omega = 1, last = 0, change2 = whole2;
-    memset(r, 0, n * sizeof *r);
-    memset(before, 0, n * sizeof *before);
-    add_skew(path, d, 1, r);
-    for (uint32_t pass = 0; pass < TURN_PASSES && change2 > rounding * rounding * whole2; pass++) {
-        pzs_real *const next = before;
-        pzs_real energy = 0;
-        model_backsolve(path->model, r, z);
-        if (!condense(path, NO_INPUT, z))
-            return PZS_E_NONFINITE;
-        for (uint32_t i = 0; i < n; i++)
-            energy += z[i] * r[i];
-        omega = pass == 0 ? 1 : 1 / (1 + energy / (last * omega));
-        for (uint32_t i = 0; i < n; i++) {
-            d[i] = omega * z[i] + (omega - 1) * d[i];
-            next[i] *= 1 - omega;
-        }
-        add_skew(path, z, omega, next);
-        add_outputs(s, d, input, influence);
-        change2 = displacement_norm2(path, d, NULL);
-        before = r;
-        r = next;
-        last = energy;
-    }
-    return change2 <= PZS_EPSILON * whole2 ? PZS_OK : PZS_E_RESIDUAL;
-}
-
-pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence)
-{
-    if (!path || !influence)
-        return PZS_E_ARGUMENT;
-    if (path->stage != PATH_SETTLED || path->model->stage != STAGE_AT_SHAPE)
-        return fail(path, PZS_E_STAGE, -1);
-    const pzs_structure *s = path->model->structure;
-    const pzs_prescribed *p = &path->tables->prescribed;
-    pzs_real *u = path->model->work;
-    for (uint32_t j = 0; j < s->input.count; j++) {
-        memset(u, 0, s->dof * sizeof *u);
-        nonlinear_unit_force(path, j, u);
-        for (uint32_t i = 0; i < p->count; i++)
-            u[p->dof[i]] = 0;
-        if (p->count > 0 && j == p->input)
-            unit_move(path, u);
-        model_backsolve(path->model, u, u);
-        if (!condense(path, j, u) || guard_nonfinite(u, s->dof) >= 0)
-            return fail(path, PZS_E_NONFINITE, (int32_t)j);
-        for (uint32_t i = 0; i < s->output.count; i++)
-            influence[(size_t)i * s->input.count + j] = 0;
-        add_outputs(s, u, j, influence);
-        const pzs_status status = is_skew(path) ? turn_column(path, j, u, influence) : PZS_OK;
-        if (status != PZS_OK)
-            return fail(path, status, (int32_t)j);
-    }
-    return fail(path, PZS_OK, -1);
-}
+#endif

@@ -1,21 +1,30 @@
 /*
- * How follower loads and contacts take part in the nonlinear path. An option is a structure that begins with a
- * pzs_option, a table of the calls below (NULL: nothing to do), and a function that attaches it to a path.
+ * How follower loads, contacts and open electrodes take part in the nonlinear path, and what the path lends to them.
+ * An option is a structure that begins with a pzs_option, a table of the calls below (NULL: nothing to do), and a
+ * function that attaches it to a path.
  */
 #ifndef PZS_NONLINEAR_H
 #define PZS_NONLINEAR_H
 
 #include "pzs.h"
 
+#if PZS_NONLINEAR
+
 struct pzs_option_calls {
-    /* Before each system of a load step: decide what is active. path->iteration counts from 0. */
-    void (*prepare)(pzs_option *option, pzs_path *path);
+    /* Before an equilibrium: are the choices in range? */
+    int (*choices_in_range)(const pzs_option *option);
+    /* Before each system of a load step: decide what is active. path->iteration counts from 0. Returns 0 where nothing
+     * can be solved. */
+    int (*prepare)(pzs_option *option, pzs_path *path);
     /* Forces at path->u onto load [dof], minus their derivative onto the model's matrix. */
     void (*add)(pzs_option *option, pzs_path *path, pzs_real *load);
     /* After each solve, path->u not yet moved by du [dof] nor the resultants extrapolated along it. */
     void (*solved)(pzs_option *option, pzs_path *path, const pzs_real *du);
-    /* Is nothing left to change at path->u? */
+    /* Is nothing left to change at path->u? And the error of a path that ends because something always was. */
     int (*settled)(pzs_option *option, pzs_path *path);
+    pzs_status unsettled;
+    /* A load step was given up, in the state it ended with: was it because the option does not hold the shell up? */
+    int (*adrift)(const pzs_option *option, const pzs_path *path);
     /* Remember the present state; go back to it; forget both: the shell is at rest. */
     void (*keep)(pzs_option *option, pzs_path *path);
     void (*restore)(pzs_option *option, pzs_path *path);
@@ -34,14 +43,15 @@ struct pzs_option_calls {
 
 enum { NEWTON = 0xFFFF, NO_INPUT = 0xFFFE };
 
-/* CRC of the arrays of a pzs_nonlinear, as stored in its crc field. An input has at most one entry an element. */
+/* PATH_SETTLED: the model holds the factored tangent at path->u. */
+enum { PATH_READY = 1, PATH_SETTLED = 2 };
+
+/* ---- tables and options ------------------------------------------------- */
+
+/* CRCs of tables that go with a structure, as stored in their crc fields. An input has at most one entry an element. */
 uint32_t nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *structure);
-
-/* H0 of every element at the present amounts, per unit of its stiffness factor, into path->given. */
-void nonlinear_set_given(pzs_path *path);
-
-/* Force at path->u per unit of an input, onto force [dof]: a dead load's row, -L(u)' H0, or that of an option. */
-void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force);
+uint32_t follower_crc(const pzs_follower *tables, const pzs_structure *structure);
+uint32_t contact_crc(const pzs_contact_face *tables, const pzs_structure *structure);
 
 /* Once in the list, an option must not come into it again: the list would have no end. */
 int nonlinear_is_attached(const pzs_path *path, const pzs_option *option);
@@ -49,4 +59,37 @@ int nonlinear_is_attached(const pzs_path *path, const pzs_option *option);
 /* Put an option in front of those attached; its state counts as that of the last equilibrium. */
 void nonlinear_attach(pzs_path *path, pzs_option *option, const struct pzs_option_calls *call);
 
+/* ---- inputs ------------------------------------------------------------- */
+
+/* H0 of every element at the present amounts, per unit of its stiffness factor, into path->given. */
+void nonlinear_set_given(pzs_path *path);
+
+/* Force at path->u per unit of an input, onto force [dof]: a dead load's row, -L(u)' H0, or that of an option. */
+void nonlinear_unit_force(pzs_path *path, uint32_t input, pzs_real *force);
+
+/* ---- one system --------------------------------------------------------- */
+
+/*
+ * Tangent into the model's envelope and force imbalance at path->u.
+ *   plain     in        geometric part by the true resultants instead of the extrapolated ones
+ *   imbalance [dof] out load - internal force; path->load gets the load
+ */
+void nonlinear_build(pzs_path *path, int plain, pzs_real *imbalance);
+
+/* Take unknown p out of a system: K x = b with x_p = value. Its row becomes d x_p = d value, d its diagonal. */
+void nonlinear_prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b);
+
+/* f [dof] without what it has on prescribed unknowns. */
+void nonlinear_clear_prescribed(const pzs_path *path, pzs_real *f);
+
+/* Scale and factor what was built; sets path->negative and where. Returns whether it can be solved. */
+int nonlinear_factor(pzs_path *path);
+
+/* What the options' own unknowns make of du [dof]. Returns whether it can be done. */
+int nonlinear_condense(pzs_path *path, uint32_t input, pzs_real *du);
+
+/* Square of the size of a displacement x, or x - y: mean u, h times difference/h, h times (u3M - mean u3)/h. */
+pzs_real nonlinear_size2(const pzs_path *path, const pzs_real *x, const pzs_real *y);
+
+#endif
 #endif

@@ -11,6 +11,8 @@
 #include "unrolled.h"
 #include <string.h>
 
+#if PZS_NONLINEAR
+
 enum { OWN = 6, HALF = 12, Q = 24, COLUMNS = 28 };
 
 /* Strains in the order of the rows of A: q takes part in the first four alone, the mean unknowns not in the first two. */
@@ -377,3 +379,5 @@ void shell_system(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, co
         shell_stresses(kind, resultant, t);
     tangent(kind, unknowns, shape, t, k);
 }
+
+#endif

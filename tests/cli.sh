@@ -253,6 +253,6 @@ void write_amplifiers(const pzs_real *volt)
     if (++ticks == 50) exit(0);
 }
 EOT
-[ "$(wc -l <"$dir/example.c")" -le 30 ] && gcc -std=c99 -Wall -Wextra -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/example.c" "$dir/io.c" "$B/32/libpiezoshape.a" -lm -o "$dir/example" 2>"$dir/err" && "$dir/example"
+[ "$(wc -l <"$dir/example.c")" -le 30 ] && gcc -std=c99 -Wall -Wextra -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/example.c" "$dir/io.c" lib/*.c -lm -o "$dir/example" 2>"$dir/err" && "$dir/example"
 check "the README's example, under 30 lines, compiles and runs" $?
 echo "1..$n"

@@ -5,7 +5,6 @@
 #include "scene_assert.h"
 
 /* Changes of a scene, each ended. */
-#define METRIC_OFF "element={kinematics: cartesian, metric: off};"
 #define MESH(n1, n2) "mesh.theta1.elements=" #n1 ";mesh.theta2.elements=" #n2 ";"
 #define HALF_TURN "actuators.v.applied=4*0.05^2*(pi/10)/(3*1e-6);"
 #define BASE_100 "contact.body={type: cylinder, point: [200.5, 0, 0], axis: [0, 0, 1], radius: 100};"

@@ -6,70 +6,28 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "voltages.h"
+#include "scene_assert.h"
 #include "testdata.h"
+#include "voltages.h"
 
 #ifndef DATA
 #define DATA "tests/data"
 #endif
 
-enum { MOST = 24 };
-
-/* ---- a scene with changes --------------------------------------------- */
-
-typedef struct run {
-    scene scene;
-    analysis analysis;
-    double *u, *output; /* displacement and output rows under the scene's loads and volts */
-} run;
-
-/* changes: "key=value;key=value"; n > 0 sets both numbers of elements */
-static void run_open(run *r, const char *scene_name, const char *changes, int n)
-{
-    char path[512], text[2048], size[2][64], error[SCENE_ERROR] = "";
-    const char *set[MOST];
-    int sets = 0;
-    memset(r, 0, sizeof *r);
-    snprintf(path, sizeof path, strchr(scene_name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml", scene_name);
-    snprintf(text, sizeof text, "%s", changes);
-    for (char *part = strtok(text, ";"); part && sets < MOST - 2; part = strtok(NULL, ";"))
-        set[sets++] = part;
-    for (int a = 0; a < 2 && n > 0; a++) {
-        snprintf(size[a], sizeof size[a], "mesh.theta%d.elements=%d", a + 1, n);
-        set[sets++] = size[a];
-    }
-    if (scene_read(&r->scene, path, set, sets, error) < 0 || analysis_prepare(&r->analysis, &r->scene, error) < 0)
-        fail_msg("%s", error);
-    r->u = calloc((size_t)r->analysis.design.mesh.dof, sizeof *r->u);
-    r->output = calloc((size_t)r->analysis.design.structure.output.count + 1, sizeof *r->output);
-    if (analysis_solve(&r->analysis, r->u, error) < 0)
-        fail_msg("%s", error);
-    pzs_observe(&r->analysis.design.structure, r->u, r->output);
-}
-
-static void run_close(run *r)
-{
-    analysis_free(&r->analysis);
-    scene_free(&r->scene);
-    free(r->u);
-    free(r->output);
-}
-
-/* Value of the first row of the scene's k-th output over its reference. */
+/* Value of the first row of the scene's k-th output over its reference; n > 0 sets both numbers of elements. */
 static double ratio(const char *scene_name, const char *changes, int n, int k)
 {
-    run r;
-    run_open(&r, scene_name, changes, n);
-    const double value = r.output[r.analysis.design.named_first[k]] / r.scene.output[k].reference;
-    run_close(&r);
+    char all[2048];
+    scene_run r;
+    snprintf(all, sizeof all, n > 0 ? "%s;mesh.theta1.elements=%d;mesh.theta2.elements=%d" : "%s", changes, n, n);
+    solve_run(&r, scene_name, all);
+    const double value = scene_run_value(&r, k) / r.scene.output[k].reference;
+    scene_run_close(&r);
     return value;
 }
 
 /* ---- tables of ratios ------------------------------------------------- */
 
-#define SOURCE "element=source"
-#define CORRECTED "element=corrected"
-#define METRIC_OFF "element={kinematics: cartesian, metric: off}"
 #define LOCAL_CURED "element={kinematics: local, tau: 0, rho: 0, metric: off, area: centre}"
 
 typedef struct row {
@@ -139,7 +97,7 @@ static void test_six_unknowns(void **state)
     static const char *const scenes[] = {"scordelis-lo", "pinched-cylinder", "hemisphere-linear", "clamped-plate", "bimorph-actuator"};
     for (int i = 0; i < 5; i++) {
         const int n = i < 4 ? 8 : 0;
-        assert_true(fabs(ratio(scenes[i], CORRECTED ";unknowns=6", n, 0) / ratio(scenes[i], CORRECTED, n, 0) - 1) < 1e-7);
+        assert_true(fabs(ratio(scenes[i], CORRECTED "unknowns=6", n, 0) / ratio(scenes[i], CORRECTED, n, 0) - 1) < 1e-7);
     }
 }
 
@@ -195,9 +153,8 @@ static void test_three_dimensional(void **state)
 static void test_pressure_on_a_ring(void **state)
 {
     (void)state;
-    static const char *const element[2] = {SOURCE, CORRECTED};
     for (int e = 0; e < 2; e++) {
-        const double coarse = ratio("tests/scenes/ring.yaml", element[e], 4, 0), fine = ratio("tests/scenes/ring.yaml", element[e], 16, 0);
+        const double coarse = ratio("tests/scenes/ring.yaml", elements[e], 4, 0), fine = ratio("tests/scenes/ring.yaml", elements[e], 16, 0);
         assert_true(fabs(coarse / fine - 1) < 1e-4);
         assert_true(fabs(fine - 1) < 0.005);
     }
@@ -206,7 +163,7 @@ static void test_pressure_on_a_ring(void **state)
 /* ---- patch tests ------------------------------------------------------ */
 
 /* Rows of named output k against a function of the node's position. */
-static double patch_error(const run *r, int k, double (*exact)(double x, double y))
+static double patch_error(const scene_run *r, int k, double (*exact)(double x, double y))
 {
     const design *d = &r->analysis.design;
     double error = 0, largest = 0;
@@ -232,21 +189,20 @@ static double bending(double x, double y)
 static void test_patch(void **state)
 {
     (void)state;
-    static const char *const element[3] = {SOURCE, CORRECTED, CORRECTED ";unknowns=6"};
     for (int e = 0; e < 3; e++) {
         char changes[512];
-        run r;
-        run_open(&r, "tests/scenes/patch.yaml", element[e], 0);
+        scene_run r;
+        solve_run(&r, "tests/scenes/patch.yaml", elements[e]);
         assert_true(patch_error(&r, 0, stretch_1) < 1e-12);
         assert_true(patch_error(&r, 1, stretch_2) < 1e-12);
-        run_close(&r);
+        scene_run_close(&r);
         snprintf(changes, sizeof changes, "%s;loads=[{line: theta1+, u1: 0.7, on: outer}, {line: theta1+, u1: -0.7, on: inner}, "
                  "{line: theta1-, u1: -0.7, on: outer}, {line: theta1-, u1: 0.7, on: inner}];"
                  "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean, u1 difference, u2 difference]}, "
-                 "{at: {theta1: 1.2, theta2: 0}, fix: [u2 mean]}]", element[e]);
-        run_open(&r, "tests/scenes/patch.yaml", changes, 0);
+                 "{at: {theta1: 1.2, theta2: 0}, fix: [u2 mean]}]", elements[e]);
+        solve_run(&r, "tests/scenes/patch.yaml", changes);
         assert_true(patch_error(&r, 2, bending) < 1e-12);
-        run_close(&r);
+        scene_run_close(&r);
     }
 }
 
@@ -261,13 +217,13 @@ static double free_curvature(double x, double y)
 static void test_free_bimorph(void **state)
 {
     (void)state;
-    static const char *const changes[] = {SOURCE, SOURCE ";materials.piezo.nu=.45", CORRECTED, CORRECTED ";materials.piezo.nu=.45",
-                                          CORRECTED ";unknowns=6"};
+    static const char *const changes[] = {SOURCE, SOURCE "materials.piezo.nu=.45", CORRECTED, CORRECTED "materials.piezo.nu=.45",
+                                          CORRECTED "unknowns=6"};
     for (int i = 0; i < 5; i++) {
-        run r;
-        run_open(&r, "tests/scenes/free-bimorph.yaml", changes[i], 0);
+        scene_run r;
+        solve_run(&r, "tests/scenes/free-bimorph.yaml", changes[i]);
         assert_true(patch_error(&r, 0, free_curvature) < 1e-6);
-        run_close(&r);
+        scene_run_close(&r);
     }
 }
 
@@ -275,16 +231,16 @@ static void test_free_bimorph(void **state)
 static void test_bimorph_tip(void **state)
 {
     (void)state;
-    static const char *const changes[] = {SOURCE ";mesh.theta1.elements=1", SOURCE ";mesh.theta1.elements=40", CORRECTED,
-                                          CORRECTED ";unknowns=6"};
+    static const char *const changes[] = {SOURCE "mesh.theta1.elements=1", SOURCE "mesh.theta1.elements=40", CORRECTED,
+                                          CORRECTED "unknowns=6"};
     for (int i = 0; i < 4; i++)
         assert_true(fabs(ratio("bimorph-actuator", changes[i], 0, 0) - 1) < 1e-6);
 }
 
-static void shape_of(run *r, const char *changes, voltages *v)
+static void shape_of(scene_run *r, const char *changes, voltages *v)
 {
     char error[SCENE_ERROR] = "";
-    run_open(r, "bimorph-actuator", changes, 0);
+    solve_run(r, "bimorph-actuator", changes);
     if (analysis_influence(&r->analysis, error) < 0 || voltages_optimum(&r->analysis, INFINITY, v, error) < 0)
         fail_msg("%s", error);
 }
@@ -295,7 +251,7 @@ static void shape_of(run *r, const char *changes, voltages *v)
 static void test_equal_voltages(void **state)
 {
     (void)state;
-    run r;
+    scene_run r;
     voltages v;
     shape_of(&r, SOURCE FIVE ";target={u3: middle, at: nodes, value: x^2/2}", &v);
     assert_int_equal(r.analysis.design.amplifiers, 5);
@@ -303,7 +259,7 @@ static void test_equal_voltages(void **state)
         assert_true(fabs(2 * v.volt[k] / 14492.7536231884 - 1) < 1e-6);
     assert_true(v.error < 1e-8);
     voltages_free(&v);
-    run_close(&r);
+    scene_run_close(&r);
 }
 
 /*
@@ -314,7 +270,7 @@ static void test_tip_force(void **state)
 {
     (void)state;
     static const double beam[5] = {-1615.4, -1186.3, -884.5, -512.3, -190.4};
-    run r;
+    scene_run r;
     voltages v;
     shape_of(&r, SOURCE FIVE ";actuators.v.applied=0;target={u3: middle, at: nodes, value: 0, weight: area}"
              ";loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.5e-3}, {point: {theta1: 0.1, theta2: 0.005}, u3: 0.5e-3}]", &v);
@@ -322,7 +278,7 @@ static void test_tip_force(void **state)
         assert_true(fabs(2 * v.volt[k] / beam[k] - 1) < (k < 4 ? 1.2e-3 : 1e-2));
     assert_true(fabs(v.error - 0.00053) < 1e-5);
     voltages_free(&v);
-    run_close(&r);
+    scene_run_close(&r);
 }
 
 /* ---- the plate with 25 pairs of patches ------------------------------- */
@@ -347,10 +303,10 @@ static void check_plate(analysis *a, double limit, double shape_error, int activ
 static void test_plate_shapes(void **state)
 {
     (void)state;
-    run r;
+    scene_run r;
     voltages v;
     char error[SCENE_ERROR] = "";
-    run_open(&r, "plate-50-patches", "", 0);
+    solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
     check_plate(&r.analysis, INFINITY, .05538, 0);
     check_plate(&r.analysis, 500, .05560, 2);
@@ -362,7 +318,7 @@ static void test_plate_shapes(void **state)
     assert_int_equal(voltages_given(&r.analysis, "published", r.scene.compare[0].value, &v, error), 0);
     assert_true(fabs(v.error - .0706) < 5e-5);
     voltages_free(&v);
-    run_close(&r);
+    scene_run_close(&r);
 }
 
 /* Law: the volts themselves equal the witness's: least squares, damped, and within 200 V. */
@@ -377,17 +333,17 @@ static void test_plate_volts(void **state)
     assert_int_equal(testdata_next(file, &t), 1);
     fclose(file);
     for (int i = 0; i < 3; i++) {
-        run r;
+        scene_run r;
         voltages v;
         char error[SCENE_ERROR] = "";
         const double *known = testdata_values(&t, key[i]);
-        run_open(&r, "plate-50-patches", changes[i], 0);
+        solve_run(&r, "plate-50-patches", changes[i]);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
         assert_int_equal(voltages_optimum(&r.analysis, i == 2 ? 200 : INFINITY, &v, error), 0);
         for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction is 250 times softer */
             assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
         voltages_free(&v);
-        run_close(&r);
+        scene_run_close(&r);
     }
     testdata_free(&t);
 }
@@ -399,16 +355,16 @@ static void test_depolarisation(void **state)
     for (int poling = -3; poling <= 3; poling += 6)
         for (int factor = -1; factor <= 1; factor += 2) {
             char changes[256], error[SCENE_ERROR] = "";
-            run r;
+            scene_run r;
             snprintf(changes, sizeof changes, "materials.G1195.field_limit=4e5;layers.upper.poling=%d;"
                      "actuators.v.drives=[{patches: up, factor: %d}]", poling, factor);
-            run_open(&r, "plate-50-patches", changes, 0);
+            solve_run(&r, "plate-50-patches", changes);
             assert_int_equal(analysis_influence(&r.analysis, error), 0);
             const design *d = &r.analysis.design;
             const int against = poling * factor > 0; /* the positive voltage is the dangerous one */
             assert_true(fabs(d->upper[7] - (against ? 100 : 600)) < 1e-9);
             assert_true(fabs(d->lower[7] - (against ? -600 : -100)) < 1e-9);
-            run_close(&r);
+            scene_run_close(&r);
         }
 }
 
@@ -416,31 +372,31 @@ static void test_depolarisation(void **state)
 static void test_area_weights(void **state)
 {
     (void)state;
-    run r;
+    scene_run r;
     double sum = 0;
-    run_open(&r, "tests/scenes/free-bimorph.yaml", "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}", 0);
+    solve_run(&r, "tests/scenes/free-bimorph.yaml", "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}");
     const design *d = &r.analysis.design;
     for (int i = 0; i < d->targets; i++)
         sum += d->weight[i] * d->weight[i];
     assert_true(fabs(sum / d->targets - 1) < 1e-14);
     const double corner = 0.03 * 0.1 / 3 / 4, area = 0.01; /* first node, of a plate 0.1 x 0.1 */
     assert_true(fabs(d->weight[0] * d->weight[0] - corner / area * d->targets) < 1e-13);
-    run_close(&r);
+    scene_run_close(&r);
 }
 
 /* Law: what the loads do is taken off the target that the volts, here and on a device, have to reach. */
 static void test_target_under_load(void **state)
 {
     (void)state;
-    run r;
+    scene_run r;
     char error[SCENE_ERROR] = "";
-    run_open(&r, "plate-50-patches", "loads=[{face: outer, pressure: 5}]", 0);
+    solve_run(&r, "plate-50-patches", "loads=[{face: outer, pressure: 5}]");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
     const design *d = &r.analysis.design;
     for (int i = 0; i < d->targets; i++)
         assert_true(fabs(d->wanted[i] - (d->target[i] - r.output[i])) < 1e-12 * 0.002);
     assert_true(fabs(r.output[d->targets - 1]) > 1e-6);
-    run_close(&r);
+    scene_run_close(&r);
 }
 
 int main(void)

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 #include "electrodes.h"
 #include "estimator.h"
-#include "scene_run.h"
+#include "scene_assert.h"
 
 /* The plate bent by its upper patches, its lower ones sensors; a pressure, a force at a corner, ten readings of displacement. */
 #define STRAINS "materials.G1195.permittivity=1.5e-8;actuators.0.drives=[{patches: up}];limits.voltage=[-300, 300];" \
@@ -28,8 +28,7 @@ static int rig_open(rig *r, const char *changes)
     char all[2000];
     memset(r, 0, sizeof *r);
     snprintf(all, sizeof all, STRAINS "%s", changes);
-    if (scene_run_open(&r->run, "plate-50-patches", all) < 0)
-        fail_msg("%s", r->run.error);
+    open_run(&r->run, "plate-50-patches", all);
     if (analysis_influence(&r->run.analysis, r->error) < 0)
         fail_msg("%s", r->error);
     return estimator_open(&r->e, &r->run.analysis, r->error);
@@ -194,7 +193,7 @@ static void test_tables(void **state)
     rig_close(&r);
 }
 
-static const struct { const char *set, *expected; } bad_sets[] = {
+static const refusal bad_sets[] = {
     {"estimate=5", "'estimate' must be a mapping"},
     {"estimate={}", "'readings' is missing in estimate"},
     {"estimate={readings: []}", "'readings' is empty"},
@@ -212,15 +211,7 @@ static const struct { const char *set, *expected; } bad_sets[] = {
 static void test_bad_input(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof bad_sets / sizeof *bad_sets; i++) {
-        char error[SCENE_ERROR] = "no fault";
-        scene s;
-        const int status = scene_read(&s, SCENE_FOLDER "/plate-50-patches.yaml", &bad_sets[i].set, 1, error);
-        if (status == 0)
-            scene_free(&s);
-        if (status == 0 || !strstr(error, bad_sets[i].expected) || strchr(error, '\n'))
-            fail_msg("%s: expected '%s', got '%s'", bad_sets[i].set, bad_sets[i].expected, error);
-    }
+    assert_refused("plate-50-patches", bad_sets, sizeof bad_sets / sizeof *bad_sets);
 }
 
 int main(void)

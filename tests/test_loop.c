@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "scene_run.h"
+#include "scene_assert.h"
 #include "simulate_loop.h"
 
 /* A linear plant that is the model's own. */
@@ -33,8 +33,7 @@ typedef struct bench {
 static void open_bench(bench *b, const char *changes)
 {
     memset(b, 0, sizeof *b);
-    if (scene_run_open(&b->run, "plate-few-sensors", changes) < 0)
-        fail_msg("%s", b->run.error);
+    open_run(&b->run, "plate-few-sensors", changes);
     if (analysis_influence(&b->run.analysis, b->error) < 0 || simulate_open(&b->s, &b->run.analysis, b->error) < 0
         || loop_open(&b->l, &b->s, LAW_CONTROLLER, b->error) < 0)
         fail_msg("%s", b->error);
@@ -252,7 +251,7 @@ static void test_late_and_dead(void **state)
 
 /* ---- bad input -------------------------------------------------------- */
 
-static const struct { const char *set, *expected; } bad_sets[] = {
+static const refusal bad_sets[] = {
     {"simulate.events=[{at: 5, load: 0, amount: 1, known: maybe}]", "'known: maybe' is not known"},
     {"simulate.events=[{at: 5, target: 1, known: true}]", "'known' belongs to a load; remove it"},
     {"simulate.events=[{at: 5, temperature: 20, known: true}]", "a known temperature is a load of the scene; add {temperature: 1}"},
@@ -262,17 +261,10 @@ static const struct { const char *set, *expected; } bad_sets[] = {
 /* A wrong value is refused with its place and a cure. */
 static void test_bad_input(void **state)
 {
-    static const char *const unread = "simulate.sensors.shape=estimated";
-    char error[SCENE_ERROR];
-    scene s;
+    static const refusal unread = {"simulate.sensors.shape=estimated", "an estimated shape needs readings; add estimate: "};
     (void)state;
-    for (size_t i = 0; i < sizeof bad_sets / sizeof *bad_sets; i++) {
-        assert_int_equal(scene_read(&s, SCENE_FOLDER "/plate-few-sensors.yaml", &bad_sets[i].set, 1, error), -1);
-        if (!strstr(error, bad_sets[i].expected) || strchr(error, '\n'))
-            fail_msg("%s: expected '%s', got '%s'", bad_sets[i].set, bad_sets[i].expected, error);
-    }
-    assert_int_equal(scene_read(&s, SCENE_FOLDER "/plate-closed-loop.yaml", &unread, 1, error), -1);
-    assert_non_null(strstr(error, "an estimated shape needs readings; add estimate: "));
+    assert_refused("plate-few-sensors", bad_sets, sizeof bad_sets / sizeof *bad_sets);
+    assert_refused("plate-closed-loop", &unread, 1);
 }
 
 /* Gains of electrodes are made at rest; the other influence is refused, with the reading's name. */

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "bridge.h"
 #include "electrode.h"
 #include "guard.h"
 #include "linalg.h"
+#include "rounded.h"
 #include "testdata.h"
 
 #ifndef DATA
@@ -25,29 +25,10 @@ typedef struct device {
     bridge bridge;
     pzs_structure structure;
     pzs_model model;
-    pzs_real *stiffness, *kind, *input, *output, *u, *amount;
+    pzs_real *owned[ROUNDED_ARRAYS], *u, *amount;
     void *work;
     size_t bytes;
 } device;
-
-static pzs_real *rounded(const double *x, size_t n)
-{
-    pzs_real *y = calloc(n + 1, sizeof *y);
-    assert_non_null(y);
-    for (size_t i = 0; i < n; i++)
-        y[i] = (pzs_real)x[i];
-    return y;
-}
-
-static pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
-{
-    pzs_real *value = rounded(from->value, from->count ? from->start[from->count] : 0);
-    to->count = (uint16_t)from->count;
-    to->start = from->start;
-    to->dof = from->dof;
-    to->value = value;
-    return value;
-}
 
 static void device_open(device *d, const char *scene, const char *const *set, int sets)
 {
@@ -56,26 +37,7 @@ static void device_open(device *d, const char *scene, const char *const *set, in
     if (bridge_open(&d->bridge, scene, set, sets, error) < 0)
         fail_msg("%s", error);
     const bridge *b = &d->bridge;
-    const size_t corners = 4 * (size_t)b->unknowns;
-    pzs_structure *s = &d->structure;
-    assert_int_equal(b->kind_reals * sizeof(pzs_real), sizeof(pzs_kind));
-    d->stiffness = rounded(b->stiffness, (size_t)b->kinds * corners * (corners + 1) / 2);
-    d->kind = rounded(b->kind, (size_t)b->kinds * b->kind_reals);
-    s->format = PZS_TABLE_FORMAT;
-    s->nodes = (uint16_t)b->nodes;
-    s->elements = (uint16_t)b->elements;
-    s->kinds = (uint16_t)b->kinds;
-    s->unknowns = (uint16_t)b->unknowns;
-    s->dof = (uint16_t)b->dof;
-    s->element = (const uint16_t(*)[4])(const void *)b->element;
-    s->element_kind = b->element_kind;
-    s->node_dof = b->node_dof;
-    s->first = b->first;
-    s->stiffness = d->stiffness;
-    s->kind = (const pzs_kind *)(const void *)d->kind;
-    d->input = round_rows(&b->input, &s->input);
-    d->output = round_rows(&b->output, &s->output);
-    s->crc = guard_structure_crc(s);
+    round_structure(b, &d->structure, d->owned);
     d->bytes = PZS_MODEL_BYTES(b->dof, linalg_reals(b->first, (uint32_t)b->dof));
     d->work = malloc(d->bytes);
     d->u = calloc((size_t)b->dof, sizeof *d->u);
@@ -87,10 +49,8 @@ static void device_open(device *d, const char *scene, const char *const *set, in
 static void device_close(device *d)
 {
     bridge_close(&d->bridge);
-    free(d->stiffness);
-    free(d->kind);
-    free(d->input);
-    free(d->output);
+    for (int k = 0; k < ROUNDED_ARRAYS; k++)
+        free(d->owned[k]);
     free(d->u);
     free(d->amount);
     free(d->work);
@@ -327,17 +287,17 @@ static void test_unsound_tables(void **state)
     (void)state;
     device d;
     device_open(&d, "clamped-plate", NULL, 0);
-    const pzs_real kept = d.input[0];
-    d.input[0] = (pzs_real)NAN;
+    const pzs_real kept = d.owned[ROUNDED_INPUT][0];
+    d.owned[ROUNDED_INPUT][0] = (pzs_real)NAN;
     d.structure.crc = guard_structure_crc(&d.structure);
     assert_int_equal(start(&d), PZS_OK);
     assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_E_RESIDUAL);
-    d.input[0] = kept;
+    d.owned[ROUNDED_INPUT][0] = kept;
     const size_t corners = 4 * (size_t)d.bridge.unknowns;
     for (size_t i = 0, entry = 0; i < corners; i++)
         for (size_t j = 0; j <= i; j++, entry++)
             if (i != j)
-                d.stiffness[entry] *= 3;
+                d.owned[ROUNDED_STIFFNESS][entry] *= 3;
     d.structure.crc = guard_structure_crc(&d.structure);
     assert_int_equal(start(&d), PZS_E_NEGATIVE);
     assert_true(d.model.where >= 0 && d.model.where < d.bridge.dof);
@@ -366,9 +326,9 @@ static void test_misuse(void **state)
     s->format++;
     assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_E_FORMAT);
     s->format--;
-    d.stiffness[5] += 1;
+    d.owned[ROUNDED_STIFFNESS][5] += 1;
     assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_E_CRC);
-    d.stiffness[5] -= 1;
+    d.owned[ROUNDED_STIFFNESS][5] -= 1;
     s->dof = PZS_FIXED;
     assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_E_ARGUMENT);
     s->dof = (uint16_t)d.bridge.dof;

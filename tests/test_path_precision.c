@@ -6,10 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "bridge.h"
-#include "guard.h"
 #include "linalg.h"
 #include "nonlinear.h"
+#include "rounded.h"
 #include "shell.h"
 
 #define IS_FLOAT (PZS_REAL_BITS == 32)
@@ -23,53 +22,9 @@ typedef struct device {
     pzs_nonlinear tables;
     pzs_model model;
     pzs_path path;
-    pzs_real *stiffness, *kind, *input, *output, *given, *amount;
+    pzs_real *owned[ROUNDED_ARRAYS], *given, *amount;
     void *work, *path_work;
 } device;
-
-static pzs_real *rounded(const double *x, size_t n)
-{
-    pzs_real *y = calloc(n + 1, sizeof *y);
-    assert_non_null(y);
-    for (size_t i = 0; i < n; i++)
-        y[i] = (pzs_real)x[i];
-    return y;
-}
-
-static pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
-{
-    pzs_real *value = rounded(from->value, from->count ? from->start[from->count] : 0);
-    to->count = (uint16_t)from->count;
-    to->start = from->start;
-    to->dof = from->dof;
-    to->value = value;
-    return value;
-}
-
-static void round_structure(device *d)
-{
-    const bridge *b = &d->bridge;
-    const size_t corners = 4 * (size_t)b->unknowns;
-    pzs_structure *s = &d->structure;
-    assert_int_equal(b->kind_reals * sizeof(pzs_real), sizeof(pzs_kind));
-    d->stiffness = rounded(b->stiffness, (size_t)b->kinds * corners * (corners + 1) / 2);
-    d->kind = rounded(b->kind, (size_t)b->kinds * b->kind_reals);
-    s->format = PZS_TABLE_FORMAT;
-    s->nodes = (uint16_t)b->nodes;
-    s->elements = (uint16_t)b->elements;
-    s->kinds = (uint16_t)b->kinds;
-    s->unknowns = (uint16_t)b->unknowns;
-    s->dof = (uint16_t)b->dof;
-    s->element = (const uint16_t(*)[4])(const void *)b->element;
-    s->element_kind = b->element_kind;
-    s->node_dof = b->node_dof;
-    s->first = b->first;
-    s->stiffness = d->stiffness;
-    s->kind = (const pzs_kind *)(const void *)d->kind;
-    d->input = round_rows(&b->input, &s->input);
-    d->output = round_rows(&b->output, &s->output);
-    s->crc = guard_structure_crc(s);
-}
 
 static void round_path(device *d)
 {
@@ -93,7 +48,7 @@ static pzs_status device_open(device *d, const char *scene, const char *const *s
     if (bridge_open(&d->bridge, scene, set, sets, error) < 0)
         fail_msg("%s", error);
     const bridge *b = &d->bridge;
-    round_structure(d);
+    round_structure(b, &d->structure, d->owned);
     round_path(d);
     const size_t bytes = PZS_MODEL_BYTES(b->dof, linalg_reals(b->first, (uint32_t)b->dof));
     const size_t path_bytes = PZS_PATH_BYTES(b->dof, b->elements, b->input.count);
@@ -106,10 +61,8 @@ static pzs_status device_open(device *d, const char *scene, const char *const *s
 static void device_close(device *d)
 {
     bridge_close(&d->bridge);
-    free(d->stiffness);
-    free(d->kind);
-    free(d->input);
-    free(d->output);
+    for (int k = 0; k < ROUNDED_ARRAYS; k++)
+        free(d->owned[k]);
     free(d->given);
     free(d->amount);
     free(d->work);

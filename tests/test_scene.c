@@ -449,7 +449,7 @@ static void test_shipped(void **state)
 /* What is written is what is read: the plate with 50 patches. */
 static void test_meaning(void **state)
 {
-    char path[600], name[SCENE_NAME + 24];
+    char path[600], name[SCENE_LABEL];
     const expr_point at = {0.2, 0.2, 0, 0.2, 0.2};
     scene s;
     int first, count;

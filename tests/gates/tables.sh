@@ -49,6 +49,9 @@ int main(void)
     if (status == PZS_OK) status = pzs_path_init(&path, &model, &t_nonlinear, path_work, sizeof path_work);
     if (status == PZS_OK) status = options(&path);
     if (status != PZS_OK) return printf("init: %s\n", pzs_status_text(status)), 1;
+#ifdef ATTACH_ONLY
+    return 0;
+#endif
     path.steps = T_STEPS;
     path.mixed = T_MIXED;
     path.change = T_CHANGE;
@@ -61,9 +64,9 @@ int main(void)
 }
 EOT
 
-# compile BITS
+# compile BITS [FLAG]
 compile() {
-    "$CC" -std=c99 -O1 -Iinclude -I"$scratch" -DPZS_NONLINEAR=1 -DPZS_REAL_BITS="$1" "$scratch/program.c" \
+    "$CC" -std=c99 -O1 -Iinclude -I"$scratch" -DPZS_NONLINEAR=1 -DPZS_REAL_BITS="$1" ${2:+"$2"} "$scratch/program.c" \
         "$B/$1/libpiezoshape.a" -lm -o "$scratch/program" 2>"$scratch/found"
 }
 
@@ -74,6 +77,21 @@ same() {
     "$PZS" tables "$@" --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && compile 64 &&
         "$scratch/program" >"$scratch/found"
     tap $? "$name: the equilibrium of pzs, bit for bit"
+}
+
+# attached ARRAY SCENE: an option's tables are accepted in both precisions, and refused with a number of ARRAY changed.
+attached() {
+    "$PZS" tables "$2" --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" || return 1
+    for bits in 64 32; do
+        compile $bits -DATTACH_ONLY && "$scratch/program" >"$scratch/found" || return 1
+    done
+    sed "/ t_$1\\[/,/};/ s/PZS_R(\\([0-9]\\)/PZS_R(1\\1/" "$scratch/t.h" >"$scratch/damaged"
+    mv "$scratch/damaged" "$scratch/t.h"
+    for bits in 64 32; do
+        compile $bits -DATTACH_ONLY || return 1
+        "$scratch/program" >"$scratch/found"
+        grep -q 'init: tables damaged' "$scratch/found" || return 1
+    done
 }
 
 # Largest difference of the program's outputs from those of pzs solve, over the largest.
@@ -99,6 +117,11 @@ same 'actuation' roll-up
 tap $? 'roll-up: above the rule, refused in float'
 same 'follower load' ring-follower
 same 'contact' ring-contact
+for table in 'follower_pressure_0 torus-pressure' 'contact_area torus-contact'; do
+    # shellcheck disable=SC2086
+    attached $table
+    tap $? "$table: accepted in either precision, refused where damaged"
+done
 same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
 "$PZS" tables annular-plate --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
     grep -q 'the nonlinear path needs double' "$scratch/found"
