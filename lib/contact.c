@@ -411,14 +411,14 @@ static int is_loose(const pzs_contact *c, const pzs_path *path)
 
 static int choices_in_range(const pzs_option *option)
 {
-    const pzs_real stiffness = ((const pzs_contact *)option)->stiffness;
+    const pzs_real stiffness = ((const pzs_contact *)(const void *)option)->stiffness;
     return stiffness > 0 && guard_nonfinite(&stiffness, 1) < 0;
 }
 
 /* A loose shell: it does not touch the body or is not pressed onto it; or its first contact leaves it free to slide. */
 static int adrift(const pzs_option *option, const pzs_path *path)
 {
-    const pzs_contact *c = (const pzs_contact *)option;
+    const pzs_contact *c = (const pzs_contact *)(const void *)option;
     uint32_t kept = 0;
     for (uint16_t n = 0; n < path->model->structure->nodes; n++)
         kept += c->kept_touching[n];
