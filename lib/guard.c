@@ -93,7 +93,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_ELECTRODE: return "an electrode does not follow its amplifier: it is held";
     case PZS_W_UNSTABLE: return "an equilibrium with negative pivots: not a stable shape";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
-    case PZS_E_FORMAT: return "tables of another format, or of another scene than those they go with";
+    case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables damaged";
     case PZS_E_WORKSPACE: return "workspace too small or misaligned";
     case PZS_E_STAGE: return "called before the stage it builds on";
@@ -105,7 +105,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_RESIDUAL: return "refinement ended with an estimated error above the root of epsilon";
     case PZS_E_DIVERGED: return "no equilibrium found beyond the last one";
     case PZS_E_LIMIT: return "a limit or branching point is near";
-    case PZS_E_CONTACT: return "nodes in contact kept changing; a loose shell must touch the body from the start, pressed";
+    case PZS_E_CONTACT: return "contact kept changing; a loose shell must touch the body from the start, pressed";
     case PZS_E_SYSTEMS: return "budget of linear systems spent";
     default: return "unknown status";
     }
