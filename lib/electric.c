@@ -17,11 +17,6 @@ static pzs_circuit *circuit_of(pzs_option *option)
     return (pzs_circuit *)option;
 }
 
-static uint16_t input_of(const pzs_circuit *c, uint32_t a)
-{
-    return c->tables->input[electrode_open(c->tables, a)];
-}
-
 /* Charge at path->u: the resultants of a volt times the strains, their sign turned, and what flows while these are held. */
 static pzs_real charge_at(const pzs_path *path, const pzs_electrodes *t, uint32_t electrode)
 {
@@ -53,7 +48,7 @@ pzs_status pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pz
 static void volt_force(const pzs_circuit *c, pzs_path *path, uint32_t a, pzs_real *f)
 {
     memset(f, 0, path->model->structure->dof * sizeof *f);
-    nonlinear_unit_force(path, input_of(c, a), f);
+    nonlinear_unit_force(path, electrode_open_input(c->tables, a), f);
 }
 
 /* z = K^-1 z, where prescribed unknowns do not move. */
@@ -69,12 +64,13 @@ static int factor_open(pzs_circuit *c, pzs_path *path, pzs_real *f, pzs_real *z)
     const uint32_t dof = path->model->structure->dof;
     linalg_clear(&c->open);
     for (uint32_t a = 0; a < c->open.n; a++) {
+        const uint32_t k = electrode_open(c->tables, a);
         volt_force(c, path, a, z);
         solve_free(path, z);
         for (uint32_t b = 0; b <= a; b++) {
             volt_force(c, path, b, f);
             *linalg_entry(&c->open, a, b) =
-                linalg_inner(f, z, dof) + electrode_direct(c->tables, electrode_open(c->tables, a), input_of(c, b));
+                linalg_inner(f, z, dof) + electrode_direct(c->tables, k, electrode_open_input(c->tables, b));
         }
     }
     const linalg_inertia inertia = linalg_factor(&c->open);
@@ -94,7 +90,7 @@ static int condense(pzs_option *option, pzs_path *path, uint32_t input, pzs_real
         const uint32_t k = electrode_open(c->tables, a);
         volt_force(c, path, a, f);
         c->change[a] = input == NEWTON ? c->charge[k] - charge_at(path, c->tables, k)
-                                       : (input_of(c, a) == input) - electrode_direct(c->tables, k, input);
+                                       : (c->tables->input[k] == input) - electrode_direct(c->tables, k, input);
         c->change[a] -= linalg_inner(f, du, dof);
     }
     linalg_solve(&c->open, c->change);
@@ -114,7 +110,7 @@ static int condense(pzs_option *option, pzs_path *path, uint32_t input, pzs_real
 static void apply(const pzs_circuit *c, pzs_path *path)
 {
     for (uint32_t a = 0; a < c->open.n; a++)
-        path->amount[input_of(c, a)] = c->volt[a];
+        path->amount[electrode_open_input(c->tables, a)] = c->volt[a];
     nonlinear_set_given(path);
 }
 

@@ -70,6 +70,11 @@ uint32_t electrode_open(const pzs_electrodes *t, uint32_t a)
     return k;
 }
 
+uint16_t electrode_open_input(const pzs_electrodes *t, uint32_t a)
+{
+    return t->input[electrode_open(t, a)];
+}
+
 pzs_real electrode_direct(const pzs_electrodes *t, uint32_t electrode, uint32_t input)
 {
     pzs_real sum = 0;
@@ -144,19 +149,13 @@ static pzs_status charge_row(const pzs_electric *e, uint32_t k)
     return status;
 }
 
-/* Input of open electrode number a. */
-static uint32_t open_input(const pzs_electric *e, uint32_t a)
-{
-    return e->tables->input[electrode_open(e->tables, a)];
-}
-
 /* Charges of the open electrodes per volt of one another, factored. Returns the first without capacitance, or -1. */
 static int32_t factor_open(pzs_electric *e)
 {
     linalg_clear(&e->open);
     for (uint32_t a = 0; a < e->open.n; a++)
         for (uint32_t b = 0; b <= a; b++)
-            *linalg_entry(&e->open, a, b) = *per(e, electrode_open(e->tables, a), open_input(e, b));
+            *linalg_entry(&e->open, a, b) = *per(e, electrode_open(e->tables, a), electrode_open_input(e->tables, b));
     const linalg_inertia inertia = linalg_factor(&e->open);
     const int32_t bad = inertia.zero >= 0 ? inertia.zero : inertia.first_negative;
     return bad < 0 ? -1 : (int32_t)electrode_open(e->tables, (uint32_t)bad);
@@ -194,7 +193,7 @@ static pzs_real charge_of(const pzs_electric *e, uint32_t electrode, const pzs_r
 static void put_volts(const pzs_electric *e, const pzs_real *volt, pzs_real *amount)
 {
     for (uint32_t a = 0; a < e->open.n; a++)
-        amount[open_input(e, a)] = volt[a];
+        amount[electrode_open_input(e->tables, a)] = volt[a];
 }
 
 pzs_status pzs_open_volts(const pzs_electric *e, pzs_real *amount)
@@ -205,8 +204,8 @@ pzs_status pzs_open_volts(const pzs_electric *e, pzs_real *amount)
         return PZS_E_STAGE;
     pzs_real *volt = e->amount;
     for (uint32_t a = 0; a < e->open.n; a++) {
-        volt[a] = amount[open_input(e, a)];
-        amount[open_input(e, a)] = 0;
+        volt[a] = amount[electrode_open_input(e->tables, a)];
+        amount[electrode_open_input(e->tables, a)] = 0;
     }
     if (guard_nonfinite(amount, e->model->structure->input.count) >= 0) {
         put_volts(e, volt, amount);
@@ -244,13 +243,13 @@ pzs_status pzs_influence_open(const pzs_electric *e, pzs_real *influence)
     for (uint32_t i = 0; i < e->model->structure->output.count; i++) {
         pzs_real *row = influence + (size_t)i * inputs;
         for (uint32_t a = 0; a < e->open.n; a++)
-            w[a] = row[open_input(e, a)];
+            w[a] = row[electrode_open_input(e->tables, a)];
         linalg_solve(&e->open, w);
         for (uint32_t a = 0; a < e->open.n; a++)
             for (uint32_t j = 0; j < inputs; j++)
                 row[j] -= w[a] * *per(e, electrode_open(e->tables, a), j);
         for (uint32_t a = 0; a < e->open.n; a++)
-            row[open_input(e, a)] = w[a];
+            row[electrode_open_input(e->tables, a)] = w[a];
     }
     return PZS_OK;
 }

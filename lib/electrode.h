@@ -13,6 +13,9 @@ pzs_status electrode_check(const pzs_electrodes *tables, const pzs_structure *st
 /* Electrode of open electrode number a. */
 uint32_t electrode_open(const pzs_electrodes *tables, uint32_t a);
 
+/* Input of open electrode number a. */
+uint16_t electrode_open_input(const pzs_electrodes *tables, uint32_t a);
+
 /* Number of open electrodes. */
 uint32_t electrode_open_count(const pzs_electrodes *tables);
 

@@ -1,3 +1,4 @@
+/* Symmetric linear systems in envelope storage (linalg.h): left-looking L D L', tile by tile. */
 #include "linalg.h"
 #include "unrolled.h"
 

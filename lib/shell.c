@@ -20,7 +20,7 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* y += a M x, M [3][3] */
+/* y += M x, M [3][3] */
 static void add_product(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)

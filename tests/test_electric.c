@@ -498,7 +498,14 @@ static void test_refusals(void **state)
     assert_int_equal(pzs_influence_open(&e, work), PZS_E_STAGE);
     assert_int_equal(pzs_electric_factor(&e), PZS_OK);
     amount[0] = (double)NAN;
+    for (int j = 1; j < inputs; j++)
+        amount[j] = j;
     assert_int_equal(pzs_open_volts(&e, amount), PZS_E_NONFINITE);
+    for (int j = 1; j < inputs; j++)
+        assert_true(amount[j] == j); /* untouched, volts of open electrodes too */
+    pzs_path never = {0};
+    assert_int_equal(pzs_charges_at(NULL, &good, charge), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_charges_at(&never, &good, charge), PZS_E_ARGUMENT);
     /* An electrode that holds a negative charge a volt is no electrode. */
     double negative[5];
     for (int k = 0; k < 5; k++)

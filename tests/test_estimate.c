@@ -368,6 +368,9 @@ static void test_misuse(void **state)
     assert_int_equal(pzs_estimate_init(&fresh, &r.control, &r.tables, r.estimate_work, bytes), PZS_E_NONFINITE);
     r.tables.outputs--;
     assert_int_equal(pzs_estimate_init(&fresh, &r.control, &r.tables, r.estimate_work, bytes), PZS_E_ARGUMENT);
+    r.tables.scene++;
+    assert_int_equal(pzs_estimate_init(&fresh, &r.control, &r.tables, r.estimate_work, bytes), PZS_E_FORMAT);
+    r.tables.scene--;
     r.tables.format++;
     assert_int_equal(pzs_estimate_init(&fresh, &r.control, &r.tables, r.estimate_work, bytes), PZS_E_FORMAT);
     assert_int_equal(pzs_estimate_tick(&fresh, r.sensed, shape), PZS_E_STAGE);

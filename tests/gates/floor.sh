@@ -9,8 +9,8 @@ cat >"$scratch/floors" <<'EOF'
 2 lib/guard lib/linalg lib/boxls lib/product
 3 lib/shell lib/shell_corner lib/shell_at lib/sense
 4 lib/model lib/control
-5 lib/nonlinear lib/influence_at lib/face lib/electrode lib/amplifier lib/estimate
-6 lib/follower lib/contact lib/electric lib/faults
+5 lib/nonlinear lib/face lib/electrode lib/amplifier lib/estimate
+6 lib/influence_at lib/follower lib/contact lib/electric lib/faults
 7 host_tools/ firmware_demo/ tests/
 EOF
 
