@@ -7,6 +7,12 @@
  * A linear image starts at `assemble`: its tables hold element matrices, and
  * the device computes the influence itself. Tables are made by `pzs tables`.
  *
+ *   control image:  pzs_control_init(&control, &problem, NULL, work, bytes)
+ *   linear image:   pzs_model_init, pzs_assemble, pzs_factor, pzs_influence, then pzs_control_init with that influence
+ *   nonlinear:      pzs_model_init, pzs_path_init, pzs_attach_..., pzs_equilibrium, pzs_influence_at, then the same
+ *   every tick:     pzs_feed_forward (readings, now; wanted, next), pzs_estimate_tick, pzs_tick, pzs_quantise,
+ *                   pzs_watch_tick, control.volt to the amplifiers; all but the tick are options
+ *
  * All memory is the caller's. Nothing here allocates, prints, recurses or
  * keeps a global. Every function leaves its outputs untouched when it returns
  * an error (PZS_E_...), except where it says so; a warning (PZS_W_...) comes
@@ -580,12 +586,23 @@ typedef struct pzs_control {
 
 /*
  * Check the problem and lay a controller out in the workspace; volts start at `prefer`, cut to the limits.
- *   influence [outputs][inputs] in  computed on the device, or NULL: the problem's own
+ *   problem   in  must outlive the controller
+ *   influence [outputs][inputs] in  computed on the device, read in every step (m/V), or NULL: the problem's own
+ *   work      in  caller's memory, aligned for pzs_real, the controller's from now on
+ *   bytes     in  at least PZS_CONTROL_BYTES
  * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE, LIMITS (also a negative slew), NONFINITE. After an error the
  * controller cannot be used, whatever it was before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, const pzs_real *influence,
                             void *work, size_t bytes);
+
+/*
+ * Start from volts that the amplifiers give already: after a reset, or after pzs_control_init with the influence at another
+ * shape, so that nothing jumps. Cut to the limits; inputs that were held are to be held again.
+ *   volt [inputs] in (V)
+ * Errors: ARGUMENT, STAGE, NONFINITE (nothing changed).
+ */
+pzs_status pzs_control_start(pzs_control *control, const pzs_real *volt);
 
 /*
  * Hold one input at a given voltage (dead: 0, stuck: its last), cut to its table limits; release it again.
@@ -694,8 +711,8 @@ pzs_status pzs_watch_tick(pzs_watch *watch, const pzs_real *measured);
 /* ---- option: amplifiers with steps and a dead band (lib/amplifier.c) --- */
 
 /*
- * After pzs_tick: what the amplifiers make of the volts, which the next tick then predicts with. A change of at most
- * dead_band is not made; others go to the last multiple of step on the way, inside limits and slew.
+ * After pzs_tick: what the amplifiers make of control->volt, written there, which the next tick then predicts with. A
+ * change of at most dead_band is not made; others go to the last multiple of step on the way, inside limits and slew.
  *   given     [inputs] in/out  volts that the amplifiers give: at the start control->volt, then left alone (V)
  *   step               in      of the converter (V); 0: none
  *   dead_band          in      (V)

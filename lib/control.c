@@ -445,6 +445,21 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
     return PZS_OK;
 }
 
+pzs_status pzs_control_start(pzs_control *c, const pzs_real *volt)
+{
+    const pzs_status status = ready(c, volt);
+    if (status != PZS_OK)
+        return status;
+    const int32_t bad = guard_nonfinite(volt, c->problem->inputs);
+    if (bad >= 0)
+        return finish(c, PZS_E_NONFINITE, bad);
+    for (uint32_t i = 0; i < c->problem->inputs; i++)
+        c->volt[i] = boxls_cut(volt[i], c->lower[i], c->upper[i]);
+    control_moved(c);
+    control_predict(c);
+    return finish(c, PZS_OK, -1);
+}
+
 pzs_status pzs_hold(pzs_control *c, uint16_t input, pzs_real volt)
 {
     const pzs_status status = ready(c, c);

@@ -399,6 +399,46 @@ static void holding_and_releasing(void **state)
     assert_int_equal(pzs_release(&desk.c, 6), PZS_E_ARGUMENT);
 }
 
+static void another_influence_without_a_jump(void **state)
+{
+    (void)state; /* law: started from the volts that are given, no tick moves by more than the slew from them; the optimum is that of a cold start */
+    pzs_real given[8], optimum[8], bad[8];
+    plain(&desk, 77, 8, 20, .5);
+    for (unsigned j = 0; j < 8; j++)
+        desk.slew[j] = (pzs_real).03125;
+    assert_int_equal(start(&desk), PZS_OK);
+    for (unsigned k = 0; k < 60; k++)
+        assert_false(PZS_IS_ERROR(pzs_tick(&desk.c, desk.error, NULL)));
+    memcpy(given, desk.c.volt, sizeof given);
+
+    for (unsigned i = 0; i < 8 * 20; i++)
+        desk.b[i] *= (pzs_real)uniform(&desk, .8, 1.2);
+    assert_int_equal(start(&desk), PZS_OK);
+    memcpy(bad, given, sizeof bad);
+    bad[5] = (pzs_real)NAN;
+    assert_int_equal(pzs_control_start(&desk.c, bad), PZS_E_NONFINITE);
+    assert_true(desk.c.where == 5 && desk.c.volt[0] == 0);
+    assert_int_equal(pzs_control_start(&desk.c, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_start(&desk.c, given), PZS_OK);
+    for (unsigned j = 0; j < 8; j++)
+        assert_true(desk.c.volt[j] == given[j]);
+    (void)pzs_tick(&desk.c, desk.error, NULL);
+    for (unsigned j = 0; j < 8; j++)
+        assert_true(fabs((double)(desk.c.volt[j] - given[j])) <= .03125);
+    for (unsigned k = 0; k < 60; k++)
+        (void)pzs_tick(&desk.c, desk.error, NULL);
+    memcpy(optimum, desk.c.volt, sizeof optimum);
+    assert_int_equal(start(&desk), PZS_OK);
+    for (unsigned k = 0; k < 60; k++)
+        (void)pzs_tick(&desk.c, desk.error, NULL);
+    for (unsigned j = 0; j < 8; j++)
+        assert_true(fabs((double)(desk.c.volt[j] - optimum[j])) < 1e3 * (double)PZS_EPSILON);
+
+    given[3] = 2; /* beyond its limit */
+    assert_int_equal(pzs_control_start(&desk.c, given), PZS_OK);
+    assert_true(desk.c.volt[3] == desk.upper[3]);
+}
+
 static void all_dead_and_zero_influence(void **state)
 {
     (void)state; /* law: nothing to move, or nothing that moving changes, is no fault */
@@ -603,6 +643,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(table_hessian_and_own_hessian_agree),
         cmocka_unit_test(known_plate),
         cmocka_unit_test(holding_and_releasing),
+        cmocka_unit_test(another_influence_without_a_jump),
         cmocka_unit_test(all_dead_and_zero_influence),
         cmocka_unit_test(measurement_removes_a_disturbance),
         cmocka_unit_test(a_lost_sensor_keeps_its_disturbance),
