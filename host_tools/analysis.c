@@ -121,25 +121,6 @@ int analysis_outputs(const analysis *a, int k)
     return output->electric != ELECTRIC_NONE ? output->count : rows > 0 ? rows : 1;
 }
 
-const char *analysis_unit(const analysis *a, int k)
-{
-    const scene *s = a->design.scene;
-    if (s->output[k].electric == ELECTRIC_VOLTAGE)
-        return s->unit_voltage[0] ? s->unit_voltage : "voltage";
-    if (s->output[k].electric == ELECTRIC_CHARGE)
-        return "of charge";
-    switch (s->output[k].contact) {
-    case CONTACT_NONE:
-        return s->unit_length[0] ? s->unit_length : "length";
-    case CONTACT_NODES:
-        return "nodes";
-    case CONTACT_PRESSURE:
-        return "of pressure";
-    default:
-        return s->unit_force[0] ? s->unit_force : "force";
-    }
-}
-
 double analysis_output(const analysis *a, int k, int i, const double *value)
 {
     const scene_output *output = &a->design.scene->output[k];

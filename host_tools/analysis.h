@@ -57,9 +57,8 @@ int analysis_ended_early(const analysis *a);
 
 /* Value of the scene's k-th output at its i-th node. value [output rows] in, rows of the structure. */
 double analysis_output(const analysis *a, int k, int i, const double *value);
-/* Its number of values, and their unit. */
+/* Its number of values. */
 int analysis_outputs(const analysis *a, int k);
-const char *analysis_unit(const analysis *a, int k);
 
 /* Charge per volt of electrode k itself: the shell held, or free as its supports leave it and no other electrode with volts. */
 double analysis_capacitance(const analysis *a, int k, int is_free);

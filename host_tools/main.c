@@ -364,6 +364,20 @@ static int is_scene(const struct dirent *entry)
     return length > ending && strcmp(entry->d_name + length - ending, ".yaml") == 0;
 }
 
+/* Name and purpose in at most 100 columns, cut after a word. */
+static void list_line(const char *name, const char *about)
+{
+    enum { COLUMNS = 100 };
+    const int head = printf("%-20s ", name), length = (int)strlen(about);
+    int end = length;
+    if (head + length > COLUMNS)
+        for (end = COLUMNS - head - 3; end > 0 && about[end] != ' ';)
+            end--;
+    while (end > 0 && end < length && strchr(" ,;:", about[end - 1]))
+        end--;
+    printf("%.*s%s\n", end, about, end < length ? "..." : "");
+}
+
 static int list_scene(const char *file)
 {
     char name[SCENE_NAME];
@@ -372,7 +386,7 @@ static int list_scene(const char *file)
     scene s;
     if (open_scene(&o, &s))
         return OPTIONS_WRONG;
-    printf("%-20s %s\n", s.name, s.about ? s.about : "");
+    list_line(s.name, s.about ? s.about : "");
     scene_free(&s);
     return 0;
 }

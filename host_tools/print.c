@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "model.h"
+#include "report_words.h"
 #include "tables.h"
 
 /* ---- head ------------------------------------------------------------- */
@@ -25,14 +26,14 @@ static const char *metric_word(const scene *s)
 }
 
 /* What the sensors of an estimate see. */
-static void print_sensors(const analysis *a)
+static void print_sensors(const analysis *a, const char *influence)
 {
     char text[SCENE_ERROR];
     estimator e;
     if (!a->design.scene->estimate.given || estimator_open(&e, a, text) < 0)
         return;
     estimator_text(&e, a, text);
-    printf("  %s\n", text);
+    printf("  %s, %s\n", influence, text);
     estimator_close(&e);
 }
 
@@ -57,7 +58,7 @@ static void json_sensors(json *j, const analysis *a)
     estimator_close(&e);
 }
 
-void print_head(const analysis *a)
+void print_head(const analysis *a, const char *influence)
 {
     const scene *s = a->design.scene;
     const mesh *m = &a->design.mesh;
@@ -66,9 +67,11 @@ void print_head(const analysis *a)
            m->kinds, m->kinds == 1 ? "" : "s", m->nodes, m->dof, mesh_half_bandwidth(m));
     printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n", s->element.cartesian ? "Cartesian" : "local",
            metric_word(s), s->element.unknowns);
+    if (words_unitless(s))
+        puts("  units: the scene names none; any consistent ones, angles in rad");
     if (a->model.condition > 0)
         printf("  condition %.1e after scaling: %s\n", a->model.condition, precision_needed(a));
-    print_sensors(a);
+    print_sensors(a, influence);
 }
 
 static void json_head(json *j, const analysis *a)
@@ -107,7 +110,7 @@ void print_check(const analysis *a)
 {
     tables_size size;
     tables_memory need;
-    print_head(a);
+    print_head(a, "at rest");
     printf("\n  %-10s %22s %22s %22s\n  %-10s %11s %10s %11s %10s %11s %10s\n", "image", "tables, flash (KB)", "workspace, RAM (KB)", "stack, at most (KB)",
            "", "float", "double", "float", "double", "float", "double");
     for (tables_image image = 0; image < TABLES_IMAGES; image++)
@@ -154,7 +157,9 @@ static void print_output(const analysis *a, int k, const double *value)
 {
     const scene_output *output = &a->design.scene->output[k];
     const int count = analysis_outputs(a, k);
-    const char *unit = analysis_unit(a, k);
+    char name[WORDS_UNIT], unit[WORDS_UNIT + 1];
+    words_unit(a->design.scene, words_of_output(output), name);
+    snprintf(unit, sizeof unit, "%s%s", *name ? " " : "", name);
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (int i = 0; i < count; i++) {
         least = fmin(least, analysis_output(a, k, i, value));
@@ -164,14 +169,14 @@ static void print_output(const analysis *a, int k, const double *value)
         printf("  %-20s", output->name);
         for (int i = 0; i < count; i++)
             printf(" %.6e", analysis_output(a, k, i, value));
-        printf(" %s\n", unit);
+        printf("%s\n", unit);
         return;
     }
     if (count > 1) {
-        printf("  %-20s %16.9e .. %.9e %s on %d nodes\n", output->name, least, most, unit, count);
+        printf("  %-20s %16.9e .. %.9e%s on %d nodes\n", output->name, least, most, unit, count);
         return;
     }
-    printf("  %-20s %16.9e %s", output->name, most, unit);
+    printf("  %-20s %16.9e%s", output->name, most, unit);
     if (isfinite(output->reference))
         printf("   reference %.6e, ratio %.4f", output->reference, most / output->reference);
     putchar('\n');
@@ -186,7 +191,7 @@ static void print_path(const pzs_path *run)
 
 void print_solve(analysis *a, const double *value)
 {
-    print_head(a);
+    print_head(a, "at rest");
     if (a->design.scene->kinematics == KINEMATICS_AUTO && isfinite(a->cost))
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n", a->cost, a->design.scene->tolerance,
                a->nonlinear ? "nonlinear is needed" : "linear is enough");
@@ -298,16 +303,26 @@ static double rounded_volt(double volt)
     return fabs(volt) < 0.005 ? 0 : volt;
 }
 
-/* Volts of each actuator as its grid lies on the surface: a row along theta2 for each step of theta1. */
+/* Volts of each actuator as its grid lies on the surface: theta1 down, theta2 across. */
 static void print_volts(const scene *s, const voltages *v)
 {
     printf("\n  %s, volts:\n", v->name);
     for (int k = 0; k < s->actuators; k++) {
         const scene_actuator *actuator = &s->actuator[k];
-        for (int i = 0; i < actuator->grid[0]; i++) {
-            printf("    %-12s", i == 0 ? actuator->name : "");
-            for (int j = 0; j < actuator->grid[1]; j++)
-                printf(" %9.2f", rounded_volt(v->volt[actuator->first + i * actuator->grid[1] + j]));
+        const int *grid = actuator->grid, is_grid = grid[0] * grid[1] > 1;
+        if (is_grid) {
+            printf("    %-12s theta2 ", actuator->name);
+            for (int j = 0; j < grid[1]; j++)
+                printf(" %9d", j + 1);
+            putchar('\n');
+        }
+        for (int i = 0; i < grid[0]; i++) {
+            if (is_grid)
+                printf("    %12s %-6d ", i == 0 ? "theta1" : "", i + 1);
+            else
+                printf("    %-20s", actuator->name);
+            for (int j = 0; j < grid[1]; j++)
+                printf(" %9.2f", rounded_volt(v->volt[actuator->first + i * grid[1] + j]));
             putchar('\n');
         }
     }
@@ -375,7 +390,7 @@ void print_shape(const shape_run *run)
 {
     const analysis *a = run->analysis;
     const design *d = &a->design;
-    print_head(a);
+    print_head(a, "at rest");
     printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, a->model.residual);
     printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
     for (int i = 0; i < run->count; i++) {

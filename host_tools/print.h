@@ -16,8 +16,8 @@ typedef struct shape_run {
     modes modes;         /* of the target, where it lists some */
 } shape_run;
 
-/* Name, mesh and condition. */
-void print_head(const analysis *a);
+/* Name, mesh, condition, and what the sensors of an estimate see; influence: at what shape, in words. */
+void print_head(const analysis *a, const char *influence);
 
 /* What the sensors of an estimate see, under `estimate`. */
 void print_estimate_json(json *j, const estimator *e);

@@ -1,6 +1,7 @@
 /* A simulation in words and numbers (print_simulate.h). */
 #include "print_simulate.h"
 #include "print.h"
+#include "report_words.h"
 
 static const char *const law_name[LAWS] = {"controller", "clamped"};
 
@@ -71,6 +72,7 @@ int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *
 static void print_plant(const simulation *s)
 {
     const scene_simulate *simulate = &s->nominal->design.scene->simulate;
+    const char *unit = s->nominal->design.scene->unit_length;
     printf("  plant: %s", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < s->plant.scene.materials; i++)
         printf("%s %s stiffness x %g, d x %g", i ? ";" : ",", s->plant.scene.material[i].name,
@@ -79,7 +81,7 @@ static void print_plant(const simulation *s)
     if (s->estimates)
         printf("%d, with the noise of their readings", s->estimator.sensors);
     else
-        printf("%d, noise %g", s->nominal->design.targets, simulate->noise);
+        printf("%d, noise %g%s%s", s->nominal->design.targets, simulate->noise, *unit ? " " : "", unit);
     printf(", delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->delay, simulate->step, simulate->dead_band);
     printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
            simulate->at_target ? "at the nonlinear optimum" : "at rest", simulate->ticks, simulate->rate);
@@ -100,8 +102,8 @@ static void print_phases(const simulation *s)
     printf("  %-7s %-46s %9s %9s %9s %9s %9s %6s\n", "tick", "phase", "optimum", "steady", "clamped", "worst", "settled", "slew");
     for (int k = 0; k < s->phases; k++) {
         const simulate_phase *p = &s->phase[k];
-        char name[SIMULATE_NAME];
-        simulate_name(s, p, name);
+        char name[WORDS_PHASE];
+        words_phase(s, p, name);
         printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %8.3f%% ", p->from, name, 100 * p->optimum, 100 * p->course[LAW_CONTROLLER].steady,
                100 * p->course[LAW_CLAMP].steady, 100 * p->course[LAW_CONTROLLER].worst);
         print_settled(p);
@@ -155,7 +157,7 @@ static void print_board(const simulation *s)
 
 void print_simulation(const simulation *s)
 {
-    print_head(s->nominal);
+    print_head(s->nominal, words_influence(s->nominal->design.scene));
     print_plant(s);
     print_phases(s);
     print_count(s, LAW_CONTROLLER);
@@ -183,8 +185,8 @@ static void json_course(json *j, const simulation *s, const simulate_course *c, 
 
 static void json_phase(json *j, const simulation *s, const simulate_phase *p)
 {
-    char name[SIMULATE_NAME];
-    simulate_name(s, p, name);
+    char name[WORDS_PHASE];
+    words_phase(s, p, name);
     json_open(j, NULL, '{');
     json_string(j, "phase", name);
     json_number(j, "from", p->from);

@@ -3,11 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "report_body.h"
 #include "report_html.h"
 #include "report_lines.h"
 #include "report_parts.h"
 #include "report_plane.h"
 #include "report_space.h"
+#include "report_words.h"
 
 void report_displacement(const mesh *m, const double *u, double *vector)
 {
@@ -44,22 +46,24 @@ static void write_output(FILE *file, const analysis *a, const double *output, in
 {
     const scene_output *named = &a->design.scene->output[k];
     const spread s = spread_of(a, output, k);
-    const char *unit = analysis_unit(a, k);
+    const double most = fmax(fmax(fabs(s.low), fabs(s.high)), isfinite(named->reference) ? fabs(named->reference) : 0);
+    char unit[WORDS_UNIT];
+    words_unit(a->design.scene, words_of_output(named), unit);
     fputs("<tr><th scope=\"row\">", file);
     html_text(file, named->name);
     fputs("</th><td>", file);
     if (s.count == 1) {
-        html_quantity(file, s.mean, unit);
+        html_alike(file, s.mean, most, unit);
     } else {
-        html_number(file, s.low);
+        html_alike(file, s.low, most, "");
         fputs(" to ", file);
-        html_quantity(file, s.high, unit);
-        fprintf(file, "<br><span class=\"soft\">%d nodes, mean ", s.count);
-        html_number(file, s.mean);
+        html_alike(file, s.high, most, unit);
+        fprintf(file, "<br><span class=\"soft\">%d values, mean ", s.count);
+        html_alike(file, s.mean, most, "");
         fputs("</span>", file);
     }
     fputs("</td><td>", file);
-    html_quantity(file, named->reference, unit);
+    html_alike(file, named->reference, most, isnan(named->reference) ? "" : unit);
     fputs("</td><td>", file);
     const double ratio = analysis_output(a, k, 0, output) / named->reference;
     if (isfinite(ratio))
@@ -74,12 +78,11 @@ static void write_outputs(FILE *file, const analysis *a, const double *output)
     const design *d = &a->design;
     if (d->scene->outputs == 0)
         return;
-    fputs("<div class=\"wide\"><table><caption>Outputs; the ratio is value over reference, of the first node where there are more</caption>"
-          "<thead><tr><th scope=\"col\">Output</th><th scope=\"col\">Value</th><th scope=\"col\">Reference</th><th scope=\"col\">Ratio</th></tr></thead><tbody>\n",
-          file);
+    html_table_begin(file, "Outputs; the ratio is value over reference, of the first node where there are more",
+                     "<th scope=\"col\">Output</th><th scope=\"col\">Value</th><th scope=\"col\">Reference</th><th scope=\"col\">Ratio</th>");
     for (int k = 0; k < d->scene->outputs; k++)
         write_output(file, a, output, k);
-    fputs("</tbody></table></div>\n", file);
+    html_table_end(file);
 }
 
 /* ---- drawings --------------------------------------------------------- */
@@ -96,22 +99,39 @@ static double sizes(const mesh *m, const double *vector, double *size)
     return most;
 }
 
-/* Large displacements are drawn as they are, small ones magnified. */
-static int draw_deformed(FILE *file, const mesh *m, int nonlinear, const double *vector, const double *size, double most)
+/* Lines and marks of the drawing, explained. */
+static void deformed_keys(FILE *file, const scene *s, const body_net *body)
 {
-    const double factor = nonlinear ? 1 : parts_magnification(m, most, 0.1);
+    fputs("<p class=\"keys\"><span><i class=\"key gone\"></i>at rest</span><span><i class=\"key hold\"></i>support</span>", file);
+    for (int k = 0, said = 0; k < s->loads && !said; k++)
+        if (s->load[k].type == LOAD_POINT)
+            said = fputs("<span><i class=\"key load\"></i>point load</span>", file) != EOF;
+    if (body->given)
+        fputs("<span><i class=\"key solid\"></i>rigid body, the part along the shell</span>", file);
+    fputs("</p>", file);
+}
+
+/* Large displacements are drawn as they are, small ones magnified. */
+static int draw_deformed(FILE *file, const analysis *a, const double *vector, const double *size, double most)
+{
+    const mesh *m = &a->design.mesh;
+    const double factor = a->nonlinear ? 1 : parts_magnification(m, most, 0.1);
     const draw_scale scale = {0, most, m->scene->unit_length};
     draw_view view;
+    body_net body;
+    body_find(&body, a, vector);
     draw_view_begin(&view, m);
     parts_include(&view, m, vector, factor);
+    body_include(&body, &view);
     draw_view_fit(&view, 600, 560);
     const space rest = {file, &view, m, NULL, 0}, moved = {file, &view, m, vector, factor};
     fputs("<figure>\n", file);
     draw_begin(file, view.width, view.height, "Deformed shape in space, coloured by the size of the displacement, over the undeformed mesh");
+    body_draw(file, &body, &view, 0);
     space_wires(&rest, "rest");
     const int failed = space_surface(&moved, size, &scale);
     space_wires(&rest, "rest ghost");
-    space_supports(&rest);
+    body_draw(file, &body, &view, 1);
     space_loads(&moved);
     space_outputs(&moved);
     space_axes(&moved);
@@ -121,11 +141,8 @@ static int draw_deformed(FILE *file, const mesh *m, int nonlinear, const double 
     fputs("; largest ", file);
     html_quantity(file, most, scale.unit);
     draw_legend(file, &scale);
-    fputs("<p class=\"keys\"><span><i class=\"key gone\"></i>at rest</span><span><i class=\"key hold\"></i>support</span>", file);
-    for (int k = 0, said = 0; k < m->scene->loads && !said; k++)
-        if (m->scene->load[k].type == LOAD_POINT)
-            said = fputs("<span><i class=\"key load\"></i>point load</span>", file) != EOF;
-    fputs("</p></figcaption></figure>\n", file);
+    deformed_keys(file, m->scene, &body);
+    fputs("</figcaption></figure>\n", file);
     return failed;
 }
 
@@ -161,15 +178,20 @@ static void draw_components(FILE *file, const mesh *m, const double *vector, dou
 static void draw_contact(FILE *file, const analysis *a)
 {
     const mesh *m = &a->design.mesh;
-    draw_scale scale = {0, 0, ""};
+    const pzs_contact *contact = &a->path.contact;
+    char unit[WORDS_UNIT];
+    draw_scale scale = {0, 0, words_unit(m->scene, QUANTITY_PRESSURE, unit)};
     if (!a->nonlinear || !m->scene->contact.given)
         return;
     for (int n = 0; n < m->nodes; n++)
-        scale.most = fmax(scale.most, a->path.contact.pressure[n]);
-    fputs("<section>\n<h2>Contact pressure</h2>\n<figure>\n", file);
-    plane_map(file, m, a->path.contact.pressure, &scale, "contact pressure");
+        scale.most = fmax(scale.most, contact->pressure[n]);
+    fputs("<section>\n<h2>Contact pressure</h2>\n<figure class=\"map\">\n", file);
+    plane_map(file, m, contact->pressure, &scale, "contact pressure over theta1 and theta2");
+    fprintf(file, "<figcaption>%d nodes in contact, largest pressure ", contact->nodes);
+    html_quantity(file, scale.most, unit);
+    fputs(", per area at rest", file);
     draw_legend(file, &scale);
-    fputs("</figure>\n</section>\n", file);
+    fputs("</figcaption></figure>\n</section>\n", file);
 }
 
 static int write_solve(FILE *file, const analysis *a, const double *output, const double *vector, double *size)
@@ -178,7 +200,7 @@ static int write_solve(FILE *file, const analysis *a, const double *output, cons
     html_begin(file, d->scene->name);
     parts_head(file, a, "Displacement under loads and applied volts", a->nonlinear ? a->path.run.residual : a->model.residual, a->model.error);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", file);
-    const int failed = draw_deformed(file, &d->mesh, a->nonlinear, vector, size, sizes(&d->mesh, vector, size));
+    const int failed = draw_deformed(file, a, vector, size, sizes(&d->mesh, vector, size));
     fputs("<div>\n", file);
     write_outputs(file, a, output);
     parts_conditions(file, d);

@@ -32,11 +32,39 @@ double draw_between(const double corner[4], double s, double t)
     return (1 - t) * ((1 - s) * corner[0] + s * corner[1]) + t * ((1 - s) * corner[3] + s * corner[2]);
 }
 
+/* Do all corners of the element from line i, j on have a value? */
+static int is_whole(const mesh *m, const double *value, int i, int j)
+{
+    return !isnan(value[mesh_node(m, i, j)]) && !isnan(value[mesh_node(m, i + 1, j)]) && !isnan(value[mesh_node(m, i, j + 1)])
+        && !isnan(value[mesh_node(m, i + 1, j + 1)]);
+}
+
+int draw_is_lone(const mesh *m, const double *value, int i, int j)
+{
+    const scene_line *line = m->scene->line;
+    const int closed[2] = {m->lines[0] == line[0].elements, m->lines[1] == line[1].elements};
+    if (isnan(value[mesh_node(m, i, j)]))
+        return 0;
+    for (int k = 0; k < 4; k++) {
+        int at[2] = {i - k % 2, j - k / 2};
+        for (int a = 0; a < 2; a++)
+            if (at[a] < 0 && closed[a])
+                at[a] += line[a].elements;
+        if (at[0] >= 0 && at[1] >= 0 && at[0] < line[0].elements && at[1] < line[1].elements && is_whole(m, value, at[0], at[1]))
+            return 0;
+    }
+    return 1;
+}
+
 /* ---- pictures and colours --------------------------------------------- */
 
-static void begin(FILE *file, double width, double height, const char *role, const char *title)
+/* least: of its width on a page (px), 0: none. */
+static void begin(FILE *file, double width, double height, double least, const char *role, const char *title)
 {
-    fprintf(file, "<svg viewBox=\"0 0 %.0f %.0f\" role=\"%s\" aria-label=\"", width, height, role);
+    fprintf(file, "<svg viewBox=\"0 0 %.0f %.0f\" role=\"%s\" ", width, height, role);
+    if (least > 0)
+        fprintf(file, "style=\"min-width:%.0fpx\" ", least);
+    fputs("aria-label=\"", file);
     html_text(file, title);
     fputs("\"><title>", file);
     html_text(file, title);
@@ -45,17 +73,29 @@ static void begin(FILE *file, double width, double height, const char *role, con
 
 void draw_begin(FILE *file, double width, double height, const char *title)
 {
-    begin(file, width, height, "img", title);
+    begin(file, width, height, 0, "img", title);
 }
 
 void draw_begin_group(FILE *file, double width, double height, const char *title)
 {
-    begin(file, width, height, "group", title);
+    begin(file, width, height, 0, "group", title);
 }
 
 void draw_end(FILE *file)
 {
     fputs("</svg>\n", file);
+}
+
+void draw_begin_chart(FILE *file, double width, double height, const char *title)
+{
+    fputs("<div class=\"wide\" tabindex=\"0\">", file);
+    begin(file, width, height, 0.8 * width, "group", title);
+}
+
+void draw_end_chart(FILE *file)
+{
+    draw_end(file);
+    fputs("</div>\n", file);
 }
 
 int draw_level(const draw_scale *scale, double value)

@@ -5,10 +5,15 @@
 #include <stdio.h>
 #include "mesh.h"
 
-/* Every picture opens with what it shows, in words. A group's texts are read out too. */
+/*
+ * Every picture opens with what it shows, in words. A group's texts are read out too. A chart is a group that on a narrow
+ * page scrolls in a box of its own before its texts become too small to read.
+ */
 void draw_begin(FILE *file, double width, double height, const char *title);
 void draw_begin_group(FILE *file, double width, double height, const char *title);
 void draw_end(FILE *file);
+void draw_begin_chart(FILE *file, double width, double height, const char *title);
+void draw_end_chart(FILE *file);
 
 /* Values to colours: signed around zero, or a size from zero; `most` is the end of the scale. */
 typedef struct draw_scale {
@@ -53,6 +58,9 @@ int draw_next(int k, int step, int last);
 
 /* Value at (s, t) of 0..1 between four corners in element order. */
 double draw_between(const double corner[4], double s, double t);
+
+/* Has the node at line i of theta1 and j of theta2 a value that no element around it can show, for others have none? value [nodes] */
+int draw_is_lone(const mesh *m, const double *value, int i, int j);
 
 /* Unit vector along a component at a point of the surface, in x, y, z. */
 void draw_direction(const surface_point *p, scene_component component, double along[3]);

@@ -27,10 +27,11 @@ void html_text(FILE *file, const char *text)
     }
 }
 
+static const char *const raised[10] = {"&#8304;", "&sup1;",  "&sup2;",  "&sup3;",  "&#8308;",
+                                       "&#8309;", "&#8310;", "&#8311;", "&#8312;", "&#8313;"};
+
 static void power_of_ten(FILE *file, int exponent)
 {
-    static const char *const raised[10] = {"&#8304;", "&sup1;",  "&sup2;",  "&sup3;",  "&#8308;",
-                                           "&#8309;", "&#8310;", "&#8311;", "&#8312;", "&#8313;"};
     fprintf(file, "&times;10%s", exponent < 0 ? "&#8315;" : "");
     const int size = exponent < 0 ? -exponent : exponent;
     if (size >= 100)
@@ -40,20 +41,39 @@ static void power_of_ten(FILE *file, int exponent)
     fputs(raised[size % 10], file);
 }
 
+/* What no digits tell. Returns whether it was that. */
+static int not_finite(FILE *file, double value)
+{
+    if (!isfinite(value))
+        fputs(isnan(value) ? "&ndash;" : value > 0 ? "&infin;" : "&minus;&infin;", file);
+    return !isfinite(value);
+}
+
+/* |value| as digits and a power of ten. Returns the power. */
+static int scientific(double value, int digits, char text[32])
+{
+    int exponent = 0;
+    snprintf(text, 32, "%.*e", digits - 1, fabs(value));
+    sscanf(text, "%*[^e]e%d", &exponent);
+    return exponent;
+}
+
+/* Powers of ten that are not written apart. */
+static int is_short(int exponent, int digits)
+{
+    return exponent >= -3 && exponent <= digits;
+}
+
 /* A number with that many significant digits, a power of ten where it is long. */
 static void rounded(FILE *file, double value, int digits)
 {
-    if (!isfinite(value)) {
-        fputs(isnan(value) ? "&ndash;" : value > 0 ? "&infin;" : "&minus;&infin;", file);
-        return;
-    }
-    int exponent = 0;
     char text[32];
-    snprintf(text, sizeof text, "%.*e", digits - 1, fabs(value));
-    sscanf(text, "%*[^e]e%d", &exponent);
+    if (not_finite(file, value))
+        return;
+    const int exponent = scientific(value, digits, text);
     if (value < 0)
         fputs("&minus;", file);
-    if (exponent >= -3 && exponent <= digits) {
+    if (is_short(exponent, digits)) {
         fprintf(file, "%.*g", exponent == digits ? digits + 1 : digits, fabs(value));
         return;
     }
@@ -72,13 +92,44 @@ void html_rough(FILE *file, double value)
     rounded(file, value, 2);
 }
 
+void html_unit(FILE *file, const char *unit)
+{
+    if (*unit)
+        fputs("&nbsp;", file);
+    for (; *unit; unit++) {
+        const char one[2] = {*unit, 0};
+        if (*unit >= '0' && *unit <= '9')
+            fputs(raised[*unit - '0'], file);
+        else
+            html_text(file, one);
+    }
+}
+
 void html_quantity(FILE *file, double value, const char *unit)
 {
     html_number(file, value);
-    if (*unit && !isnan(value)) {
-        fputs("&nbsp;", file);
-        html_text(file, unit);
-    }
+    if (!isnan(value))
+        html_unit(file, unit);
+}
+
+void html_alike(FILE *file, double value, double most, const char *unit)
+{
+    char text[64];
+    if (not_finite(file, value))
+        return;
+    const int power = isfinite(most) ? scientific(most, 4, text) : 0, apart = !is_short(power, 4), top = apart ? 0 : power;
+    const double size = fabs(value) / (apart ? pow(10, power) : 1);
+    const int own = size > 0 ? scientific(size, 4, text) : top, decimals = 3 - (own < top - 3 ? top - 3 : own);
+    int length = snprintf(text, sizeof text, "%.*f", decimals > 0 ? decimals : 0, size);
+    if (decimals > 0)
+        while (text[length - 1] == '0')
+            text[--length] = 0;
+    if (text[length - 1] == '.')
+        text[length - 1] = 0;
+    fprintf(file, "%s%s", value < 0 && strtod(text, NULL) > 0 ? "&minus;" : "", text);
+    if (apart)
+        power_of_ten(file, power);
+    html_unit(file, unit);
 }
 
 void html_percent(FILE *file, double share)
@@ -86,6 +137,24 @@ void html_percent(FILE *file, double share)
     rounded(file, 100 * share, 3);
     if (!isnan(share))
         fputs("&nbsp;%", file);
+}
+
+/* ---- tables ----------------------------------------------------------- */
+
+void html_table_begin(FILE *file, const char *caption, const char *head)
+{
+    fputs("<figure class=\"table\">", file);
+    if (caption)
+        fprintf(file, "<figcaption>%s</figcaption>", caption);
+    fputs("<div class=\"wide\" tabindex=\"0\"><table>", file);
+    if (head)
+        fprintf(file, "<thead><tr>%s</tr></thead>", head);
+    fputs("<tbody>\n", file);
+}
+
+void html_table_end(FILE *file)
+{
+    fputs("</tbody></table></div></figure>\n", file);
 }
 
 /* ---- colours ---------------------------------------------------------- */
@@ -126,12 +195,13 @@ static const char *const page_style =
     ".kicker{margin:0 0 6px;font-size:13px;letter-spacing:.04em;text-transform:uppercase;color:var(--soft)}\n"
     "dl{display:flex;flex-wrap:wrap;gap:8px 28px;margin:14px 0 0;padding:12px 16px;background:var(--panel);border:1px solid var(--rule);border-radius:8px}\n"
     "dt{font-size:12px}dd{margin:0;font-variant-numeric:tabular-nums}\n"
-    ".verdict{font-size:17px;margin:18px 0 0}\n"
-    ".wide{overflow-x:auto}table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}\n"
-    "caption{text-align:left;color:var(--soft);font-size:13px;padding-bottom:6px}\n"
-    ".wide+.wide{margin-top:20px}th,td{padding:6px 12px 6px 0;border-bottom:1px solid var(--rule);text-align:right;white-space:nowrap}\n"
+    ".warn{color:var(--force)}.verdict{font-size:17px;margin:18px 0 0}\n"
+    ".wide{overflow-x:auto;background:linear-gradient(270deg,var(--page) 50%,transparent) 100% 0/28px 100% no-repeat local,"
+    "linear-gradient(270deg,var(--rule),transparent) 100% 0/14px 100% no-repeat}\n"
+    "table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}\n"
+    ".table+.table{margin-top:20px}.row>.table{margin-top:0}.table figcaption{margin:0 0 6px;max-width:110ch}th,td{padding:6px 12px 6px 0;border-bottom:1px solid var(--rule);text-align:right;white-space:nowrap}\n"
     "thead th{font-size:12px;font-weight:600;color:var(--soft);vertical-align:bottom}tbody th{font-weight:600}\n"
-    "th:first-child,td.word,th.word{text-align:left}td.word,th.word{padding-left:12px}td.note{text-align:left;white-space:normal}\n"
+    "th:first-child,td.word,th.word{text-align:left}td.word,th.word{padding-left:12px}td.note,th.note{text-align:left;white-space:normal}td.note{min-width:190px}\n"
     ".bar{display:inline-block;width:90px;height:9px;margin-left:8px;border-radius:2px;background:var(--rule);vertical-align:middle}\n"
     ".bar i{display:block;height:9px;border-radius:2px;background:var(--accent)}\n"
     ".set{margin:14px 0 0;padding:14px 16px 12px;background:var(--panel);border:1px solid var(--rule);border-radius:8px}\n"
@@ -141,17 +211,17 @@ static const char *const page_style =
 
 static const char *const picture_style =
     "svg{display:block;width:100%;height:auto;overflow:visible}svg text{font:11px system-ui,-apple-system,'Segoe UI',Roboto,Arial,sans-serif;fill:var(--soft);stroke:none}\n"
-    ".row svg{max-width:600px}svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}\n"
+    ".row svg{max-width:600px}.map svg{max-width:480px}svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}\n"
     ".cells path,.legend path{stroke-width:.6;stroke-linejoin:round}.cells .edge{fill:none;stroke:var(--ink);stroke-opacity:.34;stroke-width:.5}\n"
     ".flat path{stroke:none;shape-rendering:crispEdges}.cells .none,.flat .none{fill:var(--none);stroke:var(--none)}\n"
     ".frame,.grid,.wire,.rest{fill:none;stroke-linejoin:round}.frame{stroke:var(--soft);stroke-width:1}.grid{stroke:var(--ink);stroke-opacity:.16;stroke-width:.5}\n"
     ".wire{stroke:var(--wire);stroke-width:.8;stroke-opacity:.85}.outline{fill:none;stroke:var(--soft);stroke-width:.9;stroke-dasharray:4 3}.rest{stroke:var(--soft);stroke-width:.7;stroke-opacity:.75}\n"
     ".dot{fill:var(--wire);stroke:var(--page);stroke-width:1}svg .tag{fill:var(--ink);font-weight:600;paint-order:stroke;stroke:var(--panel);stroke-width:3px;stroke-linejoin:round}\n"
-    ".held{fill:none;stroke:var(--ink);stroke-width:3;stroke-linecap:round;stroke-opacity:.85}.pin{fill:var(--ink)}\n"
+    ".held,.cells .held{fill:none;stroke:var(--ink);stroke-width:3;stroke-linecap:round;stroke-opacity:.85}.pin{fill:var(--ink)}.body{fill:var(--soft);fill-opacity:.13;stroke:var(--soft);stroke-width:.6;stroke-opacity:.8}\n"
     ".force{fill:var(--force);stroke:var(--force);stroke-width:1.8}.axis{fill:none;stroke:var(--soft);stroke-width:1}\n"
     ".patch{stroke:var(--panel);stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{stroke-dasharray:5 3}.limit.strong,.beyond.strong{fill:none;stroke:var(--inverse)}\n"
     "svg text.mild{fill:var(--ink)}svg text.strong{fill:var(--inverse)}.key{display:inline-block;width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;margin-right:5px}\n"
-    ".best{fill:var(--accent)}.ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.dash{border-top:1px dashed var(--soft)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
+    ".best{fill:var(--accent)}.ghost{stroke-opacity:.3}.key.load{border-color:var(--force)}.key.solid{height:11px;border:1px solid var(--soft);background:color-mix(in srgb,var(--soft) 20%,transparent)}.key.dash{border-top:1px dashed var(--soft)}.key.gone{border-color:var(--soft)}.key.stop{width:13px;height:13px;border:2.2px solid var(--ink)}.key.over{width:13px;height:13px;border:2px dashed var(--ink)}.key.hold{border-top-width:4px;border-color:var(--ink)}\n"
     ".keys{margin:0;font-size:13px;color:var(--soft);max-width:none}.keys span{margin-right:18px;white-space:nowrap}\n"
     "@media print{main{max-width:none;padding:0}.set{break-inside:avoid}}\n";
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "report_draw.h"
 #include "report_html.h"
+#include "report_words.h"
 
 /* Of a picture, with room for the numbers to its left and the names to its right. */
 enum { LEFT = 84, WIDTH = 520, RIGHT = 116, HEIGHT = 240, FOOT = 34, LINE = 13, NAMES = 64 };
@@ -48,8 +49,9 @@ static frame frame_of(const analysis *a, const double *output, int along, int *n
     return f;
 }
 
-static void draw_axes(FILE *file, const frame *f, int along)
+static void draw_axes(FILE *file, const scene *s, const frame *f, int along)
 {
+    char unit[WORDS_UNIT];
     const double value[3] = {f->low, 0, f->high}, theta[3] = {f->from, (f->from + f->to) / 2, f->to};
     for (int i = 0; i < 3; i++) {
         const double y = y_of(f, value[i]), x = x_of(f, theta[i]);
@@ -62,7 +64,9 @@ static void draw_axes(FILE *file, const frame *f, int along)
         html_number(file, theta[i]);
         fputs("</text>\n", file);
     }
-    fprintf(file, "<text class=\"value\" x=\"%d\" y=\"%d\">&theta;%s</text>\n", LEFT + WIDTH / 2, HEIGHT + 29, along ? "&#8322;" : "&#8321;");
+    fprintf(file, "<text class=\"value\" x=\"%d\" y=\"%d\">&theta;%s", LEFT + WIDTH / 2, HEIGHT + 29, along ? "&#8322;" : "&#8321;");
+    words_unit(s, words_of_theta(s, along), unit);
+    fprintf(file, *unit ? " (%s)</text>\n" : "%s</text>\n", unit);
 }
 
 /* Names stand a line's height below one another at least: the lowest of those at or below y, or y. */
@@ -93,17 +97,20 @@ static void draw_lines(FILE *file, const analysis *a, const double *output, int 
     double taken[NAMES];
     int names = 0;
     fputs("<figure style=\"max-width:760px\">\n", file);
-    draw_begin_group(file, LEFT + WIDTH + RIGHT, HEIGHT + FOOT, "Outputs along lines of the mesh");
-    draw_axes(file, &f, along);
+    draw_begin_chart(file, LEFT + WIDTH + RIGHT, HEIGHT + FOOT, "Outputs along lines of the mesh");
+    draw_axes(file, a->design.scene, &f, along);
     for (int k = 0; k < a->design.scene->outputs; k++)
         if (line_of(a, k, node) == along) {
             const double name = name_at(y_of(&f, analysis_output(a, k, analysis_outputs(a, k) - 1, output)), taken, names < NAMES ? names : NAMES);
             taken[names++ % NAMES] = name;
             draw_curve(file, a, &f, output, along, k, node, name);
         }
-    draw_end(file);
-    fputs("<figcaption>Displacement in ", file);
-    html_text(file, a->design.scene->unit_length[0] ? a->design.scene->unit_length : "units of length");
+    draw_end_chart(file);
+    fputs("<figcaption>Displacement", file);
+    if (a->design.scene->unit_length[0]) {
+        fputs(" in ", file);
+        html_text(file, a->design.scene->unit_length);
+    }
     fputs(".</figcaption></figure>\n", file);
 }
 

@@ -65,36 +65,41 @@ static void draw_modes(FILE *file, const scene *s, const modes *m, int l)
     const decades d = scale_of(m, l);
     const int height = ROW * m->count;
     fputs("<figure style=\"max-width:860px\">\n", file);
-    draw_begin_group(file, MARGIN + WIDTH + 20, height + FOOT, "Shape error of each mode, from the best within limits to clipping");
+    draw_begin_chart(file, MARGIN + WIDTH + 20, height + FOOT, "Shape error of each mode, from the best within limits to clipping");
     draw_scale_lines(file, &d, height);
     for (int k = 0; k < m->count; k++)
         draw_mode(file, &d, s->target.mode[k].name, &m->mode[k], &m->left[k * m->limits + l], k);
-    draw_end(file);
+    draw_end_chart(file);
     fputs("<figcaption>Shape error, each decade alike: <b>disc</b> best within limits, <b>dot</b> volts without limits then clipped, <b>tick</b> "
           "without limits. 100&nbsp;%: nothing gained; beyond, worse than doing nothing.</figcaption></figure>\n", file);
 }
 
 static void table_modes(FILE *file, const scene *s, const modes *m, int l)
 {
-    fputs("<div class=\"wide\"><table><thead><tr><th scope=\"col\">Mode</th><th scope=\"col\">Wanted, rms</th><th scope=\"col\">No limits</th>"
-          "<th scope=\"col\">takes</th><th scope=\"col\">Best within limits</th><th scope=\"col\">At a limit</th><th scope=\"col\">Clipped</th></tr></thead><tbody>\n", file);
+    double size = 0, volt = 0;
+    for (int k = 0; k < m->count; k++) {
+        size = fmax(size, m->mode[k].size);
+        volt = fmax(volt, m->mode[k].volt);
+    }
+    html_table_begin(file, NULL, "<th scope=\"col\">Mode</th><th scope=\"col\">Wanted, rms</th><th scope=\"col\">No limits</th>"
+                     "<th scope=\"col\">takes</th><th scope=\"col\">Best within limits</th><th scope=\"col\">At a limit</th><th scope=\"col\">Clipped</th>");
     for (int k = 0; k < m->count; k++) {
         const mode_left *left = &m->left[k * m->limits + l];
         fputs("<tr><th scope=\"row\">", file);
         html_text(file, s->target.mode[k].name);
         fputs("</th><td>", file);
-        html_quantity(file, m->mode[k].size, s->unit_length);
+        html_alike(file, m->mode[k].size, size, s->unit_length);
         fputs("</td><td>", file);
         html_percent(file, m->mode[k].unlimited);
         fputs("</td><td>", file);
-        html_quantity(file, m->mode[k].volt, s->unit_voltage);
+        html_alike(file, m->mode[k].volt, volt, s->unit_voltage);
         fputs("</td><td>", file);
         html_percent(file, left->optimum);
         fprintf(file, "</td><td>%d</td><td>", left->active);
         html_percent(file, left->clipped);
         fputs("</td></tr>\n", file);
     }
-    fputs("</tbody></table></div>\n", file);
+    html_table_end(file);
 }
 
 void modes_section(FILE *file, const scene *s, const modes *m)

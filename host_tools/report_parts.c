@@ -3,6 +3,7 @@
 #include <math.h>
 #include "report_html.h"
 #include "report_space.h"
+#include "report_words.h"
 
 /* ---- head ------------------------------------------------------------- */
 
@@ -34,11 +35,16 @@ static void path_facts(FILE *file, const pzs_path *run)
     fprintf(file, "%u, %u linear systems", run->steps_taken, run->systems);
     fact_end(file);
     fact(file, "Equilibrium");
-    fprintf(file, run->negative ? "unstable, %u negative pivots" : "stable", run->negative);
+    if (run->negative)
+        fprintf(file, "<b class=\"warn\">unstable</b>, %u negative pivots", run->negative);
+    else
+        fputs("stable", file);
     fact_end(file);
     if (run->factor < 1) {
         fact(file, "Part of the load reached");
+        fputs("<b class=\"warn\">", file);
         html_rough(file, run->factor);
+        fputs("</b>", file);
         fact_end(file);
     }
 }
@@ -81,6 +87,8 @@ void parts_head(FILE *file, const analysis *a, const char *kind, double residual
     fputs("</h1>\n<p>", file);
     html_text(file, s->about ? s->about : "");
     fputs("</p>\n", file);
+    if (words_unitless(s))
+        fputs("<p class=\"soft\">The scene names no units: its numbers are in any consistent ones, angles in rad.</p>\n", file);
     for (int k = 0; k < s->sets; k++) {
         fputs(k ? ", <code>" : "<p class=\"soft\">Changed: <code>", file);
         html_text(file, s->set[k]);
@@ -95,8 +103,9 @@ void parts_head(FILE *file, const analysis *a, const char *kind, double residual
 static const char *const component_word[] = {"u1", "u2", "u3", "x", "y", "z"};
 static const char *const face_word[] = {"middle", "inner face", "outer face", "mean of the faces"};
 
-static void write_where(FILE *file, const scene_where *where)
+static void write_where(FILE *file, const scene *s, const scene_where *where)
 {
+    char unit[WORDS_UNIT];
     static const char *const edge[] = {"", "edge &theta;&#8321;&minus;", "edge &theta;&#8321;+", "edge &theta;&#8322;&minus;", "edge &theta;&#8322;+"};
     if (where->type == WHERE_NODES)
         fputs("all nodes", file);
@@ -106,18 +115,19 @@ static void write_where(FILE *file, const scene_where *where)
         fputs("nodes of a rectangle", file);
     else {
         fputs("point &theta;&#8321; = ", file);
-        html_number(file, where->theta[0]);
+        html_quantity(file, where->theta[0], words_unit(s, words_of_theta(s, 0), unit));
         fputs(", &theta;&#8322; = ", file);
-        html_number(file, where->theta[1]);
+        html_quantity(file, where->theta[1], words_unit(s, words_of_theta(s, 1), unit));
     }
 }
 
 void parts_layers(FILE *file, const scene *s)
 {
-    fputs("<div class=\"wide\"><table><caption>Layers from the inner face to the outer face</caption><thead><tr><th scope=\"col\">Layer</th>"
-          "<th scope=\"col\" class=\"word\">Material</th><th scope=\"col\">Thickness</th><th scope=\"col\">Angle</th>"
-          "<th scope=\"col\" class=\"word\">Where</th></tr></thead><tbody>\n",
-          file);
+    double most = 0;
+    for (int k = 0; k < s->layers; k++)
+        most = fmax(most, s->layer[k].thickness);
+    html_table_begin(file, "Layers from the inner face to the outer face", "<th scope=\"col\">Layer</th><th scope=\"col\" class=\"word\">Material</th>"
+                     "<th scope=\"col\">Thickness</th><th scope=\"col\">Angle</th><th scope=\"col\" class=\"word\">Where</th>");
     for (int k = 0; k < s->layers; k++) {
         const scene_layer *layer = &s->layer[k];
         fprintf(file, "<tr><th scope=\"row\">%d ", k + 1);
@@ -125,12 +135,12 @@ void parts_layers(FILE *file, const scene *s)
         fputs("</th><td class=\"word\">", file);
         html_text(file, s->material[layer->material].name);
         fputs("</td><td>", file);
-        html_quantity(file, layer->thickness, s->unit_length);
+        html_alike(file, layer->thickness, most, s->unit_length);
         fputs("</td><td>", file);
         html_number(file, layer->angle);
         fprintf(file, "&deg;</td><td class=\"word\">%s</td></tr>\n", layer->patched ? "in patches" : "everywhere");
     }
-    fputs("</tbody></table></div>\n", file);
+    html_table_end(file);
 }
 
 /* The unknowns a support holds: both u+ and u- of a component as one word. */
@@ -158,6 +168,7 @@ static void write_fix(FILE *file, const scene_support *support, unsigned unknown
 /* The value of a load at its nodes: one number, or its range. */
 static void write_value(FILE *file, const mesh *m, const scene_load *load)
 {
+    char unit[WORDS_UNIT];
     double low = 0, high = 0;
     int first = 1;
     for (int n = 0; n < m->nodes; n++) {
@@ -175,26 +186,61 @@ static void write_value(FILE *file, const mesh *m, const scene_load *load)
         fputs(" to ", file);
         html_number(file, high);
     }
+    html_unit(file, words_unit(m->scene, words_of_load(load), unit));
 }
 
 static void write_load(FILE *file, const mesh *m, const scene_load *load)
 {
     static const char *const type[] = {"point", "line", "face", "weight", "temperature"};
-    static const char *const per[] = {"", " per length", " per area", " as gravity", ""};
+    static const char *const follows[] = {"", " at rest; turns with the surface", " as deformed; turns with the surface"};
+    const int pressed = load->type == LOAD_FACE && load->follower != FOLLOWER_NONE;
     fprintf(file, "<tr><th scope=\"row\">Load: %s</th><td class=\"note\">", type[load->type]);
     write_value(file, m, load);
-    if (load->type == LOAD_TEMPERATURE) {
-        fputc(' ', file);
-        html_text(file, m->scene->unit_temperature);
-    } else {
-        fprintf(file, "%s along %s", per[load->type], component_word[load->component]);
-    }
+    if (load->type == LOAD_WEIGHT)
+        fputs(" as gravity", file);
+    if (pressed)
+        fprintf(file, " along the normal, per area%s", follows[load->follower]);
+    else if (load->type != LOAD_TEMPERATURE)
+        fprintf(file, " along %s", component_word[load->component]);
     if (load->type == LOAD_POINT || load->type == LOAD_LINE) {
         fputs(", ", file);
-        write_where(file, &load->where);
+        write_where(file, m->scene, &load->where);
     }
     if (load->type == LOAD_FACE || load->type == LOAD_POINT || load->type == LOAD_LINE)
         fprintf(file, ", %s", face_word[load->face]);
+    fputs("</td></tr>\n", file);
+}
+
+static void write_vector(FILE *file, const double x[3], const char *unit)
+{
+    for (int i = 0; i < 3; i++) {
+        fputs(i ? ", " : "(", file);
+        html_number(file, x[i]);
+    }
+    fputc(')', file);
+    html_unit(file, unit);
+}
+
+/* The rigid body that the shell may touch. */
+static void write_contact(FILE *file, const scene *s)
+{
+    static const char *const place[] = {"plane through ", "cylinder around ", "sphere around ", "body psi(x, y, z) &lt; 0"};
+    const scene_body *body = &s->contact.body;
+    fprintf(file, "<tr><th scope=\"row\">Contact</th><td class=\"note\">%s on a rigid %s", face_word[s->contact.face], place[body->type]);
+    if (body->type != BODY_PSI)
+        write_vector(file, body->point, s->unit_length);
+    if (body->type == BODY_PLANE || body->type == BODY_CYLINDER) {
+        fputs(body->type == BODY_PLANE ? ", normal " : ", along ", file);
+        write_vector(file, body->type == BODY_PLANE ? body->normal : body->axis, "");
+    }
+    if (body->type == BODY_CYLINDER || body->type == BODY_SPHERE) {
+        fputs(", radius ", file);
+        html_quantity(file, body->radius, s->unit_length);
+    }
+    if (s->contact.move[0] != 0 || s->contact.move[1] != 0 || s->contact.move[2] != 0) {
+        fputs("; moved by ", file);
+        write_vector(file, s->contact.move, s->unit_length);
+    }
     fputs("</td></tr>\n", file);
 }
 
@@ -224,19 +270,21 @@ static void write_actuator(FILE *file, const scene *s, const scene_actuator *act
 void parts_conditions(FILE *file, const design *d)
 {
     const scene *s = d->scene;
-    fputs("<div class=\"wide\"><table><caption>Supports, loads and actuators</caption><tbody>\n", file);
+    html_table_begin(file, "Supports, loads and actuators", NULL);
     for (int k = 0; k < s->supports; k++) {
         fputs("<tr><th scope=\"row\">Support</th><td class=\"note\">", file);
-        write_where(file, &s->support[k].where);
+        write_where(file, s, &s->support[k].where);
         fputs(": ", file);
         write_fix(file, &s->support[k], d->mesh.unknowns);
         fputs("</td></tr>\n", file);
     }
     for (int k = 0; k < s->loads; k++)
         write_load(file, &d->mesh, &s->load[k]);
+    if (s->contact.given)
+        write_contact(file, s);
     for (int k = 0; k < s->actuators; k++)
         write_actuator(file, s, &s->actuator[k]);
-    fputs("</tbody></table></div>\n", file);
+    html_table_end(file);
 }
 
 /* ---- misfit ----------------------------------------------------------- */
@@ -253,6 +301,28 @@ void parts_misfit(const design *d, const double *shape, const double *target, co
         for (int i = 0; i < 3; i++)
             wanted[3 * n + i] = vector[3 * n + i] - misfit[n] * along[i];
     }
+}
+
+int parts_shape(FILE *file, const draw_view *view, const design *d, const double *vector, const double *wanted, const double *misfit,
+                double factor, const draw_scale *scale)
+{
+    const mesh *m = &d->mesh;
+    const space reached = {file, view, m, vector, factor}, aimed = {file, view, m, wanted, factor}, rest = {file, view, m, NULL, 0};
+    draw_begin(file, view->width, view->height, "Reached shape in space, coloured by its misfit, with the target as lines over it");
+    space_outline(&rest);
+    const int failed = space_surface(&reached, misfit, scale);
+    space_wires(&aimed, "wire");
+    if (d->scene->target.what.where.type == WHERE_POINT)
+        space_dot(&aimed, d->target_node[0]);
+    space_axes(&reached);
+    draw_end(file);
+    return failed;
+}
+
+void parts_keys(FILE *file, const char *more)
+{
+    fprintf(file, "<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>edges at rest</span>"
+            "<span><i class=\"key hold\"></i>support</span>%s</p>\n", more);
 }
 
 /* ---- magnification ---------------------------------------------------- */

@@ -26,6 +26,16 @@ double parts_magnification(const mesh *m, double most, double share);
 /* Include the structure at rest and moved by factor times vector [nodes][3]. */
 void parts_include(draw_view *view, const mesh *m, const double *vector, double factor);
 
+/*
+ * Picture of a shape reached, coloured by its misfit, the target as lines over it, the edges at rest dashed.
+ *   vector, wanted [nodes][3], misfit [nodes] in  as parts_misfit has them
+ *   scale                                     in  of the misfit
+ * Returns 0, or -1 when memory runs out. parts_keys: its lines explained; more (markup) beside them.
+ */
+int parts_shape(FILE *file, const draw_view *view, const design *d, const double *vector, const double *wanted, const double *misfit,
+                double factor, const draw_scale *scale);
+void parts_keys(FILE *file, const char *more);
+
 /* Caption of a magnified drawing. */
 void parts_magnified(FILE *file, const mesh *m, double factor);
 

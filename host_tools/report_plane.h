@@ -1,4 +1,7 @@
-/* Pictures over the parameter plane: values as a map, volts in their patches. theta1 runs right, theta2 up. */
+/*
+ * Pictures over the parameter plane: values as a map, volts in their patches. theta1 runs down and theta2 across, as the rows
+ * and columns of the printed volts; a polar plate is drawn as the disc that it is, theta2 anticlockwise from the right.
+ */
 #ifndef REPORT_PLANE_H
 #define REPORT_PLANE_H
 

@@ -6,7 +6,6 @@
 #include "report_modes.h"
 #include "report_parts.h"
 #include "report_plane.h"
-#include "report_space.h"
 
 /* One set of volts with all that is drawn of it. */
 typedef struct result {
@@ -192,14 +191,14 @@ static void write_row(const page *p, const result *r, double worst_error)
     html_percent(file, r->volts->error);
     fprintf(file, "<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%.1f%%\"></i></span></td><td>",
             worst_error > 0 ? fmin(100 * r->volts->error / worst_error, 100) : 0);
-    html_quantity(file, r->worst, p->misfit.unit);
+    html_alike(file, r->worst, p->misfit.most, p->misfit.unit);
     fputs("</td><td>", file);
     if (is_limited(r->volts))
         fprintf(file, "%d of %d", r->volts->active, p->d->amplifiers);
     else
         fputs("&ndash;", file);
     fputs("</td><td>", file);
-    html_quantity(file, r->volt, p->volt.unit);
+    html_alike(file, r->volt, p->volt.most, p->volt.unit);
     fprintf(file, "</td><td>%s%d%s</td><td>", r->beyond ? "<b>" : "", r->beyond, r->beyond ? "</b>" : "");
     html_rough(file, r->volts->optimality);
     fputs("</td></tr>\n", file);
@@ -210,35 +209,24 @@ static void write_table(const page *p)
     double worst = 0;
     for (int k = 0; k < p->results; k++)
         worst = fmax(worst, p->result[k].volts->error);
-    fputs("<div class=\"wide\"><table><caption>Shape error: root of the weighted squares of the misfit over those of the target. "
-          "KKT: largest violated optimality condition, relative.</caption>\n<thead><tr><th scope=\"col\">Volts</th><th scope=\"col\">Limits</th>"
-          "<th scope=\"col\">Shape error</th><th scope=\"col\">Largest misfit</th><th scope=\"col\">At a limit</th><th scope=\"col\">Largest volt</th>"
-          "<th scope=\"col\">Beyond the<br>scene&rsquo;s limits</th><th scope=\"col\">KKT</th></tr></thead><tbody>\n",
-          p->file);
+    html_table_begin(p->file, "Shape error: root of the weighted squares of the misfit over those of the target. KKT: largest violated "
+                     "optimality condition, relative.",
+                     "<th scope=\"col\">Volts</th><th scope=\"col\">Limits</th><th scope=\"col\">Shape error</th>"
+                     "<th scope=\"col\">Largest misfit</th><th scope=\"col\">At a limit</th><th scope=\"col\">Largest volt</th>"
+                     "<th scope=\"col\">Beyond the<br>scene&rsquo;s limits</th><th scope=\"col\">KKT</th>");
     for (int k = 0; k < p->results; k++)
         write_row(p, &p->result[k], worst);
-    fputs("</tbody></table></div>\n", p->file);
+    html_table_end(p->file);
 }
 
 /* ---- pictures of one set ---------------------------------------------- */
 
 static int draw_reached(const page *p, const result *r)
 {
-    const mesh *m = &p->d->mesh;
-    const space reached = {p->file, &p->view, m, r->vector, p->factor}, wanted = {p->file, &p->view, m, r->wanted, p->factor};
-    const space rest = {p->file, &p->view, m, NULL, 0};
     fputs("<figure>\n", p->file);
-    draw_begin(p->file, p->view.width, p->view.height, "Reached shape in space, coloured by its misfit, with the target as lines over it");
-    space_outline(&rest);
-    const int failed = space_surface(&reached, r->misfit, &p->misfit);
-    space_wires(&wanted, "wire");
-    if (m->scene->target.what.where.type == WHERE_POINT)
-        space_dot(&wanted, p->d->target_node[0]);
-    space_supports(&reached);
-    space_axes(&reached);
-    draw_end(p->file);
+    const int failed = parts_shape(p->file, &p->view, p->d, r->vector, r->wanted, r->misfit, p->factor, &p->misfit);
     fputs("<figcaption>Reached shape and <b>target</b> as lines, ", p->file);
-    parts_magnified(p->file, m, p->factor);
+    parts_magnified(p->file, &p->d->mesh, p->factor);
     fputs(". Misfit on one scale for all sets:", p->file);
     draw_legend(p->file, &p->misfit);
     fputs("</figcaption></figure>\n", p->file);
@@ -251,7 +239,7 @@ static void draw_misfit(const page *p, const result *r)
     fputs("<figure>\n", p->file);
     plane_map(p->file, &p->d->mesh, r->misfit, &own, "Misfit, reached minus target, over theta1 and theta2");
     fputs("<figcaption>Misfit, reached minus target: largest <b>", p->file);
-    html_quantity(p->file, r->worst, own.unit);
+    html_alike(p->file, r->worst, r->worst, own.unit);
     fputs("</b>", p->file);
     if (p->target > 0) {
         fputs(" (", p->file);
@@ -259,7 +247,7 @@ static void draw_misfit(const page *p, const result *r)
         fputs(" of the largest target)", p->file);
     }
     fputs(", rms ", p->file);
-    html_quantity(p->file, r->rms, own.unit);
+    html_alike(p->file, r->rms, r->worst, own.unit);
     fputs(p->d->targets < p->d->mesh.nodes ? "; grey where nothing is wanted" : "", p->file);
     fputs(". Scale of this set:", p->file);
     draw_legend(p->file, &own);
@@ -288,7 +276,7 @@ static void draw_volts(const page *p, const result *r)
             write_plan(p, which);
             fputs("</h3>\n", p->file);
         }
-        plane_volts(p->file, &p->d->mesh, p->plan, which, r->volts->volt, r->outline, &p->volt, "Volts of the amplifiers, written in their patches");
+        plane_volts(p->file, &p->d->mesh, p->plan, which, r->volts->volt, r->outline, &p->volt, "Volts of the amplifiers, written in their patches where there is room");
     }
     fputs("<figcaption>Volts in their patches: largest <b>", p->file);
     html_quantity(p->file, r->volt, p->volt.unit);
@@ -345,9 +333,9 @@ static int page_write(const page *p)
     write_verdict(p);
     fputs("<section>\n<h2>Sets of volts</h2>\n", p->file);
     write_table(p);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>edges at rest</span><span><i class=\"key hold\"></i>support</span>"
-          "<span><i class=\"key stop\"></i> amplifier at its limit</span><span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span></p>\n",
-          p->file);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
+    parts_keys(p->file, "<span><i class=\"key stop\"></i> amplifier at its limit</span>"
+               "<span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span>");
     for (int k = 0; k < p->results; k++)
         failed |= draw_set(p, &p->result[k]);
     fputs("</section>\n", p->file);

@@ -6,7 +6,7 @@
 #include "report.h"
 #include "report_html.h"
 #include "report_parts.h"
-#include "report_space.h"
+#include "report_words.h"
 
 /* ---- record ----------------------------------------------------------- */
 
@@ -52,29 +52,63 @@ typedef struct page {
 
 /* ---- words ------------------------------------------------------------ */
 
+/* Does something not work as it should in a phase: an electrode, a sensor, the controller? */
+static int is_faulty(const simulation *s, const simulate_phase *phase)
+{
+    const scene_simulate *simulate = &s->nominal->design.scene->simulate;
+    for (int k = 0; k < s->nominal->design.amplifiers; k++)
+        if (!isnan(phase->held[k]))
+            return 1;
+    for (int k = 0; k < simulate->events; k++) {
+        const scene_event *event = &simulate->event[k];
+        const int passes = event->type == EVENT_NAN || event->type == EVENT_FROZEN || event->type == EVENT_LOST;
+        if (passes && event->tick < phase->until && event->tick + event->ticks > phase->from)
+            return 1;
+    }
+    return simulate->fault_chance > 0 && phase->from < simulate->fault_until;
+}
+
+/* The phase that ends farthest above its optimum; of those without faults where only_sound. Returns NULL where there is none. */
+static const simulate_phase *worst_phase(const simulation *s, int only_sound, double *above)
+{
+    const simulate_phase *worst = NULL;
+    for (int k = 0; k < s->phases; k++) {
+        const simulate_phase *phase = &s->phase[k];
+        const double here = phase->course[LAW_CONTROLLER].steady / phase->optimum - 1;
+        if ((only_sound && is_faulty(s, phase)) || (worst && !(here > *above)))
+            continue;
+        worst = phase;
+        *above = here;
+    }
+    return worst;
+}
+
 static void write_verdict(const page *p)
 {
-    const simulate_count *c = &p->s->count[LAW_CONTROLLER];
-    double worst = 0;
-    for (int k = 0; k < p->s->phases; k++)
-        worst = fmax(worst, p->s->phase[k].course[LAW_CONTROLLER].steady / p->s->phase[k].optimum - 1);
+    double above = 0, sound = 0;
+    const simulate_phase *worst = worst_phase(p->s, 0, &above);
     fprintf(p->file, "<p class=\"verdict\"><b>%ld volts beyond a limit or the slew</b> in %d ticks; at the end of every phase the shape error is ",
-            c->beyond, p->scene->simulate.ticks);
-    if (worst > 0) {
-        fputs("within ", p->file);
-        html_percent(p->file, worst);
-        fputs(" of", p->file);
+            p->s->count[LAW_CONTROLLER].beyond, p->scene->simulate.ticks);
+    if (above > 0) {
+        fputs("at most ", p->file);
+        html_percent(p->file, above);
+        fprintf(p->file, " above the optimum for that plant in the same limits (phase from tick %d", worst->from);
+        if (is_faulty(p->s, worst) && worst_phase(p->s, 1, &sound)) {
+            fputs(", ", p->file);
+            html_percent(p->file, fmax(sound, 0));
+            fputs(" in those without faults", p->file);
+        }
+        fputs(").</p>\n", p->file);
     } else {
-        fputs("no more than", p->file);
+        fputs("no more than the optimum for that plant in the same limits.</p>\n", p->file);
     }
-    fputs(" the optimum found for that plant in the same limits.</p>\n", p->file);
 }
 
 static void write_phase(const page *p, const simulate_phase *phase)
 {
     const simulate_course *c = phase->course;
-    char name[SIMULATE_NAME];
-    simulate_name(p->s, phase, name);
+    char name[WORDS_PHASE];
+    words_phase(p->s, phase, name);
     fprintf(p->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
     html_text(p->file, name);
     fputs("</td><td>", p->file);
@@ -95,15 +129,16 @@ static void write_phase(const page *p, const simulate_phase *phase)
 
 static void write_phases(const page *p)
 {
-    fputs("<div class=\"wide\"><table><caption>Shape error: root of the weighted squares of the misfit over those of the scene&rsquo;s target. Steady: over the "
-          "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clamped: the unlimited optimum cut to limits and slew, same "
-          "plant and sensors. Settled: ticks until the shape stays within 5 % of its way. Slew: ticks the slew alone needs.</caption>\n"
-          "<thead><tr><th scope=\"col\">Tick</th><th scope=\"col\" class=\"word\">What happens</th><th scope=\"col\">Optimum</th><th scope=\"col\">Steady</th>"
-          "<th scope=\"col\">Clamped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th><th scope=\"col\">Slew</th></tr></thead><tbody>\n",
-          p->file);
+    html_table_begin(p->file, "Shape error: root of the weighted squares of the misfit over those of the scene&rsquo;s target. Steady: over the "
+                     "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clamped: the unlimited optimum cut to "
+                     "limits and slew, same plant and sensors. Settled: ticks until the shape stays within 5 % of its way. Slew: ticks the slew "
+                     "alone needs.",
+                     "<th scope=\"col\">Tick</th><th scope=\"col\" class=\"note\">What happens</th><th scope=\"col\">Optimum</th>"
+                     "<th scope=\"col\">Steady</th><th scope=\"col\">Clamped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th>"
+                     "<th scope=\"col\">Slew</th>");
     for (int k = 0; k < p->s->phases; k++)
         write_phase(p, &p->s->phase[k]);
-    fputs("</tbody></table></div>\n", p->file);
+    html_table_end(p->file);
 }
 
 /* What not every controller does. */
@@ -113,7 +148,7 @@ static void write_extras(const page *p, const simulate_count *c)
     char text[SCENE_ERROR];
     if (p->s->estimates) {
         estimator_text(&p->s->estimator, p->s->nominal, text);
-        fputs("<p>The shape is estimated: ", p->file);
+        fprintf(p->file, "<p>The shape is estimated. By the influence %s, ", words_influence(p->scene));
         html_text(p->file, text);
         fputs(".</p>\n", p->file);
     }
@@ -131,15 +166,15 @@ static void write_extras(const page *p, const simulate_count *c)
 static void write_counts(const page *p)
 {
     static const char *const name[LAWS] = {"Controller", "Clamped"};
-    fputs("<div class=\"wide\"><table><caption>Ticks of both laws</caption><thead><tr><th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
-          "<th scope=\"col\">Not finite</th><th scope=\"col\">Lost</th><th scope=\"col\">Held</th><th scope=\"col\">A sensor doubted</th>"
-          "<th scope=\"col\">Out of passes</th><th scope=\"col\">Most passes</th></tr></thead><tbody>\n", p->file);
+    html_table_begin(p->file, "Ticks of both laws", "<th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
+                     "<th scope=\"col\">Not finite</th><th scope=\"col\">Lost</th><th scope=\"col\">Held</th><th scope=\"col\">A sensor doubted</th>"
+                     "<th scope=\"col\">Out of passes</th><th scope=\"col\">Most passes</th>");
     for (int law = 0; law < LAWS; law++) {
         const simulate_count *c = &p->s->count[law];
         fprintf(p->file, "<tr><th scope=\"row\">%s</th><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%d</td></tr>\n", name[law],
                 c->beyond, c->not_finite, c->lost, c->status[PZS_W_HELD], c->status[PZS_W_SENSOR], c->status[PZS_W_PASSES], c->passes_most);
     }
-    fputs("</tbody></table></div>\n", p->file);
+    html_table_end(p->file);
     write_extras(p, &p->s->count[LAW_CONTROLLER]);
 }
 
@@ -177,24 +212,37 @@ static double x_of(const page *p, double tick)
     return left + (right - left) * tick / p->r->ticks;
 }
 
+enum { TICK_ROWS = 3, TICK_ROW = 13, TICK_ROOM = 34, END_ROOM = 110, FOOT = TICK_ROWS * TICK_ROW + 6 };
+
+/* Ticks of the phases in rows below one another, each in the first row that has room; the end of time in the first. */
+static void draw_ticks(const page *p, double bottom)
+{
+    double taken[TICK_ROWS] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int k = 0; k < p->s->phases; k++) {
+        const double x = x_of(p, p->s->phase[k].from);
+        int row = x > right - END_ROOM;
+        while (row < TICK_ROWS && x < taken[row] + TICK_ROOM)
+            row++;
+        if (row == TICK_ROWS)
+            continue;
+        taken[row] = x;
+        if (row > 0)
+            fprintf(p->file, "<path class=\"grid\" d=\"M%.1f %.1fv%d\"/>", x, bottom, 3 + row * TICK_ROW);
+        fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>\n", x, bottom + 13 + row * TICK_ROW, p->s->phase[k].from);
+    }
+    fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">tick %d, ", right, bottom + 13, p->r->ticks);
+    html_quantity(p->file, p->r->ticks / p->scene->simulate.rate, "s");
+    fputs("</text>\n", p->file);
+}
+
 /* Verticals at the phases, their ticks below. */
 static void draw_phases(const page *p, double bottom)
 {
-    double last = -100;
     fputs("<path class=\"grid\" d=\"", p->file);
     for (int k = 1; k < p->s->phases; k++)
         fprintf(p->file, "M%.1f %.1fV%.1f", x_of(p, p->s->phase[k].from), top, bottom);
     fprintf(p->file, "\"/>\n<rect class=\"frame\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n", left, top, right - left, bottom - top);
-    for (int k = 0; k < p->s->phases; k++) {
-        const double x = x_of(p, p->s->phase[k].from);
-        if (x < last + 40 || x > right - 90)
-            continue;
-        fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>\n", x, bottom + 14, p->s->phase[k].from);
-        last = x;
-    }
-    fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">tick %d, ", right, bottom + 14, p->r->ticks);
-    html_quantity(p->file, p->r->ticks / p->scene->simulate.rate, "s");
-    fputs("</text>\n", p->file);
+    draw_ticks(p, bottom);
 }
 
 typedef struct log_axis { double low, high, bottom; } log_axis;
@@ -256,7 +304,7 @@ static void draw_errors(const page *p)
     const log_axis axis = axis_of(p, 250);
     static const char *const style[LAWS] = {"wire", "rest"};
     fputs("<figure>\n", p->file);
-    draw_begin(p->file, 1160, 270, "Shape error over time of the controller and of clamping, with the optimum of each phase");
+    draw_begin_chart(p->file, 1160, axis.bottom + FOOT, "Shape error over time of the controller and of clamping, with the optimum of each phase");
     draw_levels(p, &axis);
     draw_phases(p, axis.bottom);
     for (int law = LAWS - 1; law >= 0; law--)
@@ -267,7 +315,7 @@ static void draw_errors(const page *p)
     for (int k = 0; k < p->s->phases; k++)
         fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, p->s->phase[k].from), y_of(&axis, p->s->phase[k].optimum), x_of(p, p->s->phase[k].until));
     fputs("\"/>\n", p->file);
-    draw_end(p->file);
+    draw_end_chart(p->file);
     fputs("<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clamped</span>"
           "<span><i class=\"key dash\"></i>optimum of the plant</span></span> Shape error, logarithmic", p->file);
     if (p->s->estimates)
@@ -308,7 +356,7 @@ static void draw_volts(const page *p)
     for (int i = 0; i < p->r->bins * p->r->amplifiers; i++)
         scale.most = fmax(scale.most, fabs(p->r->volt[i]));
     fputs("<figure>\n", p->file);
-    draw_begin(p->file, 1160, bottom + 20, "Volts of every amplifier over time, with a line where one is at a limit");
+    draw_begin_chart(p->file, 1160, bottom + FOOT, "Volts of every amplifier over time, with a line where one is at a limit");
     fputs("<g class=\"flat\">\n", p->file);
     for (int k = 0; k < p->r->amplifiers; k++)
         draw_row(p, k, &scale, top + height * k, height);
@@ -321,7 +369,7 @@ static void draw_volts(const page *p)
         fputs("</text>\n", p->file);
     }
     draw_phases(p, bottom);
-    draw_end(p->file);
+    draw_end_chart(p->file);
     fputs("<figcaption>Volts of the amplifiers under the controller, a row each; the line within marks those at a limit.", p->file);
     draw_legend(p->file, &scale);
     fputs("</figcaption></figure>\n", p->file);
@@ -340,20 +388,11 @@ static void take_shape(const page *p, const simulate_phase *phase, simulate_law 
 
 static int draw_shape(const page *p, const simulate_phase *phase, simulate_law law)
 {
-    const mesh *m = &p->s->nominal->design.mesh;
     take_shape(p, phase, law);
-    const space reached = {p->file, &p->view, m, p->vector, p->factor}, wanted = {p->file, &p->view, m, p->wanted, p->factor};
-    const space rest = {p->file, &p->view, m, NULL, 0};
     fprintf(p->file, "<figure><h3>%s ", law == LAW_CONTROLLER ? "Controller" : "Clamped");
     html_percent(p->file, phase->course[law].steady);
     fputs("</h3>\n", p->file);
-    draw_begin(p->file, p->view.width, p->view.height, "Shape at the end of the phase, coloured by its misfit, with the target as lines over it");
-    space_outline(&rest);
-    const int failed = space_surface(&reached, p->misfit, &p->scale);
-    space_wires(&wanted, "wire");
-    space_supports(&reached);
-    space_axes(&reached);
-    draw_end(p->file);
+    const int failed = parts_shape(p->file, &p->view, &p->s->nominal->design, p->vector, p->wanted, p->misfit, p->factor, &p->scale);
     fputs("</figure>\n", p->file);
     return failed;
 }
@@ -391,12 +430,12 @@ static void prepare_shapes(page *p)
 static int draw_shapes(const page *p)
 {
     int failed = 0;
-    fputs("<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>edges at rest</span><span><i class=\"key hold\"></i>support</span></p>\n", p->file);
+    parts_keys(p->file, "");
     for (int k = 0; k < p->s->phases; k++) {
-        char name[SIMULATE_NAME];
+        char name[WORDS_PHASE];
         if (!is_worth_seeing(p->s, k))
             continue;
-        simulate_name(p->s, &p->s->phase[k], name);
+        words_phase(p->s, &p->s->phase[k], name);
         fprintf(p->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;", p->s->phase[k].until - 1);
         html_text(p->file, name);
         fputs("&rdquo;</h3>\n<div class=\"row two\">\n", p->file);

@@ -2,9 +2,10 @@
 #include "report_space.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include "report_html.h"
 
-enum { MOST_CELLS = 32, MOST_PIECES = 1100, MOST_WIRES = 24, MOST_BENDS = 80 };
+enum { MOST_CELLS = 48, MOST_PIECES = 1100, MOST_WIRES = 24, MOST_BENDS = 80 };
 
 static void node_at(const space *f, int node, double at[2])
 {
@@ -13,12 +14,26 @@ static void node_at(const space *f, int node, double at[2])
     draw_project(f->view, x, at);
 }
 
+/* ---- marks of nodes --------------------------------------------------- */
+
+static int node_of(const space *f, const scene_where *point)
+{
+    return mesh_node(f->m, point->node[0], point->node[1]);
+}
+
+static void circle(const space *f, const char *style, const double at[2], double radius)
+{
+    if (isfinite(at[0]) && isfinite(at[1]))
+        fprintf(f->file, "<circle class=\"%s\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>\n", style, at[0], at[1], radius);
+}
+
 /* ---- surface ---------------------------------------------------------- */
 
 /* A cell of the drawing: some whole elements; corners in the order of an element. */
 typedef struct cell {
     double depth;
     int index, node[4];
+    int line[2][2]; /* mesh lines around it */
 } cell;
 
 static int farther_first(const void *x, const void *y)
@@ -33,6 +48,7 @@ static void cell_place(const space *f, cell *c, const int line[2][2])
 {
     static const int side[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     c->depth = 0;
+    memcpy(c->line, line, sizeof c->line);
     for (int r = 0; r < 4; r++) {
         double x[3];
         c->node[r] = mesh_node(f->m, line[0][side[r][0]], line[1][side[r][1]]);
@@ -84,18 +100,43 @@ static void cell_paint(const space *f, const cell *c, const double *given, const
     fputs("z\"/>\n", f->file);
 }
 
-/* Nodes with a value where the surface could not show it: some of their neighbours have none. */
+/* Does a cell lie on that edge of the mesh? */
+static int on_edge(const space *f, const cell *c, scene_edge edge)
+{
+    const int a = edge == EDGE_THETA2_MINUS || edge == EDGE_THETA2_PLUS, plus = edge == EDGE_THETA1_PLUS || edge == EDGE_THETA2_PLUS;
+    return c->line[a][plus] == (plus ? f->m->scene->line[a].elements : 0);
+}
+
+/* Supports on a cell: thick sides, dots. */
+static void cell_supports(const space *f, const cell *c)
+{
+    static const int corner[5][2] = {{0, 0}, {3, 0}, {1, 2}, {0, 1}, {3, 2}}; /* ends of each edge */
+    for (int k = 0; k < f->m->scene->supports; k++) {
+        const scene_where *where = &f->m->scene->support[k].where;
+        double from[2], to[2];
+        if (where->type == WHERE_EDGE && on_edge(f, c, where->edge)) {
+            node_at(f, c->node[corner[where->edge][0]], from);
+            node_at(f, c->node[corner[where->edge][1]], to);
+            fprintf(f->file, "<path class=\"held\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n", from[0], from[1], to[0], to[1]);
+        } else if (where->type == WHERE_POINT && where->node[0] >= c->line[0][0] && where->node[0] <= c->line[0][1]
+                   && where->node[1] >= c->line[1][0] && where->node[1] <= c->line[1][1]) {
+            node_at(f, node_of(f, where), from);
+            circle(f, "pin", from, 4);
+        }
+    }
+}
+
+/* Nodes with a value where the surface cannot show it. */
 static void lone_values(const space *f, const double *value, const draw_scale *scale)
 {
-    int none = 0;
-    for (int n = 0; n < f->m->nodes; n++)
-        none += isnan(value[n]) != 0;
-    for (int n = 0; none > 0 && n < f->m->nodes; n++)
-        if (!isnan(value[n])) {
-            double at[2];
-            node_at(f, n, at);
-            draw_disc(f->file, scale, value[n], at);
-        }
+    for (int i = 0; i < f->m->lines[0]; i++)
+        for (int j = 0; j < f->m->lines[1]; j++)
+            if (draw_is_lone(f->m, value, i, j)) {
+                const int n = mesh_node(f->m, i, j);
+                double at[2];
+                node_at(f, n, at);
+                draw_disc(f->file, scale, value[n], at);
+            }
 }
 
 int space_surface(const space *f, const double *value, const draw_scale *scale)
@@ -108,8 +149,10 @@ int space_surface(const space *f, const double *value, const draw_scale *scale)
     while (pieces < 6 && (pieces + 1) * (pieces + 1) * count <= MOST_PIECES)
         pieces++;
     fputs("<g class=\"cells\">\n", f->file);
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < count; k++) {
         cell_paint(f, &cells[k], value, scale, pieces);
+        cell_supports(f, &cells[k]);
+    }
     lone_values(f, value, scale);
     fputs("</g>\n", f->file);
     free(cells);
@@ -166,40 +209,11 @@ void space_outline(const space *f)
 
 /* ---- marks ------------------------------------------------------------ */
 
-static int node_of(const space *f, const scene_where *point)
-{
-    return mesh_node(f->m, point->node[0], point->node[1]);
-}
-
-static void circle(const space *f, const char *style, const double at[2], double radius)
-{
-    if (isfinite(at[0]) && isfinite(at[1]))
-        fprintf(f->file, "<circle class=\"%s\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>\n", style, at[0], at[1], radius);
-}
-
 void space_dot(const space *f, int node)
 {
     double at[2];
     node_at(f, node, at);
     circle(f, "dot", at, 3.5);
-}
-
-void space_supports(const space *f)
-{
-    for (int k = 0; k < f->m->scene->supports; k++) {
-        const scene_where *where = &f->m->scene->support[k].where;
-        const int along = where->edge == EDGE_THETA1_MINUS || where->edge == EDGE_THETA1_PLUS;
-        const int plus = where->edge == EDGE_THETA1_PLUS || where->edge == EDGE_THETA2_PLUS;
-        if (where->type == WHERE_EDGE) {
-            fputs("<path class=\"held\" d=\"", f->file);
-            trace(f, along, plus ? f->m->scene->line[1 - along].elements : 0);
-            fputs("\"/>\n", f->file);
-        } else if (where->type == WHERE_POINT) {
-            double at[2];
-            node_at(f, node_of(f, where), at);
-            circle(f, "pin", at, 4);
-        }
-    }
 }
 
 /* Direction of a load in the picture; its length is that of a unit vector seen from here. */

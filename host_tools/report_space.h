@@ -16,7 +16,7 @@ typedef struct space {
     double factor;
 } space;
 
-/* Surface coloured by value [nodes], farther parts first; NaN is grey. Returns 0, or -1 when memory runs out. */
+/* Surface coloured by value [nodes] with its supports, farther parts first; NaN is grey. Returns 0, or -1 when memory runs out. */
 int space_surface(const space *f, const double *value, const draw_scale *scale);
 
 /* Are elements or mesh lines left out of the drawings, for there are too many? */
@@ -30,9 +30,6 @@ void space_outline(const space *f);
 
 /* A dot at a node. */
 void space_dot(const space *f, int node);
-
-/* Supports as thick edges and dots. */
-void space_supports(const space *f);
 
 /* Point loads as arrows, named points with their names. */
 void space_loads(const space *f);

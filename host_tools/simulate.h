@@ -112,8 +112,4 @@ int simulate_optima(simulation *s, char *error);
 /* Ticks in which the law ran. */
 long simulate_ran(const simulate_count *count);
 
-/* The events of a phase in words. */
-enum { SIMULATE_NAME = 160 };
-void simulate_name(const simulation *s, const simulate_phase *phase, char text[SIMULATE_NAME]);
-
 #endif
