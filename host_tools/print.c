@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "model.h"
-#include "report_words.h"
+#include "words.h"
 #include "tables.h"
 
 /* ---- head ------------------------------------------------------------- */

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "print.h"
+#include "words.h"
 
 /* Name of electrode k, and how it is connected. */
 static const char *connection(const design *d, int k, char name[SCENE_LABEL])
@@ -18,10 +19,14 @@ static const char *connection(const design *d, int k, char name[SCENE_LABEL])
 void print_electrodes(analysis *a)
 {
     const design *d = &a->design;
-    char name[SCENE_LABEL];
+    char name[SCENE_LABEL], unit[2][WORDS_UNIT], head[2][2 * WORDS_UNIT];
     if (d->electrodes.count == 0)
         return;
-    printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", "volts", "charge", "capacitance, held", "free");
+    words_unit(d->scene, QUANTITY_VOLTAGE, unit[0]);
+    words_unit(d->scene, QUANTITY_CHARGE, unit[1]);
+    for (int k = 0; k < 2; k++)
+        snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", k ? "charge" : "volts", unit[k]);
+    printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", head[0], head[1], "capacitance, held", "free");
     for (int k = 0; k < d->electrodes.count; k++) {
         const char *circuit = connection(d, k, name);
         printf("  %-20s %-8s %14.6e %14.6e %18.6e ", name, circuit, a->amount[d->electrodes.input[k]], a->charge[k], analysis_capacitance(a, k, 0));

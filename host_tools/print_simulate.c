@@ -1,7 +1,7 @@
 /* A simulation in words and numbers (print_simulate.h). */
 #include "print_simulate.h"
 #include "print.h"
-#include "report_words.h"
+#include "words.h"
 
 static const char *const law_name[LAWS] = {"controller", "clamped"};
 

@@ -9,7 +9,7 @@
 #include "report_parts.h"
 #include "report_plane.h"
 #include "report_space.h"
-#include "report_words.h"
+#include "words.h"
 
 void report_displacement(const mesh *m, const double *u, double *vector)
 {

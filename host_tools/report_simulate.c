@@ -6,7 +6,7 @@
 #include "report.h"
 #include "report_html.h"
 #include "report_parts.h"
-#include "report_words.h"
+#include "words.h"
 
 /* ---- record ----------------------------------------------------------- */
 

@@ -18,6 +18,8 @@
  * an error (PZS_E_...), except where it says so; a warning (PZS_W_...) comes
  * with a usable answer. Arrays are row-major; units are those of the scene,
  * written here as m, N, V, K.
+ *
+ * [P n] are the equations of S. V. Plotnikova's dissertation (Tambov 2013) that a part carries out.
  */
 #ifndef PZS_H
 #define PZS_H
@@ -192,7 +194,7 @@ typedef struct pzs_model {
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work, size_t bytes);
 
 /*
- * Sum the element matrices into the envelope: K = sum_e P_e^T K_kind(e) P_e.
+ * Sum the element matrices [P 10-16] into the envelope: K = sum_e P_e^T K_kind(e) P_e.
  *   stiffness_factor [kinds] in  multiplies each kind's matrix; NULL: 1
  *   held             [dof]   in  nonzero: an unknown held at zero besides the supports; NULL: none
  * Both arrays must outlive the following solves. Errors: ARGUMENT (also a negative factor), STAGE, NONFINITE.
@@ -267,7 +269,7 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
                              size_t bytes);
 
 /*
- * Charges per unit of every input at rest, one solve an electrode; after each pzs_factor.
+ * Charges per unit of every input at rest [P 49-55], one solve an electrode; after each pzs_factor.
  * Errors: ARGUMENT, STAGE, those of pzs_solve, NEGATIVE: an open electrode without capacitance (where = electrode).
  */
 pzs_status pzs_electric_factor(pzs_electric *electric);
@@ -384,7 +386,8 @@ void pzs_path_rest(pzs_path *path);
 /*
  * Equilibrium under the amounts, from the shape reached so far: the whole way in `steps` load steps, and where a
  * step does not settle (40 systems, twice as many near the end, fewer where it runs wild), in halves of it, down to 1/64.
- * Newton's method with independent resultants.
+ * Newton's method with independent resultants H [P 17-22]: K(u, H) du = f - L(u)'H, where H is not that of u but was
+ * extrapolated along the last du, H + D (L du), and is that of u at the end.
  *   amount [inputs] in
  * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT (also a choice out of range, of an option's,
  * too), STAGE, NONFINITE (where = input); DIVERGED, LIMIT, CONTACT, SYSTEMS: path->u is the last equilibrium, at
@@ -403,7 +406,7 @@ pzs_status pzs_influence_at(pzs_path *path, pzs_real *influence);
 
 /* ---- option: follower loads (lib/follower.c) -------------------------- */
 
-/* A pressure that turns with a face. All arrays const, in flash. */
+/* A pressure that turns with a face [P 23-31]. All arrays const, in flash. */
 typedef struct pzs_follower {
     uint32_t format, scene;   /* those of the structure */
     uint32_t crc;             /* over all that follows, each of the four choices as 16 bits */
@@ -448,7 +451,7 @@ typedef struct pzs_circuit {
      sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + sizeof(uint16_t) * (size_t)(open))
 
 /*
- * Let open electrodes take part in a path at rest; tables must outlive it. Their volts are unknowns of the same
+ * Let open electrodes [P 49-55] take part in a path at rest; tables must outlive it. Their volts are unknowns of the same
  * Newton's method, found in path->amount whatever was asked for; pzs_influence_at gives their columns per unit of charge.
  * Errors: ARGUMENT (also attached already), FORMAT, CRC, WORKSPACE (path->where = bytes needed).
  */
@@ -465,7 +468,7 @@ pzs_status pzs_charges_at(const pzs_path *path, const pzs_electrodes *tables, pz
 
 /* ---- option: contact with a rigid convex body (lib/contact.c) --------- */
 
-/* A body by its signed distance. */
+/* A body by its signed distance [P 32-46]. */
 typedef struct pzs_body {
     /* Distance of x from the body, > 0 outside (m); normal [3] = its gradient, hessian [3][3] (1/m). */
     pzs_real (*gap)(const struct pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);

@@ -1,6 +1,6 @@
 /* Words that the report pages and the terminal share: units of a scene's numbers, what happens in a simulation. */
-#ifndef REPORT_WORDS_H
-#define REPORT_WORDS_H
+#ifndef WORDS_H
+#define WORDS_H
 
 #include "simulate.h"
 

@@ -1,5 +1,5 @@
-/* Words that the report pages and the terminal share (report_words.h). */
-#include "report_words.h"
+/* Words that the report pages and the terminal share (words.h). */
+#include "words.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
