@@ -4,10 +4,12 @@
  *
  *   sweep_path [full]   half the meshes and half the loads, or all of them; progress on stderr, TAP on stdout
  */
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 #include "scene_run.h"
 
 enum { MESHES = 10, FEW = 5, LEVELS = 20, STATUSES = 5 };
@@ -151,14 +153,16 @@ int main(int argc, char **argv)
             for (int mesh = 0; mesh < (full ? MESHES : FEW) && in_time; mesh++) {
                 opened &= run_mesh(&shells[s], mesh, elements[e], full ? 1 : 2, &here);
                 in_time = (double)(clock() - began) / CLOCKS_PER_SEC < limit;
-                fprintf(stderr, "\r%s %s, mesh %d of %d, %.0f s   ", shells[s].scene, elements[e], mesh + 1, full ? MESHES : FEW,
-                        (double)(clock() - began) / CLOCKS_PER_SEC);
+                if (isatty(2))
+                    fprintf(stderr, "\r%s %s, mesh %d of %d, %.0f s   ", shells[s].scene, elements[e], mesh + 1, full ? MESHES : FEW,
+                            (double)(clock() - began) / CLOCKS_PER_SEC);
             }
             snprintf(name, sizeof name, "%s, %s", shells[s].scene, elements[e]);
             print(name, &here);
             add(&all, &here);
         }
-    fprintf(stderr, "\n");
+    if (isatty(2))
+        fputc('\n', stderr);
     print("all", &all);
     const int ok[3] = {opened && in_time, all.unbalanced == 0, all.unnamed == 0};
     printf("1..3\n");
