@@ -1,8 +1,9 @@
 /* A firmware in the loop (device.h). */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include "device.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <ftw.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -97,11 +98,19 @@ int device_build(const device_board *board, const char *folder, char error[DEVIC
     return -1;
 }
 
+static int remove_entry(const char *path, const struct stat *there, int type, struct FTW *at)
+{
+    (void)there;
+    (void)type;
+    (void)at;
+    return remove(path);
+}
+
 void device_remove(const char *folder)
 {
-    const char *const argument[] = {"rm", "-rf", "--", folder, NULL};
+    enum { MOST_OPEN = 16 };
     if (folder[0])
-        (void)run(argument);
+        (void)nftw(folder, remove_entry, MOST_OPEN, FTW_DEPTH | FTW_PHYS);
 }
 
 /* ---- frames ----------------------------------------------------------- */
