@@ -463,8 +463,9 @@ pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_co
     if (status != PZS_OK)
         return status;
     const uint16_t nodes = path->model->structure->nodes;
-    if (bytes < PZS_CONTACT_BYTES(nodes) || (uintptr_t)work % sizeof(pzs_real) != 0) {
-        path->where = (int32_t)PZS_CONTACT_BYTES(nodes);
+    const int32_t lacking = guard_short(work, bytes, PZS_CONTACT_BYTES(nodes));
+    if (lacking >= 0) {
+        path->where = lacking;
         return PZS_E_WORKSPACE;
     }
     if (nonlinear_is_attached(path, &contact->option))

@@ -429,8 +429,9 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
     const pzs_status status = check(problem, use, &c.where);
     if (status != PZS_OK)
         return finish(control, status, c.where);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
-        return finish(control, PZS_E_WORKSPACE, (int32_t)need);
+    const int32_t lacking = guard_short(work, bytes, need);
+    if (lacking >= 0)
+        return finish(control, PZS_E_WORKSPACE, lacking);
     memset(work, 0, need);
     lay_out(&c, work);
     for (uint32_t k = 0; k < problem->inputs; k++)

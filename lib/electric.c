@@ -4,6 +4,7 @@
  * f the force of a volt, which turns with the shell. dV is taken out by a Schur complement on the factor of K.
  */
 #include "electrode.h"
+#include "guard.h"
 #include "linalg.h"
 #include "model.h"
 #include "nonlinear.h"
@@ -121,13 +122,6 @@ static int prepare(pzs_option *option, pzs_path *path)
     return 1;
 }
 
-static void add(pzs_option *option, pzs_path *path, pzs_real *load)
-{
-    (void)option;
-    (void)path;
-    (void)load;
-}
-
 static void solved(pzs_option *option, pzs_path *path, const pzs_real *du)
 {
     pzs_circuit *c = circuit_of(option);
@@ -167,7 +161,7 @@ static void rest(pzs_option *option, pzs_path *path)
 }
 
 static const struct pzs_option_calls calls = {
-    .prepare = prepare, .add = add, .solved = solved, .settled = settled, .unsettled = PZS_E_DIVERGED, .keep = keep,
+    .prepare = prepare, .solved = solved, .settled = settled, .unsettled = PZS_E_DIVERGED, .keep = keep,
     .restore = restore, .rest = rest, .condense = condense,
 };
 
@@ -179,9 +173,9 @@ pzs_status pzs_attach_circuit(pzs_path *path, pzs_circuit *c, const pzs_electrod
     if (status != PZS_OK)
         return status;
     const uint32_t open = electrode_open_count(tables);
-    const size_t need = PZS_CIRCUIT_BYTES(tables->count, open);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0) {
-        path->where = need > INT32_MAX ? INT32_MAX : (int32_t)need;
+    const int32_t lacking = guard_short(work, bytes, PZS_CIRCUIT_BYTES(tables->count, open));
+    if (lacking >= 0) {
+        path->where = lacking;
         return PZS_E_WORKSPACE;
     }
     if (nonlinear_is_attached(path, &c->option))

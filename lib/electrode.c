@@ -108,9 +108,9 @@ pzs_status pzs_electric_init(pzs_electric *e, pzs_model *model, const pzs_electr
     if (status != PZS_OK)
         return status;
     const uint32_t inputs = model->structure->input.count, open = electrode_open_count(tables);
-    const size_t need = PZS_ELECTRIC_BYTES(tables->count, open, inputs);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
-        return fail(e, PZS_E_WORKSPACE, need > INT32_MAX ? INT32_MAX : (int32_t)need);
+    const int32_t lacking = guard_short(work, bytes, PZS_ELECTRIC_BYTES(tables->count, open, inputs));
+    if (lacking >= 0)
+        return fail(e, PZS_E_WORKSPACE, lacking);
     e->model = model;
     e->tables = tables;
     e->charge = work;

@@ -65,8 +65,9 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control, const
     if (status != PZS_OK)
         return finish(estimate, status, -1);
     const size_t need = PZS_ESTIMATE_BYTES(tables->sensors), padded = FOURS(tables->sensors);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
-        return finish(estimate, PZS_E_WORKSPACE, (int32_t)need);
+    const int32_t lacking = guard_short(work, bytes, need);
+    if (lacking >= 0)
+        return finish(estimate, PZS_E_WORKSPACE, lacking);
     memset(work, 0, need);
     pzs_real *at = work;
     estimate->control = control;

@@ -20,6 +20,7 @@
 #include "boxls.h"
 #include "control.h"
 #include "electrode.h"
+#include "guard.h"
 #include "linalg.h"
 #include "sense.h"
 
@@ -144,8 +145,9 @@ pzs_status pzs_watch_init(pzs_watch *watch, pzs_control *control, uint16_t delay
         return finish(watch, status, -1);
     const pzs_problem *p = control->problem;
     const size_t need = PZS_WATCH_BYTES(p->inputs, p->outputs, delay);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
-        return finish(watch, PZS_E_WORKSPACE, (int32_t)need);
+    const int32_t lacking = guard_short(work, bytes, need);
+    if (lacking >= 0)
+        return finish(watch, PZS_E_WORKSPACE, lacking);
     memset(work, 0, need);
     watch->control = control;
     watch->delay = delay;

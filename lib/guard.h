@@ -12,6 +12,17 @@ uint32_t guard_crc(uint32_t crc, const void *data, size_t bytes);
 /* Index of the first entry of x [n] that is NaN or infinite, or -1. */
 int32_t guard_nonfinite(const pzs_real *x, uint32_t n);
 
+/*
+ * Will a workspace do, aligned for pzs_real and at least `need` bytes? -1, or what goes with PZS_E_WORKSPACE as `where`:
+ * the bytes needed, as far as they can be told.
+ */
+static inline int32_t guard_short(const void *work, size_t bytes, size_t need)
+{
+    if (bytes >= need && (uintptr_t)work % sizeof(pzs_real) == 0)
+        return -1;
+    return need > INT32_MAX ? INT32_MAX : (int32_t)need;
+}
+
 /* CRC of a structure's or a problem's arrays, as stored in their crc fields. */
 uint32_t guard_structure_crc(const pzs_structure *structure);
 uint32_t guard_problem_crc(const pzs_problem *problem);

@@ -98,9 +98,11 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 
     const uint32_t n = structure->dof;
     const size_t entries = linalg_reals(structure->first, n);
-    const size_t need = PZS_MODEL_BYTES(n, entries);
-    if (entries > SIZE_MAX / 2 / sizeof(pzs_real) || bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
-        return fail(model, PZS_E_WORKSPACE, need > INT32_MAX ? INT32_MAX : (int32_t)need);
+    if (entries > SIZE_MAX / 2 / sizeof(pzs_real))
+        return fail(model, PZS_E_WORKSPACE, INT32_MAX);
+    const int32_t lacking = guard_short(work, bytes, PZS_MODEL_BYTES(n, entries));
+    if (lacking >= 0)
+        return fail(model, PZS_E_WORKSPACE, lacking);
 
     pzs_real *real = work;
     model->structure = structure;

@@ -75,9 +75,9 @@ pzs_status pzs_path_init(pzs_path *path, pzs_model *model, const pzs_nonlinear *
         return PZS_E_CRC;
     if (!tables_in_range(tables, s))
         return PZS_E_ARGUMENT;
-    const size_t need = PZS_PATH_BYTES(s->dof, s->elements, s->input.count);
-    if (bytes < need || (uintptr_t)work % sizeof(pzs_real) != 0)
-        return fail(path, PZS_E_WORKSPACE, need > INT32_MAX ? INT32_MAX : (int32_t)need);
+    const int32_t lacking = guard_short(work, bytes, PZS_PATH_BYTES(s->dof, s->elements, s->input.count));
+    if (lacking >= 0)
+        return fail(path, PZS_E_WORKSPACE, lacking);
     const int32_t loose = scale_at_rest(model);
     if (loose >= 0)
         return fail(path, PZS_E_LOOSE, loose);
@@ -204,7 +204,8 @@ void nonlinear_build(pzs_path *path, int plain, pzs_real *imbalance)
         if (path->amount[j] != 0 && !is_given(path, j))
             model_add_input(model, j, path->amount[j], path->load);
     for (pzs_option *o = path->option; o; o = o->next)
-        o->call->add(o, path, path->load);
+        if (o->call->add)
+            o->call->add(o, path, path->load);
     for (uint32_t i = 0; i < s->dof; i++)
         imbalance[i] += path->load[i];
 }
