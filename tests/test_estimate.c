@@ -268,8 +268,8 @@ static void make_real(rig *r, double least, double most, double share)
 }
 
 /*
- * Volts are whole steps inside limits and slew, stand still at rest whatever the plant's strength, and cost no more than
- * what a step of each electrode does.
+ * Volts are whole steps inside limits and slew, less than one short of those asked for, stand still at rest whatever the
+ * plant's strength, and cost no more than what a step of each electrode does.
  */
 static void test_quantised(void **state)
 {
@@ -281,7 +281,7 @@ static void test_quantised(void **state)
         double error[2] = {0}, allowed = 0;
         for (int quantised = 0; quantised < 2; quantised++) {
             rig r;
-            pzs_real before[N];
+            pzs_real before[N], wish[N];
             rig_open(&r, (unsigned)trial + 100u);
             make_real(&r, 0.5, 1.5, trial % 2 ? 0.5 : 0);
             int moved = 0;
@@ -289,6 +289,7 @@ static void test_quantised(void **state)
                 memcpy(before, r.control.volt, sizeof before);
                 act(&r, load);
                 assert_int_equal(pzs_tick(&r.control, r.wanted, r.measured), PZS_OK);
+                memcpy(wish, r.control.volt, sizeof wish);
                 if (quantised)
                     assert_int_equal(pzs_quantise(&r.control, r.given, (pzs_real)step, 0), PZS_OK);
                 for (int k = 0; k < N; k++) {
@@ -297,6 +298,7 @@ static void test_quantised(void **state)
                     assert_true(v >= r.lower[k] && v <= r.upper[k]);
                     assert_true(fabs((double)v - (double)before[k]) <= (double)r.slew[k] * (1 + 2 * EPS));
                     assert_true(!quantised || fabs(count - round(count)) <= 8 * EPS * fabs(count));
+                    assert_true(fabs((double)(v - wish[k])) < step * (1 + 8 * EPS)); /* less than a step is left */
                     moved += t >= 100 && memcmp(&v, &before[k], sizeof v) != 0;
                 }
             }
