@@ -7,6 +7,7 @@
 #include <cmocka.h>
 #include "estimate.h"
 #include "guard.h"
+#include "uniform.h"
 
 enum { N = 7, M = 30, K = 5, LOADS = 3 };
 
@@ -25,12 +26,6 @@ typedef struct rig {
     void *work, *estimate_work;
     unsigned seed;
 } rig;
-
-static double uniform(rig *r, double lo, double hi)
-{
-    r->seed = r->seed * 1664525u + 1013904223u;
-    return lo + (hi - lo) * (r->seed >> 8) / 16777216.0;
-}
 
 /* G [M][K] with G seen = by_load, exact for the loads: by_load (seen' seen)^-1 seen'. */
 static void make_gain(rig *r)
@@ -74,21 +69,21 @@ static void rig_open(rig *r, unsigned seed)
     memset(r, 0, sizeof *r);
     r->seed = seed;
     for (int i = 0; i < M * N; i++) {
-        r->influence[i] = (pzs_real)uniform(r, -1e-6, 1e-6);
+        r->influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
         r->real[i] = (double)r->influence[i];
     }
     for (int i = 0; i < M; i++) {
         r->weight[i] = 1;
-        r->wanted[i] = (pzs_real)uniform(r, -1e-5, 1e-5);
+        r->wanted[i] = (pzs_real)uniform(&r->seed, -1e-5, 1e-5);
     }
     for (int i = 0; i < M * LOADS; i++) {
-        r->by_load[i] = uniform(r, -1e-5, 1e-5);
+        r->by_load[i] = uniform(&r->seed, -1e-5, 1e-5);
         r->per[i] = (pzs_real)r->by_load[i];
     }
     for (int i = 0; i < K * N; i++)
-        r->direct[i] = (pzs_real)uniform(r, -1, 1);
+        r->direct[i] = (pzs_real)uniform(&r->seed, -1, 1);
     for (int i = 0; i < K * LOADS; i++)
-        r->seen[i] = uniform(r, -10, 10);
+        r->seen[i] = uniform(&r->seed, -10, 10);
     make_gain(r);
     for (int k = 0; k < N; k++) {
         r->lower[k] = -100;
@@ -143,7 +138,7 @@ static void test_estimate_exact(void **state)
     (void)state;
     rig_open(&r, 3);
     for (int t = 0; t < 50; t++) {
-        const double load[LOADS] = {uniform(&r, -1, 1), uniform(&r, -1, 1), uniform(&r, -1, 1)};
+        const double load[LOADS] = {uniform(&r.seed, -1, 1), uniform(&r.seed, -1, 1), uniform(&r.seed, -1, 1)};
         pzs_real shape[M];
         act(&r, load);
         assert_int_equal(pzs_estimate_tick(&r.estimate, r.sensed, shape), PZS_OK);
@@ -258,11 +253,11 @@ static void test_feed_forward(void **state)
 static void make_real(rig *r, double least, double most, double share)
 {
     for (int k = 0; k < N; k++) {
-        const double strength = uniform(r, least, most);
+        const double strength = uniform(&r->seed, least, most);
         for (int i = 0; i < M; i++) {
             r->real[i * N + k] = strength * (double)r->influence[i * N + k];
             for (int j = 0; j < N && share > 0; j++)
-                r->real[i * N + k] += uniform(r, -share, share) / N * (double)r->influence[i * N + j];
+                r->real[i * N + k] += uniform(&r->seed, -share, share) / N * (double)r->influence[i * N + j];
         }
     }
 }

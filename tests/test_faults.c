@@ -10,6 +10,7 @@
 #include <cmocka.h>
 #include "guard.h"
 #include "testdata.h"
+#include "uniform.h"
 
 #ifndef LONG_TICKS
 #define LONG_TICKS 20000
@@ -33,17 +34,11 @@ typedef struct rig {
     uint16_t delay;
 } rig;
 
-static double uniform(rig *r, double lo, double hi)
-{
-    r->seed = r->seed * 1664525u + 1013904223u;
-    return lo + (hi - lo) * (r->seed >> 8) / 16777216.0;
-}
-
 static double noise(rig *r)
 {
     double sum = -6;
     for (int i = 0; i < 12; i++)
-        sum += uniform(r, 0, 1);
+        sum += uniform(&r->seed, 0, 1);
     return sum;
 }
 
@@ -79,7 +74,7 @@ static void rig_open(rig *r, unsigned seed)
         r->lower[k] = -300;
         r->upper[k] = 300;
         r->slew[k] = 20;
-        r->strength[k] = 0.8 / 1.1 * uniform(r, 0.9, 1.1);
+        r->strength[k] = 0.8 / 1.1 * uniform(&r->seed, 0.9, 1.1);
     }
     r->noise = 1e-7;
     const pzs_problem p = {PZS_TABLE_FORMAT, 1, 0, N, M, r->influence, NULL, r->weight, r->lower, r->upper, r->slew, r->prefer, 0};
@@ -336,15 +331,15 @@ static void test_no_false_alarm(void **state)
     (void)state;
     rig_open(&r, 7);
     for (int t = 0; t < LONG_TICKS; t++) {
-        factor = (uniform(&r, 0, 1) < 0.02 ? uniform(&r, -1.5, 1.5) : factor) + uniform(&r, -0.01, 0.01);
+        factor = (uniform(&r.seed, 0, 1) < 0.02 ? uniform(&r.seed, -1.5, 1.5) : factor) + uniform(&r.seed, -0.01, 0.01);
         for (int k = 0; k < LOADS; k++) {
-            const double jump = uniform(&r, 0, 1), change = uniform(&r, 0, 1);
-            drift[k] = change < 0.01 ? 0 : change < 0.02 ? uniform(&r, -5e-5, 5e-5) : drift[k];
-            r.load[k] = jump < 0.01 ? uniform(&r, -1e-3, 1e-3) : fmin(fmax(r.load[k] + drift[k], -2e-3), 2e-3);
+            const double jump = uniform(&r.seed, 0, 1), change = uniform(&r.seed, 0, 1);
+            drift[k] = change < 0.01 ? 0 : change < 0.02 ? uniform(&r.seed, -5e-5, 5e-5) : drift[k];
+            r.load[k] = jump < 0.01 ? uniform(&r.seed, -1e-3, 1e-3) : fmin(fmax(r.load[k] + drift[k], -2e-3), 2e-3);
         }
         r.lost = t % 500 < 30 ? 3 + t / 500 % 20 : 0;
         for (int k = 0; k < N && t % 100 == 0; k++)
-            r.strength[k] = 0.8 / 1.1 * uniform(&r, 0.9, 1.1);
+            r.strength[k] = 0.8 / 1.1 * uniform(&r.seed, 0.9, 1.1);
         assert_int_equal(tick(&r, factor), PZS_OK);
         for (int k = 0; k < N; k++)
             probed += r.watch.state[k] == PZS_PROBED;

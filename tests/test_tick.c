@@ -6,6 +6,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "guard.h"
+#include "uniform.h"
 
 #ifndef LONG_TICKS
 #define LONG_TICKS 200000
@@ -24,21 +25,15 @@ typedef struct rig {
     unsigned seed;
 } rig;
 
-static double uniform(rig *r, double lo, double hi)
-{
-    r->seed = r->seed * 1664525u + 1013904223u;
-    return lo + (hi - lo) * (r->seed >> 8) / 16777216.0;
-}
-
 static void rig_open(rig *r)
 {
     memset(r, 0, sizeof *r);
     r->seed = 5;
     for (int i = 0; i < M * N; i++)
-        r->influence[i] = (pzs_real)uniform(r, -1e-6, 1e-6);
+        r->influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
     for (int i = 0; i < M; i++) {
         r->weight[i] = 1;
-        r->wanted[i] = (pzs_real)uniform(r, -1e-4, 1e-4);
+        r->wanted[i] = (pzs_real)uniform(&r->seed, -1e-4, 1e-4);
     }
     for (int k = 0; k < N; k++) {
         r->lower[k] = -30;
@@ -354,7 +349,7 @@ static void test_long_walk(void **state)
     for (int t = 0; t < LONG_TICKS; t++) {
         pzs_real before[N];
         for (int i = 0; i < M; i++)
-            r.wanted[i] = (pzs_real)(0.999 * (double)r.wanted[i] + uniform(&r, -3e-6, 3e-6));
+            r.wanted[i] = (pzs_real)(0.999 * (double)r.wanted[i] + uniform(&r.seed, -3e-6, 3e-6));
         plant(&r, 1e-7);
         const int burst = t % 1000 < 3;
         if (burst)
