@@ -64,8 +64,10 @@ static pzs_status choose_volts(pzs_control *control, reshape_log *log)
         status = pzs_step(control, error);
     log->step = board_instructions(start, board_count());
     if (PZS_IS_ERROR(status)) return status;
-    log->optimality = control->optimality;
-    log->active = control->active;
+    pzs_report report;
+    status = pzs_assess(control, error, &report);
+    log->optimality = report.optimality;
+    log->active = report.active;
     log->passes = control->passes;
     for (int j = 0; j < DEMO_INPUTS; j++) {
         log->outside += !(control->volt[j] >= demo_lower[j] && control->volt[j] <= demo_upper[j]);

@@ -56,6 +56,14 @@ static void measure(const demo_image *image, const pzs_real *volt, pzs_real bump
     }
 }
 
+static uint32_t count_active(const pzs_problem *problem, const pzs_real *volt)
+{
+    uint32_t active = 0;
+    for (int j = 0; j < problem->inputs; j++)
+        active += !(volt[j] > problem->lower[j] && volt[j] < problem->upper[j]);
+    return active;
+}
+
 static uint32_t count_outside(const pzs_problem *problem, const pzs_real *volt)
 {
     uint32_t outside = 0;
@@ -94,7 +102,8 @@ static loop_log run(pzs_control *control, const demo_image *image)
         const uint32_t spent = timed_tick(control, image, &log);
         log.total += spent;
         if (spent > log.most) log.most = spent;
-        if (control->active > log.active) log.active = control->active;
+        const uint32_t active = count_active(image->problem, control->volt);
+        if (active > log.active) log.active = active;
     }
     return log;
 }
@@ -113,7 +122,16 @@ static void run_warm(pzs_control *control, const demo_image *image, loop_log *lo
     log->crc = ~log->crc;
 }
 
-static void report(const pzs_control *control, const loop_log *log)
+/* The shape's error after the last tick. */
+static pzs_real last_error(pzs_control *control, const demo_image *image)
+{
+    pzs_report report = { 0 };
+    for (int i = 0; i < image->problem->outputs; i++) image->measured[i] = image->wanted[i] - control->disturbance[i];
+    (void)pzs_assess(control, image->measured, &report);
+    return report.error;
+}
+
+static void report(pzs_control *control, const demo_image *image, const loop_log *log)
 {
     print_text("result");
     print_hex("scene", control->problem->scene);
@@ -123,7 +141,7 @@ static void report(const pzs_control *control, const loop_log *log)
     print_count("ticks", TICKS + 2 * WARM_TICKS);
     print_count("active", log->active);
     print_count("outside", log->outside);
-    print_real("error", control->error_after);
+    print_real("error", last_error(control, image));
     print_hex("volts", log->crc);
     print_count("passes", control->passes_most);
     print_text("\ncost tick");
@@ -154,7 +172,7 @@ int main(void)
     }
     log = run(&control, &image);
     run_warm(&control, &image, &log);
-    report(&control, &log);
+    report(&control, &image, &log);
     failed = drill_control(&control, &image);
     print_text("cost stack");
     print_count("used", board_stack_used());

@@ -78,8 +78,9 @@ static pzs_status best_volts(const design *d, double limit, const double *influe
     for (int k = 0; status == PZS_OK && isfinite(reach) && k < d->amplifiers; k++) {
         t.control.lower[k] = fmax(t.problem.lower[k], volt[k] - reach);
         t.control.upper[k] = fmin(t.problem.upper[k], volt[k] + reach);
-        t.control.volt[k] = volt[k];
     }
+    if (status == PZS_OK && isfinite(reach))
+        status = pzs_control_start(&t.control, volt);
     for (int again = 0; status == PZS_OK && again < 10; again++) {
         status = pzs_step(&t.control, wanted);
         v->passes += t.control.passes;
@@ -89,7 +90,9 @@ static pzs_status best_volts(const design *d, double limit, const double *influe
     }
     if (!PZS_IS_ERROR(status)) {
         memcpy(volt, t.control.volt, (size_t)d->amplifiers * sizeof *volt);
-        v->optimality = t.control.optimality;
+        pzs_report report;
+        (void)pzs_assess(&t.control, wanted, &report);
+        v->optimality = report.optimality;
         note_limits(&t.problem, volt, v);
         status = PZS_OK;
     }

@@ -554,28 +554,58 @@ typedef struct pzs_problem {
 /* More amplifiers than this are refused. */
 #define PZS_MOST_INPUTS 4096
 
+/* The optimiser's own: vectors of [width], inputs rounded up to whole tiles (lib/boxls.h). */
+typedef struct pzs_optimiser {
+    uint32_t n, width;
+    uint32_t allowed, used; /* passes */
+    pzs_real *h;            /* [n][width] Hessian (m2/V2) */
+    pzs_real *m;            /* [n][width] tableau */
+    pzs_real *v;            /* volts */
+    pzs_real *lo, *hi;      /* limits (V) */
+    pzs_real *free;         /* 1 swept, 0 standing */
+    pzs_real *base;         /* volts around which the gradient is known best (V) */
+    pzs_real *bias;         /* effort (base - prefer) */
+    pzs_real *want;         /* B'W^2 (e - B base) */
+    pzs_real *pull;         /* H (v - base) + bias */
+    pzs_real *grad;         /* pull - want, the gradient at v */
+    pzs_real *move;         /* swept: way to go (V); standing: gradient after it */
+    pzs_real *diag;         /* of H */
+    pzs_real *start, *start_grad; /* of the round */
+    pzs_real *next;         /* grad on F, 0 on S; after boxls_aim the volts aimed at */
+    pzs_real *spare;
+    pzs_real soft;          /* trace of the inverse of H on F (V2/m2), 0 where not known */
+    pzs_real soft_most;     /* what it cannot exceed, because of effort; 0 where not known */
+    pzs_real floor;         /* pivots below this part of their diagonal count as dependent */
+    pzs_real rough;         /* epsilon times what rounding of pull is made of (m2/V) */
+    pzs_real exact;         /* the same of want */
+    pzs_real energy;        /* |W e|^2, the scale of the objective (m2) */
+    pzs_real left;          /* largest violated optimality condition (m2/V) */
+    pzs_real noise;         /* what of it may be rounding */
+    uint32_t standing;      /* inputs that are not swept */
+    uint32_t proven;        /* nonzero where the tableau is: 1 + the first input measured next */
+    int done;               /* nonzero at the optimum */
+} pzs_optimiser;
+
 typedef struct pzs_control {
     const pzs_problem *problem;
     const pzs_real *influence; /* B in use */
-    pzs_real *hessian;         /* [inputs][width] B'W^2 B + effort, rows padded to whole tiles */
-    pzs_real *tableau;         /* [inputs][width] the optimiser's own */
+    pzs_optimiser optimiser;
     pzs_real *lower, *upper;   /* [inputs] limits in force (V): table, narrowed by pzs_hold */
     pzs_real *volt;            /* [inputs] last safe volts (V) */
     pzs_real *predicted;       /* [outputs] B volt as of the last tick (m) */
     pzs_real *disturbance;     /* [outputs] measured - predicted (m) */
     pzs_real *measured;        /* [outputs] last measurement (m) */
-    pzs_real *work;            /* the optimiser's own */
+    pzs_real *slew;            /* [inputs] (V) */
+    pzs_real *weighted;        /* [2][outputs] W^2 (e - B base), and what measurements should show */
     uint8_t *frozen;           /* [outputs] ticks a moving output has stood still */
-    uint8_t *state;            /* [inputs] 0 free, 1 at lower, 2 at upper, as at the end of the last step */
-    pzs_real dependence;       /* inputs whose pivot is below this part of their diagonal count as dependent on others */
-    pzs_real rounding, softness, stiffest; /* the optimiser's own */
-    pzs_real optimality;       /* largest violated KKT condition / largest entry of |B'W^2 e| */
-    pzs_real error_before, error_after; /* |W (B v - e)| / |W e| at the start and end of the last step */
+    pzs_real base_energy;      /* |W B base|^2 (m2) */
+    pzs_real stiffest;         /* root of the Hessian's largest diagonal (m/V) */
     int32_t where;             /* index that goes with the last status, or -1 */
     uint16_t passes_allowed;   /* budget of one step, at most PZS_STEP_PASSES */
     uint16_t passes;           /* used by the last step */
     uint16_t passes_most;      /* largest seen */
-    uint16_t active;           /* inputs at a limit after the last step */
+    uint8_t slews;             /* nonzero where a slew is shorter than the way from limit to limit */
+    uint8_t ahead;             /* nonzero where volts have changed since `predicted` */
     uint8_t stage;
 } pzs_control;
 
@@ -584,7 +614,7 @@ typedef struct pzs_control {
 
 /* Bytes of workspace for a controller. */
 #define PZS_CONTROL_BYTES(inputs, outputs) \
-    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 19u) * PZS_CONTROL_WIDTH(inputs) + 6u * (size_t)(outputs)) + \
+    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 18u) * PZS_CONTROL_WIDTH(inputs) + 5u * (size_t)(outputs)) + \
      (size_t)(inputs) + (size_t)(outputs))
 
 /*
@@ -635,6 +665,22 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
  * the limits now in force (HELD). PASSES and SLEW are told rather than SENSOR. Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
+
+/* How good volts are. */
+typedef struct pzs_report {
+    pzs_real error;      /* |W (B v - e)| / |W e| */
+    pzs_real optimality; /* largest violated KKT condition / largest entry of |B'W^2 e| */
+    uint16_t active;     /* inputs at a limit */
+} pzs_report;
+
+/*
+ * How good the present volts are within the limits of the last step, worked out from the influence matrix and nothing
+ * that the step left behind: 3 inputs*outputs multiply-adds, which no loop needs.
+ *   error  [outputs] in  as of the last pzs_step; after pzs_tick wanted - control->disturbance (m)
+ *   report out           untouched after an error
+ * Errors: ARGUMENT, STAGE, NONFINITE.
+ */
+pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *report);
 
 /* For comparison only: the unlimited optimum for an error, and the same cut to the limits.
  *   volt [inputs] out (V).  Errors: ARGUMENT, STAGE, NONFINITE. */

@@ -28,126 +28,29 @@
  * multiplier is zero at a minimum over F up to rounding, and its ray costs nothing: it goes
  * to a limit, where either it or an input of F stops; both only shrink the sets above.
  *
- * In rounding: only multipliers above a noise level count, a round whose objective does not fall
- * (by the true gradients at both ends) is undone, and passes and rounds are counted. Volts
+ * A tableau that led a round to the optimum, and was not swept since, is proven: where nothing is in the way, one
+ * pass goes straight there. Of the gradient at its end only two inputs are measured, in turn, so that none goes
+ * unmeasured for more than n/2 + 1 passes; one that is not as foreseen ends the proof, and the pass is a round.
+ *
+ * In rounding: only multipliers above a noise level count, a round that neither ends at the optimum nor lowers the
+ * objective (by the true gradients at both ends) is undone, and passes and rounds are counted. Volts
  * are feasible after every pass because they are only ever cut by comparison.
  */
 #include <string.h>
 #include "boxls.h"
-#include "unrolled.h"
+#include "product.h"
 
 #define ROUNDS 8u     /* most rounds of one call */
 #define NOISE 4       /* multipliers below NOISE times the rounding of a gradient are zero */
-#define NEAR 256      /* how far above the noise gradients of free inputs may be, where that costs nothing */
+#define NEAR PZS_BY_BITS(256, 2048) /* how far above the noise gradients of free inputs may be, where that costs nothing */
 #define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
-#define DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
 
-/* Tiles of columns taken in one go: as many as the registers hold, and what fills up. */
-#define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
-#define SOME PZS_BY_TILE(2, 4, 4)
-#define LANES 8u /* sums side by side in a dot product */
-
-/* ---- sums ------------------------------------------------------------------ */
-
-/* Entry i of a full group is summed in lane i: independent chains, and the same bits at any vector width. */
-pzs_real boxls_dot(const pzs_real *x, const pzs_real *y, size_t n)
-{
-    pzs_real sum[LANES] = {0};
-    size_t i = 0;
-    for (; i + LANES <= n; i += LANES) {
-        UNROLLED
-        for (unsigned k = 0; k < LANES; k++)
-            sum[k] += x[i + k] * y[i + k];
-    }
-    for (; i + 4u <= n; i += 4u) { /* the lanes they have in a full group: zeros that fill a tile change nothing */
-        UNROLLED
-        for (unsigned k = 0; k < 4u; k++)
-            sum[k] += x[i + k] * y[i + k];
-    }
-    for (; i < n; i++)
-        sum[0] += x[i] * y[i];
-    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
-}
-
-pzs_real boxls_largest(const pzs_real *x, size_t n)
-{
-    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < n; i += 4u) {
-        s0 = x[i] > s0 ? x[i] : s0;
-        s1 = x[i + 1u] > s1 ? x[i + 1u] : s1;
-        s2 = x[i + 2u] > s2 ? x[i + 2u] : s2;
-        s3 = x[i + 3u] > s3 ? x[i + 3u] : s3;
-    }
-    s0 = s1 > s0 ? s1 : s0;
-    s2 = s3 > s2 ? s3 : s2;
-    return s2 > s0 ? s2 : s0;
-}
-
-#define EACH_ENTRY(COUNT) UNROLLED for (int t = 0; t < (COUNT); t++) UNROLLED for (int j = 0; j < PZS_TILE; j++)
-
-/*
- * y = sum of x_i times row i, over COUNT tiles of columns side by side, the last of them at column `last`: where it
- * overlaps the one before, both form the same sums.
- */
-#define SUM_TILES(name, COUNT) \
-    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
-                     size_t rows, size_t last) \
-    { \
-        pzs_real sum[COUNT][PZS_TILE]; \
-        const pzs_real *b = a + last; \
-        EACH_ENTRY(COUNT) \
-            sum[t][j] = 0; \
-        for (size_t i = 0; i < rows; i++, a += stride, b += stride) { \
-            const pzs_real xi = x[i]; \
-            EACH_ENTRY(COUNT) \
-                sum[t][j] += xi * (t + 1 < (COUNT) ? a[t * PZS_TILE + j] : b[j]); \
-        } \
-        for (int t = 0; PZS_TILE > 4 && t < (COUNT); t++) \
-            memcpy(y + (t + 1 < (COUNT) ? (size_t)t * PZS_TILE : last), sum[t], sizeof sum[t]); \
-        EACH_ENTRY(PZS_TILE > 4 ? 0 : (COUNT)) \
-            y[(t + 1 < (COUNT) ? (size_t)t * PZS_TILE : last) + (size_t)j] = sum[t][j]; \
-    }
-
-SUM_TILES(sum_many, MANY)
-SUM_TILES(sum_some, SOME)
-SUM_TILES(sum_one, 1)
-
-/* Fewer columns than a tile. */
-static void sum_few(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
-                    size_t rows, size_t cols)
-{
-    for (size_t j = 0; j < cols; j++) {
-        y[j] = 0;
-        for (size_t i = 0; i < rows; i++)
-            y[j] += x[i] * a[i * stride + j];
-    }
-}
-
-void boxls_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, size_t rows,
-                    size_t cols)
-{
-    if (cols < PZS_TILE)
-        sum_few(y, a, stride, x, rows, cols);
-    for (size_t j = 0; cols >= PZS_TILE && j < cols;) {
-        const size_t tiles = (cols - j + PZS_TILE - 1u) / PZS_TILE;
-        const size_t now = tiles >= MANY ? MANY : tiles >= SOME ? SOME : 1, end = j + now * PZS_TILE;
-        const size_t last = (end < cols ? end : cols) - PZS_TILE, from = now > 1u ? j : last;
-        if (now == MANY)
-            sum_many(y + from, a + from, stride, x, rows, last - from);
-        else if (now == SOME)
-            sum_some(y + from, a + from, stride, x, rows, last - from);
-        else
-            sum_one(y + from, a + from, stride, x, rows, 0);
-        j = end;
-    }
-}
+/* ---- tableau ------------------------------------------------------------------ */
 
 /* y = A x, A [n][width] symmetric. */
-static void symmetric(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, uint32_t n,
-                      uint32_t padded)
+static void symmetric(const boxls *b, pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x)
 {
-    const size_t width = boxls_whole(padded);
-    boxls_sum_rows(y, a, width, x, n, width);
+    product_sum_rows(y, a, b->width, x, b->n, boxls_span(b));
 }
 
 void boxls_place(boxls *b, pzs_real *work)
@@ -159,8 +62,6 @@ void boxls_place(boxls *b, pzs_real *work)
         *vector[k] = work + (size_t)k * b->width;
 }
 
-/* ---- tableau ------------------------------------------------------------------ */
-
 /* Pivot of a standing input over its diagonal: what is left of it beside the swept ones, 0 to 1. */
 static pzs_real own_part(const boxls *b, uint32_t k)
 {
@@ -168,15 +69,29 @@ static pzs_real own_part(const boxls *b, uint32_t k)
 }
 
 /* m -= sign s s', all rows: symmetric to the last bit. */
-static void rank_one(pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign, uint32_t n, uint32_t padded)
+static void rank_one(const boxls *b, pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign)
 {
-    const size_t width = boxls_whole(padded);
-    for (uint32_t i = 0; i < n; i++) {
-        pzs_real *restrict row = m + i * width;
+    const size_t span = boxls_span(b), stride = b->width;
+    for (uint32_t i = 0; i < b->n; i++, m += stride) {
         const pzs_real f = sign * s[i];
-        for (size_t j = 0; j < width; j++)
-            row[j] -= f * s[j];
+        for (size_t j = 0; j < span; j++)
+            m[j] -= f * s[j];
     }
+}
+
+/* z = factor x. */
+static void multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real factor, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] = factor * x[i];
+}
+
+/* z += inside x where free, outside x elsewhere. */
+static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict free, pzs_real inside,
+                          pzs_real outside, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] += (free[i] > 0 ? inside : outside) * x[i];
 }
 
 /* Move input k into F (its pivot is positive) or out of it (negative). */
@@ -184,16 +99,16 @@ static void sweep(boxls *b, uint32_t k)
 {
     pzs_real *row = b->m + (size_t)k * b->width, *s = b->spare;
     const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(boxls_size(pivot));
-    for (uint32_t j = 0; j < b->width; j++)
-        s[j] = row[j] * scale;
-    rank_one(b->m, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1, b->n, b->width);
-    for (uint32_t j = 0; j < b->n; j++) {
-        row[j] = s[j] * scale;
-        b->m[(size_t)j * b->width + k] = row[j];
-    }
+    multiple(s, row, scale, boxls_span(b));
+    rank_one(b, b->m, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1);
+    multiple(row, s, scale, boxls_span(b));
     row[k] = -1 / pivot;
+    for (uint32_t j = 0; j < b->n; j++)
+        b->m[(size_t)j * b->width + k] = row[j];
     b->free[k] = 1 - b->free[k];
+    b->standing = b->free[k] > 0 ? b->standing - 1u : b->standing + 1u;
     b->soft = 0;
+    b->proven = 0;
 }
 
 /* The most independent standing input whose move is marked, or n. */
@@ -215,7 +130,9 @@ void boxls_rebuild(boxls *b)
     memcpy(b->m, b->h, (size_t)b->n * b->width * sizeof(pzs_real));
     memcpy(b->move, b->free, b->width * sizeof(pzs_real));
     memset(b->free, 0, b->width * sizeof(pzs_real));
+    b->standing = b->n;
     b->soft = 0;
+    b->proven = 0;
     uint32_t k = next_pivot(b);
     for (uint32_t count = 0; count < b->n && k < b->n; count++) {
         sweep(b, k);
@@ -229,22 +146,18 @@ static void drop(boxls *b, uint32_t j, pzs_real left)
 {
     const pzs_real *row = b->m + (size_t)j * b->width;
     sweep(b, j);
-    for (uint32_t i = 0; i < b->n; i++) {
-        const pzs_real part = left * row[i];
-        b->move[i] += b->free[i] > 0 ? part : -part;
-    }
+    add_multiples(b->move, row, b->free, left, -left, boxls_span(b));
     b->move[j] = -left * row[j];
 }
 
 /* ---- gradients ------------------------------------------------------------------ */
 
-/* grad = pull + bias - want; where inputs are free, next is the same, elsewhere 0. */
+/* grad = pull - want; where inputs are free, next is the same, elsewhere 0. */
 static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_real *restrict pull,
-                    const pzs_real *restrict bias, const pzs_real *restrict want, const pzs_real *restrict free,
-                    size_t width)
+                    const pzs_real *restrict want, const pzs_real *restrict free, size_t span)
 {
-    for (size_t i = 0; i < width; i++) {
-        const pzs_real g = (pull[i] + bias[i]) - want[i];
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real g = pull[i] - want[i];
         grad[i] = g;
         next[i] = free[i] > 0 ? g : 0;
     }
@@ -252,40 +165,51 @@ static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_
 
 void boxls_gradient(boxls *b)
 {
-    combine(b->grad, b->next, b->pull, b->bias, b->want, b->free, boxls_whole(b->width));
+    combine(b->grad, b->next, b->pull, b->want, b->free, boxls_span(b));
 }
 
-/* away = v - base, far = |v - base|. */
-static void distance(pzs_real *restrict away, pzs_real *restrict far, const pzs_real *restrict v,
-                     const pzs_real *restrict base, size_t width)
+static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t span)
 {
-    for (size_t i = 0; i < width; i++) {
-        away[i] = v[i] - base[i];
-        far[i] = boxls_size(away[i]);
-    }
+    for (size_t i = 0; i < span; i++)
+        z[i] = x[i] - y[i];
+}
+
+static void add(pzs_real *restrict z, const pzs_real *restrict x, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] += x[i];
+}
+
+/* epsilon times what rounding of H away is made of. */
+static pzs_real roughness(const boxls *b, const pzs_real *away)
+{
+    return PZS_EPSILON * product_dot_size(b->diag, away, b->width);
 }
 
 void boxls_true_gradient(boxls *b)
 {
-    distance(b->spare, b->next, b->v, b->base, boxls_whole(b->width));
-    b->rough = PZS_EPSILON * boxls_dot(b->diag, b->next, b->width);
-    symmetric(b->pull, b->h, b->spare, b->n, b->width);
+    subtract(b->spare, b->v, b->base, boxls_span(b));
+    b->rough = roughness(b, b->spare);
+    symmetric(b, b->pull, b->h, b->spare);
+    add(b->pull, b->bias, boxls_span(b));
     boxls_gradient(b);
 }
 
 /*
- * move = the way where free, the gradient after it elsewhere; next = v after the way. Returns how many
+ * move = the way where free, the gradient after it elsewhere; next = v after the way, away = next - base. Returns how many
  * would leave their limits or, standing, have a gradient above noise: 0 ends the round.
  */
-static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, const pzs_real *restrict free,
-                           const pzs_real *restrict grad, const pzs_real *restrict v, const pzs_real *restrict lo,
-                           const pzs_real *restrict hi, pzs_real noise, size_t width)
+static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, pzs_real *restrict away,
+                           const pzs_real *restrict free, const pzs_real *restrict grad, const pzs_real *restrict v,
+                           const pzs_real *restrict lo, const pzs_real *restrict hi, const pzs_real *restrict base,
+                           pzs_real noise, size_t span)
 {
     uint32_t open = 0;
-    for (size_t i = 0; i < width; i++) {
-        if (PZS_TILE == 4 && free[i] > 0) { /* the same with fewer instructions, where there are no vectors */
+    for (size_t i = 0; i < span; i++) {
+        if (!BOXLS_WIDE && free[i] > 0) { /* the same with fewer instructions, where there are no vectors */
             const pzs_real x = v[i] + move[i];
             next[i] = x;
+            away[i] = x - base[i];
             open += x < lo[i] || x > hi[i];
             continue;
         }
@@ -294,6 +218,7 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, con
         const pzs_real most = down > up ? down : up;
         move[i] = way + slope;
         next[i] = x;
+        away[i] = x - base[i];
         open += (x < lo[i] ? 1u : 0u) + (x > hi[i] ? 1u : 0u) + (most > noise ? 1u : 0u);
     }
     return open;
@@ -301,15 +226,15 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, con
 
 uint32_t boxls_aim(boxls *b, pzs_real noise)
 {
-    symmetric(b->move, b->m, b->next, b->n, b->width);
-    return look_ahead(b->move, b->next, b->free, b->grad, b->v, b->lo, b->hi, noise, boxls_whole(b->width));
+    symmetric(b, b->move, b->m, b->next);
+    return look_ahead(b->move, b->next, b->spare, b->free, b->grad, b->v, b->lo, b->hi, b->base, noise, boxls_span(b));
 }
 
 /* out = the size of the gradient where the volts could follow it downhill, else at most 0. */
 static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
-                     const pzs_real *restrict hi, const pzs_real *restrict grad, size_t width)
+                     const pzs_real *restrict hi, const pzs_real *restrict grad, size_t span)
 {
-    for (size_t i = 0; i < width; i++) {
+    for (size_t i = 0; i < span; i++) {
         const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
         out[i] = down > up ? down : up;
     }
@@ -318,8 +243,13 @@ static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const p
 /* Largest violated optimality condition at v, where the gradient is grad. */
 static pzs_real violation(const boxls *b, const pzs_real *v, const pzs_real *grad)
 {
-    downhill(b->spare, v, b->lo, b->hi, grad, boxls_whole(b->width));
-    return boxls_largest(b->spare, b->width);
+    downhill(b->spare, v, b->lo, b->hi, grad, boxls_span(b));
+    return product_largest(b->spare, b->width);
+}
+
+pzs_real boxls_violation(boxls *b)
+{
+    return violation(b, b->v, b->grad);
 }
 
 /* Trace of the inverse of H on F; dependent inputs count with the most it can be (V2/m2). */
@@ -327,37 +257,59 @@ static pzs_real softness(boxls *b)
 {
     if (b->soft > 0)
         return b->soft;
-    pzs_real soft = 0;
-    for (uint32_t i = 0; i < b->n; i++) {
-        const pzs_real pivot = b->m[(size_t)i * b->width + i], least = b->floor * b->diag[i];
-        soft += b->free[i] > 0 ? -pivot : pivot < least ? 1 / least : 0;
+    pzs_real *pivot = b->spare;
+    for (uint32_t i = 0; i < b->n; i++)
+        pivot[i] = b->m[(size_t)i * b->width + i];
+    pzs_real soft = -product_dot(b->free, pivot, b->width);
+    for (uint32_t i = 0; b->standing > 0 && i < b->n; i++) {
+        const pzs_real least = b->floor * b->diag[i];
+        if ((pivot[i] < least) & !(b->free[i] > 0))
+            soft += 1 / least;
     }
     b->soft = soft;
     return soft;
 }
 
+/* Whether a gradient of that size (m2/V) on F costs less than epsilon of the energy: its square times the inverse of H. */
+static int costs_nothing(boxls *b, pzs_real size)
+{
+    const pzs_real square = size * size, most = PZS_EPSILON * b->energy;
+    return (b->soft_most > 0 && square * b->soft_most <= most) || square * softness(b) <= most;
+}
+
 int boxls_coarse(boxls *b)
 {
-    return b->rough * b->rough * softness(b) > PZS_EPSILON * b->energy;
+    return !costs_nothing(b, b->rough);
+}
+
+/* out = how far the gradient of a standing input is wrong, `turn` where it may be rounding alone; elsewhere 0. */
+static void standing_wrong(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
+                           const pzs_real *restrict hi, const pzs_real *restrict grad, const pzs_real *restrict free,
+                           pzs_real turn, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
+        const pzs_real wrong = down > up ? down : up, any = boxls_size(g) > turn ? wrong : turn;
+        const pzs_real at = lo[i] < hi[i] ? any : wrong;
+        out[i] = free[i] > 0 ? 0 : at;
+    }
 }
 
 /*
- * Whether the volts of the round may stand: no violation above the noise; or one on F alone, not far above
- * it, that costs less than epsilon of the energy (its square times the inverse of H) and is too small to turn
- * the multiplier of a standing input.
+ * Whether the volts of the round may stand: no violation above the noise; or one on F alone, not far above it, that
+ * costs nothing and is too small to turn the multiplier of a standing input. Never where a number is not finite: the
+ * noise then is none either.
  */
 static int settled(boxls *b)
 {
-    if (!(b->left > b->noise))
+    if (b->left <= b->noise)
         return 1;
-    const pzs_real turn = (pzs_real)b->n * b->left;
-    downhill(b->spare, b->v, b->lo, b->hi, b->grad, boxls_whole(b->width));
-    for (uint32_t i = 0; i < b->n; i++) {
-        const int small = b->lo[i] < b->hi[i] && boxls_size(b->grad[i]) <= turn;
-        if (!(b->free[i] > 0) && (small || b->spare[i] > b->noise))
-            return 0;
-    }
-    return b->left <= NEAR * b->noise && b->left * b->left * softness(b) <= PZS_EPSILON * b->energy;
+    if (!(b->left <= NEAR * b->noise) || !costs_nothing(b, b->left))
+        return 0;
+    if (b->standing == 0)
+        return 1;
+    standing_wrong(b->spare, b->v, b->lo, b->hi, b->grad, b->free, (pzs_real)b->n * b->left, boxls_span(b));
+    return product_largest(b->spare, b->width) <= b->noise;
 }
 
 /* ---- passes ----------------------------------------------------------------------- */
@@ -367,29 +319,63 @@ typedef struct block {
     uint32_t input; /* the first to meet a limit, or n */
 } block;
 
+/* urgency = |step| / room where `part` of the step of a swept input is beyond its limit, else 0. */
+static void find_urgency(pzs_real *restrict urgency, const pzs_real *restrict step, const pzs_real *restrict v,
+                         const pzs_real *restrict lo, const pzs_real *restrict hi, const pzs_real *restrict free,
+                         pzs_real part, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real down = v[i] - lo[i], up = hi[i] - v[i], room = step[i] < 0 ? down : up, size = boxls_size(step[i]);
+        const int meets = (room < part * size) & (free[i] > 0);
+        urgency[i] = (meets ? size : 0) / (meets ? room : 1);
+    }
+}
+
+/* The first input whose entry is the largest of x, or n where none is above `least`. */
+static uint32_t find_largest(const boxls *b, const pzs_real *x, pzs_real least)
+{
+    const pzs_real most = product_largest(x, b->width);
+    uint32_t i = most > least ? 0 : b->n;
+    while (i < b->n && x[i] < most)
+        i++;
+    return i;
+}
+
 /* Shorten the way `part * step[i]` of swept inputs to the first limit met. */
 static block first_block(const boxls *b, const pzs_real *step, pzs_real part)
 {
-    block first = { part, b->n };
-    for (uint32_t i = 0; i < b->n; i++) {
-        const pzs_real room = step[i] < 0 ? b->v[i] - b->lo[i] : b->hi[i] - b->v[i];
-        if (room < first.part * boxls_size(step[i]) && b->free[i] > 0) {
-            first.part = room / boxls_size(step[i]);
-            first.input = i;
-        }
+    find_urgency(b->spare, step, b->v, b->lo, b->hi, b->free, part, boxls_span(b));
+    block first = { part, find_largest(b, b->spare, 0) };
+    if (first.input < b->n) {
+        const uint32_t i = first.input;
+        first.part = (step[i] < 0 ? b->v[i] - b->lo[i] : b->hi[i] - b->v[i]) / boxls_size(step[i]);
     }
     return first;
+}
+
+/* v += part step where free, cut to the limits. */
+static void advance(pzs_real *restrict v, const pzs_real *restrict step, const pzs_real *restrict lo,
+                    const pzs_real *restrict hi, const pzs_real *restrict free, pzs_real part, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real there = boxls_cut(v[i] + part * step[i], lo[i], hi[i]);
+        v[i] = free[i] > 0 ? there : v[i];
+    }
 }
 
 /* Go along step; the input that met its limit stands on it exactly. */
 static void go(boxls *b, const pzs_real *step, block first)
 {
-    for (uint32_t i = 0; i < b->n; i++) {
-        const pzs_real there = boxls_cut(b->v[i] + first.part * step[i], b->lo[i], b->hi[i]);
-        b->v[i] = b->free[i] > 0 ? there : b->v[i];
-    }
+    advance(b->v, step, b->lo, b->hi, b->free, first.part, boxls_span(b));
     if (first.input < b->n)
         b->v[first.input] = step[first.input] < 0 ? b->lo[first.input] : b->hi[first.input];
+}
+
+/* move = left move where free. */
+static void shorten(pzs_real *restrict move, const pzs_real *restrict free, pzs_real left, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        move[i] *= free[i] > 0 ? left : 1;
 }
 
 /* One pass along move. Returns nonzero where a limit stopped it. */
@@ -399,29 +385,31 @@ static int descend(boxls *b)
     go(b, b->move, first);
     if (first.input == b->n)
         return 0;
-    for (uint32_t i = 0; i < b->n; i++)
-        b->move[i] *= b->free[i] > 0 ? 1 - first.part : 1;
+    shorten(b->move, b->free, 1 - first.part, boxls_span(b));
     drop(b, first.input, b->move[first.input]);
     return 1;
+}
+
+/* Wrong gradients of standing inputs: of those between their limits, and of those at one; elsewhere 0. */
+static void sort_standing(pzs_real *restrict between, pzs_real *restrict at, const pzs_real *restrict v,
+                          const pzs_real *restrict lo, const pzs_real *restrict hi, const pzs_real *restrict move,
+                          const pzs_real *restrict free, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real g = free[i] > 0 ? 0 : move[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
+        const pzs_real wrong = down > up ? down : up;
+        const int inside = (v[i] > lo[i]) & (v[i] < hi[i]);
+        between[i] = inside ? wrong : 0;
+        at[i] = inside ? 0 : wrong;
+    }
 }
 
 /* The standing input to release: the worst between its limits, else the worst at one, else n. */
 static uint32_t worst_standing(const boxls *b, pzs_real noise)
 {
-    pzs_real most[2] = { noise, noise };
-    uint32_t input[2] = { b->n, b->n };
-    for (uint32_t i = 0; i < b->n; i++) {
-        const pzs_real pull = boxls_size(b->move[i]);
-        if (pull > noise && !(b->free[i] > 0)) {
-            const int low = !(b->v[i] > b->lo[i]), high = !(b->v[i] < b->hi[i]);
-            const int kept = b->move[i] > 0 ? low : high, at = low | high;
-            if (pull > most[at] && !kept) {
-                most[at] = pull;
-                input[at] = i;
-            }
-        }
-    }
-    return input[0] < b->n ? input[0] : input[1];
+    sort_standing(b->spare, b->next, b->v, b->lo, b->hi, b->move, b->free, boxls_span(b));
+    const uint32_t between = find_largest(b, b->spare, noise);
+    return between < b->n ? between : find_largest(b, b->next, noise);
 }
 
 /* How far input k may go along its ray (V): to the ray's minimum, or its own limit. */
@@ -439,15 +427,13 @@ static pzs_real ray_length(const boxls *b, uint32_t k, int *to_limit)
 static block follow(boxls *b, uint32_t k, pzs_real length)
 {
     const pzs_real *row = b->m + (size_t)k * b->width, sign = b->move[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
-    for (uint32_t i = 0; i < b->n; i++)
-        b->next[i] = -sign * row[i];
+    multiple(b->next, row, -sign, boxls_span(b));
     const block first = first_block(b, b->next, length);
     if (boxls_finite(first.part)) {
         const pzs_real far = sign * first.part;
         go(b, b->next, first);
         b->v[k] = boxls_cut(b->v[k] + far, b->lo[k], b->hi[k]);
-        for (uint32_t i = 0; i < b->n; i++)
-            b->move[i] += far * row[i];
+        add_multiples(b->move, row, b->free, far, far, boxls_span(b));
     }
     return first;
 }
@@ -479,19 +465,12 @@ static int at_rest(const boxls *b)
     return i == b->n;
 }
 
-/* Passes from the true gradient to where the tableau sees no violation; returns those used, 0 at the optimum. */
+/* Passes along move, from where something is in the way, to where the tableau sees no violation; returns those used. */
 static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
 {
     const uint32_t most = 2u * b->n + 8u < allowed ? 2u * b->n + 8u : allowed;
     uint32_t used = 0, k = 0;
     int blocked = 1;
-    const int rest = at_rest(b);
-    if (boxls_aim(b, noise) == 0) {
-        if (rest)
-            return 0;
-        memcpy(b->v, b->next, b->width * sizeof(pzs_real));
-        return 1;
-    }
     for (; blocked && used < most; used++)
         blocked = descend(b);
     for (; used < most && (k = worst_standing(b, noise)) < b->n; used++)
@@ -499,14 +478,68 @@ static uint32_t run_passes(boxls *b, pzs_real noise, uint32_t allowed)
     return used;
 }
 
+/* ---- the straight pass ------------------------------------------------------------------ */
+
+/* Measure the pull of input k at the end of the way; returns how far its gradient is from what the tableau foresees. */
+static pzs_real measure(const boxls *b, uint32_t k, const pzs_real *away, pzs_real *pull)
+{
+    *pull = product_dot(b->h + (size_t)k * b->width, away, b->width) + b->bias[k];
+    const pzs_real seen = *pull - b->want[k];
+    return boxls_size(b->free[k] > 0 ? seen : seen - b->move[k]);
+}
+
+/* The gradient foreseen: 0 on F. */
+static void foresee(pzs_real *restrict grad, const pzs_real *restrict move, const pzs_real *restrict free, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        grad[i] = free[i] > 0 ? 0 : move[i];
+}
+
+/* Stand at next, with the pull that goes with the gradient foreseen there. */
+static void arrive(pzs_real *restrict v, pzs_real *restrict pull, const pzs_real *restrict next,
+                   const pzs_real *restrict move, const pzs_real *restrict free, const pzs_real *restrict want, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        v[i] = next[i];
+        pull[i] = want[i] + (free[i] > 0 ? 0 : move[i]);
+    }
+}
+
+/*
+ * Go all the way in one pass, nothing being in the way. Returns 0, the tableau no longer proven and the volts
+ * where they were, where the gradients measured at the end are not as foreseen.
+ */
+static int go_straight(boxls *b)
+{
+    const pzs_real *away = b->spare, rough = roughness(b, away);
+    const uint32_t one = b->proven - 1u, two = one + 1u < b->n ? one + 1u : 0;
+    pzs_real pull[2];
+    b->left = measure(b, one, away, &pull[0]) + measure(b, two, away, &pull[1]);
+    b->noise = NOISE * (b->exact + rough);
+    if (b->left > b->noise)
+        foresee(b->grad, b->move, b->free, boxls_span(b));
+    if (!settled(b)) {
+        b->proven = 0;
+        boxls_gradient(b);
+        return 0;
+    }
+    b->rough = rough;
+    b->proven = two + 1u < b->n ? two + 2u : 1u;
+    b->used++;
+    arrive(b->v, b->pull, b->next, b->move, b->free, b->want, boxls_span(b));
+    b->pull[one] = pull[0];
+    b->pull[two] = pull[1];
+    return 1;
+}
+
 /* ---- rounds ------------------------------------------------------------------------- */
 
 /* way = v - start, slope = grad + start_grad. */
 static void difference(pzs_real *restrict way, pzs_real *restrict slope, const pzs_real *restrict v,
                        const pzs_real *restrict start, const pzs_real *restrict grad, const pzs_real *restrict start_grad,
-                       size_t width)
+                       size_t span)
 {
-    for (size_t i = 0; i < width; i++) {
+    for (size_t i = 0; i < span; i++) {
         way[i] = v[i] - start[i];
         slope[i] = grad[i] + start_grad[i];
     }
@@ -518,26 +551,24 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
  */
 static int fell(const boxls *b)
 {
-    difference(b->spare, b->move, b->v, b->start, b->grad, b->start_grad, boxls_whole(b->width));
-    const pzs_real change = boxls_dot(b->spare, b->move, b->width);
-    const pzs_real far = boxls_dot(b->spare, b->spare, b->width);
+    difference(b->spare, b->move, b->v, b->start, b->grad, b->start_grad, boxls_span(b));
+    const pzs_real change = product_dot(b->spare, b->move, b->width);
+    const pzs_real far = product_dot(b->spare, b->spare, b->width);
     return change < 0 && far * (b->rough * b->rough) < b->energy * b->energy;
 }
 
-/* One round; one that gained nothing leaves volts and gradient as they were. */
-static void run_round(boxls *b)
+/* One round from where aim left it, to the true gradient where it ends. */
+static void run_round(boxls *b, int blocked)
 {
     const size_t bytes = b->width * sizeof(pzs_real);
     memcpy(b->start, b->v, bytes);
     memcpy(b->start_grad, b->grad, bytes);
-    const uint32_t passes = run_passes(b, b->noise / 2, b->allowed - b->used);
-    b->used += passes;
-    if (passes != 0)
-        boxls_true_gradient(b);
-    if (passes != 0 && !fell(b)) {
-        memcpy(b->v, b->start, bytes);
-        boxls_true_gradient(b);
-    }
+    if (blocked)
+        b->used += run_passes(b, b->noise / 2, b->allowed - b->used);
+    else
+        memcpy(b->v, b->next, bytes);
+    b->used += !blocked;
+    boxls_true_gradient(b);
 }
 
 /* What is left at v, and how much of it may be rounding. */
@@ -547,10 +578,44 @@ static void judge(boxls *b)
     b->noise = NOISE * (b->exact + b->rough);
 }
 
+/* Cut v to the limits; returns how many were outside. */
+static uint32_t cut_volts(pzs_real *restrict v, const pzs_real *restrict lo, const pzs_real *restrict hi, size_t span)
+{
+    uint32_t outside = 0;
+    for (size_t i = 0; i < span; i++) {
+        outside += (v[i] < lo[i] ? 1u : 0u) + (v[i] > hi[i] ? 1u : 0u);
+        v[i] = boxls_cut(v[i], lo[i], hi[i]);
+    }
+    return outside;
+}
+
+int boxls_come_inside(boxls *b)
+{
+    const int moved = cut_volts(b->v, b->lo, b->hi, boxls_span(b)) != 0;
+    if (moved)
+        boxls_true_gradient(b);
+    return moved;
+}
+
+/* Where the round ended: at the optimum, which proves the tableau; or with a gain; or it is undone. */
+static void conclude(boxls *b, int moved)
+{
+    judge(b);
+    b->done = settled(b);
+    if (b->done && moved && b->proven == 0)
+        b->proven = 1;
+    if (b->done || !moved || fell(b))
+        return;
+    memcpy(b->v, b->start, b->width * sizeof(pzs_real));
+    boxls_true_gradient(b);
+    judge(b);
+    b->done = settled(b);
+}
+
 /* Sweep anew after a round that gained little; a tableau that is fresh already takes more inputs as dependent. */
 static void renew(boxls *b, int fresh)
 {
-    const pzs_real most = DEPENDENT * 4 * (pzs_real)b->n * PZS_EPSILON;
+    const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)b->n * PZS_EPSILON;
     b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
     boxls_rebuild(b);
     boxls_gradient(b);
@@ -562,14 +627,22 @@ void boxls_optimise(boxls *b)
     b->noise = NOISE * (b->exact + b->rough);
     b->done = 0;
     if (b->used >= b->allowed) {
+        (void)boxls_come_inside(b);
         judge(b);
-        b->done = !(b->left > b->noise);
+        b->done = b->left <= b->noise;
     }
     for (uint32_t round = 0; round < ROUNDS && !b->done && b->used < b->allowed; round++) {
-        run_round(b);
-        judge(b);
-        b->done = settled(b);
-        if (!b->done && b->used < b->allowed && b->left * POOR > violation(b, b->start, b->start_grad)) {
+        const int rest = at_rest(b), blocked = boxls_aim(b, b->noise / 2) != 0, moves = blocked || !rest;
+        if (blocked && boxls_come_inside(b))
+            continue;
+        if (moves && !blocked && b->proven > 0) {
+            b->done = go_straight(b);
+            continue;
+        }
+        if (moves)
+            run_round(b, blocked);
+        conclude(b, moves);
+        if (!b->done && b->used < b->allowed && (!moves || b->left * POOR > violation(b, b->start, b->start_grad))) {
             renew(b, fresh);
             fresh = 1;
         }

@@ -18,61 +18,31 @@
 #include "product.h"
 #include "sense.h"
 
-static uint32_t width_of(uint32_t n)
-{
-    return (uint32_t)PZS_CONTROL_WIDTH(n);
-}
-
-/* The optimiser's view of a controller. */
-static boxls view(pzs_control *c)
-{
-    boxls b = { .n = c->problem->inputs, .width = width_of(c->problem->inputs), .h = c->hessian, .m = c->tableau,
-                .v = c->volt, .floor = c->dependence, .rough = c->rounding, .soft = c->softness };
-    boxls_place(&b, c->work);
-    return b;
-}
-
-/* Behind the optimiser's vectors: the padded slew, B'W^2 B base, and two vectors of outputs. */
-static pzs_real *slew_of(const pzs_control *c)
-{
-    return c->work + BOXLS_VECTORS * width_of(c->problem->inputs);
-}
-
-static pzs_real *full_of(const pzs_control *c)
-{
-    return slew_of(c) + width_of(c->problem->inputs);
-}
-
-static pzs_real *weighted_of(const pzs_control *c)
-{
-    return full_of(c) + width_of(c->problem->inputs);
-}
-
 /* ---- step ---------------------------------------------------------------------- */
 
 /*
- * What inputs may reach in this step; rounding may narrow a slew window, never widen it. Returns how many volts
- * stand outside.
+ * What inputs may reach in this step; rounding may narrow a slew window, never widen it. Returns in how many slew and limit
+ * do not meet.
  */
 static uint32_t open_windows(pzs_real *restrict lo, pzs_real *restrict hi, const pzs_real *restrict v,
                              const pzs_real *restrict slew, const pzs_real *restrict lower,
                              const pzs_real *restrict upper, size_t width)
 {
-    uint32_t outside = 0;
+    uint32_t clashes = 0;
     for (size_t i = 0; i < width; i++) {
         const pzs_real last = v[i], most = slew[i], down = last - most, up = last + most;
         const pzs_real from = last - down > most ? down + PZS_EPSILON * boxls_size(down) : down;
         const pzs_real to = up - last > most ? up - PZS_EPSILON * boxls_size(up) : up;
         const pzs_real low = from > lower[i] ? from : lower[i], high = to < upper[i] ? to : upper[i];
-        outside += (last < low ? 1u : 0u) + (last > high ? 1u : 0u);
+        clashes += low > high ? 1u : 0u;
         lo[i] = low;
         hi[i] = high;
     }
-    return outside;
+    return clashes;
 }
 
-/* Cut the volts to their windows; where slew and limit do not meet, to the limit. Returns the first such input, or -1. */
-static int32_t cut_volts(boxls *b, const pzs_control *c)
+/* Where slew and limit do not meet, the limit it is. Returns the first such input. */
+static int32_t take_limits(boxls *b, const pzs_control *c)
 {
     int32_t clash = -1;
     for (uint32_t i = 0; i < b->n; i++) {
@@ -80,113 +50,47 @@ static int32_t cut_volts(boxls *b, const pzs_control *c)
             b->lo[i] = b->hi[i] = b->v[i] < c->lower[i] ? c->lower[i] : c->upper[i];
             clash = clash < 0 ? (int32_t)i : clash;
         }
-        b->v[i] = boxls_cut(b->v[i], b->lo[i], b->hi[i]);
     }
     return clash;
 }
 
-/* Start a step: windows, volts cut to them, their gradient. Returns the first clash of slew and limit, or -1. */
+/* Start a step: windows where slews are in force, and the gradient. Returns the first clash of slew and limit, or -1. */
 static int32_t enter(boxls *b, const pzs_control *c)
 {
-    const size_t width = boxls_whole(b->width);
-    int32_t clash = -1;
-    if (open_windows(b->lo, b->hi, b->v, slew_of(c), c->lower, c->upper, width) != 0) {
-        clash = cut_volts(b, c);
-        boxls_true_gradient(b);
-    } else {
-        boxls_gradient(b);
-    }
-    return clash;
-}
-
-/* miss = e - y, weighted = w^2 miss. */
-static void weigh(pzs_real *restrict weighted, pzs_real *restrict miss, const pzs_real *restrict w,
-                  const pzs_real *restrict e, const pzs_real *restrict y, size_t m)
-{
-    for (size_t i = 0; i < m; i++) {
-        miss[i] = e[i] - y[i];
-        weighted[i] = w[i] * w[i] * miss[i];
-    }
+    boxls_gradient(b);
+    if (!c->slews || open_windows(b->lo, b->hi, b->v, c->slew, c->lower, c->upper, boxls_span(b)) == 0)
+        return -1;
+    return take_limits(b, c);
 }
 
 /*
- * want = B'W^2 (e - B base) with shown = B base + disturbance; returns missed = |W (e - B base)|^2. With
- * full = B'W^2 B base, energy = |W e|^2 = missed + base . (full + 2 want), not below what rounding leaves of it.
- * Both are finite only where want is.
+ * want = B'W^2 (e - B base) with shown = B base + disturbance; returns missed = |W (e - B base)|^2.
+ * energy = |W e|^2 = missed + |W B base|^2 + 2 base . want, not below what rounding leaves of it. Both are finite
+ * only where want is.
  */
 static pzs_real project(boxls *b, const pzs_control *c, const pzs_real *wanted, const pzs_real *shown)
 {
     const uint32_t m = c->problem->outputs;
-    pzs_real *weighted = weighted_of(c), *miss = weighted + m;
-    weigh(weighted, miss, c->problem->weight, wanted, shown, m);
-    boxls_sum_rows(b->want, c->influence, b->n, weighted, m, b->n);
-    const pzs_real missed = boxls_dot(weighted, miss, m);
-    b->energy = missed + boxls_dot(b->base, full_of(c), b->width) + 2 * boxls_dot(b->base, b->want, b->width);
+    pzs_real *weighted = c->weighted;
+    const pzs_real missed = product_weigh(weighted, c->problem->weight, wanted, shown, m);
+    product_sum_rows(b->want, c->influence, b->n, weighted, m, b->n);
+    b->energy = missed + c->base_energy + 2 * product_dot(b->base, b->want, b->width);
     b->energy = b->energy < PZS_EPSILON * missed ? PZS_EPSILON * missed : b->energy;
     return missed;
 }
 
-/* away = v - base, slope = pull - effort away - 2 want. */
-static void shape_terms(pzs_real *restrict away, pzs_real *restrict slope, const pzs_real *restrict v,
-                        const pzs_real *restrict base, const pzs_real *restrict pull, const pzs_real *restrict want,
-                        pzs_real effort, size_t width)
-{
-    for (size_t i = 0; i < width; i++) {
-        away[i] = v[i] - base[i];
-        slope[i] = pull[i] - effort * away[i] - 2 * want[i];
-    }
-}
-
-/* |W (B v - e)| / |W e|, where B v - e = (B base - e) + B (v - base). */
-static pzs_real shape_error(const boxls *b, pzs_real effort, pzs_real missed)
-{
-    pzs_real rest = missed;
-    if (b->rough > 0) { /* off the base */
-        shape_terms(b->spare, b->move, b->v, b->base, b->pull, b->want, effort, boxls_whole(b->width));
-        rest += boxls_dot(b->spare, b->move, b->width);
-    }
-    return rest > 0 && b->energy > 0 ? PZS_SQRT(rest / b->energy) : 0;
-}
-
-static void sum_size(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y, size_t width)
-{
-    for (size_t i = 0; i < width; i++)
-        z[i] = boxls_size(x[i] + y[i]);
-}
-
-/* Largest |B'W^2 e|. */
-static pzs_real most_wanted(const boxls *b, const pzs_real *full)
-{
-    sum_size(b->spare, b->want, full, boxls_whole(b->width));
-    return boxls_largest(b->spare, b->width);
-}
-
 /* Make the volts the new base, predicted their shape. */
-static void rebase(boxls *b, const pzs_control *c)
+static void rebase(boxls *b, pzs_control *c)
 {
     const pzs_real effort = c->problem->effort;
-    pzs_real *full = full_of(c);
     product(c->predicted, c->influence, b->v, c->problem->outputs, b->n);
     for (uint32_t i = 0; i < b->n; i++) {
-        full[i] += b->pull[i] - effort * (b->v[i] - b->base[i]);
-        b->bias[i] = effort * (b->v[i] - c->problem->prefer[i]);
+        b->bias[i] = b->pull[i] = effort * (b->v[i] - c->problem->prefer[i]);
         b->base[i] = b->v[i];
-        b->pull[i] = 0;
     }
+    c->base_energy = product_energy(c->problem->weight, c->predicted, c->problem->outputs);
+    c->ahead = 0;
     b->rough = 0;
-}
-
-/* state: 1 at the lower limit, 2 at the upper, else 0. Returns how many are at one. */
-static uint32_t note_active(uint8_t *restrict state, const pzs_real *restrict v, const pzs_real *restrict lo,
-                            const pzs_real *restrict hi, size_t n)
-{
-    uint32_t active = 0;
-    for (size_t i = 0; i < n; i++) {
-        const uint8_t at = v[i] > lo[i] ? (v[i] < hi[i] ? 0 : 2) : 1;
-        state[i] = at;
-        active += at != 0;
-    }
-    return active;
 }
 
 static pzs_status finish(pzs_control *c, pzs_status status, int32_t where)
@@ -206,43 +110,35 @@ static pzs_status ready(const pzs_control *c, const void *argument)
 static const pzs_real *expected(const pzs_control *c)
 {
     const uint32_t m = c->problem->outputs;
-    pzs_real *sum = weighted_of(c) + 2u * m;
+    pzs_real *sum = c->weighted + m;
     for (uint32_t i = 0; i < m; i++)
         sum[i] = c->predicted[i] + c->disturbance[i];
     return sum;
 }
 
-/* Optimise; where far from the base rounding could cost accuracy, once more from the residual. Returns missed. */
-static pzs_real settle(boxls *b, const pzs_control *c, const pzs_real *wanted, const pzs_real *shown, pzs_real missed)
+/* Optimise; where far from the base rounding could cost accuracy, once more from the residual. */
+static void settle(boxls *b, pzs_control *c, const pzs_real *wanted, const pzs_real *shown)
 {
     boxls_optimise(b);
     if (boxls_coarse(b)) {
         rebase(b, c);
-        missed = project(b, c, wanted, shown == c->predicted ? shown : expected(c));
+        (void)project(b, c, wanted, shown == c->predicted ? shown : expected(c));
         boxls_gradient(b);
         boxls_optimise(b);
     }
-    return missed;
 }
 
 /* The step itself, once want, missed and energy are there. */
 static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *wanted, const pzs_real *shown, pzs_real missed)
 {
-    const pzs_real effort = c->problem->effort;
     const int32_t clash = enter(b, c);
+    c->ahead = 1;
+    b->used = 0;
     b->allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
     b->exact = PZS_EPSILON * PZS_SQRT(b->energy + missed) * c->stiffest;
-    c->error_before = shape_error(b, effort, missed);
-    missed = settle(b, c, wanted, shown, missed);
-    const pzs_real most = most_wanted(b, full_of(c));
-    c->error_after = shape_error(b, effort, missed);
-    c->optimality = b->left > 0 && most > 0 ? b->left / most : 0;
-    c->dependence = b->floor;
-    c->rounding = b->rough;
-    c->softness = b->soft;
+    settle(b, c, wanted, shown);
     c->passes = (uint16_t)b->used;
     c->passes_most = c->passes > c->passes_most ? c->passes : c->passes_most;
-    c->active = (uint16_t)note_active(c->state, b->v, b->lo, b->hi, b->n);
     if (!b->done)
         return finish(c, PZS_W_PASSES, -1);
     return finish(c, clash < 0 ? PZS_OK : PZS_W_SLEW, clash);
@@ -262,40 +158,38 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
     const pzs_status status = ready(c, error);
     if (status != PZS_OK)
         return status;
-    boxls b = view(c);
-    return step(&b, c, error, c->predicted);
+    boxls *b = &c->optimiser;
+    return step(b, c, error, c->predicted);
 }
 
 /* ---- tick ------------------------------------------------------------------------ */
 
 /* predicted = B volt again, where volts have changed since. */
-static void catch_up(boxls *b, const pzs_control *c)
+static void catch_up(boxls *b, pzs_control *c)
 {
-    uint32_t i = 0;
-    while (i < b->n && !(b->v[i] != b->base[i]))
-        i++;
-    if (i < b->n)
+    if (c->ahead)
         rebase(b, c);
 }
 
 void control_predict(pzs_control *c)
 {
-    boxls b = view(c);
-    catch_up(&b, c);
+    boxls *b = &c->optimiser;
+    catch_up(b, c);
 }
 
 void control_moved(pzs_control *c)
 {
-    boxls b = view(c);
-    boxls_true_gradient(&b);
-    c->rounding = b.rough;
+    boxls *b = &c->optimiser;
+    boxls_true_gradient(b);
+    c->ahead = 1;
 }
 
 /* Volts as they were, but inside the limits now in force. */
 static pzs_status hold_last(boxls *b, pzs_control *c, int32_t where)
 {
-    enter(b, c);
-    catch_up(b, c);
+    (void)enter(b, c);
+    if (boxls_come_inside(b))
+        rebase(b, c);
     return finish(c, PZS_W_HELD, where);
 }
 
@@ -304,19 +198,18 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
     const pzs_status status = ready(c, wanted);
     if (status != PZS_OK)
         return status;
-    boxls b = view(c);
+    boxls *b = &c->optimiser;
     const uint32_t m = c->problem->outputs;
     int32_t where = -1;
-    catch_up(&b, c);
+    catch_up(b, c);
     const senses all = { m, c->predicted, c->measured, c->disturbance, c->frozen };
     const uint32_t lost = measured != NULL ? sense(&all, measured, &where) : 0;
     if (lost == m)
-        return hold_last(&b, c, where);
-    const pzs_status stepped = step(&b, c, wanted, measured != NULL && lost == 0 ? measured : expected(c));
+        return hold_last(b, c, where);
+    const pzs_status stepped = step(b, c, wanted, measured != NULL && lost == 0 ? measured : expected(c));
     if (stepped == PZS_E_NONFINITE)
-        return hold_last(&b, c, c->where);
-    rebase(&b, c);
-    c->rounding = 0;
+        return hold_last(b, c, c->where);
+    rebase(b, c);
     return stepped == PZS_OK && lost != 0 ? finish(c, PZS_W_SENSOR, where) : stepped;
 }
 
@@ -366,34 +259,39 @@ static pzs_status check(const pzs_problem *p, const pzs_real *influence, int32_t
 /* Point the controller's arrays into the workspace. */
 static void lay_out(pzs_control *c, pzs_real *at)
 {
-    const uint32_t n = c->problem->inputs, m = c->problem->outputs, width = width_of(n);
-    c->hessian = at, at += (size_t)n * width;
-    c->tableau = at, at += (size_t)n * width;
+    const uint32_t n = c->problem->inputs, m = c->problem->outputs, width = (uint32_t)PZS_CONTROL_WIDTH(n);
+    boxls *b = &c->optimiser;
+    b->n = n;
+    b->width = width;
+    b->h = at, at += (size_t)n * width;
+    b->m = at, at += (size_t)n * width;
+    boxls_place(b, at);
+    at += BOXLS_VECTORS * width;
+    c->volt = b->v = at, at += width;
     c->lower = at, at += width;
     c->upper = at, at += width;
-    c->volt = at, at += width;
+    c->slew = at, at += width;
     c->predicted = at, at += m;
     c->disturbance = at, at += m;
     c->measured = at, at += m;
-    c->work = at, at += (BOXLS_VECTORS + 2u) * width + 3u * m;
+    c->weighted = at, at += 2u * m;
     c->frozen = (uint8_t *)at;
-    c->state = c->frozen + m;
 }
 
 /* Row k of H: from the table, or the sum over outputs of W^2 B_ik B_i, kept symmetric to the last bit. */
 static void form_row(const pzs_control *c, const pzs_real *table, uint32_t k)
 {
-    const uint32_t n = c->problem->inputs, m = c->problem->outputs, width = width_of(n);
+    const uint32_t n = c->problem->inputs, m = c->problem->outputs, width = c->optimiser.width;
     const pzs_real *weight = c->problem->weight;
-    pzs_real *row = c->hessian + (size_t)k * width, *column = weighted_of(c);
+    pzs_real *h = c->optimiser.h, *row = h + (size_t)k * width, *column = c->weighted;
     if (table != NULL) {
         memcpy(row, table + (size_t)k * n, n * sizeof(pzs_real));
     } else {
         for (uint32_t i = 0; i < m; i++)
             column[i] = weight[i] * weight[i] * c->influence[(size_t)i * n + k];
-        boxls_sum_rows(row, c->influence, n, column, m, n);
+        product_sum_rows(row, c->influence, n, column, m, n);
         for (uint32_t j = 0; j < k; j++)
-            row[j] = c->hessian[(size_t)j * width + k];
+            row[j] = h[(size_t)j * width + k];
     }
     row[k] += c->problem->effort;
 }
@@ -405,13 +303,20 @@ static void set_out(boxls *b, pzs_control *c)
     for (uint32_t i = 0; i < b->n; i++) {
         c->lower[i] = p->lower[i];
         c->upper[i] = p->upper[i];
-        slew_of(c)[i] = p->slew[i];
+        c->slew[i] = p->slew[i];
+        c->slews |= p->slew[i] < p->upper[i] - p->lower[i];
         b->v[i] = boxls_cut(p->prefer[i], p->lower[i], p->upper[i]);
         b->diag[i] = b->h[(size_t)i * b->width + i];
         b->free[i] = 1;
     }
-    c->stiffest = PZS_SQRT(boxls_largest(b->diag, b->width));
-    b->floor = c->dependence = 4 * (pzs_real)b->n * PZS_EPSILON;
+    if (!c->slews) {
+        b->lo = c->lower;
+        b->hi = c->upper;
+    }
+    const pzs_real stiffest = product_largest(b->diag, b->width);
+    c->stiffest = PZS_SQRT(stiffest);
+    b->floor = 4 * (pzs_real)b->n * PZS_EPSILON;
+    b->soft_most = p->effort > BOXLS_DEPENDENT * b->floor * stiffest ? (pzs_real)b->n / p->effort : 0;
     boxls_true_gradient(b); /* pull = H v, from the base zero */
     rebase(b, c);
     boxls_rebuild(b);
@@ -422,27 +327,25 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, co
 {
     if (control == NULL || problem == NULL || work == NULL)
         return PZS_E_ARGUMENT;
-    control->stage = 0;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
     const size_t need = PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
-    pzs_control c = { .problem = problem, .influence = use, .where = -1, .stage = CONTROL_READY };
-    const pzs_status status = check(problem, use, &c.where);
+    *control = (pzs_control){ .problem = problem, .influence = use, .where = -1, .passes_allowed = PZS_STEP_PASSES };
+    const pzs_status status = check(problem, use, &control->where);
     if (status != PZS_OK)
-        return finish(control, status, c.where);
+        return status;
     const int32_t lacking = guard_short(work, bytes, need);
     if (lacking >= 0)
         return finish(control, PZS_E_WORKSPACE, lacking);
     memset(work, 0, need);
-    lay_out(&c, work);
+    lay_out(control, work);
     for (uint32_t k = 0; k < problem->inputs; k++)
-        form_row(&c, influence == NULL ? problem->hessian : NULL, k);
-    boxls b = view(&c);
-    const int32_t overflow = guard_nonfinite(c.hessian, b.n * b.width);
+        form_row(control, influence == NULL ? problem->hessian : NULL, k);
+    boxls *b = &control->optimiser;
+    const int32_t overflow = guard_nonfinite(b->h, b->n * b->width);
     if (overflow >= 0)
         return finish(control, PZS_E_NONFINITE, overflow);
-    set_out(&b, &c);
-    c.passes_allowed = PZS_STEP_PASSES;
-    *control = c;
+    set_out(b, control);
+    control->stage = CONTROL_READY;
     return PZS_OK;
 }
 
@@ -487,6 +390,44 @@ pzs_status pzs_release(pzs_control *c, uint16_t input)
     return finish(c, PZS_OK, -1);
 }
 
+/* ---- how good it is ------------------------------------------------------------------------ */
+
+/* B'W^2 (e - y) into b->next, |W (e - y)| returned. */
+static pzs_real misfit(boxls *b, const pzs_control *c, const pzs_real *e, const pzs_real *y)
+{
+    pzs_real *weighted = c->weighted;
+    const pzs_real square = product_weigh(weighted, c->problem->weight, e, y, c->problem->outputs);
+    product_sum_rows(b->next, c->influence, b->n, weighted, c->problem->outputs, b->n);
+    return PZS_SQRT(square);
+}
+
+pzs_status pzs_assess(pzs_control *c, const pzs_real *error, pzs_report *report)
+{
+    const pzs_status status = report != NULL ? ready(c, error) : PZS_E_ARGUMENT;
+    if (status != PZS_OK)
+        return status;
+    const uint32_t m = c->problem->outputs;
+    boxls *b = &c->optimiser;
+    pzs_real *shape = c->weighted + m, most = 0;
+    memset(shape, 0, m * sizeof *shape);
+    const pzs_real all = misfit(b, c, error, shape);
+    for (uint32_t i = 0; i < b->n; i++)
+        most = boxls_size(b->next[i]) > most ? boxls_size(b->next[i]) : most;
+    product(shape, c->influence, b->v, m, b->n);
+    const pzs_real left = misfit(b, c, error, shape);
+    if (!boxls_finite(all + left))
+        return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, m));
+    pzs_report r = { .error = all > 0 ? left / all : 0 };
+    for (uint32_t i = 0; i < b->n; i++) {
+        b->grad[i] = c->problem->effort * (b->v[i] - c->problem->prefer[i]) - b->next[i];
+        r.active = (uint16_t)(r.active + !(b->v[i] > b->lo[i] && b->v[i] < b->hi[i]));
+    }
+    const pzs_real wrong = boxls_violation(b);
+    r.optimality = most > 0 ? wrong / most : 0;
+    *report = r;
+    return PZS_OK;
+}
+
 /* ---- for comparison -------------------------------------------------------------------- */
 
 /* The optimum without limits into b->v; needs want, uses up free and the tableau. Dependent inputs stay at 0 V. */
@@ -509,20 +450,21 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
     const pzs_status status = volt != NULL ? ready(c, error) : PZS_E_ARGUMENT;
     if (status != PZS_OK)
         return status;
-    boxls b = view(c);
-    const size_t bytes = b.width * sizeof(pzs_real);
-    (void)project(&b, c, error, c->predicted);
-    memcpy(b.hi, b.free, bytes);
-    boxls apart = b; /* its volts and pull apart from the controller's */
-    apart.v = b.start;
-    apart.pull = b.start_grad;
+    boxls *b = &c->optimiser;
+    uint8_t *swept = c->frozen + c->problem->outputs;
+    for (uint32_t i = 0; i < b->n; i++)
+        swept[i] = b->free[i] > 0;
+    (void)project(b, c, error, c->predicted);
+    boxls apart = *b; /* its volts and pull apart from the controller's */
+    apart.v = b->start;
+    apart.pull = b->start_grad;
     solve_free(&apart);
-    memcpy(b.free, b.hi, bytes);
-    boxls_rebuild(&b);
-    c->softness = 0;
-    if (guard_nonfinite(apart.v, b.n) >= 0)
+    for (uint32_t i = 0; i < b->n; i++)
+        b->free[i] = swept[i];
+    boxls_rebuild(b);
+    if (guard_nonfinite(apart.v, b->n) >= 0)
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
-    memcpy(volt, apart.v, b.n * sizeof(pzs_real));
+    memcpy(volt, apart.v, b->n * sizeof(pzs_real));
     return finish(c, PZS_OK, -1);
 }
 

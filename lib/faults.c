@@ -22,6 +22,7 @@
 #include "electrode.h"
 #include "guard.h"
 #include "linalg.h"
+#include "product.h"
 #include "sense.h"
 
 #define READY 1u
@@ -90,7 +91,7 @@ static void form_row(const pzs_watch *w, uint32_t j, pzs_real *row)
 {
     const pzs_control *c = w->control;
     const uint32_t n = c->problem->inputs;
-    memcpy(row, c->hessian + (size_t)j * PZS_CONTROL_WIDTH(n), j * sizeof *row);
+    memcpy(row, c->optimiser.h + (size_t)j * c->optimiser.width, j * sizeof *row);
     row[j] = w->diagonal[j] * (1 + w->ridge);
     for (uint32_t i = 0; i < c->problem->outputs; i++) {
         if (!(w->missing[i] & LEFT_OUT))
@@ -222,7 +223,7 @@ static pzs_real respond(pzs_watch *w, const pzs_real *volt)
     const pzs_control *c = w->control;
     const uint32_t n = c->problem->inputs;
     pzs_real all = 0;
-    boxls_sum_rows(w->answer, c->influence, n, w->change, c->problem->outputs, n);
+    product_sum_rows(w->answer, c->influence, n, w->change, c->problem->outputs, n);
     linalg_solve(&w->columns, w->answer);
     for (uint32_t j = 0; j < n; j++) {
         const pzs_real move = volt[j] - w->before[j], most = 2 * boxls_size(move);

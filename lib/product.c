@@ -1,50 +1,196 @@
-/* Product of a table and a vector (product.h). */
+/* Products of tables and vectors (product.h). */
 #include <string.h>
 #include "product.h"
 #include "unrolled.h"
 
-#define FOURS PZS_BY_BITS(7, 3) /* fours of columns multiplied together: what the registers hold, and what fills up */
+/* Columns taken in one go, in fours and in tiles: as many as the registers hold, and what fills up. */
+#define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)
+#define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
+#define SOME PZS_BY_TILE(2, 4, 4)
+#define LANES 8u /* sums side by side in a dot product */
 
-/* y_i += COUNT fours of entries of row i times x, the x held in registers. */
+/* ---- table times vector ----------------------------------------------------- */
+
+/* Column k is one of the `cols` that there are: more than the last three of COUNT are. */
+#define IS_COLUMN(k, COUNT) ((k) < (COUNT) - 3u || (k) < cols)
+
+/* y_i = from_i + `cols` entries of row i times x, the x held in registers; from moves on by `step`. */
 #define MULTIPLY(name, COUNT) \
-    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
-                     size_t rows) \
+    static void name(pzs_real *y, const pzs_real *from, size_t step, const pzs_real *a, size_t stride, const pzs_real *x, \
+                     size_t rows, size_t cols) \
     { \
-        pzs_real part[4 * (COUNT)]; \
+        pzs_real part[COUNT]; \
         UNROLLED \
-        for (unsigned k = 0; k < 4 * (COUNT); k++) \
+        for (unsigned k = 0; k < (COUNT); k++) \
             part[k] = x[k]; \
-        for (size_t i = 0; i < rows; i++, a += stride) { \
-            pzs_real sum = y[i]; \
+        for (size_t i = 0; i < rows; i++, a += stride, from += step) { \
+            pzs_real sum = *from; \
             UNROLLED \
-            for (unsigned k = 0; k < 4 * (COUNT); k++) \
-                sum += a[k] * part[k]; \
+            for (unsigned k = 0; k < (COUNT); k++) \
+                if (IS_COLUMN(k, COUNT)) \
+                    sum += a[k] * part[k]; \
             y[i] = sum; \
         } \
     }
 
-MULTIPLY(multiply_many, FOURS)
-MULTIPLY(multiply_some, FEW)
-MULTIPLY(multiply_one, 1)
+MULTIPLY(multiply_many, 4u * FOURS)
+MULTIPLY(multiply_some, 4u * FEW)
+MULTIPLY(multiply_four, 4u)
 
-/* Whole fours read on into the row below, where there is one and x is zero. */
 void product(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x, size_t rows, size_t cols)
 {
-    const size_t last = 1u + 3u / cols, whole = last < rows ? rows - last : 0;
-    memset(y, 0, rows * sizeof *y);
-    for (size_t j = 0, now; j < cols; j += 4u * now) {
-        const size_t fours = (cols - j + 3u) / 4u;
-        now = fours >= FOURS ? FOURS : fours >= FEW ? FEW : 1u;
-        if (now == FOURS)
-            multiply_many(y, a + j, cols, x + j, whole);
-        else if (now == FEW)
-            multiply_some(y, a + j, cols, x + j, whole);
+    static const pzs_real zero = 0;
+    const pzs_real *from = &zero;
+    for (size_t j = 0, now; j < cols; j += now) {
+        const size_t left = cols - j, fours = (left + 3u) / 4u, step = j > 0;
+        now = 4u * (fours >= FOURS ? FOURS : fours >= FEW ? FEW : 1u);
+        now = now < left ? now : left;
+        if (fours >= FOURS)
+            multiply_many(y, from, step, a + j, cols, x + j, rows, now);
+        else if (fours >= FEW)
+            multiply_some(y, from, step, a + j, cols, x + j, rows, now);
         else
-            multiply_one(y, a + j, cols, x + j, whole);
+            multiply_four(y, from, step, a + j, cols, x + j, rows, now);
+        from = y;
     }
-    for (size_t i = whole; i < rows; i++) {
-        for (size_t k = 0; k < cols; k++)
-            y[i] += a[i * cols + k] * x[k];
+}
+
+/* ---- sums of rows -------------------------------------------------------------- */
+
+/*
+ * Columns that do not fill a tile are left out, but for vectors, which do not save by that: there the last tile
+ * ends with the last column, and where it overlaps the one before, both form the same sums.
+ */
+#define EXACT (PZS_TILE == 4)
+#define EACH_ENTRY(COUNT) UNROLLED for (unsigned t = 0; t != (COUNT); t++) UNROLLED for (unsigned j = 0; j < PZS_TILE; j++)
+#define HAS_ENTRY(COUNT) (!EXACT || IS_COLUMN(t * PZS_TILE + j, (COUNT) * PZS_TILE))
+
+/* y = sum of x_i times row i, over COUNT tiles of columns side by side. */
+#define SUM_TILES(name, COUNT) \
+    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
+                     size_t rows, size_t cols) \
+    { \
+        pzs_real sum[COUNT][PZS_TILE]; \
+        const size_t last = EXACT ? ((COUNT) - 1u) * PZS_TILE : cols - PZS_TILE; \
+        const pzs_real *b = a + last; \
+        EACH_ENTRY(COUNT) \
+            sum[t][j] = 0; \
+        for (size_t i = 0; i < rows; i++, a += stride, b += stride) { \
+            const pzs_real xi = x[i]; \
+            EACH_ENTRY(COUNT) \
+                if (HAS_ENTRY(COUNT)) \
+                    sum[t][j] += xi * (t + 1u < (COUNT) ? a[t * PZS_TILE + j] : b[j]); \
+        } \
+        for (unsigned t = 0; !EXACT && t < (COUNT); t++) \
+            memcpy(y + (t + 1u < (COUNT) ? t * PZS_TILE : last), sum[t], sizeof sum[t]); \
+        EACH_ENTRY(EXACT ? (COUNT) : 0) \
+            if (HAS_ENTRY(COUNT)) \
+                y[t * PZS_TILE + j] = sum[t][j]; \
     }
+
+SUM_TILES(sum_many, MANY)
+SUM_TILES(sum_some, SOME)
+SUM_TILES(sum_one, 1)
+
+/* Fewer columns than a tile. */
+static void sum_few(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
+                    size_t rows, size_t cols)
+{
+    for (size_t j = 0; j < cols; j++) {
+        y[j] = 0;
+        for (size_t i = 0; i < rows; i++)
+            y[j] += x[i] * a[i * stride + j];
+    }
+}
+
+void product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
+                      size_t rows, size_t cols)
+{
+    if (!EXACT && cols < PZS_TILE) {
+        sum_few(y, a, stride, x, rows, cols);
+        return;
+    }
+    for (size_t j = 0, end; j < cols; j = end) {
+        const size_t tiles = (cols - j + PZS_TILE - 1u) / PZS_TILE;
+        const size_t now = tiles >= MANY ? MANY : tiles >= SOME ? SOME : 1u;
+        end = j + now * PZS_TILE < cols ? j + now * PZS_TILE : cols;
+        const size_t from = EXACT || now > 1u ? j : end - PZS_TILE;
+        if (now == MANY)
+            sum_many(y + from, a + from, stride, x, rows, end - from);
+        else if (now == SOME)
+            sum_some(y + from, a + from, stride, x, rows, end - from);
+        else
+            sum_one(y + from, a + from, stride, x, rows, end - from);
+    }
+}
+
+/* ---- of two vectors ------------------------------------------------------------- */
+
+#define ADD_LANES(sum) (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
+
+/*
+ * sum over i of TERM. Entry i of a full group is summed in lane i: independent chains, and the same bits at any vector
+ * width. Zeros that fill a tile change nothing.
+ */
+#define SUM_OF(name, TERM) \
+    pzs_real name(const pzs_real *x, const pzs_real *y, size_t n) \
+    { \
+        pzs_real sum[LANES] = {0}; \
+        size_t i = 0; \
+        for (; i + LANES <= n; i += LANES) { \
+            UNROLLED \
+            for (unsigned k = 0; k < LANES; k++) \
+                sum[k] += TERM(x[i + k], y[i + k]); \
+        } \
+        for (; i + 4u <= n; i += 4u) { \
+            UNROLLED \
+            for (unsigned k = 0; k < 4u; k++) \
+                sum[k] += TERM(x[i + k], y[i + k]); \
+        } \
+        for (; i < n; i++) \
+            sum[0] += TERM(x[i], y[i]); \
+        return ADD_LANES(sum); \
+    }
+
+#define PRODUCT(x, y) (x) * (y)
+#define PRODUCT_SIZE(x, y) (x) * PZS_BY_BITS(fabsf, fabs)(y)
+#define PRODUCT_SQUARE(x, y) ((x) * (y)) * ((x) * (y))
+SUM_OF(product_dot, PRODUCT)
+SUM_OF(product_dot_size, PRODUCT_SIZE)
+SUM_OF(product_energy, PRODUCT_SQUARE)
+
+pzs_real product_weigh(pzs_real *restrict z, const pzs_real *restrict w, const pzs_real *restrict x,
+                       const pzs_real *restrict y, size_t n)
+{
+    pzs_real sum[LANES] = {0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES) {
+        UNROLLED
+        for (unsigned k = 0; k < LANES; k++) {
+            const pzs_real miss = x[i + k] - y[i + k], weighted = w[i + k] * w[i + k] * miss;
+            z[i + k] = weighted;
+            sum[k] += weighted * miss;
+        }
+    }
+    for (; i < n; i++) {
+        const pzs_real miss = x[i] - y[i];
+        z[i] = w[i] * w[i] * miss;
+        sum[0] += z[i] * miss;
+    }
+    return ADD_LANES(sum);
+}
+
+pzs_real product_largest(const pzs_real *x, size_t n)
+{
+    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+    for (size_t i = 0; i < n; i += 4u) {
+        s0 = x[i] > s0 ? x[i] : s0;
+        s1 = x[i + 1u] > s1 ? x[i + 1u] : s1;
+        s2 = x[i + 2u] > s2 ? x[i + 2u] : s2;
+        s3 = x[i + 3u] > s3 ? x[i + 3u] : s3;
+    }
+    s0 = s1 > s0 ? s1 : s0;
+    s2 = s3 > s2 ? s3 : s2;
+    return s2 > s0 ? s2 : s0;
 }

@@ -35,30 +35,31 @@ static int doubtful(const senses *s, uint32_t i, pzs_real measured, pzs_real *mo
     return 0;
 }
 
-/* The differences of measurements that are finite and new, from i on. Returns the first that is not, or n. */
+/* The differences of measurements that are finite and new, from i < n on. Returns the first that is not, or n. */
 static uint32_t sense_new(const senses *s, const pzs_real *measured, uint32_t i)
 {
     const uint32_t n = s->n;
     const pzs_real *expected = s->expected;
     pzs_real *before = s->before, *all = s->difference;
     uint8_t *frozen = s->frozen;
-    for (; i < n; i++) {
+    do {
         const pzs_real seen = measured[i], difference = seen - expected[i];
         if (!(seen != before[i]) || !boxls_finite(difference))
-            break;
+            return i;
         before[i] = seen;
         all[i] = difference;
         frozen[i] = 0;
-    }
-    return i;
+    } while (++i < n);
+    return n;
 }
 
 uint32_t sense(const senses *s, const pzs_real *measured, int32_t *where)
 {
     pzs_real most = -1;
     uint32_t lost = 0;
-    for (uint32_t i = sense_new(s, measured, 0); i < s->n; i = sense_new(s, measured, i + 1u)) {
-        if (doubtful(s, i, measured[i], &most))
+    for (uint32_t i = 0; i < s->n; i++) {
+        i = sense_new(s, measured, i);
+        if (i < s->n && doubtful(s, i, measured[i], &most))
             *where = lost++ == 0 ? (int32_t)i : *where;
     }
     return lost;

@@ -7,8 +7,8 @@
  *
  * Without WITH_DAQP only our side is measured. n inputs over a grid of m outputs, 200 frames of a
  * slowly moving target, run in a circle so that every start is warm; limits are chosen so
- * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, boxls_sum_rows
- * of lib/boxls.c, included here), then solve; DAQP has its factor of H beforehand and keeps its
+ * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, product_sum_rows
+ * of lib/product.c, included here), then solve; DAQP has its factor of H beforehand and keeps its
  * working set; of its two ways to start (with and without a look at the unlimited optimum) the faster counts.
  * Each frame is timed in TURNS circles, both sides in turn; its time is the median. Shown are the mean and
  * the worst over the frames, from the error to volts, and of the solver alone.  --json: one object a row.
@@ -34,15 +34,21 @@
 
 static struct {
     int n, m;
-    double b[MOST_M * MOST_N], target[FRAMES][MOST_M], lower[MOST_N], upper[MOST_N];
+    double *b, target[FRAMES][MOST_M], lower[MOST_N], upper[MOST_N];
     double weight[MOST_M], slew[MOST_N], prefer[MOST_N];
-    double work[(PZS_CONTROL_BYTES(MOST_N, MOST_M) + 63) / 64 * 8 + 8]; /* used from a cache line's start */
+    double b_room[MOST_M * MOST_N + 8], work[(PZS_CONTROL_BYTES(MOST_N, MOST_M) + 63) / 64 * 8 + 8];
     pzs_problem problem;
     pzs_control control;
 } ours;
 
 static double spent[SIDES][2][FRAMES][TURNS]; /* total, solver (us) */
 static double answer[SIDES][MOST_N], disagree;
+
+/* Where the first cache line in it starts, as compilers place large tables. */
+static double *line_start(double *room)
+{
+    return room + (64 - (uintptr_t)room % 64) % 64 / sizeof *room;
+}
 
 /* What reading the clock costs (us). */
 static double idle(void)
@@ -63,6 +69,7 @@ static void make_plate(int n, int m)
 
     ours.n = n;
     ours.m = m;
+    ours.b = line_start(ours.b_room);
     for (int i = 0; i < m; i++) {
         const double x = (i / 11 + 1) / rows * length, y = (i % 11) / 10.0 * 5;
         for (int j = 0; j < n; j++) {
@@ -97,7 +104,7 @@ static void limit(double volt)
         ours.problem.effort += 1e-3 / ours.n * square;
     }
     ours.problem.crc = guard_problem_crc(&ours.problem);
-    if (pzs_control_init(&ours.control, &ours.problem, NULL, ours.work + (64 - (uintptr_t)ours.work % 64) % 64 / 8, sizeof ours.work - 64) != PZS_OK)
+    if (pzs_control_init(&ours.control, &ours.problem, NULL, line_start(ours.work), sizeof ours.work - 64) != PZS_OK)
         exit(1);
 }
 
@@ -108,7 +115,7 @@ static double mean_active(double volt)
     limit(volt);
     for (int t = 0; t < FRAMES; t++) {
         pzs_step(&ours.control, ours.target[t]);
-        sum += ours.control.active;
+        { pzs_report r; pzs_assess(&ours.control, ours.target[t], &r); sum += r.active; }
     }
     return sum / FRAMES;
 }
@@ -131,10 +138,10 @@ static double limit_for(double active)
 static void our_step(int t, int turn)
 {
     const double from = now();
-    boxls b = view(&ours.control);
-    const double missed = project(&b, &ours.control, ours.target[t], ours.control.predicted);
+    boxls *b = &ours.control.optimiser;
+    const double missed = project(b, &ours.control, ours.target[t], ours.control.predicted);
     const double between = now();
-    (void)step_to(&b, &ours.control, ours.target[t], ours.control.predicted, missed);
+    (void)step_to(b, &ours.control, ours.target[t], ours.control.predicted, missed);
     const double end = now();
 
     spent[0][0][t][turn] = end - from;
@@ -155,7 +162,7 @@ static void peer_start(int way)
 {
     memset(&peer[way], 0, sizeof peer[way]);
     for (int i = 0; i < ours.n; i++)
-        memcpy(peer[way].h + i * ours.n, ours.control.hessian + (size_t)i * width_of((uint32_t)ours.n),
+        memcpy(peer[way].h + i * ours.n, ours.control.optimiser.h + (size_t)i * ours.control.optimiser.width,
                sizeof(double) * (size_t)ours.n);
     peer[way].problem = (DAQPProblem){ .n = ours.n, .m = ours.n, .ms = ours.n, .H = peer[way].h, .f = peer[way].f,
                                        .bupper = ours.upper, .blower = ours.lower, .sense = peer[way].sense };
@@ -171,7 +178,7 @@ static void peer_step(int way, int t, int turn)
     const double from = now();
     for (int i = 0; i < ours.m; i++)
         peer[way].weighted[i] = ours.weight[i] * ours.weight[i] * ours.target[t][i];
-    boxls_sum_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
+    product_sum_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
     const double between = now();
     for (int i = 0; i < ours.n; i++)
         peer[way].f[i] = -peer[way].f[i];
