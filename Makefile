@@ -80,6 +80,7 @@ for_variants = $(foreach v,$(2),$(eval $(call program,$(1),$(v),$(3:@%=$(B)/$(v)
 ALL := 64 32 32t8 64t16 san64 san32
 $(call for_variants,linalg,$(ALL),)
 $(call for_variants,control,64 32 san64 san32,@tests/testdata.o)
+$(call for_variants,step,$(ALL),)
 $(call for_variants,tick,64 32 san64 san32,)
 $(call for_variants,faults,64 32 san64 san32,@tests/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)

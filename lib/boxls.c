@@ -195,9 +195,16 @@ void boxls_true_gradient(boxls *b)
     boxls_gradient(b);
 }
 
+/* How far gradient g is wrong at v: its size where the volts could follow it downhill, else at most 0. */
+static inline pzs_real wrong(pzs_real g, pzs_real v, pzs_real lo, pzs_real hi)
+{
+    const pzs_real falls = v < hi ? boxls_size(g) : g, stays = v < hi ? -g : 0;
+    return v > lo ? falls : stays;
+}
+
 /*
  * move = the way where free, the gradient after it elsewhere; next = v after the way, away = next - base. Returns how many
- * would leave their limits or, standing, have a gradient above noise: 0 ends the round.
+ * would not stay within their limits or, standing, not have a gradient below noise: 0 ends the round.
  */
 static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, pzs_real *restrict away,
                            const pzs_real *restrict free, const pzs_real *restrict grad, const pzs_real *restrict v,
@@ -210,16 +217,15 @@ static uint32_t look_ahead(pzs_real *restrict move, pzs_real *restrict next, pzs
             const pzs_real x = v[i] + move[i];
             next[i] = x;
             away[i] = x - base[i];
-            open += x < lo[i] || x > hi[i];
+            open += !(x >= lo[i] && x <= hi[i]);
             continue;
         }
         const pzs_real way = free[i] > 0 ? move[i] : 0, slope = free[i] > 0 ? 0 : grad[i] - move[i];
-        const pzs_real x = v[i] + way, down = x > lo[i] ? slope : 0, up = x < hi[i] ? -slope : 0;
-        const pzs_real most = down > up ? down : up;
+        const pzs_real x = v[i] + way, most = wrong(slope, x, lo[i], hi[i]);
         move[i] = way + slope;
         next[i] = x;
         away[i] = x - base[i];
-        open += (x < lo[i] ? 1u : 0u) + (x > hi[i] ? 1u : 0u) + (most > noise ? 1u : 0u);
+        open += (x >= lo[i] ? 0u : 1u) + (x <= hi[i] ? 0u : 1u) + (most <= noise ? 0u : 1u);
     }
     return open;
 }
@@ -230,20 +236,17 @@ uint32_t boxls_aim(boxls *b, pzs_real noise)
     return look_ahead(b->move, b->next, b->spare, b->free, b->grad, b->v, b->lo, b->hi, b->base, noise, boxls_span(b));
 }
 
-/* out = the size of the gradient where the volts could follow it downhill, else at most 0. */
-static void downhill(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
-                     const pzs_real *restrict hi, const pzs_real *restrict grad, size_t span)
+static void all_wrong(pzs_real *restrict out, const pzs_real *restrict v, const pzs_real *restrict lo,
+                      const pzs_real *restrict hi, const pzs_real *restrict grad, size_t span)
 {
-    for (size_t i = 0; i < span; i++) {
-        const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
-        out[i] = down > up ? down : up;
-    }
+    for (size_t i = 0; i < span; i++)
+        out[i] = wrong(grad[i], v[i], lo[i], hi[i]);
 }
 
 /* Largest violated optimality condition at v, where the gradient is grad. */
 static pzs_real violation(const boxls *b, const pzs_real *v, const pzs_real *grad)
 {
-    downhill(b->spare, v, b->lo, b->hi, grad, boxls_span(b));
+    all_wrong(b->spare, v, b->lo, b->hi, grad, boxls_span(b));
     return product_largest(b->spare, b->width);
 }
 
@@ -288,20 +291,21 @@ static void standing_wrong(pzs_real *restrict out, const pzs_real *restrict v, c
                            pzs_real turn, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        const pzs_real g = grad[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
-        const pzs_real wrong = down > up ? down : up, any = boxls_size(g) > turn ? wrong : turn;
-        const pzs_real at = lo[i] < hi[i] ? any : wrong;
+        const pzs_real known = wrong(grad[i], v[i], lo[i], hi[i]), any = boxls_size(grad[i]) > turn ? known : turn;
+        const pzs_real at = lo[i] < hi[i] ? any : known;
         out[i] = free[i] > 0 ? 0 : at;
     }
 }
 
 /*
  * Whether the volts of the round may stand: no violation above the noise; or one on F alone, not far above it, that
- * costs nothing and is too small to turn the multiplier of a standing input. Never where a number is not finite: the
- * noise then is none either.
+ * costs nothing and is too small to turn the multiplier of a standing input. Never where a volt is not finite: the noise
+ * then is not either.
  */
 static int settled(boxls *b)
 {
+    if (!boxls_finite(b->noise))
+        return 0;
     if (b->left <= b->noise)
         return 1;
     if (!(b->left <= NEAR * b->noise) || !costs_nothing(b, b->left))
@@ -396,11 +400,10 @@ static void sort_standing(pzs_real *restrict between, pzs_real *restrict at, con
                           const pzs_real *restrict free, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        const pzs_real g = free[i] > 0 ? 0 : move[i], down = v[i] > lo[i] ? g : 0, up = v[i] < hi[i] ? -g : 0;
-        const pzs_real wrong = down > up ? down : up;
+        const pzs_real most = free[i] > 0 ? 0 : wrong(move[i], v[i], lo[i], hi[i]);
         const int inside = (v[i] > lo[i]) & (v[i] < hi[i]);
-        between[i] = inside ? wrong : 0;
-        at[i] = inside ? 0 : wrong;
+        between[i] = inside ? most : 0;
+        at[i] = inside ? 0 : most;
     }
 }
 

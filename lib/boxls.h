@@ -46,8 +46,8 @@ pzs_real boxls_violation(boxls *b);
 int boxls_coarse(boxls *b);
 
 /*
- * How far loops over entries go. For vectors it is the width, which is whole tiles: a loop over so many has no remainder, which
- * this tells the compiler.
+ * How far loops over entries go. For vectors it is the width, which is whole tiles: a loop over so many has no
+ * remainder, which this tells the compiler.
  */
 static inline size_t boxls_span(const boxls *b)
 {

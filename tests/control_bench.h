@@ -40,7 +40,7 @@ static double uniform(bench *t, double lo, double hi)
     return lo + (hi - lo) * (double)(bits(t) >> 11) * 0x1p-53;
 }
 
-static int chance(bench *t, double p)
+static inline int chance(bench *t, double p)
 {
     return uniform(t, 0, 1) < p;
 }

@@ -40,6 +40,7 @@ for program in "$B"/test/*; do
     case $program in *.d|*.o) continue ;; esac
     part "$(basename "$program")" "$program"
 done
+part tiles sh tests/tiles.sh
 part oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
 part oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear.py'
 part scipy sh tests/oracle/boxls.sh

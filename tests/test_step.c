@@ -1,0 +1,265 @@
+/*
+ * Laws of warm voltage steps: the straight pass along a proven tableau, damage to it, limits that change in between, the
+ * certificate of pzs_assess. With the argument `bits` it prints a checksum of the volts of long walks instead, which is
+ * the same whatever the tile (tests/tiles.sh).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "control_bench.h"
+
+#define STEPS 2000
+#define PERIOD 200
+
+static bench desk, other;
+
+/* The error of a step: two shapes that turn into each other. */
+static void aim(bench *t, int step, double size)
+{
+    const double turn = 2 * 3.14159265358979 * step / PERIOD;
+    for (unsigned i = 0; i < t->p.outputs; i++)
+        t->error[i] = (pzs_real)(size * (cos(turn) * sin(.07 * i + .3) + sin(turn) * cos(.11 * i)));
+}
+
+/* A plain problem with a little effort, started, and warm for the targets of aim. */
+static void warm(bench *t, unsigned n, unsigned m, double limit, double slew)
+{
+    plain(t, 11, n, m, limit);
+    t->p.effort = (pzs_real)(1e-3 * m);
+    for (unsigned j = 0; j < n; j++)
+        t->slew[j] = (pzs_real)slew;
+    assert_int_equal(start(t), PZS_OK);
+    for (int step = -20; step < 0; step++) {
+        aim(t, step, 1);
+        (void)pzs_step(&t->c, t->error);
+    }
+}
+
+static wide checked_step(bench *t)
+{
+    note_limits(t);
+    assert_int_equal(pzs_step(&t->c, t->error), PZS_OK);
+    assert_feasible(t);
+    return excess(t);
+}
+
+static pzs_report assess(bench *t)
+{
+    pzs_report report = {0};
+    assert_int_equal(pzs_assess(&t->c, t->error, &report), PZS_OK);
+    return report;
+}
+
+static int same_volts(const bench *a, const bench *b)
+{
+    return memcmp(a->c.volt, b->c.volt, a->p.inputs * sizeof *a->c.volt) == 0;
+}
+
+static void straight_passes_are_optimal(void **state)
+{
+    (void)state; /* law: where nothing is in the way a warm step is one pass, each ends at the optimum, and errors do not pile up */
+    static const unsigned inputs[] = { 1, 2, 3, 25, 50, 64 };
+    for (unsigned k = 0; k < 6; k++) {
+        wide worst = 0;
+        warm(&desk, inputs[k], 121, HUGE_VAL, HUGE_VAL);
+        for (int step = 0; step < STEPS; step++) {
+            aim(&desk, step, 1);
+            assert_true(desk.c.optimiser.proven > 0);
+            const wide here = checked_step(&desk);
+            worst = here > worst ? here : worst;
+            assert_true(desk.c.passes <= 1);
+        }
+        assert_true(worst <= 1);
+    }
+}
+
+static void every_input_is_measured_in_turn(void **state)
+{
+    (void)state; /* law: straight passes measure two inputs each, and all of them within n/2 + 1 passes */
+    unsigned char measured[25] = { 0 };
+    warm(&desk, 25, 121, HUGE_VAL, HUGE_VAL);
+    for (int step = 0; step < 25 / 2 + 1; step++) {
+        const uint32_t one = desk.c.optimiser.proven - 1u;
+        aim(&desk, step, 1);
+        (void)checked_step(&desk);
+        measured[one] = measured[(one + 1u) % 25u] = 1;
+    }
+    assert_null(memchr(measured, 0, sizeof measured));
+}
+
+static void limits_that_bind_are_met(void **state)
+{
+    (void)state; /* law: warm steps of which some change the working set end at the optimum, with slews and without */
+    for (unsigned slewing = 0; slewing < 2; slewing++) {
+        unsigned straight = 0;
+        wide worst = 0;
+        warm(&desk, 25, 121, .03, slewing ? .004 : HUGE_VAL);
+        for (int step = 0; step < STEPS; step++) {
+            straight += desk.c.optimiser.proven > 0;
+            aim(&desk, step, 1);
+            const wide here = checked_step(&desk);
+            worst = here > worst ? here : worst;
+        }
+        assert_true(assess(&desk).active > 0 && straight > STEPS / 2);
+        assert_true(worst <= 1);
+    }
+}
+
+/* Something happens to the tableau. */
+static void damage(bench *t, unsigned kind)
+{
+    const uint32_t n = t->c.optimiser.n, width = t->c.optimiser.width, row = below(t, n), column = below(t, n);
+    pzs_real *entry = t->c.optimiser.m + (size_t)row * width + column;
+    switch (kind) {
+    case 0: *entry *= (pzs_real)1.5; break;
+    case 1: *entry = (pzs_real)NAN; break;
+    case 2: memset(t->c.optimiser.m + (size_t)row * width, 0, n * sizeof *entry); break;
+    default: *entry = (pzs_real)HUGE_VAL; break;
+    }
+}
+
+static void a_damaged_tableau_is_found(void **state)
+{
+    (void)state; /* law: whatever happens to the tableau, volts stay allowed, and no more than n/2 + 1 steps in a row miss the optimum */
+    for (unsigned k = 0; k < 8; k++) {
+        const unsigned kind = k / 2;
+        unsigned missed = 0, most = 0, all = 0;
+        warm(&desk, 24, 121, k % 2 ? HUGE_VAL : .1, HUGE_VAL);
+        for (int step = 0; step < STEPS; step++) {
+            if (step % 50 == 0)
+                damage(&desk, kind);
+            aim(&desk, step, 1);
+            note_limits(&desk);
+            assert_false(PZS_IS_ERROR(pzs_step(&desk.c, desk.error)));
+            assert_feasible(&desk);
+            missed = excess(&desk) > 1 ? missed + 1 : 0;
+            most = missed > most ? missed : most;
+            all += missed > 0;
+        }
+        print_message("damage %u%s: %u steps of %u missed the optimum, at most %u in a row\n", kind,
+                      k % 2 ? ", no limits" : "", all, STEPS, most);
+        assert_true(most <= 24 / 2 + 1);
+    }
+}
+
+static void limits_may_change_in_between(void **state)
+{
+    (void)state; /* law: an input held, and one whose limits are narrowed behind the controller's back, are inside in the next step */
+    warm(&desk, 25, 121, 1, HUGE_VAL);
+    for (int step = 0; step < STEPS; step++) {
+        const uint16_t j = (uint16_t)below(&desk, 25);
+        if (step % 5 == 0)
+            assert_int_equal(pzs_hold(&desk.c, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
+        else if (step % 5 == 2)
+            desk.c.lower[j] = (desk.c.upper[j] = (pzs_real)uniform(&desk, -.5, .5)) - (pzs_real).1;
+        else
+            assert_int_equal(pzs_release(&desk.c, j), PZS_OK);
+        aim(&desk, step, 1);
+        assert_true(checked_step(&desk) <= 1);
+    }
+}
+
+static void assessment_is_true_and_changes_nothing(void **state)
+{
+    (void)state; /* law: error and optimality are those of the definition; steps with and without assessments have the same bits */
+    warm(&desk, 25, 121, .03, HUGE_VAL);
+    warm(&other, 25, 121, .03, HUGE_VAL);
+    for (int step = 0; step < 300; step++) {
+        aim(&desk, step, 1);
+        aim(&other, step, 1);
+        (void)checked_step(&desk);
+        assert_int_equal(pzs_step(&other.c, other.error), PZS_OK);
+        const pzs_report report = assess(&desk);
+        unsigned active = 0;
+        for (unsigned j = 0; j < 25; j++)
+            active += !(desk.c.volt[j] > desk.lo[j] && desk.c.volt[j] < desk.hi[j]);
+        assert_int_equal(report.active, active);
+        assert_true(fabsl((wide)report.error - shape_error_of(&desk)) < 32 * (wide)PZS_EPSILON);
+        assert_true((double)report.optimality < PZS_BY_BITS(1e-3, 1e-11));
+        assert_true(same_volts(&desk, &other));
+    }
+}
+
+static void bad_volts_are_seen(void **state)
+{
+    (void)state; /* law: volts away from the optimum have the optimality of their gradient */
+    wide v[MOST_INPUTS] = { 0 }, gradient[MOST_INPUTS], wrong = 0, most = 0;
+    pzs_real zero[25] = { 0 };
+    warm(&desk, 25, 121, 1, HUGE_VAL);
+    assert_int_equal(pzs_control_start(&desk.c, zero), PZS_OK);
+    (void)objective(&desk, v, gradient);
+    for (unsigned j = 0; j < 25; j++) {
+        wrong = fmaxl(wrong, fabsl(gradient[j])); /* of B'W^2 e besides: volts and preferred volts are 0 */
+        most = fmaxl(most, fabsl(gradient[j]));
+    }
+    const pzs_report report = assess(&desk);
+    assert_true(fabsl((wide)report.optimality - wrong / most) < 32 * (wide)PZS_EPSILON);
+    assert_true(fabs((double)report.error - 1) < 4 * (double)PZS_EPSILON);
+    assert_int_equal(report.active, 0);
+}
+
+static void assessment_refuses(void **state)
+{
+    (void)state; /* law: an error leaves the report as it was */
+    pzs_report report = { .error = 7, .optimality = 8, .active = 9 };
+    pzs_control fresh = {0};
+    warm(&desk, 25, 121, 1, HUGE_VAL);
+    assert_int_equal(pzs_assess(NULL, desk.error, &report), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_assess(&desk.c, NULL, &report), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_assess(&desk.c, desk.error, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_assess(&fresh, desk.error, &report), PZS_E_STAGE);
+    desk.error[5] = (pzs_real)NAN;
+    assert_int_equal(pzs_assess(&desk.c, desk.error, &report), PZS_E_NONFINITE);
+    assert_int_equal(desk.c.where, 5);
+    assert_true(report.error >= 7 && report.optimality >= 8 && report.active == 9);
+    memset(desk.error, 0, sizeof desk.error);
+    assert_int_equal(pzs_assess(&desk.c, desk.error, &report), PZS_OK);
+    assert_true(report.error <= 0 && report.optimality <= 0);
+}
+
+/* Checksum of the volts of steps and ticks with all that may happen in between. */
+static uint32_t walk(unsigned n, double limit, double slew)
+{
+    uint32_t crc = GUARD_CRC_START;
+    warm(&desk, n, 121, limit, slew);
+    for (int step = 0; step < STEPS; step++) {
+        aim(&desk, step, 1 + .2 * (step % 7));
+        if (step % 31 == 0)
+            (void)pzs_hold(&desk.c, (uint16_t)below(&desk, n), 0);
+        if (step % 31 == 9)
+            for (uint16_t j = 0; j < n; j++)
+                (void)pzs_release(&desk.c, j);
+        if (step / 100 % 2)
+            (void)pzs_step(&desk.c, desk.error);
+        else
+            (void)pzs_tick(&desk.c, desk.error, NULL);
+        crc = guard_crc(crc, desk.c.volt, n * sizeof *desk.c.volt);
+    }
+    return ~crc;
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(straight_passes_are_optimal),
+        cmocka_unit_test(every_input_is_measured_in_turn),
+        cmocka_unit_test(limits_that_bind_are_met),
+        cmocka_unit_test(a_damaged_tableau_is_found),
+        cmocka_unit_test(limits_may_change_in_between),
+        cmocka_unit_test(assessment_is_true_and_changes_nothing),
+        cmocka_unit_test(bad_volts_are_seen),
+        cmocka_unit_test(assessment_refuses),
+    };
+    if (argc > 1 && strcmp(argv[1], "bits") == 0) {
+        for (unsigned n = 1; n <= 64; n += 7)
+            printf("%u: %08x %08x\n", n, (unsigned)walk(n, .03, HUGE_VAL), (unsigned)walk(n, .03, .004));
+        return 0;
+    }
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
