@@ -149,7 +149,7 @@ static const row tori[] = {
     {"torus-contact", SOURCE COARSE TORUS_DEAD ROAD, {-16.9101, -3975.009}, {0}, 5e-4, 1e-3, 1, 7, SOME},
 };
 
-/* Print what is off in a row; returns whether anything is. */
+/* Print a row, what is off as errors; returns whether anything is. */
 static int row_fails(const row *t)
 {
     scene_run r;
@@ -159,13 +159,16 @@ static int row_fails(const row *t)
     int wrong = failed || path->steps_taken != t->steps || path->systems > t->systems;
     wrong = wrong || (t->negative == SOME ? path->negative == 0 : path->negative != t->negative);
     wrong = wrong || r.analysis.status != (t->negative ? PZS_W_UNSTABLE : PZS_OK);
+    print_message("%-16s %u steps, %3u systems:", t->scene, path->steps_taken, path->systems);
     for (int k = 0; k < 3 && t->expected[k] != 0; k++) {
         const double unit = t->unit[k] != 0 ? t->unit[k] : 1, got = scene_run_value(&r, k) / unit;
+        print_message(" %.7g (known %.7g)", got, t->expected[k]);
         if (!(fabs(got - t->expected[k]) <= fmax(t->digit, t->tolerance * fabs(t->expected[k])))) {
             print_error("%s %s output %d: %.7g, known %.7g\n", t->scene, t->changes, k, got, t->expected[k]);
             wrong = 1;
         }
     }
+    print_message("  %s\n", t->changes);
     if (wrong)
         print_error("%s %s: %u steps of %u, %u systems of %u, %u negative pivots of %u; %s\n", t->scene, t->changes, path->steps_taken,
                     t->steps, path->systems, t->systems, path->negative, t->negative, failed ? r.error : "settled");
