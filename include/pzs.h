@@ -566,20 +566,20 @@ typedef struct pzs_optimiser {
     pzs_real *base;         /* volts around which the gradient is known best (V) */
     pzs_real *bias;         /* effort (base - prefer) */
     pzs_real *want;         /* B'W^2 (e - B base) */
-    pzs_real *pull;         /* H (v - base) + bias */
+    pzs_real *pull;         /* H (v - base) + bias; after a straight pass as foreseen, but for inputs measured */
     pzs_real *grad;         /* pull - want, the gradient at v */
     pzs_real *move;         /* swept: way to go (V); standing: gradient after it */
     pzs_real *diag;         /* of H */
     pzs_real *start, *start_grad; /* of the round */
     pzs_real *next;         /* grad on F, 0 on S; after boxls_aim the volts aimed at */
-    pzs_real *spare;
+    pzs_real *spare;        /* for any sum; after boxls_aim next - base */
     pzs_real soft;          /* trace of the inverse of H on F (V2/m2), 0 where not known */
     pzs_real soft_most;     /* what it cannot exceed, because of effort; 0 where not known */
     pzs_real floor;         /* pivots below this part of their diagonal count as dependent */
     pzs_real rough;         /* epsilon times what rounding of pull is made of (m2/V) */
-    pzs_real exact;         /* the same of want */
+    pzs_real rough_want;    /* the same of want */
     pzs_real energy;        /* |W e|^2, the scale of the objective (m2) */
-    pzs_real left;          /* largest violated optimality condition (m2/V) */
+    pzs_real left;          /* largest violated optimality condition, of those measured (m2/V) */
     pzs_real noise;         /* what of it may be rounding */
     uint32_t standing;      /* inputs that are not swept */
     uint32_t proven;        /* nonzero where the tableau is: 1 + the first input measured next */
@@ -605,7 +605,7 @@ typedef struct pzs_control {
     uint16_t passes;           /* used by the last step */
     uint16_t passes_most;      /* largest seen */
     uint8_t slews;             /* nonzero where a slew is shorter than the way from limit to limit */
-    uint8_t ahead;             /* nonzero where volts have changed since `predicted` */
+    uint8_t ahead;             /* nonzero where volts have changed since `predicted`, 2 if not by a step */
     uint8_t stage;
 } pzs_control;
 
@@ -674,8 +674,8 @@ typedef struct pzs_report {
 } pzs_report;
 
 /*
- * How good the present volts are within the limits of the last step, worked out from the influence matrix and nothing
- * that the step left behind: 3 inputs*outputs multiply-adds, which no loop needs.
+ * How good the present volts are, worked out from the influence matrix and not from what the step found:
+ * 3 inputs*outputs multiply-adds, which no loop needs. Limits are those in force, with slews the last step's.
  *   error  [outputs] in  as of the last pzs_step; after pzs_tick wanted - control->disturbance (m)
  *   report out           untouched after an error
  * Errors: ARGUMENT, STAGE, NONFINITE.

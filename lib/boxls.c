@@ -1,19 +1,13 @@
 /*
- * The voltage optimiser: a primal active-set method on one symmetric matrix, the tableau.
- * "Swept" inputs F are those free to move together, the others S stand still:
- *
- *   tableau on F, S:   [ -H_FF^-1         H_FF^-1 H_FS                ]
- *                      [ H_SF H_FF^-1     H_SS - H_SF H_FF^-1 H_FS    ]
- *
- * One symmetric rank-1 change (sweep) moves an input between F and S. One product with the
- * gradient gives `move`: on F the way to the minimum over F, on S the gradient once there.
+ * The voltage optimiser: a primal active-set method on one symmetric matrix, the tableau (boxls_tableau.h): F are the inputs
+ * free to move together, S those that stand still.
  *
  * A round starts from the true gradient and makes passes; each pass goes as far as limits allow:
  *   descend  along move; an input that meets a limit stays there and leaves F;
  *   release  at a minimum over F: one standing input k with a wrong multiplier moves along its ray
  *            (F follows, keeping its gradient zero) to the ray's minimum, where k joins F, or to
  *            k's other limit, or until an input of F meets a limit and leaves F.
- * The round ends with the true gradient from H, so errors of the tableau never reach the volts:
+ * The round ends with the true gradient from H, so errors of the tableau do not reach the volts:
  * they only cost a further round, and a poor tableau is swept anew.
  *
  * It ends at the optimum. Descending shrinks F at every pass but the last. A release
@@ -28,30 +22,24 @@
  * multiplier is zero at a minimum over F up to rounding, and its ray costs nothing: it goes
  * to a limit, where either it or an input of F stops; both only shrink the sets above.
  *
- * A tableau that led a round to the optimum, and was not swept since, is proven: where nothing is in the way, one
- * pass goes straight there. Of the gradient at its end only two inputs are measured, in turn, so that none goes
- * unmeasured for more than n/2 + 1 passes; one that is not as foreseen ends the proof, and the pass is a round.
+ * A tableau whose round ended at the optimum is proven until it is swept: where nothing is in the way, one
+ * pass goes straight there. Of the gradient at its end only two inputs are measured, in turn: one that is not as
+ * foreseen ends the proof, and the pass is a round. So an error of the tableau may last until its input is
+ * measured, at most n/2 + 1 passes.
  *
  * In rounding: only multipliers above a noise level count, a round that neither ends at the optimum nor lowers the
  * objective (by the true gradients at both ends) is undone, and passes and rounds are counted. Volts
- * are feasible after every pass because they are only ever cut by comparison.
+ * are feasible after every pass because they are only ever cut, or taken where every one compares as inside.
  */
 #include <string.h>
 #include "boxls.h"
+#include "boxls_tableau.h"
 #include "product.h"
 
 #define ROUNDS 8u     /* most rounds of one call */
 #define NOISE 4       /* multipliers below NOISE times the rounding of a gradient are zero */
 #define NEAR PZS_BY_BITS(256, 2048) /* how far above the noise gradients of free inputs may be, where that costs nothing */
 #define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
-
-/* ---- tableau ------------------------------------------------------------------ */
-
-/* y = A x, A [n][width] symmetric. */
-static void symmetric(const boxls *b, pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x)
-{
-    product_sum_rows(y, a, b->width, x, b->n, boxls_span(b));
-}
 
 void boxls_place(boxls *b, pzs_real *work)
 {
@@ -60,94 +48,6 @@ void boxls_place(boxls *b, pzs_real *work)
                                               &b->spare};
     for (uint32_t k = 0; k < BOXLS_VECTORS; k++)
         *vector[k] = work + (size_t)k * b->width;
-}
-
-/* Pivot of a standing input over its diagonal: what is left of it beside the swept ones, 0 to 1. */
-static pzs_real own_part(const boxls *b, uint32_t k)
-{
-    return b->diag[k] > 0 ? b->m[(size_t)k * b->width + k] / b->diag[k] : 0;
-}
-
-/* m -= sign s s', all rows: symmetric to the last bit. */
-static void rank_one(const boxls *b, pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign)
-{
-    const size_t span = boxls_span(b), stride = b->width;
-    for (uint32_t i = 0; i < b->n; i++, m += stride) {
-        const pzs_real f = sign * s[i];
-        for (size_t j = 0; j < span; j++)
-            m[j] -= f * s[j];
-    }
-}
-
-/* z = factor x. */
-static void multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real factor, size_t span)
-{
-    for (size_t i = 0; i < span; i++)
-        z[i] = factor * x[i];
-}
-
-/* z += inside x where free, outside x elsewhere. */
-static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict free, pzs_real inside,
-                          pzs_real outside, size_t span)
-{
-    for (size_t i = 0; i < span; i++)
-        z[i] += (free[i] > 0 ? inside : outside) * x[i];
-}
-
-/* Move input k into F (its pivot is positive) or out of it (negative). */
-static void sweep(boxls *b, uint32_t k)
-{
-    pzs_real *row = b->m + (size_t)k * b->width, *s = b->spare;
-    const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(boxls_size(pivot));
-    multiple(s, row, scale, boxls_span(b));
-    rank_one(b, b->m, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1);
-    multiple(row, s, scale, boxls_span(b));
-    row[k] = -1 / pivot;
-    for (uint32_t j = 0; j < b->n; j++)
-        b->m[(size_t)j * b->width + k] = row[j];
-    b->free[k] = 1 - b->free[k];
-    b->standing = b->free[k] > 0 ? b->standing - 1u : b->standing + 1u;
-    b->soft = 0;
-    b->proven = 0;
-}
-
-/* The most independent standing input whose move is marked, or n. */
-static uint32_t next_pivot(const boxls *b)
-{
-    pzs_real most = b->floor;
-    uint32_t next = b->n;
-    for (uint32_t k = 0; k < b->n; k++) {
-        const pzs_real part = b->move[k] > 0 ? own_part(b, k) : 0;
-        next = part > most ? k : next;
-        most = part > most ? part : most;
-    }
-    return next;
-}
-
-/* The most independent first; those that depend on the ones before stand. */
-void boxls_rebuild(boxls *b)
-{
-    memcpy(b->m, b->h, (size_t)b->n * b->width * sizeof(pzs_real));
-    memcpy(b->move, b->free, b->width * sizeof(pzs_real));
-    memset(b->free, 0, b->width * sizeof(pzs_real));
-    b->standing = b->n;
-    b->soft = 0;
-    b->proven = 0;
-    uint32_t k = next_pivot(b);
-    for (uint32_t count = 0; count < b->n && k < b->n; count++) {
-        sweep(b, k);
-        b->move[k] = 0;
-        k = next_pivot(b);
-    }
-}
-
-/* Take input j out of F where `left` of its way to the minimum over F is not gone. */
-static void drop(boxls *b, uint32_t j, pzs_real left)
-{
-    const pzs_real *row = b->m + (size_t)j * b->width;
-    sweep(b, j);
-    add_multiples(b->move, row, b->free, left, -left, boxls_span(b));
-    b->move[j] = -left * row[j];
 }
 
 /* ---- gradients ------------------------------------------------------------------ */
@@ -161,6 +61,12 @@ static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_
         grad[i] = g;
         next[i] = free[i] > 0 ? g : 0;
     }
+}
+
+/* y = A x, A [n][width] symmetric. */
+static void symmetric(const boxls *b, pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x)
+{
+    product_sum_rows(y, a, b->width, x, b->n, boxls_span(b));
 }
 
 void boxls_gradient(boxls *b)
@@ -255,29 +161,14 @@ pzs_real boxls_violation(boxls *b)
     return violation(b, b->v, b->grad);
 }
 
-/* Trace of the inverse of H on F; dependent inputs count with the most it can be (V2/m2). */
-static pzs_real softness(boxls *b)
-{
-    if (b->soft > 0)
-        return b->soft;
-    pzs_real *pivot = b->spare;
-    for (uint32_t i = 0; i < b->n; i++)
-        pivot[i] = b->m[(size_t)i * b->width + i];
-    pzs_real soft = -product_dot(b->free, pivot, b->width);
-    for (uint32_t i = 0; b->standing > 0 && i < b->n; i++) {
-        const pzs_real least = b->floor * b->diag[i];
-        if ((pivot[i] < least) & !(b->free[i] > 0))
-            soft += 1 / least;
-    }
-    b->soft = soft;
-    return soft;
-}
-
 /* Whether a gradient of that size (m2/V) on F costs less than epsilon of the energy: its square times the inverse of H. */
 static int costs_nothing(boxls *b, pzs_real size)
 {
     const pzs_real square = size * size, most = PZS_EPSILON * b->energy;
-    return (b->soft_most > 0 && square * b->soft_most <= most) || square * softness(b) <= most;
+    if (b->soft_most > 0 && square * b->soft_most <= most)
+        return 1;
+    const pzs_real soft = tableau_softness(b);
+    return soft >= 0 && square * soft <= most;
 }
 
 int boxls_coarse(boxls *b)
@@ -382,6 +273,23 @@ static void shorten(pzs_real *restrict move, const pzs_real *restrict free, pzs_
         move[i] *= free[i] > 0 ? left : 1;
 }
 
+/* z += inside x where free, outside x elsewhere. */
+static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict free, pzs_real inside,
+                          pzs_real outside, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] += (free[i] > 0 ? inside : outside) * x[i];
+}
+
+/* Take input j out of F where `left` of its way to the minimum over F is not gone. */
+static void drop(boxls *b, uint32_t j, pzs_real left)
+{
+    const pzs_real *row = b->m + (size_t)j * b->width;
+    tableau_sweep(b, j);
+    add_multiples(b->move, row, b->free, left, -left, boxls_span(b));
+    b->move[j] = -left * row[j];
+}
+
 /* One pass along move. Returns nonzero where a limit stopped it. */
 static int descend(boxls *b)
 {
@@ -430,7 +338,8 @@ static pzs_real ray_length(const boxls *b, uint32_t k, int *to_limit)
 static block follow(boxls *b, uint32_t k, pzs_real length)
 {
     const pzs_real *row = b->m + (size_t)k * b->width, sign = b->move[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
-    multiple(b->next, row, -sign, boxls_span(b));
+    for (uint32_t i = 0; i < b->n; i++)
+        b->next[i] = -sign * row[i];
     const block first = first_block(b, b->next, length);
     if (boxls_finite(first.part)) {
         const pzs_real far = sign * first.part;
@@ -454,8 +363,8 @@ static void release(boxls *b, uint32_t k)
         b->v[k] = down ? b->lo[k] : b->hi[k];
     } else {
         b->move[k] = 0; /* done with it; an endless ray without curvature gains nothing but rounding */
-        if (!to_limit && own_part(b, k) > b->floor)
-            sweep(b, k);
+        if (!to_limit && tableau_own_part(b, k) > b->floor)
+            tableau_sweep(b, k);
     }
 }
 
@@ -516,12 +425,13 @@ static int go_straight(boxls *b)
 {
     const pzs_real *away = b->spare, rough = roughness(b, away);
     const uint32_t one = b->proven - 1u, two = one + 1u < b->n ? one + 1u : 0;
+    const pzs_real near = NEAR * b->noise;
     pzs_real pull[2];
     b->left = measure(b, one, away, &pull[0]) + measure(b, two, away, &pull[1]);
-    b->noise = NOISE * (b->exact + rough);
+    b->noise = NOISE * (b->rough_want + rough);
     if (b->left > b->noise)
         foresee(b->grad, b->move, b->free, boxls_span(b));
-    if (!settled(b)) {
+    if (!settled(b) || !(b->left <= near)) {
         b->proven = 0;
         boxls_gradient(b);
         return 0;
@@ -578,7 +488,7 @@ static void run_round(boxls *b, int blocked)
 static void judge(boxls *b)
 {
     b->left = violation(b, b->v, b->grad);
-    b->noise = NOISE * (b->exact + b->rough);
+    b->noise = NOISE * (b->rough_want + b->rough);
 }
 
 /* Cut v to the limits; returns how many were outside. */
@@ -600,17 +510,23 @@ int boxls_come_inside(boxls *b)
     return moved;
 }
 
-/* Where the round ended: at the optimum, which proves the tableau; or with a gain; or it is undone. */
+/*
+ * Where the round ended: at the optimum, which proves the tableau; or with a gain; or it is undone. A round that
+ * went so far that only the rounding of its own way makes it look settled must have gained.
+ */
 static void conclude(boxls *b, int moved)
 {
+    const pzs_real near = NEAR * b->noise;
     judge(b);
     b->done = settled(b);
     if (b->done && moved && b->proven == 0)
         b->proven = 1;
-    if (b->done || !moved || fell(b))
+    if (!moved || (b->done && b->left <= near) || fell(b))
         return;
     memcpy(b->v, b->start, b->width * sizeof(pzs_real));
+    (void)cut_volts(b->v, b->lo, b->hi, boxls_span(b));
     boxls_true_gradient(b);
+    b->proven = 0;
     judge(b);
     b->done = settled(b);
 }
@@ -620,14 +536,14 @@ static void renew(boxls *b, int fresh)
 {
     const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)b->n * PZS_EPSILON;
     b->floor = fresh ? boxls_cut(b->floor * 16, 0, most) : b->floor;
-    boxls_rebuild(b);
+    tableau_rebuild(b);
     boxls_gradient(b);
 }
 
 void boxls_optimise(boxls *b)
 {
     int fresh = 0;
-    b->noise = NOISE * (b->exact + b->rough);
+    b->noise = NOISE * (b->rough_want + b->rough);
     b->done = 0;
     if (b->used >= b->allowed) {
         (void)boxls_come_inside(b);
@@ -636,7 +552,7 @@ void boxls_optimise(boxls *b)
     }
     for (uint32_t round = 0; round < ROUNDS && !b->done && b->used < b->allowed; round++) {
         const int rest = at_rest(b), blocked = boxls_aim(b, b->noise / 2) != 0, moves = blocked || !rest;
-        if (blocked && boxls_come_inside(b))
+        if ((blocked || rest) && boxls_come_inside(b))
             continue;
         if (moves && !blocked && b->proven > 0) {
             b->done = go_straight(b);

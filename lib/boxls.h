@@ -23,9 +23,6 @@ void boxls_place(boxls *b, pzs_real *work);
 
 #define BOXLS_DEPENDENT 256 /* most that floor may grow, over its start 4 n epsilon */
 
-/* Sweep anew from H every input marked as swept. */
-void boxls_rebuild(boxls *b);
-
 /* grad from pull, its part on F in next; and the same with pull and rough from H. */
 void boxls_gradient(boxls *b);
 void boxls_true_gradient(boxls *b);

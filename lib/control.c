@@ -13,10 +13,14 @@
  */
 #include <string.h>
 #include "boxls.h"
+#include "boxls_tableau.h"
 #include "control.h"
 #include "guard.h"
 #include "product.h"
 #include "sense.h"
+
+/* What is behind the volts (ahead); 0 nothing. */
+enum { PREDICTION_BEHIND = 1, GRADIENT_BEHIND };
 
 /* ---- step ---------------------------------------------------------------------- */
 
@@ -132,11 +136,11 @@ static void settle(boxls *b, pzs_control *c, const pzs_real *wanted, const pzs_r
 static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *wanted, const pzs_real *shown, pzs_real missed)
 {
     const int32_t clash = enter(b, c);
-    c->ahead = 1;
     b->used = 0;
     b->allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
-    b->exact = PZS_EPSILON * PZS_SQRT(b->energy + missed) * c->stiffest;
+    b->rough_want = PZS_EPSILON * PZS_SQRT(b->energy + missed) * c->stiffest;
     settle(b, c, wanted, shown);
+    c->ahead = PREDICTION_BEHIND;
     c->passes = (uint16_t)b->used;
     c->passes_most = c->passes > c->passes_most ? c->passes : c->passes_most;
     if (!b->done)
@@ -159,6 +163,8 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
     if (status != PZS_OK)
         return status;
     boxls *b = &c->optimiser;
+    if (c->ahead == GRADIENT_BEHIND)
+        rebase(b, c);
     return step(b, c, error, c->predicted);
 }
 
@@ -167,21 +173,18 @@ pzs_status pzs_step(pzs_control *c, const pzs_real *error)
 /* predicted = B volt again, where volts have changed since. */
 static void catch_up(boxls *b, pzs_control *c)
 {
-    if (c->ahead)
+    if (c->ahead != 0)
         rebase(b, c);
 }
 
 void control_predict(pzs_control *c)
 {
-    boxls *b = &c->optimiser;
-    catch_up(b, c);
+    catch_up(&c->optimiser, c);
 }
 
 void control_moved(pzs_control *c)
 {
-    boxls *b = &c->optimiser;
-    boxls_true_gradient(b);
-    c->ahead = 1;
+    c->ahead = GRADIENT_BEHIND;
 }
 
 /* Volts as they were, but inside the limits now in force. */
@@ -296,6 +299,18 @@ static void form_row(const pzs_control *c, const pzs_real *table, uint32_t k)
     row[k] += c->problem->effort;
 }
 
+/* Before the first step its limits are those in force; without slews they always are. */
+static void open_limits(boxls *b, const pzs_control *c)
+{
+    if (c->slews) {
+        memcpy(b->lo, c->lower, b->n * sizeof *b->lo);
+        memcpy(b->hi, c->upper, b->n * sizeof *b->hi);
+    } else {
+        b->lo = c->lower;
+        b->hi = c->upper;
+    }
+}
+
 /* Fill what a step starts from: volts at prefer inside the limits, all inputs swept that can be. */
 static void set_out(boxls *b, pzs_control *c)
 {
@@ -309,23 +324,22 @@ static void set_out(boxls *b, pzs_control *c)
         b->diag[i] = b->h[(size_t)i * b->width + i];
         b->free[i] = 1;
     }
-    if (!c->slews) {
-        b->lo = c->lower;
-        b->hi = c->upper;
-    }
+    open_limits(b, c);
     const pzs_real stiffest = product_largest(b->diag, b->width);
     c->stiffest = PZS_SQRT(stiffest);
     b->floor = 4 * (pzs_real)b->n * PZS_EPSILON;
     b->soft_most = p->effort > BOXLS_DEPENDENT * b->floor * stiffest ? (pzs_real)b->n / p->effort : 0;
-    boxls_true_gradient(b); /* pull = H v, from the base zero */
     rebase(b, c);
-    boxls_rebuild(b);
+    tableau_rebuild(b);
 }
 
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem, const pzs_real *influence,
                             void *work, size_t bytes)
 {
-    if (control == NULL || problem == NULL || work == NULL)
+    if (control == NULL)
+        return PZS_E_ARGUMENT;
+    control->stage = 0;
+    if (problem == NULL || work == NULL)
         return PZS_E_ARGUMENT;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
     const size_t need = PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
@@ -359,8 +373,8 @@ pzs_status pzs_control_start(pzs_control *c, const pzs_real *volt)
         return finish(c, PZS_E_NONFINITE, bad);
     for (uint32_t i = 0; i < c->problem->inputs; i++)
         c->volt[i] = boxls_cut(volt[i], c->lower[i], c->upper[i]);
-    control_moved(c);
-    control_predict(c);
+    open_limits(&c->optimiser, c);
+    rebase(&c->optimiser, c);
     return finish(c, PZS_OK, -1);
 }
 
@@ -436,7 +450,7 @@ static void solve_free(boxls *b)
     memset(b->v, 0, b->width * sizeof(pzs_real));
     for (uint32_t i = 0; i < b->n; i++)
         b->free[i] = 1;
-    boxls_rebuild(b);
+    tableau_rebuild(b);
     for (uint32_t round = 0; round < 3u; round++) {
         boxls_true_gradient(b);
         (void)boxls_aim(b, 0);
@@ -461,7 +475,7 @@ pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *volt)
     solve_free(&apart);
     for (uint32_t i = 0; i < b->n; i++)
         b->free[i] = swept[i];
-    boxls_rebuild(b);
+    tableau_rebuild(b);
     if (guard_nonfinite(apart.v, b->n) >= 0)
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, c->problem->outputs));
     memcpy(volt, apart.v, b->n * sizeof(pzs_real));

@@ -9,7 +9,7 @@
 /* predicted = B volt, where volts have changed since the last tick. */
 void control_predict(pzs_control *control);
 
-/* Someone else has changed volts: inputs^2 multiply-adds to keep what a step starts from true to them. */
+/* Someone else has changed volts: the next step or tick starts from what they are. */
 void control_moved(pzs_control *control);
 
 #endif

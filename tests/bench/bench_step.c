@@ -19,6 +19,7 @@
 #include "clock.h"
 #include "../../lib/boxls.c"
 #include "../../lib/product.c"
+#include "../../lib/boxls_tableau.c"
 #include "../../lib/sense.c"
 #include "../../lib/control.c"
 #ifdef WITH_DAQP

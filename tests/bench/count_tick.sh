@@ -8,7 +8,7 @@ dir=$B/bench/device
 mkdir -p "$dir"
 flags="-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude -Ilib -Ifirmware_demo -I$dir"
 rest='tests/bench/count_tick.c firmware_demo/print.c'
-for file in control product sense boxls faults estimate amplifier electrode model shell linalg guard; do rest="$rest lib/$file.c"; done
+for file in control product sense boxls boxls_tableau faults estimate amplifier electrode model shell linalg guard; do rest="$rest lib/$file.c"; done
 n=0
 
 "$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.slew=20 \

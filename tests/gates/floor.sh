@@ -6,11 +6,11 @@
 cat >"$scratch/floors" <<'EOF'
 0 include/pzs_config.h
 1 include/pzs.h lib/unrolled
-2 lib/guard lib/linalg lib/boxls lib/product
-3 lib/shell lib/shell_corner lib/shell_at lib/sense
-4 lib/model lib/control
-5 lib/nonlinear lib/face lib/electrode lib/amplifier lib/estimate
-6 lib/influence_at lib/follower lib/contact lib/electric lib/faults
+2 lib/guard lib/linalg lib/product
+3 lib/boxls lib/boxls_tableau lib/shell lib/shell_corner lib/shell_at
+4 lib/sense lib/model
+5 lib/control lib/nonlinear lib/face lib/electrode
+6 lib/amplifier lib/estimate lib/faults lib/influence_at lib/follower lib/contact lib/electric
 7 host_tools/ firmware_demo/ tests/
 EOF
 
