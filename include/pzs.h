@@ -648,8 +648,8 @@ pzs_status pzs_release(pzs_control *control, uint16_t input);
 /*
  * One voltage step from the last volts.
  *   error [outputs] in  wanted shape minus the shape without volts (m)
- * control->volt holds the answer: inside every limit to the last bit, no worse than the
- * last volts cut to the limits, optimal unless a warning says otherwise.
+ * control->volt holds the answer: inside every limit to the last bit, no worse than the last volts cut to the
+ * limits, optimal unless a warning says otherwise; worse and optimal but for rounding, epsilon |W B|^2 |v|^2.
  * Work is bounded: passes of at most inputs^2 multiply-adds each, besides at most 16 rebuilds of the
  * tableau, inputs^3 each, where rounding asks for them.
  * Warnings: PASSES, SLEW. Errors: ARGUMENT, STAGE, NONFINITE (volts held; where may be -1: an overflow).

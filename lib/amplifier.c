@@ -3,7 +3,8 @@
  *
  * A volt asked for becomes the last whole step on the way to it from the volt given now. So it stays between the two,
  * inside limits and slew, and what integral action asks for is given once it amounts to a step: no step is taken that the
- * next tick would take back, which rounding to the nearest does where the plant is stronger than the model.
+ * next tick would take back, which rounding to the nearest does where the plant is stronger than the model. Limits in
+ * force come before whole steps.
  */
 #include "boxls.h"
 #include "control.h"
@@ -36,7 +37,8 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
     for (uint32_t j = 0; j < p->inputs; j++) {
         const pzs_real wish = control->volt[j];
         const pzs_real have = boxls_finite(given[j]) ? boxls_cut(given[j], p->lower[j], p->upper[j]) : wish;
-        given[j] = boxls_size(wish - have) <= dead_band ? have : whole_step(wish, have, step);
+        const pzs_real stepped = boxls_size(wish - have) <= dead_band ? have : whole_step(wish, have, step);
+        given[j] = boxls_cut(stepped, control->lower[j], control->upper[j]);
         control->volt[j] = given[j];
     }
     control_moved(control);

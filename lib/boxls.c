@@ -39,6 +39,8 @@
 #define ROUNDS 8u     /* most rounds of one call */
 #define NOISE 4       /* multipliers below NOISE times the rounding of a gradient are zero */
 #define NEAR PZS_BY_BITS(256, 2048) /* how far above the noise gradients of free inputs may be, where that costs nothing */
+#define OTHERS 8      /* gradients not measured may be so much farther from what was foreseen than those that are */
+#define SURE 16       /* a gain so many times what its rounding may be is one */
 #define POOR 16       /* a round that lowers the violation less than this asks for a fresh tableau */
 
 void boxls_place(boxls *b, pzs_real *work)
@@ -431,7 +433,7 @@ static int go_straight(boxls *b)
     b->noise = NOISE * (b->rough_want + rough);
     if (b->left > b->noise)
         foresee(b->grad, b->move, b->free, boxls_span(b));
-    if (!settled(b) || !(b->left <= near)) {
+    if (!settled(b) || !(b->left <= near) || (b->left > b->noise && !costs_nothing(b, OTHERS * b->left))) {
         b->proven = 0;
         boxls_gradient(b);
         return 0;
@@ -460,14 +462,14 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
 
 /*
  * Whether the round lowered the objective: it changed by (v - start) . (sum of the gradients at both
- * ends), exactly. A round that went so far that rounding hides the change counts as not having.
+ * ends), exactly. Rounding of so long a way must be less than the energy, or much less than the gain.
  */
 static int fell(const boxls *b)
 {
     difference(b->spare, b->move, b->v, b->start, b->grad, b->start_grad, boxls_span(b));
-    const pzs_real change = product_dot(b->spare, b->move, b->width);
-    const pzs_real far = product_dot(b->spare, b->spare, b->width);
-    return change < 0 && far * (b->rough * b->rough) < b->energy * b->energy;
+    const pzs_real change = product_dot(b->spare, b->move, b->width), sure = -change / SURE;
+    const pzs_real far = PZS_SQRT(product_dot(b->spare, b->spare, b->width));
+    return change < 0 && far * b->rough < (sure > b->energy ? sure : b->energy);
 }
 
 /* One round from where aim left it, to the true gradient where it ends. */
@@ -511,17 +513,17 @@ int boxls_come_inside(boxls *b)
 }
 
 /*
- * Where the round ended: at the optimum, which proves the tableau; or with a gain; or it is undone. A round that
- * went so far that only the rounding of its own way makes it look settled must have gained.
+ * Where the round ended: at the optimum, which proves the tableau; or with a gain; or it is undone. One that went so
+ * far that only the rounding of its own way makes it look settled must have gained.
  */
 static void conclude(boxls *b, int moved)
 {
-    const pzs_real near = NEAR * b->noise;
+    const pzs_real noise = b->noise;
     judge(b);
     b->done = settled(b);
     if (b->done && moved && b->proven == 0)
         b->proven = 1;
-    if (!moved || (b->done && b->left <= near) || fell(b))
+    if (!moved || (b->done && b->left <= noise) || fell(b))
         return;
     memcpy(b->v, b->start, b->width * sizeof(pzs_real));
     (void)cut_volts(b->v, b->lo, b->hi, boxls_span(b));

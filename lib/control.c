@@ -19,6 +19,8 @@
 #include "product.h"
 #include "sense.h"
 
+#define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292) /* m2: below, squares lose digits to underflow */
+
 /* What is behind the volts (ahead); 0 nothing. */
 enum { PREDICTION_BEHIND = 1, GRADIENT_BEHIND };
 
@@ -35,8 +37,9 @@ static uint32_t open_windows(pzs_real *restrict lo, pzs_real *restrict hi, const
     uint32_t clashes = 0;
     for (size_t i = 0; i < width; i++) {
         const pzs_real last = v[i], most = slew[i], down = last - most, up = last + most;
-        const pzs_real from = last - down > most ? down + PZS_EPSILON * boxls_size(down) : down;
-        const pzs_real to = up - last > most ? up - PZS_EPSILON * boxls_size(up) : up;
+        const pzs_real inner = last - down > most ? down + PZS_EPSILON * boxls_size(down) : down;
+        const pzs_real outer = up - last > most ? up - PZS_EPSILON * boxls_size(up) : up;
+        const pzs_real from = inner < last ? inner : last, to = outer > last ? outer : last;
         const pzs_real low = from > lower[i] ? from : lower[i], high = to < upper[i] ? to : upper[i];
         clashes += low > high ? 1u : 0u;
         lo[i] = low;
@@ -138,7 +141,7 @@ static pzs_status step_to(boxls *b, pzs_control *c, const pzs_real *wanted, cons
     const int32_t clash = enter(b, c);
     b->used = 0;
     b->allowed = c->passes_allowed < PZS_STEP_PASSES ? c->passes_allowed : PZS_STEP_PASSES;
-    b->rough_want = PZS_EPSILON * PZS_SQRT(b->energy + missed) * c->stiffest;
+    b->rough_want = PZS_EPSILON * PZS_SQRT(b->energy + missed + SMALLEST_SQUARE) * c->stiffest;
     settle(b, c, wanted, shown);
     c->ahead = PREDICTION_BEHIND;
     c->passes = (uint16_t)b->used;

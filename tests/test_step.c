@@ -223,6 +223,134 @@ static void assessment_refuses(void **state)
     assert_true(report.error <= 0 && report.optimality <= 0);
 }
 
+/* Columns that are nearly the same, in a problem without effort. */
+static void nearly_dependent(bench *t, unsigned seed, double limit)
+{
+    plain(t, seed, 2 + seed % 12, 20, limit);
+    for (unsigned i = 0; i < t->p.outputs; i++)
+        for (unsigned j = 1; j < t->p.inputs; j++)
+            t->b[i * t->p.inputs + j] = t->b[i * t->p.inputs] + PZS_R(1e-3) * t->b[i * t->p.inputs + j];
+    assert_int_equal(start(t), PZS_OK);
+}
+
+static void random_error(bench *t)
+{
+    for (unsigned i = 0; i < t->p.outputs; i++)
+        t->error[i] = (pzs_real)uniform(t, -1, 1);
+}
+
+static void far_limits_do_not_draw_volts(void **state)
+{
+    (void)state; /* law: with columns of condition 1e3 and limits out of reach a step that says OK at most doubles |W e|^2, in float too */
+    static const double limits[] = { 1, 100, 1e5, 1e30 };
+    for (unsigned k = 0; k < 4; k++) {
+        wide worst = 0;
+        for (unsigned seed = 0; seed < 1000; seed++) {
+            nearly_dependent(&desk, seed, limits[k]);
+            for (unsigned step = 0; step < 3; step++) {
+                random_error(&desk);
+                note_limits(&desk);
+                const pzs_status status = pzs_step(&desk.c, desk.error);
+                assert_feasible(&desk);
+                worst = status == PZS_OK ? fmaxl(worst, objective_at(&desk, desk.c.volt) / energy(&desk)) : worst;
+            }
+        }
+        print_message("limits %.0e: at most %.4Lg of |W e|^2 is left\n", limits[k], worst);
+        assert_true(worst < 2);
+    }
+}
+
+/* |predicted - B volt| over the largest of either. */
+static double prediction_gap(const bench *t)
+{
+    double gap = 0, most = 1e-30;
+    for (unsigned i = 0; i < t->p.outputs; i++) {
+        double sum = 0, size = 0;
+        for (unsigned j = 0; j < t->p.inputs; j++) {
+            sum += (double)t->b[i * t->p.inputs + j] * (double)t->c.volt[j];
+            size += fabs((double)t->b[i * t->p.inputs + j] * (double)t->c.volt[j]);
+        }
+        gap = fmax(gap, fabs((double)t->c.predicted[i] - sum));
+        most = fmax(most, size);
+    }
+    return gap / most;
+}
+
+static void predictions_follow_the_volts(void **state)
+{
+    (void)state; /* law: after a tick predicted is B volt, whatever steps, converter steps and new starts came before */
+    pzs_real given[14] = { 0 };
+    for (unsigned seed = 0; seed < 300; seed++) {
+        nearly_dependent(&desk, seed, 100);
+        memcpy(given, desk.c.volt, desk.p.inputs * sizeof *given);
+        for (unsigned round = 0; round < 12; round++) {
+            random_error(&desk);
+            if (round % 4 == 1)
+                (void)pzs_step(&desk.c, desk.error);
+            if (round % 4 == 2)
+                assert_int_equal(pzs_quantise(&desk.c, given, PZS_R(.25), 0), PZS_OK);
+            if (round % 4 == 3)
+                assert_int_equal(pzs_control_start(&desk.c, given), PZS_OK);
+            if (round % 3 == 0)
+                (void)pzs_step(&desk.c, desk.error);
+            assert_false(PZS_IS_ERROR(pzs_tick(&desk.c, desk.error, NULL)));
+            assert_true(prediction_gap(&desk) < 32 * (double)PZS_EPSILON);
+            (void)pzs_step(&desk.c, desk.error);
+            assert_true(desk.c.ahead || prediction_gap(&desk) < 32 * (double)PZS_EPSILON);
+        }
+    }
+}
+
+static void a_step_after_converter_steps(void **state)
+{
+    (void)state; /* law: a step starts from the volts that the converter gave, and ends at the optimum */
+    pzs_real given[25];
+    warm(&desk, 25, 121, .1, HUGE_VAL);
+    memcpy(given, desk.c.volt, sizeof given);
+    for (int step = 0; step < 300; step++) {
+        assert_int_equal(pzs_quantise(&desk.c, given, PZS_R(.01), 0), PZS_OK);
+        aim(&desk, step, 1);
+        assert_true(checked_step(&desk) <= 1);
+    }
+}
+
+static void limits_narrowed_by_a_few_roundings_are_met(void **state)
+{
+    (void)state; /* law: volts at rest come inside limits that close in by 1 to 1000 epsilon */
+    warm(&desk, 25, 121, 1, HUGE_VAL);
+    for (unsigned k = 0; k < 2000; k++) {
+        const uint32_t j = below(&desk, 25);
+        const pzs_real v = desk.c.volt[j], inward = (1 + (pzs_real)below(&desk, 1000)) * PZS_EPSILON * (pzs_real)fabs((double)v);
+        aim(&desk, 0, 1);
+        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+        if (desk.c.volt[j] > 0)
+            desk.c.upper[j] = desk.c.volt[j] - inward;
+        else
+            desk.c.lower[j] = desk.c.volt[j] + inward;
+        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+        assert_true(desk.c.volt[j] >= desk.c.lower[j] && desk.c.volt[j] <= desk.c.upper[j]);
+        assert_int_equal(pzs_release(&desk.c, (uint16_t)j), PZS_OK);
+    }
+}
+
+static void assessment_before_the_first_step(void **state)
+{
+    (void)state; /* law: with slews too, limits before any step, and after a start from given volts, are those in force */
+    pzs_real half[25];
+    plain(&desk, 3, 25, 121, 1);
+    for (unsigned j = 0; j < 25; j++) {
+        desk.slew[j] = PZS_R(.1);
+        half[j] = PZS_R(.5);
+    }
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_int_equal(assess(&desk).active, 0);
+    assert_true(assess(&desk).optimality > PZS_R(.5));
+    assert_int_equal(pzs_control_start(&desk.c, half), PZS_OK);
+    assert_int_equal(assess(&desk).active, 0);
+    assert_int_equal(pzs_control_init(&desk.c, &desk.p, NULL, NULL, 0), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_E_STAGE);
+}
+
 /* Checksum of the volts of steps and ticks with all that may happen in between. */
 static uint32_t walk(unsigned n, double limit, double slew)
 {
@@ -255,6 +383,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(assessment_is_true_and_changes_nothing),
         cmocka_unit_test(bad_volts_are_seen),
         cmocka_unit_test(assessment_refuses),
+        cmocka_unit_test(assessment_before_the_first_step),
+        cmocka_unit_test(far_limits_do_not_draw_volts),
+        cmocka_unit_test(predictions_follow_the_volts),
+        cmocka_unit_test(a_step_after_converter_steps),
+        cmocka_unit_test(limits_narrowed_by_a_few_roundings_are_met),
     };
     if (argc > 1 && strcmp(argv[1], "bits") == 0) {
         for (unsigned n = 1; n <= 64; n += 7)
