@@ -682,7 +682,8 @@ typedef struct pzs_report {
  */
 pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *report);
 
-/* For comparison only: the unlimited optimum for an error, and the same cut to the limits.
+/* For comparison only: the unlimited optimum for an error, and the same cut to the limits. Steps after it may differ in
+ * their last bits.
  *   volt [inputs] out (V).  Errors: ARGUMENT, STAGE, NONFINITE. */
 pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *volt);
 pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *volt);

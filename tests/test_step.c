@@ -351,6 +351,61 @@ static void assessment_before_the_first_step(void **state)
     assert_int_equal(pzs_step(&desk.c, desk.error), PZS_E_STAGE);
 }
 
+static void a_slew_of_a_few_roundings_is_kept(void **state)
+{
+    (void)state; /* law: a slew between a tenth and four roundings of the volt is never exceeded, and never taken for a clash */
+    for (unsigned seed = 0; seed < 2000; seed++) {
+        plain(&desk, seed, 1 + seed % 3, 4, 200);
+        for (unsigned j = 0; j < desk.p.inputs; j++) {
+            desk.prefer[j] = (pzs_real)uniform(&desk, -199, 199);
+            desk.slew[j] = (pzs_real)(uniform(&desk, .1, 4) * (double)PZS_EPSILON * fabs((double)desk.prefer[j]));
+        }
+        assert_int_equal(start(&desk), PZS_OK);
+        for (unsigned step = 0; step < 5; step++) {
+            random_error(&desk);
+            note_limits(&desk);
+            assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+            for (unsigned j = 0; j < desk.p.inputs; j++)
+                assert_true(fabs((double)desk.c.volt[j] - (double)desk.last[j]) <= (double)desk.slew[j]);
+        }
+    }
+}
+
+static void a_target_that_vanishes_is_followed(void **state)
+{
+    (void)state; /* law: with the target gone volts go to rounding of zero in one step or tick, no warning then or later */
+    for (unsigned ticks = 0; ticks < 2; ticks++) {
+        warm(&desk, 25, 121, HUGE_VAL, HUGE_VAL);
+        desk.p.effort = 0;
+        desk.p.crc = guard_problem_crc(&desk.p);
+        assert_int_equal(pzs_control_init(&desk.c, &desk.p, NULL, desk.work, sizeof desk.work), PZS_OK);
+        for (int step = 0; step < 50; step++) {
+            aim(&desk, step, step < 10 ? 50 : 0);
+            assert_int_equal(ticks ? pzs_tick(&desk.c, desk.error, NULL) : pzs_step(&desk.c, desk.error), PZS_OK);
+            for (unsigned j = 0; step >= 10 && j < 25; j++)
+                assert_true(fabs((double)desk.c.volt[j]) < 50 * 64 * (double)PZS_EPSILON);
+        }
+    }
+}
+
+static void converter_steps_stay_inside(void **state)
+{
+    (void)state; /* law: limits in force come before whole converter steps and the dead band */
+    pzs_real given[25];
+    warm(&desk, 25, 121, 1, HUGE_VAL);
+    for (unsigned k = 0; k < 500; k++) {
+        const uint16_t j = (uint16_t)below(&desk, 25);
+        assert_int_equal(pzs_hold(&desk.c, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
+        aim(&desk, (int)k, 1);
+        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+        memset(given, 0, sizeof given);
+        assert_int_equal(pzs_quantise(&desk.c, given, PZS_R(.125), PZS_R(.3)), PZS_OK);
+        for (unsigned i = 0; i < 25; i++)
+            assert_true(desk.c.volt[i] >= desk.c.lower[i] && desk.c.volt[i] <= desk.c.upper[i]);
+        assert_int_equal(pzs_release(&desk.c, j), PZS_OK);
+    }
+}
+
 /* Checksum of the volts of steps and ticks with all that may happen in between. */
 static uint32_t walk(unsigned n, double limit, double slew)
 {
@@ -388,6 +443,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(predictions_follow_the_volts),
         cmocka_unit_test(a_step_after_converter_steps),
         cmocka_unit_test(limits_narrowed_by_a_few_roundings_are_met),
+        cmocka_unit_test(a_slew_of_a_few_roundings_is_kept),
+        cmocka_unit_test(a_target_that_vanishes_is_followed),
+        cmocka_unit_test(converter_steps_stay_inside),
     };
     if (argc > 1 && strcmp(argv[1], "bits") == 0) {
         for (unsigned n = 1; n <= 64; n += 7)
