@@ -1,5 +1,5 @@
 #!/bin/sh
-# Instructions of the factor on a Cortex-M7 under QEMU, and of the demonstration's control ticks.
+# Instructions of the factor and of a control tick on a Cortex-M7 under QEMU.
 # TAP lines; the targets are instructions per multiply-add of the unpadded band, 197,176.
 set -u
 B=${B:-build}
@@ -29,8 +29,27 @@ row() {
                  n, bits, level, $1, per, target ? " (target " target ")" : "", $2, same ? "of the host" : "DIFFER" }'
 }
 
+# The demonstration's control image, float, on the same processor: instructions of a control tick, 25 voltages, 121 outputs.
+tick() {
+    n=$((n + 1))
+    demo='firmware_demo/main.c firmware_demo/drill.c firmware_demo/print.c firmware_demo/demo_control.c'
+    # shellcheck disable=SC2086
+    $CC $m7 $flags -Ifirmware_demo/tables -DPZS_REAL_BITS=32 -DDEMO_TABLES='"plate_control.h"' -Os -nostartfiles -Lfirmware_demo \
+        -Tfirmware_demo/mps2_an500.ld -Wl,--gc-sections $demo lib/*.c firmware_demo/start.c firmware_demo/board_mps2.c -lm -o "$dir/tick7.elf" &&
+        gcc $flags -Ifirmware_demo/tables -DPZS_REAL_BITS=32 -DDEMO_TABLES='"plate_control.h"' -O2 $demo lib/*.c firmware_demo/board_host.c \
+            -lm -o "$dir/tick7" || { echo "not ok $n - build"; return; }
+    timeout 60 "${QEMU:-qemu-system-arm}" -M mps2-an500 -icount shift=10 -kernel "$dir/tick7.elf" -nographic -monitor none \
+        -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"
+    "$dir/tick7" | grep '^result' >"$dir/host"
+    grep '^result' "$dir/out" | cmp -s - "$dir/host" && same=1 || same=0
+    sed -n 's/^cost tick mean=\([0-9]*\) worst=\([0-9]*\) warm=\([0-9]*\).*/\1 \2 \3/p' "$dir/out" | awk -v n=$n -v same=$same '
+        { printf "%s %d - Cortex-M7, 32 bits, -Os: control tick %d instructions warm (target 25000), %d mean, %d worst, bits %s\n",
+                 same && $3 <= 25000 ? "ok" : "not ok", n, $3, $1, $2, same ? "of the host" : "DIFFER" }'
+}
+
 row 32 -O2 3.5
 row 32 -Os 2.5
 row 64 -O2 0
 row 64 -Os 0
+tick
 echo "1..$n"
