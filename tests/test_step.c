@@ -14,7 +14,7 @@
 #include <string.h>
 #include "control_bench.h"
 
-#define STEPS 2000
+#define STEPS 1000
 #define PERIOD 200
 
 static bench desk, other;
