@@ -17,7 +17,7 @@
 #define PZS_NONLINEAR 0
 #endif
 
-/* Rows of the factor kept together: 4 suits microcontrollers, 8 and 16 wide vector units.
+/* Rows of the factor kept together: 4 suits microcontrollers, 8 and 16 wide vector units (gcc or clang).
  * With -ffp-contract=off (gcc's default with -std=c99; clang wants it said) the result has the same bits for every value. */
 #ifndef PZS_TILE
 #define PZS_TILE 4

@@ -58,36 +58,70 @@ void product(pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *r
 
 /* ---- sums of rows -------------------------------------------------------------- */
 
-/*
- * Columns that do not fill a tile are left out, but for vectors, which do not save by that: there the last tile
- * ends with the last column, and where it overlaps the one before, both form the same sums.
- */
-#define EXACT (PZS_TILE == 4)
-#define EACH_ENTRY(COUNT) UNROLLED for (unsigned t = 0; t != (COUNT); t++) UNROLLED for (unsigned j = 0; j < PZS_TILE; j++)
-#define HAS_ENTRY(COUNT) (!EXACT || IS_COLUMN(t * PZS_TILE + j, (COUNT) * PZS_TILE))
+#if PZS_TILE == 4
 
-/* y = sum of x_i times row i, over COUNT tiles of columns side by side. */
+/* y = sum of x_i times row i, over `cols` columns, more than COUNT - 1 tiles. */
 #define SUM_TILES(name, COUNT) \
     static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
                      size_t rows, size_t cols) \
     { \
-        pzs_real sum[COUNT][PZS_TILE]; \
-        const size_t last = EXACT ? ((COUNT) - 1u) * PZS_TILE : cols - PZS_TILE; \
-        const pzs_real *b = a + last; \
-        EACH_ENTRY(COUNT) \
-            sum[t][j] = 0; \
-        for (size_t i = 0; i < rows; i++, a += stride, b += stride) { \
+        pzs_real sum[4 * (COUNT)]; \
+        UNROLLED \
+        for (unsigned k = 0; k < 4u * (COUNT); k++) \
+            sum[k] = 0; \
+        for (size_t i = 0; i < rows; i++, a += stride) { \
             const pzs_real xi = x[i]; \
-            EACH_ENTRY(COUNT) \
-                if (HAS_ENTRY(COUNT)) \
-                    sum[t][j] += xi * (t + 1u < (COUNT) ? a[t * PZS_TILE + j] : b[j]); \
+            UNROLLED \
+            for (unsigned k = 0; k < 4u * (COUNT); k++) \
+                if (IS_COLUMN(k, 4u * (COUNT))) \
+                    sum[k] += xi * a[k]; \
         } \
-        for (unsigned t = 0; !EXACT && t < (COUNT); t++) \
-            memcpy(y + (t + 1u < (COUNT) ? t * PZS_TILE : last), sum[t], sizeof sum[t]); \
-        EACH_ENTRY(EXACT ? (COUNT) : 0) \
-            if (HAS_ENTRY(COUNT)) \
-                y[t * PZS_TILE + j] = sum[t][j]; \
+        UNROLLED \
+        for (unsigned k = 0; k < 4u * (COUNT); k++) \
+            if (IS_COLUMN(k, 4u * (COUNT))) \
+                y[k] = sum[k]; \
     }
+
+#else
+
+/* A register of the machine, or a tile where that is smaller. */
+#if defined(__AVX512F__)
+#define REGISTER 64u
+#elif defined(__AVX__)
+#define REGISTER 32u
+#else
+#define REGISTER 16u
+#endif
+#define LANE_BYTES (REGISTER < PZS_TILE * sizeof(pzs_real) ? REGISTER : PZS_TILE * sizeof(pzs_real))
+#define IN_LANE (LANE_BYTES / sizeof(pzs_real))
+#define IN_TILE (PZS_TILE / IN_LANE)
+typedef pzs_real lane __attribute__((vector_size(LANE_BYTES), aligned(sizeof(pzs_real)), may_alias));
+
+/* Where lane k of COUNT tiles begins. The last tile ends with the last column: both form the same sums where two overlap. */
+#define LANE_AT(k, COUNT) \
+    ((k) / IN_TILE + 1u < (COUNT) ? (k) * IN_LANE : last + (k) % IN_TILE * IN_LANE)
+
+/* The same in whole tiles. */
+#define SUM_TILES(name, COUNT) \
+    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x, \
+                     size_t rows, size_t cols) \
+    { \
+        lane sum[(COUNT) * IN_TILE]; \
+        const size_t last = cols - PZS_TILE; \
+        UNROLLED \
+        for (unsigned k = 0; k < (COUNT) * IN_TILE; k++) \
+            sum[k] = (lane){0}; \
+        for (size_t i = 0; i < rows; i++, a += stride) { \
+            UNROLLED \
+            for (unsigned k = 0; k < (COUNT) * IN_TILE; k++) \
+                sum[k] += x[i] * *(const lane *)(a + LANE_AT(k, COUNT)); \
+        } \
+        UNROLLED \
+        for (unsigned k = 0; k < (COUNT) * IN_TILE; k++) \
+            *(lane *)(y + LANE_AT(k, COUNT)) = sum[k]; \
+    }
+
+#endif
 
 SUM_TILES(sum_many, MANY)
 SUM_TILES(sum_some, SOME)
@@ -107,7 +141,7 @@ static void sum_few(pzs_real *restrict y, const pzs_real *restrict a, size_t str
 void product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride, const pzs_real *restrict x,
                       size_t rows, size_t cols)
 {
-    if (!EXACT && cols < PZS_TILE) {
+    if (PZS_TILE > 4 && cols < PZS_TILE) {
         sum_few(y, a, stride, x, rows, cols);
         return;
     }
@@ -115,7 +149,7 @@ void product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t s
         const size_t tiles = (cols - j + PZS_TILE - 1u) / PZS_TILE;
         const size_t now = tiles >= MANY ? MANY : tiles >= SOME ? SOME : 1u;
         end = j + now * PZS_TILE < cols ? j + now * PZS_TILE : cols;
-        const size_t from = EXACT || now > 1u ? j : end - PZS_TILE;
+        const size_t from = PZS_TILE == 4 || now > 1u ? j : end - PZS_TILE;
         if (now == MANY)
             sum_many(y + from, a + from, stride, x, rows, end - from);
         else if (now == SOME)
