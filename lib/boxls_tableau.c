@@ -15,14 +15,18 @@ static void multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real 
         z[i] = factor * x[i];
 }
 
-/* m -= sign s s', all rows: symmetric to the last bit. */
+/* m -= sign s s', symmetric to the last bit: without vectors half of it, mirrored. */
 static void rank_one(const boxls *b, pzs_real *restrict m, const pzs_real *restrict s, pzs_real sign)
 {
     const size_t span = boxls_span(b), stride = b->width;
-    for (uint32_t i = 0; i < b->n; i++, m += stride) {
+    for (uint32_t i = 0; i < b->n; i++) {
+        pzs_real *row = m + i * stride;
         const pzs_real f = sign * s[i];
-        for (size_t j = 0; j < span; j++)
-            m[j] -= f * s[j];
+        for (size_t j = 0; j < (BOXLS_WIDE ? span : i + 1u); j++) {
+            row[j] -= f * s[j];
+            if (!BOXLS_WIDE)
+                m[j * stride + i] = row[j];
+        }
     }
 }
 
