@@ -38,6 +38,7 @@ typedef float pzs_real;
 #define PZS_BY_BITS(for32, for64) (for32)
 #define PZS_EPSILON 1.1920929e-7f
 #define PZS_SQRT(x) sqrtf(x)
+#define PZS_ABS(x) fabsf(x)
 #else
 typedef double pzs_real;
 #define pzs_model_init pzs_model_init_64
@@ -45,6 +46,7 @@ typedef double pzs_real;
 #define PZS_BY_BITS(for32, for64) (for64)
 #define PZS_EPSILON 2.2204460492503131e-16
 #define PZS_SQRT(x) sqrt(x)
+#define PZS_ABS(x) fabs(x)
 #endif
 
 /* A number of a generated table, rounded once from double. */

@@ -54,6 +54,12 @@ void boxls_place(boxls *b, pzs_real *work)
 
 /* ---- gradients ------------------------------------------------------------------ */
 
+/* y = A x, A [n][width] symmetric. */
+static void symmetric(const boxls *b, pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x)
+{
+    product_sum_rows(y, a, b->width, x, b->n, boxls_span(b));
+}
+
 /* grad = pull - want; where inputs are free, next is the same, elsewhere 0. */
 static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_real *restrict pull,
                     const pzs_real *restrict want, const pzs_real *restrict free, size_t span)
@@ -63,12 +69,6 @@ static void combine(pzs_real *restrict grad, pzs_real *restrict next, const pzs_
         grad[i] = g;
         next[i] = free[i] > 0 ? g : 0;
     }
-}
-
-/* y = A x, A [n][width] symmetric. */
-static void symmetric(const boxls *b, pzs_real *restrict y, const pzs_real *restrict a, const pzs_real *restrict x)
-{
-    product_sum_rows(y, a, b->width, x, b->n, boxls_span(b));
 }
 
 void boxls_gradient(boxls *b)
@@ -151,16 +151,10 @@ static void all_wrong(pzs_real *restrict out, const pzs_real *restrict v, const 
         out[i] = wrong(grad[i], v[i], lo[i], hi[i]);
 }
 
-/* Largest violated optimality condition at v, where the gradient is grad. */
-static pzs_real violation(const boxls *b, const pzs_real *v, const pzs_real *grad)
+pzs_real boxls_violation(const boxls *b, const pzs_real *v, const pzs_real *grad)
 {
     all_wrong(b->spare, v, b->lo, b->hi, grad, boxls_span(b));
     return product_largest(b->spare, b->width);
-}
-
-pzs_real boxls_violation(boxls *b)
-{
-    return violation(b, b->v, b->grad);
 }
 
 /* Whether a gradient of that size (m2/V) on F costs less than epsilon of the energy: its square times the inverse of H. */
@@ -233,7 +227,7 @@ static uint32_t find_largest(const boxls *b, const pzs_real *x, pzs_real least)
 {
     const pzs_real most = product_largest(x, b->width);
     uint32_t i = most > least ? 0 : b->n;
-    while (i < b->n && x[i] < most)
+    while (i < b->n && !(x[i] >= most))
         i++;
     return i;
 }
@@ -489,7 +483,7 @@ static void run_round(boxls *b, int blocked)
 /* What is left at v, and how much of it may be rounding. */
 static void judge(boxls *b)
 {
-    b->left = violation(b, b->v, b->grad);
+    b->left = boxls_violation(b, b->v, b->grad);
     b->noise = NOISE * (b->rough_want + b->rough);
 }
 
@@ -563,7 +557,7 @@ void boxls_optimise(boxls *b)
         if (moves)
             run_round(b, blocked);
         conclude(b, moves);
-        if (!b->done && b->used < b->allowed && (!moves || b->left * POOR > violation(b, b->start, b->start_grad))) {
+        if (!b->done && b->used < b->allowed && (!moves || b->left * POOR > boxls_violation(b, b->start, b->start_grad))) {
             renew(b, fresh);
             fresh = 1;
         }

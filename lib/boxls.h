@@ -36,8 +36,8 @@ int boxls_come_inside(boxls *b);
 /* From a gradient to the optimum; adds to used, sets left, noise and done. Volts come inside lo..hi and stay there. */
 void boxls_optimise(boxls *b);
 
-/* Largest violated optimality condition at v, whose gradient is grad. */
-pzs_real boxls_violation(boxls *b);
+/* Largest violated optimality condition at v, where the gradient is grad; uses spare. */
+pzs_real boxls_violation(const boxls *b, const pzs_real *v, const pzs_real *grad);
 
 /* Whether rounding in H (v - base) may cost more than epsilon of the energy. */
 int boxls_coarse(boxls *b);
@@ -53,7 +53,7 @@ static inline size_t boxls_span(const boxls *b)
 
 static inline pzs_real boxls_size(pzs_real x)
 {
-    return PZS_BY_BITS(fabsf, fabs)(x);
+    return PZS_ABS(x);
 }
 
 static inline pzs_real boxls_cut(pzs_real x, pzs_real lo, pzs_real hi)

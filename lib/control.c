@@ -70,6 +70,15 @@ static int32_t enter(boxls *b, const pzs_control *c)
     return take_limits(b, c);
 }
 
+/* out [inputs] = B'W^2 (e - y); returns |W (e - y)|^2. */
+static pzs_real misfit(const pzs_control *c, pzs_real *out, const pzs_real *e, const pzs_real *y)
+{
+    const uint32_t m = c->problem->outputs, n = c->problem->inputs;
+    const pzs_real square = product_weigh(c->weighted, c->problem->weight, e, y, m);
+    product_sum_rows(out, c->influence, n, c->weighted, m, n);
+    return square;
+}
+
 /*
  * want = B'W^2 (e - B base) with shown = B base + disturbance; returns missed = |W (e - B base)|^2.
  * energy = |W e|^2 = missed + |W B base|^2 + 2 base . want, not below what rounding leaves of it. Both are finite
@@ -77,10 +86,7 @@ static int32_t enter(boxls *b, const pzs_control *c)
  */
 static pzs_real project(boxls *b, const pzs_control *c, const pzs_real *wanted, const pzs_real *shown)
 {
-    const uint32_t m = c->problem->outputs;
-    pzs_real *weighted = c->weighted;
-    const pzs_real missed = product_weigh(weighted, c->problem->weight, wanted, shown, m);
-    product_sum_rows(b->want, c->influence, b->n, weighted, m, b->n);
+    const pzs_real missed = misfit(c, b->want, wanted, shown);
     b->energy = missed + c->base_energy + 2 * product_dot(b->base, b->want, b->width);
     b->energy = b->energy < PZS_EPSILON * missed ? PZS_EPSILON * missed : b->energy;
     return missed;
@@ -409,15 +415,6 @@ pzs_status pzs_release(pzs_control *c, uint16_t input)
 
 /* ---- how good it is ------------------------------------------------------------------------ */
 
-/* B'W^2 (e - y) into b->next, |W (e - y)| returned. */
-static pzs_real misfit(boxls *b, const pzs_control *c, const pzs_real *e, const pzs_real *y)
-{
-    pzs_real *weighted = c->weighted;
-    const pzs_real square = product_weigh(weighted, c->problem->weight, e, y, c->problem->outputs);
-    product_sum_rows(b->next, c->influence, b->n, weighted, c->problem->outputs, b->n);
-    return PZS_SQRT(square);
-}
-
 pzs_status pzs_assess(pzs_control *c, const pzs_real *error, pzs_report *report)
 {
     const pzs_status status = report != NULL ? ready(c, error) : PZS_E_ARGUMENT;
@@ -427,11 +424,11 @@ pzs_status pzs_assess(pzs_control *c, const pzs_real *error, pzs_report *report)
     boxls *b = &c->optimiser;
     pzs_real *shape = c->weighted + m, most = 0;
     memset(shape, 0, m * sizeof *shape);
-    const pzs_real all = misfit(b, c, error, shape);
+    const pzs_real all = PZS_SQRT(misfit(c, b->next, error, shape));
     for (uint32_t i = 0; i < b->n; i++)
         most = boxls_size(b->next[i]) > most ? boxls_size(b->next[i]) : most;
     product(shape, c->influence, b->v, m, b->n);
-    const pzs_real left = misfit(b, c, error, shape);
+    const pzs_real left = PZS_SQRT(misfit(c, b->next, error, shape));
     if (!boxls_finite(all + left))
         return finish(c, PZS_E_NONFINITE, guard_nonfinite(error, m));
     pzs_report r = { .error = all > 0 ? left / all : 0 };
@@ -439,7 +436,7 @@ pzs_status pzs_assess(pzs_control *c, const pzs_real *error, pzs_report *report)
         b->grad[i] = c->problem->effort * (b->v[i] - c->problem->prefer[i]) - b->next[i];
         r.active = (uint16_t)(r.active + !(b->v[i] > b->lo[i] && b->v[i] < b->hi[i]));
     }
-    const pzs_real wrong = boxls_violation(b);
+    const pzs_real wrong = boxls_violation(b, b->v, b->grad);
     r.optimality = most > 0 ? wrong / most : 0;
     *report = r;
     return PZS_OK;

@@ -23,11 +23,6 @@
 
 /* ---- storage ---------------------------------------------------------- */
 
-static pzs_real magnitude(pzs_real x)
-{
-    return PZS_BY_BITS(fabsf, fabs)(x);
-}
-
 static uint32_t smaller(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
@@ -154,10 +149,10 @@ pzs_real linalg_norm1(const pzs_envelope *a, pzs_real *sum)
         const pzs_real *entry = linalg_entry(a, i, a->first[i]);
         sum[i] = 0;
         for (uint32_t j = a->first[i]; j < i; j++, entry += PZS_TILE) {
-            sum[i] += magnitude(*entry);
-            sum[j] += magnitude(*entry);
+            sum[i] += PZS_ABS(*entry);
+            sum[j] += PZS_ABS(*entry);
         }
-        sum[i] += magnitude(*entry);
+        sum[i] += PZS_ABS(*entry);
     }
     for (uint32_t i = 0; i < a->n; i++) {
         if (!(sum[i] <= REAL_MOST))
@@ -237,7 +232,7 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
     for (uint32_t k = 0; k < rows; k++) {
         pzs_real *w = tile + k * PZS_TILE;
         inverse[k] = 1 / w[k];
-        if (!(magnitude(w[k]) > least[k] && magnitude(inverse[k]) > 0 && magnitude(inverse[k]) <= REAL_MOST))
+        if (!(PZS_ABS(w[k]) > least[k] && PZS_ABS(inverse[k]) > 0 && PZS_ABS(inverse[k]) <= REAL_MOST))
             return k;
         for (uint32_t j = k + 1u; j < rows; j++) {
             const pzs_real l = w[j] * inverse[k];
@@ -276,13 +271,13 @@ linalg_inertia linalg_factor(pzs_envelope *a)
         uint32_t usable;
 
         for (uint32_t r = 0; r < rows; r++) {
-            least[r] = tolerance * magnitude(tile[r * PZS_TILE + r]);
-            diagonal = most(diagonal, magnitude(tile[r * PZS_TILE + r]));
+            least[r] = tolerance * PZS_ABS(tile[r * PZS_TILE + r]);
+            diagonal = most(diagonal, PZS_ABS(tile[r * PZS_TILE + r]));
         }
         eliminate_panel(a, row / PZS_TILE);
         usable = factor_tile(tile, least, a->inverse + row, rows);
         for (uint32_t r = 0; r < usable; r++) {
-            pivot = most(pivot, magnitude(tile[r * PZS_TILE + r]));
+            pivot = most(pivot, PZS_ABS(tile[r * PZS_TILE + r]));
             if (tile[r * PZS_TILE + r] < 0 && found.negative++ == 0)
                 found.first_negative = (int32_t)(row + r);
         }
@@ -394,7 +389,7 @@ static pzs_real norm1(const pzs_real *x, uint32_t n)
     pzs_real sum = 0;
 
     for (uint32_t i = 0; i < n; i++)
-        sum += magnitude(x[i]);
+        sum += PZS_ABS(x[i]);
     return sum;
 }
 
@@ -416,7 +411,7 @@ static uint32_t largest(const pzs_real *x, uint32_t n)
     uint32_t at = 0;
 
     for (uint32_t i = 1; i < n; i++)
-        if (magnitude(x[i]) > magnitude(x[at]))
+        if (PZS_ABS(x[i]) > PZS_ABS(x[at]))
             at = i;
     return at;
 }
@@ -462,7 +457,7 @@ pzs_real linalg_condition(const pzs_envelope *a, pzs_real norm_a, pzs_real *work
             break;
         linalg_solve(a, x);
         best = largest(x, n);
-        if (!(magnitude(x[best]) > inverse))
+        if (!(PZS_ABS(x[best]) > inverse))
             break;
         memset(x, 0, n * sizeof *x);
         x[best] = 1;

@@ -188,7 +188,7 @@ void product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t s
     }
 
 #define PRODUCT(x, y) (x) * (y)
-#define PRODUCT_SIZE(x, y) (x) * PZS_BY_BITS(fabsf, fabs)(y)
+#define PRODUCT_SIZE(x, y) (x) * PZS_ABS(y)
 #define PRODUCT_SQUARE(x, y) ((x) * (y)) * ((x) * (y))
 SUM_OF(product_dot, PRODUCT)
 SUM_OF(product_dot_size, PRODUCT_SIZE)
