@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "scene_units.h"
 
 enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
 
@@ -109,10 +110,10 @@ scene_at node_at(const reader *r, int node)
 
 static int compile(reader *r, int node, expr **e)
 {
+    char converted[SCENE_UNITS_TEXT];
     const char *why, *text;
     int column;
-    if (require_kind(r, node, TREE_SCALAR) != 0) return -1;
-    text = node_text(r, node);
+    if (require_kind(r, node, TREE_SCALAR) != 0 || scene_units_text(r, node, converted, &text) != 0) return -1;
     if (!*text) return tree_fault(r->t, node, "'%.60s' is empty; give a number", tree_name(r->t, node));
     *e = expr_compile(text, &column, &why);
     if (*e) return 0;

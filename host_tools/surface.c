@@ -182,6 +182,14 @@ int surface_closes(const scene_surface *s, int direction)
     return surface_revolves(s) && (direction == 2 || s->type == SURFACE_TORUS);
 }
 
+/* A spiral's angle runs along the coordinate that is not its axis. */
+int surface_is_angle(const scene_surface *s, int direction)
+{
+    if (s->type == SURFACE_SPIRAL)
+        return direction == 3 - s->axial;
+    return surface_closes(s, direction) || s->type == SURFACE_SPHERE;
+}
+
 int surface_range(const scene_surface *s, int direction, double range[2])
 {
     range[0] = 0;

@@ -20,6 +20,9 @@ double surface_area(const scene_surface *s, const double theta1[2], const double
 /* Does theta1 (direction 1) or theta2 (2) come back to the same points after 2 pi? */
 int surface_closes(const scene_surface *s, int direction);
 
+/* Is theta1 (direction 1) or theta2 (2) an angle in radians? Else a length. */
+int surface_is_angle(const scene_surface *s, int direction);
+
 /* Is it a surface of revolution: theta2 the azimuth, A2 the radius? */
 int surface_revolves(const scene_surface *s);
 

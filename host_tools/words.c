@@ -37,10 +37,7 @@ int words_unitless(const scene *s)
 
 words_quantity words_of_theta(const scene *s, int direction)
 {
-    const scene_surface *surface = &s->surface;
-    const int turns = surface_closes(surface, direction + 1) || surface->type == SURFACE_SPHERE
-                   || (surface->type == SURFACE_SPIRAL && direction == 2 - surface->axial);
-    return turns ? QUANTITY_ANGLE : QUANTITY_LENGTH;
+    return surface_is_angle(&s->surface, direction + 1) ? QUANTITY_ANGLE : QUANTITY_LENGTH;
 }
 
 words_quantity words_of_load(const scene_load *load)

@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <cmocka.h>
 #include "scene.h"
+#include "scene_units.h"
 
 #ifndef MUTATIONS
 #define MUTATIONS 500
@@ -603,6 +604,272 @@ static void test_expressions(void **state)
     assert_null(expr_compile(deep, &column, &why));
 }
 
+/* ---- units ---- */
+
+/* The base scene with units, as --set changes; what a case adds comes behind them. */
+static const char *const metric = "units={length: m, force: N, voltage: V, temperature: K}";
+static const char *const milli = "units={length: mm, force: N, voltage: V, temperature: K}";
+static const char *const kilo = "units={length: cm, force: kN, voltage: kV, temperature: mK}";
+
+typedef struct unit_case {
+    const char *units, *with_unit, *plain;
+} unit_case;
+
+/*
+ * Both ways of typing a number; the plain one is worked out by hand from the definitions of the
+ * units. Both sides go through strtod once, so that the scenes must agree in every bit.
+ */
+static const unit_case unit_cases[] = {
+    {"m", "layers.0.thickness=0.3 mm", "layers.0.thickness=0.3e-3"},
+    {"m", "layers.0.thickness=300um", "layers.0.thickness=300e-6"},
+    {"m", "layers.0.thickness=30\xc2\xb5m", "layers.0.thickness=30e-6"},
+    {"mm", "layers.0.thickness=0.3 mm", "layers.0.thickness=0.3"},
+    {"mm", "layers.0.thickness=1.7e-4 m", "layers.0.thickness=1.7e-1"},
+    {"cm", "layers.0.thickness=0.3 mm", "layers.0.thickness=0.3e-1"},
+    {"m", "materials.steel.E=135 GPa", "materials.steel.E=135e9"},
+    {"mm", "materials.steel.E=135 GPa", "materials.steel.E=135e3"},
+    {"mm", "materials.steel.E=7.1e10 N/m^2", "materials.steel.E=7.1e4"},
+    {"cm", "materials.steel.E=135.3 GPa", "materials.steel.E=135.3e2"},
+    {"m", "materials.steel.density=7600 kg/m3", "materials.steel.density=7600"},
+    {"mm", "materials.steel.density=7600 kg/m3", "materials.steel.density=7600e-12"},
+    {"mm", "materials.steel.density=7.6 g*cm^-3", "materials.steel.density=7.6e-9"},
+    {"mm", "materials.steel.density=7.6e-9 t/mm3", "materials.steel.density=7.6e-9"},
+    {"cm", "materials.steel.density=7600 kg/m3", "materials.steel.density=7600e-11"},
+    {"m", "materials.pzt.d31=-210 pC/N", "materials.pzt.d31=-210e-12"},
+    {"mm", "materials.pzt.d31=-210 pC/N", "materials.pzt.d31=-210e-9"},
+    {"mm", "materials.pzt.d31=-0.21 nm/V", "materials.pzt.d31=-0.21e-6"},
+    {"cm", "materials.pzt.d31=-210 pC/N", "materials.pzt.d31=-210e-7"},
+    {"m", "materials.pzt={E: 1, nu: 0, e31: 25.1 C/m2}", "materials.pzt={E: 1, nu: 0, e31: 25.1}"},
+    {"mm", "materials.pzt={E: 1, nu: 0, e31: 25.1 C/m2}",
+     "materials.pzt={E: 1, nu: 0, e31: 25.1e-3}"},
+    {"mm", "materials.pzt.permittivity=15.3 nF/m", "materials.pzt.permittivity=15.3e-9"},
+    {"cm", "materials.pzt.permittivity=15.3 nF/m", "materials.pzt.permittivity=15.3e-6"},
+    {"mm", "materials.pzt.pyroelectric=-0.3 mC/(m2 K)", "materials.pzt.pyroelectric=-0.3e-6"},
+    {"mm", "materials.pzt.pyroelectric=-0.3 mC/m2/K", "materials.pzt.pyroelectric=-0.3e-6"},
+    {"cm", "materials.pzt.alpha=12.1e-6 1/K", "materials.pzt.alpha=12.1e-9"},
+    {"mm", "materials.pzt.field_limit=0.7 MV/m", "materials.pzt.field_limit=0.7e3"},
+    {"m", "layers.0.angle=17.3 deg", "layers.0.angle=17.3"},
+    {"m", "layers.0.angle=0.3 rad", "layers.0.angle=0.3*180/pi"},
+    {"m", "surface={type: cone, radius: 900 mm, angle: 10 deg}",
+     "surface={type: cone, radius: 900e-3, angle: 10}"},
+    {"cm", "limits.voltage=[-0.1 kV, 100 V]", "limits.voltage=[-0.1, 100e-3]"},
+    {"mm", "loads.0.pressure=1.3 kPa", "loads.0.pressure=1.3e-3"},
+    {"mm", "loads=[{line: theta1+, u3: 0.7 N/m}]", "loads=[{line: theta1+, u3: 0.7e-3}]"},
+    {"cm", "loads=[{point: {theta1: 2 cm, theta2: 0}, u3: 0.7 N}]",
+     "loads=[{point: {theta1: 2, theta2: 0}, u3: 0.7e-3}]"},
+    {"mm", "loads=[{weight: {axis: z, gravity: -9.81 m/s2}}]",
+     "loads=[{weight: {axis: z, gravity: -9.81e3}}]"},
+    {"mm", "outputs.tip.reference=3.3 um", "outputs.tip.reference=3.3e-3"},
+    {"mm", "target.value=3.3 um", "target.value=3.3e-3"},
+    {"cm", "compare.c.values=[10.1 V, 2 kV]", "compare.c.values=[10.1e-3, 2]"},
+    {"m", "simulate={ticks: 9, rate: 1.5 kHz, sensors: {noise: 0.7 um}}",
+     "simulate={ticks: 9, rate: 1.5e3, sensors: {noise: 0.7e-6}}"},
+};
+
+/* Expressions by their value at a point. */
+static double value_of(const expr *e)
+{
+    const expr_point at = {1, 2, 3, 4, 5};
+    return e ? expr_value(e, &at) : 0;
+}
+
+static void assert_same_numbers(const scene *a, const scene *b, const char *what)
+{
+    const scene_load *p = a->load, *q = b->load;
+    int same = a->materials == b->materials && a->layers == b->layers;
+    for (int i = 0; same && i < a->materials; i++)
+        same = memcmp(&a->material[i], &b->material[i], offsetof(scene_material, at)) == 0;
+    for (int i = 0; same && i < a->layers; i++)
+        same = memcmp(&a->layer[i], &b->layer[i], offsetof(scene_layer, at)) == 0;
+    same &= a->surface.radius == b->surface.radius && a->surface.angle == b->surface.angle;
+    same &= a->limits.lower == b->limits.lower && a->limits.upper == b->limits.upper;
+    same &= value_of(p->value) == value_of(q->value) && p->where.theta[0] == q->where.theta[0];
+    same &= memcmp(&a->output->reference, &b->output->reference, sizeof a->output->reference) == 0;
+    same &= value_of(a->target.value) == value_of(b->target.value);
+    same &= memcmp(a->compare->value, b->compare->value, 2 * sizeof *a->compare->value) == 0;
+    same &= a->simulate.rate == b->simulate.rate && a->simulate.noise == b->simulate.noise;
+    if (!same)
+        fail_msg("%s: not the same bits as without a unit", what);
+}
+
+static const char *units_named(const char *name)
+{
+    if (strcmp(name, "m") == 0) return metric;
+    return strcmp(name, "mm") == 0 ? milli : kilo;
+}
+
+/* A number with a unit is the same double as one typed in the scene's units. */
+static void test_units(void **state)
+{
+    (void)state;
+    write_base(0, "");
+    for (size_t i = 0; i < sizeof unit_cases / sizeof *unit_cases; i++) {
+        const unit_case *c = &unit_cases[i];
+        const char *const units = units_named(c->units);
+        const char *const with_unit[] = {units, c->with_unit}, *const plain[] = {units, c->plain};
+        scene a, b;
+        expect_good(&a, file, with_unit, 2);
+        expect_good(&b, file, plain, 2);
+        assert_same_numbers(&a, &b, c->with_unit);
+        scene_free(&a);
+        scene_free(&b);
+    }
+}
+
+/* Degrees in a coordinate are what the formula says; a coordinate that is a length refuses them. */
+static void test_unit_angles(void **state)
+{
+    static const char *const set[] = {"surface={type: cylinder, radius: 1, axial: theta1}",
+                                      "mesh.theta2={points: [0, 10 deg, 0.5 rad]}",
+                                      "supports.1={at: {theta1: 0, theta2: 10 deg}, fix: u3}"};
+    const char *const flat[] = {set[1]};
+    scene s;
+    (void)state;
+    write_base(0, "");
+    expect_good(&s, file, set, 3); /* angles need no units of the scene */
+    assert_true(s.line[1].point[1] == 10 * 3.14159265358979323846 / 180
+                && s.line[1].point[2] == 0.5);
+    scene_free(&s);
+    expect_fault(flat, 1,
+                 "'points: 10 deg' has the unit of an angle; expected that of a length, as mm");
+}
+
+static const struct {
+    const char *units, *set, *expected;
+} bad_units[] = {
+    {"m", "layers.0.thickness=3 V",
+     "'thickness: 3 V' has the unit of a voltage; expected that of a length, as mm"},
+    {"m", "layers.0.thickness=3 furlong",
+     "'furlong' is no unit: known are m N V K Pa C F s Hz kg g t rad deg"},
+    {"m", "layers.0.thickness=3 mm mm",
+     "'thickness: 3 mm mm' has the unit 'mm mm'; expected that of a length"},
+    {"m", "layers.0.thickness=3 m0", "a power of a unit runs from 1 to 9"},
+    {"m", "layers.0.thickness=3 m10", "a power of a unit runs from 1 to 9"},
+    {"m", "layers.0.thickness=3 m^x", "a power is a whole number, as m^2"},
+    {"m", "layers.0.thickness=3 m/", "the name of a unit is missing"},
+    {"m", "layers.0.thickness=1/3 mm", "'thickness: 1/3 mm' is no number or formula"},
+    {"m", "layers.0.thickness=-3 mm", "'thickness: -3 mm' must be above 0"},
+    {"m", "layers.0.thickness=3e99999 mm", "is too long a number; give fewer digits"},
+    {"m", "layers.0.thickness=3e9998 mm", "the number is too large"},
+    {"m", "layers.0.thickness=3e70 mm", "'thickness: 3e70 mm' is out of range"},
+    {"m", "materials.steel.nu=0.3 mm",
+     "'nu: 0.3 mm' has the unit of a length; expected a number without a unit"},
+    {"m", "materials.steel.E=135 GN",
+     "'E: 135 GN' has the unit of a force; expected that of a stress or pressure, as MPa"},
+    {"m", "materials.steel.density=7600 kg",
+     "'density: 7600 kg' has the unit 'kg'; expected that of a density, as kg/m3"},
+    {"m", "materials.pzt.pyroelectric=3 C/m2 K",
+     "a product behind '/' needs brackets, as C/(m2 K)"},
+    {"m", "materials.pzt.pyroelectric=3 C/(m2 K", "a ')' is missing"},
+    {"m", "materials.pzt.alpha=3 1/m",
+     "'alpha: 3 1/m' has the unit '1/m'; expected that of a thermal expansion, as 1/K"},
+    {"m", "materials.steel.alpha=1 kdeg", "'kdeg' is no unit"},
+    {"m", "loads=[{temperature: 20 degC}]",
+     "a temperature is a difference to the undeformed state; give it in K"},
+    {"m", "loads.0.pressure=1 N/m",
+     "'pressure: 1 N/m' has the unit of a force per length; expected that of a stress"},
+    {"m", "loads=[{line: theta1+, u3: 1 N}]",
+     "'u3: 1 N' has the unit of a force; expected that of a force per length, as N/m"},
+    {"m", "target.value=1 mm*x", "'mm*x' is no unit"},
+    {"m", "mesh.theta1.elements=4 m",
+     "'elements: 4 m' has the unit of a length; expected a number without a unit"},
+    {"none", "layers.0.thickness=3 mm",
+     "'thickness: 3 mm' has a unit but the scene has no unit of length; add length: mm to units"},
+    {"none", "limits.voltage=[0, 3 V]",
+     "has a unit but the scene has no unit of voltage; add voltage: V to units"},
+    {"inch", "layers.0.thickness=3 mm",
+     "'length: inch' of the scene's units is no SI unit of a length; write one as mm"},
+    {"celsius", "materials.steel.alpha=3 1/K",
+     "'temperature: C' of the scene's units is no SI unit of a temperature; write one as K"},
+};
+
+/* A unit that cannot be read or converted is refused by its name, with what is expected. */
+static void test_bad_units(void **state)
+{
+    (void)state;
+    write_base(0, "");
+    for (size_t i = 0; i < sizeof bad_units / sizeof *bad_units; i++) {
+        const char *units = metric;
+        if (strcmp(bad_units[i].units, "none") == 0)
+            units = "units={force: N}";
+        if (strcmp(bad_units[i].units, "inch") == 0)
+            units = "units={length: inch, force: N}";
+        if (strcmp(bad_units[i].units, "celsius") == 0)
+            units = "units={length: m, temperature: C}";
+        const char *const set[] = {units, bad_units[i].set};
+        expect_fault(set, 2, bad_units[i].expected);
+    }
+}
+
+/* Keys of the schema that are numbers, and those of them that have no dimension. */
+typedef struct schema_walk {
+    tree t;
+    const char *key[TREE_DEPTH + 1];
+    int numbers, unknown;
+} schema_walk;
+
+static void walk_schema(schema_walk *w, int node, int keys);
+
+static void walk_children(schema_walk *w, int node, int keys, int named)
+{
+    for (int i = node ? w->t.node[node].first : 0; i; i = w->t.node[i].next) {
+        w->key[keys] = w->t.node[i].key;
+        walk_schema(w, i, keys + named);
+    }
+}
+
+static void check_number(schema_walk *w, int keys)
+{
+    w->numbers++;
+    if (scene_units_known(w->key, keys))
+        return;
+    w->unknown++;
+    for (int i = 0; i < keys; i++)
+        print_error("%s%s", i ? "." : "no dimension in scene_units.c: ", w->key[i]);
+    print_error("\n");
+}
+
+static void walk_schema(schema_walk *w, int node, int keys)
+{
+    static const char place[] = "#/$defs/";
+    const tree *t = &w->t;
+    const int ref = tree_find(t, node, "$ref"), items = tree_find(t, node, "items"),
+              more = tree_find(t, node, "additionalProperties");
+    assert_true(keys < TREE_DEPTH);
+    walk_children(w, tree_find(t, node, "properties"), keys, 1);
+    walk_children(w, tree_find(t, node, "oneOf"), keys, 0);
+    walk_children(w, tree_find(t, node, "anyOf"), keys, 0);
+    if (items && t->node[items].kind == TREE_MAP)
+        walk_schema(w, items, keys);
+    if (more && t->node[more].kind == TREE_MAP) {
+        w->key[keys] = "any";
+        walk_schema(w, more, keys + 1);
+    }
+    if (!ref)
+        return;
+    const char *const name = t->node[ref].text + sizeof place - 1;
+    if (strcmp(name, "number") == 0 || strcmp(name, "formula") == 0)
+        check_number(w, keys);
+    else
+        walk_schema(w, tree_find(t, tree_find(t, t->root, "$defs"), name), keys);
+}
+
+/* Every numeric key of the schema has a dimension: a new one needs a row in scene_units.c. */
+static void test_dimensions(void **state)
+{
+    char path[512], error[SCENE_ERROR];
+    schema_walk w;
+    (void)state;
+    memset(&w, 0, sizeof w);
+    snprintf(path, sizeof path, "%s/scene.schema.json", scenes);
+    if (tree_read(&w.t, path, NULL, 0, error) != 0)
+        fail_msg("%s", error);
+    walk_schema(&w, w.t.root, 0);
+    tree_free(&w.t);
+    assert_true(w.numbers > 100);
+    assert_int_equal(w.unknown, 0);
+}
+
 /* ---- noise ---- */
 
 static unsigned next_random(unsigned *state, unsigned below)
@@ -659,7 +926,10 @@ int main(int arguments, char **argument)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_lines), cmocka_unit_test(test_bad_sets), cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_shipped), cmocka_unit_test(test_meaning), cmocka_unit_test(test_supports),
-        cmocka_unit_test(test_changes), cmocka_unit_test(test_nonlinear_words), cmocka_unit_test(test_expressions), cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_changes), cmocka_unit_test(test_nonlinear_words), cmocka_unit_test(test_expressions),
+        cmocka_unit_test(test_units), cmocka_unit_test(test_unit_angles),
+        cmocka_unit_test(test_bad_units), cmocka_unit_test(test_dimensions),
+        cmocka_unit_test(test_noise),
     };
     int descriptor = mkstemp(file), failed;
     if (descriptor < 0) return 1;
