@@ -6,6 +6,7 @@
 #define ANALYSIS_H
 
 #include "path.h"
+#include "plausible.h"
 
 typedef struct analysis {
     design design;
@@ -24,6 +25,7 @@ typedef struct analysis {
         double assemble, factor, solve;
     } seconds;          /* of the stiffness at rest, and of the last displacement */
     double cost;        /* kinematics auto: difference of the linear displacement over the nonlinear one */
+    plausible warnings; /* of the scene and its results so far, for the reader */
 } analysis;
 
 /*

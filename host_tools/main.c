@@ -53,6 +53,16 @@ static int check_sensors(analysis *a, char *error)
 /* A command on a scene that is ready for it. Returns an exit code. */
 typedef int command(const options *o, analysis *a);
 
+/* Warnings stand at the end of the text, or in the JSON; under --strict they are failures. */
+static int run_with_warnings(const options *o, analysis *a, command *run)
+{
+    plausible_scene(&a->warnings, a->design.scene);
+    const int status = run(o, a);
+    if (!o->as_json)
+        plausible_print(stdout, &a->warnings);
+    return status == 0 && o->is_strict && a->warnings.count > 0 ? 1 : status;
+}
+
 static int run_on_scene(const options *o, command *run)
 {
     scene s;
@@ -62,7 +72,7 @@ static int run_on_scene(const options *o, command *run)
     if (status)
         return status;
     if (analysis_prepare(&a, &s, error) == 0 && check_sensors(&a, error) == 0)
-        status = run(o, &a);
+        status = run_with_warnings(o, &a, run);
     else
         status = complain(error, OPTIONS_WRONG);
     analysis_free(&a);
@@ -145,6 +155,7 @@ static int solved(const options *o, analysis *a, const double *u)
     if (!value)
         return complain("out of memory", 1);
     pzs_observe(s, u, value);
+    plausible_result(&a->warnings, &a->design.mesh, u, !a->nonlinear, "the solution");
     (o->as_json ? print_solve_json : print_solve)(a, value);
     if (o->vtu)
         status = write_vtu(a, u, o->vtu);
@@ -217,6 +228,9 @@ static int command_shape(const options *o, analysis *a)
     run.analysis = a;
     a->nonlinear = a->design.scene->kinematics != KINEMATICS_LINEAR;
     if (analysis_influence(a, error) == 0 && shape_results(&run, o, error) == 0) {
+        const voltages *best = &run.volts[1];
+        plausible_voltages(&a->warnings, a->design.scene, best->volt, best->name);
+        plausible_result(&a->warnings, &a->design.mesh, best->u, !a->nonlinear, best->name);
         (o->as_json ? print_shape_json : print_shape)(&run);
         status = o->vtu ? write_vtu(a, run.volts[1].u, o->vtu) : 0;
         if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
@@ -249,6 +263,17 @@ static int run_simulation(simulation *run, const options *o, simulate_record *re
     return complain(error, 1);
 }
 
+/* The plant's displacements under the controller, at the end of each phase. */
+static void check_phases(plausible *warnings, const simulation *run)
+{
+    const analysis *a = &run->plant.analysis;
+    for (int k = 0; k < run->phases; k++) {
+        const double *u = run->phase[k].course[LAW_CONTROLLER].u;
+        if (u)
+            plausible_result(warnings, &a->design.mesh, u, !a->nonlinear, "the plant");
+    }
+}
+
 static int command_simulate(const options *o, analysis *a)
 {
     const scene *s = a->design.scene;
@@ -268,6 +293,7 @@ static int command_simulate(const options *o, analysis *a)
     } else if (record_open(&record, &run) < 0) {
         status = options_refuse("out of memory for", o->scene);
     } else if ((status = run_simulation(&run, o, &record)) == 0) {
+        check_phases(&a->warnings, &run);
         (o->as_json ? print_simulation_json : print_simulation)(&run);
         if (o->report && (status = output_begin(&f, o->report)) == 0)
             status = output_end(&f, report_simulate(f.file, &run, &record));

@@ -21,6 +21,7 @@ const char *const options_help =
     "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
     "  --limit V          shape: voltage limit instead of the scene's; repeat it for a comparison\n"
     "  --json             numbers for machines on standard output\n"
+    "  --strict           warnings on implausible numbers end with exit code 1\n"
     "  --report FILE.html pictures and tables in one page\n"
     "  --vtu FILE.vtu     deformed shape for ParaView\n"
     "  --csv FILE.csv     simulate: a line a tick: tick, time (s), error of the shape over the scene's target, active\n"
@@ -96,6 +97,8 @@ static int parse(options *o, int argc, char **argv)
     for (int i = 2; i < argc; i++) {
         if (strcmp(argv[i], "--json") == 0) {
             o->as_json = 1;
+        } else if (strcmp(argv[i], "--strict") == 0) {
+            o->is_strict = 1;
         } else if (argv[i][0] != '-') {
             if (o->scene)
                 return options_refuse("one scene at a time; unexpected", argv[i]);

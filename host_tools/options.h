@@ -12,7 +12,7 @@ typedef struct options {
     const char *scene;
     const char *set[MOST_SETS];
     double limit[MOST_LIMITS];
-    int sets, limits, as_json;
+    int sets, limits, as_json, is_strict;
     const char *report, *vtu, *csv, *output, *prefix;
     const device_board *device;
     tables_image image;

@@ -88,6 +88,7 @@ static void json_head(json *j, const analysis *a)
     json_string(j, "kinematics_of_element", a->design.scene->element.cartesian ? "cartesian" : "local");
     json_string(j, "metric", a->design.scene->element.metric ? "exact" : "flat");
     json_number(j, "condition", a->model.condition);
+    plausible_json(j, &a->warnings);
     json_sensors(j, a);
 }
 

@@ -240,5 +240,6 @@ void print_simulation_json(const simulation *s)
     for (int law = 0; law < LAWS; law++)
         json_count(&j, &s->count[law], (simulate_law)law);
     json_close(&j, '}');
+    plausible_json(&j, &s->nominal->warnings);
     json_close(&j, '}');
 }

@@ -102,6 +102,16 @@ run 0 solve scordelis-lo --report "$dir/r.html" --vtu "$dir/r.vtu" && [ -s "$dir
 check 'report and VTU file are whole' $?
 
 scene "$dir/good.yaml"; run 0 solve "$dir/good.yaml"; check 'the small scene is sound' $?
+run 0 solve "$dir/good.yaml" --set 'units={length: m, force: N}' --set 'layers.0.thickness=1 cm' --set 'materials.steel.E=200 GPa' --json && json "j['warnings']==[]" && cp "$dir/out" "$dir/units"
+check 'numbers with units, and no warnings' $?
+run 0 solve "$dir/good.yaml" --json && /usr/bin/python3 -c "import json,sys; a,b=(json.load(open('$dir/'+f))['outputs'] for f in ('out','units')); sys.exit(a!=b)"
+check 'numbers with units: the same bits as without' $?
+run 2 solve "$dir/good.yaml" --set 'layers.0.thickness=1 cm' && says 'add length: mm to units'; check 'a unit in a scene without units' $?
+run 0 solve bimorph-sensor --json && json "[w['rule'] for w in j['warnings']]==['displacement'] and abs(j['warnings'][0]['value']-9.9)<.01 and j['warnings'][0]['limit']==1"; check 'warnings of solve --json' $?
+run 0 solve bimorph-sensor && grep -q '^Warnings:$' "$dir/out" && grep -q '^  displacement: .*use kinematics: nonlinear' "$dir/out" && [ ! -s "$dir/err" ]; check 'warnings of solve' $?
+run 1 solve bimorph-sensor --strict && grep -q '^Warnings:$' "$dir/out" && run 0 solve scordelis-lo --set loads.0.z=-9 --strict && ! grep -q Warnings "$dir/out"; check 'warnings are failures under --strict' $?
+run 0 check plate-50-patches --json && json "[(w['rule'],w['value'],w['line']) for w in j['warnings']]==[('limit_field',2.4e6,34)]"; check 'warnings of check --json' $?
+run 0 shape plate-50-patches --json && json "[w['rule'] for w in j['warnings']]==['limit_field','displacement']"; check 'warnings of shape --json' $?
 bad 'unknown key' 's/supports:/suports:/' ":10:"
 bad 'missing material' 's/{material: steel/{material: brass/' ':9:'
 bad 'zero thickness' 's/0\.01/0/' ':9:'
