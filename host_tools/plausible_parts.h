@@ -27,7 +27,7 @@ typedef int measure(const subject *of, int k, measured *found);
 
 /* plausible_scene.c: numbers of a scene. */
 measure measure_modulus, measure_density, measure_piezo, measure_thickness;
-measure measure_limit_field, measure_applied_field;
+measure measure_limit_field, measure_applied_field, measure_resolution;
 
 /* plausible_result.c: numbers of voltages and displacements that were found. */
 measure measure_found_field, measure_displacement, measure_strain;

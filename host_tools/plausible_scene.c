@@ -4,6 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 #include "scene_units.h"
+#include "surface.h"
+
+static const double quarter = 1.5707963267948966; /* turn, in radians */
 
 /* ---- units ------------------------------------------------------------ */
 
@@ -174,5 +177,108 @@ int measure_applied_field(const subject *of, int k, measured *found)
     found->at = a->at;
     snprintf(found->what, WHAT, "electric field in patches '%s' under %g applied to '%s'",
              of->scene->patches[drive->patches].name, a->applied, a->name);
+    return 1;
+}
+
+/* ---- mesh at local loads ---------------------------------------------- */
+
+/* The longer of the two elements along a direction at a mesh line. */
+static double element_at(const scene_line *line, int i)
+{
+    const double before = i > 0 ? line->point[i] - line->point[i - 1] : 0;
+    const double after = i < line->elements ? line->point[i + 1] - line->point[i] : 0;
+    return fmax(before, after);
+}
+
+static double span_of(const scene_line *line)
+{
+    return line->point[line->elements] - line->point[0];
+}
+
+/* A shell at a local load, seen along one curved direction. */
+typedef struct bend {
+    double radius, thickness, length; /* length of the shell across the direction */
+    double size;                      /* of an element along the direction, at the load */
+} bend;
+
+/*
+ * Elements on a quarter turn that the dent of a force needs: two for each of the waves (R/h)^(1/4)
+ * (R/L)^(1/2) of a shell of the length L, at most one for each bending length sqrt(R h). A strip
+ * narrower than that bends as a ring, without a dent, and needs none.
+ */
+static double elements_needed(const bend *b)
+{
+    const double slender = b->radius / b->thickness, bending = sqrt(b->radius * b->thickness);
+    if (b->length < bending)
+        return 0;
+    return fmin(2 * pow(slender, 0.25) * sqrt(b->radius / b->length), quarter * sqrt(slender));
+}
+
+static bend bend_at(const scene *s, const int node[2], int direction)
+{
+    const int across = 1 - direction;
+    const surface_point p =
+        surface_at(&s->surface, s->line[0].point[node[0]], s->line[1].point[node[1]]);
+    bend b = {HUGE_VAL, 0, p.a[across] * span_of(&s->line[across]),
+              p.a[direction] * element_at(&s->line[direction], node[direction])};
+    if (p.k[direction] != 0)
+        b.radius = 1 / fabs(p.k[direction]);
+    for (int i = 0; i < s->layers; i++)
+        b.thickness += s->layer[i].thickness;
+    return b;
+}
+
+/* A force at a node, along one direction: elements needed over elements there. */
+static void measure_point(const scene *s, const scene_load *load, int direction, measured *found)
+{
+    const bend b = bend_at(s, load->where.node, direction);
+    if (!isfinite(b.radius))
+        return;
+    const double needed = elements_needed(&b), there = quarter * b.radius / b.size;
+    found->value = needed / there;
+    snprintf(found->what, WHAT,
+             "size of elements at a force, %.3g on a quarter turn along theta%d where about %.0f "
+             "are needed (%.0f "
+             "on the whole mesh)",
+             there, direction + 1, ceil(needed),
+             ceil(s->line[direction].elements * needed / there));
+}
+
+/* A load on an edge: the size of elements across the edge over the bending length of the curve
+ * along it, the least. */
+static void measure_edge(const scene *s, const scene_load *load, int direction, measured *found)
+{
+    const int is_theta1 =
+        load->where.edge == EDGE_THETA1_MINUS || load->where.edge == EDGE_THETA1_PLUS;
+    const int is_plus =
+        load->where.edge == EDGE_THETA1_PLUS || load->where.edge == EDGE_THETA2_PLUS;
+    const int across = is_theta1 ? 0 : 1;
+    if (direction != across)
+        return;
+    int node[2] = {0, 0};
+    node[across] = is_plus ? s->line[across].elements : 0;
+    const bend along = bend_at(s, node, 1 - across), b = bend_at(s, node, across);
+    if (!isfinite(along.radius))
+        return;
+    const double bending = sqrt(along.radius * along.thickness);
+    found->value = b.size / bending;
+    snprintf(
+        found->what, WHAT,
+        "size of elements at a load on an edge, %.3g across it where the bending length is %.3g "
+        "(%.0f elements along theta%d)",
+        b.size, bending, ceil(s->line[across].elements * found->value), across + 1);
+}
+
+int measure_resolution(const subject *of, int k, measured *found)
+{
+    const scene *s = of->scene;
+    if (k >= 2 * s->loads)
+        return 0;
+    const scene_load *load = &s->load[k / 2];
+    found->at = load->at;
+    if (load->type == LOAD_POINT)
+        measure_point(s, load, k % 2, found);
+    if (load->type == LOAD_LINE)
+        measure_edge(s, load, k % 2, found);
     return 1;
 }
