@@ -5,7 +5,21 @@
 #ifndef DESIGN_H
 #define DESIGN_H
 
+#include <stdbool.h>
 #include "mesh.h"
+
+/*
+ * The common voltage limits of all amplifiers, from which the limits of each are made.
+ *   LIMITS_SCENE  `limits.voltage` of the scene
+ *   LIMITS_GIVEN  lower and upper of this structure replace it; they narrow an amplifier's own limits, and never widen
+ *                 them, nor those of a depolarisation field; a held amplifier stays at its voltage
+ *   LIMITS_NONE   no limit of any kind, but held amplifiers stay held
+ */
+typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
+typedef struct common_limits {
+    limits_source source;
+    double lower, upper;     /* V, LIMITS_GIVEN: finite, lower <= upper */
+} common_limits;
 
 typedef struct design {
     const scene *scene;
@@ -39,6 +53,17 @@ int design_build(design *d, const scene *s, char *error);
  * Returns 0, or -1 with error filled.
  */
 int design_control(design *d, const double *influence, char *error);
+
+/*
+ * Voltage limits of every amplifier.
+ *   common in  LIMITS_SCENE: the limits of the design as they are, after design_control
+ *   lower, upper [amplifiers] out
+ * Returns 0, or -1 with error filled: an amplifier has no voltage left.
+ */
+int design_limits(const design *d, common_limits common, double *lower, double *upper, char *error);
+
+/* Is the amplifier held, so that its limits leave it one voltage? */
+bool design_is_held(const design *d, int amplifier);
 
 void design_free(design *d);
 

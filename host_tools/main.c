@@ -186,14 +186,14 @@ static int shape_results(shape_run *run, const options *o, char *error)
 {
     analysis *a = run->analysis;
     const scene *s = a->design.scene;
-    const double own[1] = {(double)NAN};
-    const double *limit = o->limits ? o->limit : own;
+    const common_limits own = {.source = LIMITS_SCENE}, none = {.source = LIMITS_NONE};
+    const common_limits *limit = o->limits ? o->limit : &own;
     const int limits = o->limits ? o->limits : 1;
     const size_t most = 1 + 3 * (size_t)limits + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
-    if (shape_before(run, error) < 0 || voltages_optimum(a, HUGE_VAL, &run->volts[run->count++], error) < 0)
+    if (shape_before(run, error) < 0 || voltages_optimum(a, none, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < limits; i++)
         if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0

@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"
 #include <ctype.h>
+#include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +21,9 @@ const char *const options_help =
     "\n"
     "SCENE is a file, or the name of a shipped scene. Options:\n"
     "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
-    "  --limit V          shape: voltage limit instead of the scene's; repeat it for a comparison\n"
+    "  --limit V          shape: common voltage limits -V .. V instead of limits.voltage of the scene; an amplifier's own\n"
+    "  --limit LO,HI      limits, held voltage (limits.each) and depolarisation field (field_limit) apply besides, so\n"
+    "                     that the narrowest limit always wins; repeat it for a comparison\n"
     "  --json             numbers for machines on standard output\n"
     "  --report FILE.html pictures and tables in one page\n"
     "  --vtu FILE.vtu     deformed shape for ParaView\n"
@@ -52,19 +56,43 @@ int options_refuse(const char *what, const char *value)
     return OPTIONS_WRONG;
 }
 
+/* A finite number up to `stop`; end is where it stopped. Returns whether there is one. */
+static bool read_voltage(const char *text, char stop, double *voltage, char **end)
+{
+    *voltage = strtod(text, end);
+    return *end != text && **end == stop && isfinite(*voltage);
+}
+
+/* V: from -V to V. LOWEST,HIGHEST: those. Returns 0, or an exit code. */
+static int take_limit(options *o, const char *value)
+{
+    common_limits limit = {.source = LIMITS_GIVEN};
+    char *end;
+    if (o->limits == MOST_LIMITS)
+        return options_refuse("too many limits at", value);
+    if (!strchr(value, ',')) {
+        if (!read_voltage(value, '\0', &limit.upper, &end) || !(limit.upper > 0))
+            return options_refuse("--limit is a finite voltage above 0, or LOWEST,HIGHEST, not", value);
+        limit.lower = -limit.upper;
+    } else {
+        if (!read_voltage(value, ',', &limit.lower, &end) || !read_voltage(end + 1, '\0', &limit.upper, &end))
+            return options_refuse("--limit LOWEST,HIGHEST is two finite voltages, not", value);
+        if (limit.lower > limit.upper)
+            return options_refuse("--limit LOWEST,HIGHEST: the lowest voltage is above the highest in", value);
+    }
+    o->limit[o->limits++] = limit;
+    return 0;
+}
+
 /* Take one option with a value. Returns 0, or an exit code. */
 static int take_value(options *o, const char *name, const char *value)
 {
-    char *end;
     if (strcmp(name, "--set") == 0) {
         if (o->sets == MOST_SETS)
             return options_refuse("too many changes at", value);
         o->set[o->sets++] = value;
     } else if (strcmp(name, "--limit") == 0) {
-        const double limit = strtod(value, &end);
-        if (o->limits == MOST_LIMITS || end == value || *end || !(limit > 0))
-            return options_refuse("--limit wants a positive voltage, not", value);
-        o->limit[o->limits++] = limit;
+        return take_limit(o, value);
     } else if (strcmp(name, "--level") == 0) {
         for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
             o->image++;

@@ -237,7 +237,7 @@ int plant_optimum(plant *p, const double *target, const double *held, voltages *
     want(p, target);
     if (a->nonlinear)
         memcpy(a->path.full, p->amount, d->structure.input.count * sizeof *p->amount);
-    const int failed = voltages_optimum(a, (double)NAN, best, error) < 0;
+    const int failed = voltages_optimum(a, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
     memcpy(d->lower, limit, n * sizeof *limit);
     memcpy(d->upper, limit + n, n * sizeof *limit);
     free(limit);

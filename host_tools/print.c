@@ -386,6 +386,14 @@ static void print_reached(const shape_run *run)
         putchar('\n');
 }
 
+/* Amplifiers that have less than the range of the table. */
+static void print_narrower(const voltages *v, int amplifiers)
+{
+    if (v->narrower + v->held > 0)
+        printf("\n  of %d amplifiers, with narrower limits than the table says (own limits, field_limit): %d; held: %d\n",
+               amplifiers, v->narrower, v->held);
+}
+
 void print_shape(const shape_run *run)
 {
     const analysis *a = run->analysis;
@@ -406,6 +414,7 @@ void print_shape(const shape_run *run)
         else
             puts("         -");
     }
+    print_narrower(&run->volts[1], d->amplifiers);
     print_reached(run);
     print_volts(d->scene, &run->volts[1]);
     for (int i = run->compared; i < run->count; i++)
@@ -424,6 +433,8 @@ static void json_voltages(json *j, const analysis *a, const voltages *v)
     const scene *s = a->design.scene;
     char name[SCENE_LABEL];
     json_numbers(j, "limits", v->limit, 2);
+    json_number(j, "held", v->held);
+    json_number(j, "narrower", v->narrower);
     json_number(j, "shape_error", v->error);
     json_number(j, "active", v->active);
     json_number(j, "passes", v->passes);

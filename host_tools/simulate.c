@@ -87,7 +87,7 @@ int simulate_tables(analysis *nominal, char *error)
         return -1;
     memset(&best, 0, sizeof best);
     nominal->nonlinear = 1;
-    int failed = voltages_optimum(nominal, (double)NAN, &best, error) < 0;
+    int failed = voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
     if (!failed && pzs_influence_at(&nominal->path.run, nominal->influence) != PZS_OK)
         failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
     for (size_t i = 0; !failed && i < (size_t)d->targets; i++)

@@ -1,6 +1,7 @@
 /* Voltages for a target (voltages.h). */
 #include "voltages.h"
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,8 +24,8 @@ static void trial_free(trial *t)
     free(t->work);
 }
 
-/* influence [targets][amplifiers] in, or NULL: the design's, at rest */
-static pzs_status trial_start(trial *t, const design *d, double limit, const double *influence)
+/* influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits do not overlap. */
+static pzs_status trial_start(trial *t, const design *d, common_limits common, const double *influence, char *error)
 {
     const size_t n = (size_t)d->amplifiers, bytes = PZS_CONTROL_BYTES(d->amplifiers, d->targets);
     memset(t, 0, sizeof *t);
@@ -33,11 +34,10 @@ static pzs_status trial_start(trial *t, const design *d, double limit, const dou
     t->work = malloc(bytes);
     if (!t->bounds || !t->work)
         return PZS_E_WORKSPACE;
-    for (size_t k = 0; k < n; k++) {
-        t->bounds[k] = isnan(limit) ? d->lower[k] : -limit;
-        t->bounds[n + k] = isnan(limit) ? d->upper[k] : limit;
+    if (design_limits(d, common, t->bounds, t->bounds + n, error) < 0)
+        return PZS_E_LIMITS;
+    for (size_t k = 0; k < n; k++)
         t->bounds[2 * n + k] = HUGE_VAL;
-    }
     t->problem.lower = t->bounds;
     t->problem.upper = t->bounds + n;
     t->problem.slew = t->bounds + 2 * n;
@@ -50,17 +50,32 @@ static pzs_status trial_start(trial *t, const design *d, double limit, const dou
     return pzs_control_init(&t->control, &t->problem, NULL, t->work, bytes);
 }
 
-/* The tightest limits, and how many of v->volt are at theirs. */
+/* The widest range of any amplifier, how many have less or are held, and how many of `volt` are at a limit. */
 static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
 {
-    v->limit[0] = -HUGE_VAL;
-    v->limit[1] = HUGE_VAL;
-    v->active = 0;
+    double lowest = HUGE_VAL, highest = -HUGE_VAL;
+    v->active = v->held = v->narrower = 0;
     for (int k = 0; k < p->inputs; k++) {
-        v->limit[0] = fmax(v->limit[0], p->lower[k]);
-        v->limit[1] = fmin(v->limit[1], p->upper[k]);
+        if (p->lower[k] == p->upper[k]) {
+            v->held++;
+            continue;
+        }
+        lowest = fmin(lowest, p->lower[k]);
+        highest = fmax(highest, p->upper[k]);
         v->active += volt[k] == p->lower[k] || volt[k] == p->upper[k];
     }
+    for (int k = 0; k < p->inputs; k++)
+        v->narrower += p->lower[k] != p->upper[k] && (p->lower[k] > lowest || p->upper[k] < highest);
+    v->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
+    v->limit[1] = fmax(lowest, highest);
+}
+
+/* The message of a status that is about the voltage problem. Returns -1. */
+static int explain(const analysis *a, pzs_status status, char *error)
+{
+    if (status == PZS_E_LIMITS)
+        return -1; /* design_limits has named the amplifier */
+    return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
 }
 
 /*
@@ -70,11 +85,11 @@ static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
  *   reach            in     most change of any volt from `volt`, or INFINITY
  *   volt [amplifiers] in/out
  */
-static pzs_status best_volts(const design *d, double limit, const double *influence, const double *wanted, double reach,
-                             voltages *v, double *volt)
+static pzs_status best_volts(const design *d, common_limits common, const double *influence, const double *wanted,
+                             double reach, voltages *v, double *volt, char *error)
 {
     trial t;
-    pzs_status status = trial_start(&t, d, limit, influence);
+    pzs_status status = trial_start(&t, d, common, influence, error);
     for (int k = 0; status == PZS_OK && isfinite(reach) && k < d->amplifiers; k++) {
         t.control.lower[k] = fmax(t.problem.lower[k], volt[k] - reach);
         t.control.upper[k] = fmin(t.problem.upper[k], volt[k] + reach);
@@ -151,13 +166,13 @@ static int reach_or_none(analysis *a, voltages *v, char *error)
     return a->nonlinear && analysis_ended_early(a) ? 0 : -1;
 }
 
-int voltages_linear(analysis *a, double limit, voltages *v, char *error)
+int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
 {
-    if (start(a, v, isinf(limit) ? "linear optimum, no limits" : "linear optimum in limits") < 0)
+    if (start(a, v, common.source == LIMITS_NONE ? "linear optimum, no limits" : "linear optimum in limits") < 0)
         return out_of_memory(a, error);
-    const pzs_status status = best_volts(&a->design, limit, NULL, a->design.wanted, HUGE_VAL, v, v->volt);
+    const pzs_status status = best_volts(&a->design, common, NULL, a->design.wanted, HUGE_VAL, v, v->volt, error);
     if (status != PZS_OK)
-        return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+        return explain(a, status, error);
     if (reach_or_none(a, v, error) < 0)
         return -1;
     if (a->nonlinear)
@@ -165,19 +180,19 @@ int voltages_linear(analysis *a, double limit, voltages *v, char *error)
     return 0;
 }
 
-int voltages_clipped(analysis *a, double limit, voltages *v, char *error)
+int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error)
 {
     trial t;
     if (start(a, v, "no limits, then clipped") < 0)
         return out_of_memory(a, error);
-    pzs_status status = trial_start(&t, &a->design, limit, NULL);
+    pzs_status status = trial_start(&t, &a->design, common, NULL, error);
     if (status == PZS_OK)
         status = pzs_clipped(&t.control, a->design.wanted, v->volt);
     if (status == PZS_OK)
         note_limits(&t.problem, v->volt, v);
     trial_free(&t);
     if (status != PZS_OK)
-        return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+        return explain(a, status, error);
     return reach_or_none(a, v, error);
 }
 
@@ -291,11 +306,11 @@ static double largest_change(const analysis *a, const newton *g, const voltages 
  * Move to the linearised optimum within reach; the reach follows how well the last promise was kept, and a move that
  * helps nothing is taken back and tried again closer. Returns the part of the objective it fell by; 0: nothing helps.
  */
-static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_status *status, char *error)
+static double improve(analysis *a, common_limits common, newton *g, voltages *v, pzs_status *status, char *error)
 {
     const double before = objective(a, v);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status = best_volts(&a->design, limit, g->influence, g->wanted, g->reach, v, v->volt);
+        *status = best_volts(&a->design, common, g->influence, g->wanted, g->reach, v, v->volt, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(a, g, v), promise = promised(a, g, v);
@@ -312,7 +327,7 @@ static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_sta
     return 0;
 }
 
-static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
+static int gauss_newton(analysis *a, common_limits common, voltages *v, char *error)
 {
     const design *d = &a->design;
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
@@ -325,7 +340,7 @@ static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
     while (status == PZS_OK && fell > 1e-3 && v->relinearised < MOST_RELINEARISED) {
         status = relinearise(a, &g, v);
         if (status == PZS_OK)
-            fell = improve(a, limit, &g, v, &status, error);
+            fell = improve(a, common, &g, v, &status, error);
     }
     voltages_free(&g.best);
     free(g.state);
@@ -334,10 +349,10 @@ static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
 }
 
 /* Halve the volts, within their limits, until there is an equilibrium. */
-static int retreat(analysis *a, double limit, voltages *v, char *error)
+static int retreat(analysis *a, common_limits common, voltages *v, char *error)
 {
     trial t;
-    const pzs_status status = trial_start(&t, &a->design, limit, NULL);
+    const pzs_status status = trial_start(&t, &a->design, common, NULL, error);
     int failed = -1;
     for (int tries = 0; status == PZS_OK && failed && tries < MOST_REFUSED; tries++) {
         for (int k = 0; k < v->volts; k++)
@@ -348,10 +363,10 @@ static int retreat(analysis *a, double limit, voltages *v, char *error)
     return failed;
 }
 
-int voltages_optimum(analysis *a, double limit, voltages *v, char *error)
+int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error)
 {
-    if (voltages_linear(a, limit, v, error) < 0 || (isnan(v->error) && retreat(a, limit, v, error) < 0))
+    if (voltages_linear(a, common, v, error) < 0 || (isnan(v->error) && retreat(a, common, v, error) < 0))
         return -1;
-    snprintf(v->name, sizeof v->name, "%s", isinf(limit) ? "optimum, no limits" : "optimum within limits");
-    return a->nonlinear ? gauss_newton(a, limit, v, error) : 0;
+    snprintf(v->name, sizeof v->name, "%s", common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
+    return a->nonlinear ? gauss_newton(a, common, v, error) : 0;
 }

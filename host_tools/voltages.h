@@ -15,9 +15,10 @@ typedef struct voltages {
     double *shape;              /* [targets] its part that the target is about */
     double error;               /* |W (shape - target)| / |W (target - shape without volts)|, linear; NAN: no equilibrium found */
     double optimality;          /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
-    double limit[2];            /* the tightest limits of any amplifier */
+    double limit[2];            /* V, lowest and highest that any amplifier may give */
+    int held, narrower;         /* amplifiers that are held; of the others, those with a narrower range than limit */
     double residual;            /* of the displacement */
-    int active, passes;
+    int active, passes;         /* amplifiers at a limit, held ones not counted; passes of the optimiser */
     int relinearised;           /* times the influence was computed anew at the shape reached */
     int systems;                /* linear systems solved on the nonlinear structure */
 } voltages;
@@ -26,14 +27,14 @@ typedef struct voltages {
  * The bounded optimum for the scene's target, after analysis_influence. On the nonlinear structure (a->nonlinear):
  * Gauss-Newton with the influence at the shape reached, from the linear optimum (the part of it that has an
  * equilibrium), within a reach that shrinks where the error does not fall, until it stops falling.
- *   limit  in  voltage limit that replaces the scene's, or NAN for the scene's own, or INFINITY for none
+ *   common in  which common voltage limits (design.h); the narrowest limit of an amplifier always applies
  * voltages_linear: the optimum of the linear model, its shape that of the structure asked about.
  * voltages_clipped: the unlimited linear optimum cut to that limit. voltages_given: volts as they are.
  * Each returns 0, or -1 with error filled.
  */
-int voltages_optimum(analysis *a, double limit, voltages *v, char *error);
-int voltages_linear(analysis *a, double limit, voltages *v, char *error);
-int voltages_clipped(analysis *a, double limit, voltages *v, char *error);
+int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error);
+int voltages_linear(analysis *a, common_limits common, voltages *v, char *error);
+int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error);
 int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error);
 void voltages_free(voltages *v);
 

@@ -66,6 +66,13 @@ run 2; check 'no arguments: usage, exit code 2' $?
 run 2 sovle plate-50-patches && says "unknown command 'sovle'"; check 'unknown command' $?
 run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
 run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?
+for limit in inf -inf 0 1e999 junk '' 5,-5 1,2,3 1, ,1 1,inf nan,1; do
+    run 2 shape plate-50-patches --limit "$limit" && says "--limit"; check "bad limit '$limit'" $?
+done
+run 0 shape plate-50-patches --limit -50,300 --limit 400 --set materials.G1195.field_limit=1.2e6 --set 'limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_2, voltage: [-10, 10]}]' --json &&
+    json "all(r['volts']['v_1_1']==0 for r in j['results'][:5]) and all(abs(r['volts']['v_1_2'])<=10 for r in j['results'][1:5]) and all(-50<=v<=300 for r in j['results'][1:3] for v in r['volts'].values()) and all(abs(v)<=300.0001 for r in j['results'][3:5] for v in r['volts'].values())"
+check 'the narrowest limit wins: held, own, field, --limit' $?
+run 2 shape plate-50-patches --limit 30,90 --set 'limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]' && says 'v_2_3 has no voltage left'; check 'limits that do not overlap name the amplifier' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
 run 0 list && [ "$(wc -l <"$dir/out")" -ge 9 ]; check 'list names the shipped scenes' $?
 for s in $("$PZS" list | cut -d' ' -f1); do

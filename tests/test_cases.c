@@ -241,7 +241,7 @@ static void shape_of(scene_run *r, const char *changes, voltages *v)
 {
     char error[SCENE_ERROR] = "";
     solve_run(r, "bimorph-actuator", changes);
-    if (analysis_influence(&r->analysis, error) < 0 || voltages_optimum(&r->analysis, INFINITY, v, error) < 0)
+    if (analysis_influence(&r->analysis, error) < 0 || voltages_optimum(&r->analysis, no_limits(), v, error) < 0)
         fail_msg("%s", error);
 }
 
@@ -288,7 +288,7 @@ static void check_plate(analysis *a, double limit, double shape_error, int activ
 {
     char error[SCENE_ERROR] = "";
     voltages v;
-    if (voltages_optimum(a, limit, &v, error) < 0)
+    if (voltages_optimum(a, within(limit), &v, error) < 0)
         fail_msg("%s", error);
     for (int k = 0; k < 25; k++)
         assert_true(v.volt[k] >= -limit && v.volt[k] <= limit);
@@ -308,11 +308,11 @@ static void test_plate_shapes(void **state)
     char error[SCENE_ERROR] = "";
     solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
-    check_plate(&r.analysis, INFINITY, .05538, 0);
+    check_plate(&r.analysis, HUGE_VAL, .05538, 0);
     check_plate(&r.analysis, 500, .05560, 2);
     check_plate(&r.analysis, 200, .08975, 6);
     check_plate(&r.analysis, 100, .36114, 18);
-    assert_int_equal(voltages_clipped(&r.analysis, 200, &v, error), 0);
+    assert_int_equal(voltages_clipped(&r.analysis, within(200), &v, error), 0);
     assert_true(fabs(v.error - .520) < 5e-4);
     voltages_free(&v);
     assert_int_equal(voltages_given(&r.analysis, "published", r.scene.compare[0].value, &v, error), 0);
@@ -339,7 +339,7 @@ static void test_plate_volts(void **state)
         const double *known = testdata_values(&t, key[i]);
         solve_run(&r, "plate-50-patches", changes[i]);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
-        assert_int_equal(voltages_optimum(&r.analysis, i == 2 ? 200 : INFINITY, &v, error), 0);
+        assert_int_equal(voltages_optimum(&r.analysis, i == 2 ? within(200) : no_limits(), &v, error), 0);
         for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction is 250 times softer */
             assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
         voltages_free(&v);
@@ -366,6 +366,86 @@ static void test_depolarisation(void **state)
             assert_true(fabs(d->lower[7] - (against ? -600 : -100)) < 1e-9);
             scene_run_close(&r);
         }
+}
+
+/* Limits of amplifier k under common limits, of the plate with these changes. */
+static void limits_are(const char *changes, common_limits common, int k, double lower, double upper)
+{
+    double low[25], high[25];
+    scene_run r;
+    solve_run(&r, "plate-50-patches", changes);
+    if (analysis_influence(&r.analysis, r.error) < 0 || design_limits(&r.analysis.design, common, low, high, r.error) < 0)
+        fail_msg("%s", r.error);
+    if (low[k] != lower || high[k] != upper)
+        fail_msg("%s: limits %g .. %g, should be %g .. %g", changes, low[k], high[k], lower, upper);
+    scene_run_close(&r);
+}
+
+/*
+ * Law: the limits of an amplifier are the intersection of the common ones, its own and those of the field; common limits
+ * asked for replace those of the scene; a held amplifier keeps its voltage, whatever is asked for.
+ */
+static void test_narrowest_limit(void **state)
+{
+    (void)state;
+    static const char own[] = "limits.each=[{actuator: v_1_2, voltage: [-30, 700]}]";
+    static const char field[] = "materials.G1195.field_limit=4e5"; /* 100 V against the poling: of one patch of the pair at +V, of the other at -V */
+    static const char hold[] = "limits.each=[{actuator: v_1_2, hold: 40}]";
+    const common_limits scene = scene_limits_alone(), none = no_limits();
+    const common_limits wide = {LIMITS_GIVEN, -60, 1000}, narrow = {LIMITS_GIVEN, -20, 10};
+    limits_are("", scene, 1, -600, 600);
+    limits_are("", wide, 1, -60, 1000);
+    limits_are("", none, 1, -HUGE_VAL, HUGE_VAL);
+    limits_are(own, scene, 1, -30, 700);
+    limits_are(own, wide, 1, -30, 700);
+    limits_are(own, narrow, 1, -20, 10);
+    limits_are(own, wide, 2, -60, 1000);
+    limits_are(own, none, 1, -HUGE_VAL, HUGE_VAL);
+    limits_are(field, scene, 1, -4e5 * 0.25e-3, 4e5 * 0.25e-3);
+    limits_are(field, wide, 1, -60, 4e5 * 0.25e-3);
+    limits_are(field, narrow, 1, -20, 10);
+    limits_are(hold, scene, 1, 40, 40);
+    limits_are(hold, wide, 1, 40, 40);
+    limits_are(hold, narrow, 1, 40, 40);
+    limits_are(hold, none, 1, 40, 40);
+    limits_are(hold, narrow, 0, -20, 10);
+}
+
+/* Law: a held electrode keeps its voltage in every set, to the bit, and no other leaves its own limits. */
+static void test_held_electrode(void **state)
+{
+    (void)state;
+    const common_limits all[4] = {no_limits(), within(200), {LIMITS_GIVEN, -50, 300}, scene_limits_alone()};
+    scene_run r;
+    solve_run(&r, "plate-50-patches", "limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_5, voltage: [-80, 20]}]");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    for (int i = 0; i < 4; i++) {
+        voltages best, clipped;
+        assert_int_equal(voltages_optimum(&r.analysis, all[i], &best, r.error), 0);
+        assert_int_equal(voltages_clipped(&r.analysis, all[i], &clipped, r.error), 0);
+        assert_true(best.volt[0] == 0 && clipped.volt[0] == 0);
+        assert_true(best.held == 1 && best.narrower == (i > 0));
+        assert_true(i == 0 || (best.volt[4] >= -80 && best.volt[4] <= 20 && clipped.volt[4] >= -80 && clipped.volt[4] <= 20));
+        assert_true(best.error <= clipped.error * (1 + 1e-12));
+        assert_true(i == 3 || i == 0 || best.limit[1] == all[i].upper);
+        voltages_free(&best);
+        voltages_free(&clipped);
+    }
+    scene_run_close(&r);
+}
+
+/* Law: limits that leave an amplifier no voltage are refused, and the message names the amplifier. */
+static void test_no_voltage_left(void **state)
+{
+    (void)state;
+    voltages v;
+    scene_run r;
+    solve_run(&r, "plate-50-patches", "limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    assert_int_equal(voltages_optimum(&r.analysis, (common_limits){LIMITS_GIVEN, 30, 90}, &v, r.error), -1);
+    assert_non_null(strstr(r.error, "v_2_3 has no voltage left between 30 and 20: the limits asked for, its own"));
+    voltages_free(&v);
+    scene_run_close(&r);
 }
 
 /* Law: weights by area have mean square 1 and follow the nodes' shares on an uneven mesh. */
@@ -406,7 +486,8 @@ int main(void)
         cmocka_unit_test(test_three_dimensional), cmocka_unit_test(test_pressure_on_a_ring), cmocka_unit_test(test_patch),
         cmocka_unit_test(test_free_bimorph),     cmocka_unit_test(test_bimorph_tip),        cmocka_unit_test(test_equal_voltages),
         cmocka_unit_test(test_tip_force),        cmocka_unit_test(test_plate_shapes),       cmocka_unit_test(test_plate_volts),
-        cmocka_unit_test(test_depolarisation),   cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
+        cmocka_unit_test(test_depolarisation),
+        cmocka_unit_test(test_narrowest_limit), cmocka_unit_test(test_held_electrode), cmocka_unit_test(test_no_voltage_left),   cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
     };
     return cmocka_run_group_tests_name("cases", tests, NULL, NULL);
 }

@@ -18,7 +18,7 @@ static void influence_run(scene_run *r, const char *name, const char *changes)
         fail_msg("%s", r->error);
 }
 
-static void optimum(scene_run *r, double limit, voltages *v)
+static void optimum(scene_run *r, common_limits limit, voltages *v)
 {
     if (voltages_optimum(&r->analysis, limit, v, r->error) < 0)
         fail_msg("%s", r->error);
@@ -83,7 +83,7 @@ static void test_modes(void **state)
     scene_run r, alone;
     modes m;
     voltages v;
-    const double limit[2] = {20, (double)NAN};
+    const common_limits limit[2] = {within(20), scene_limits_alone()};
     influence_run(&r, "mirror", "mesh.theta1.elements=10;mesh.theta2.elements=16");
     const double first = r.analysis.design.target[7];
     assert_int_equal(modes_run(&m, &r.analysis, limit, 2, r.error), 0);
@@ -97,7 +97,7 @@ static void test_modes(void **state)
         assert_true(left->limit[1] == (l ? 50 : 20));
         voltages_free(&v);
     }
-    optimum(&alone, HUGE_VAL, &v);
+    optimum(&alone, no_limits(), &v);
     assert_true(v.error == m.mode[7].unlimited);
     voltages_free(&v);
     modes_free(&m);
@@ -113,7 +113,7 @@ static void test_mirror(void **state)
 {
     (void)state;
     static const int alike[6] = {0, 3, 5, 7, 10, 12}; /* Z2 Z5 Z7 Z9 Z12 Z14, each with the next */
-    const double own = (double)NAN;
+    const common_limits own = scene_limits_alone();
     scene_run r;
     modes m;
     double clipped = 0;
@@ -153,7 +153,7 @@ static void test_hyperboloid(void **state)
         away[k] = scene_run_value(&r, k);
     voltages_free(&v);
     for (int l = 0; l < 2; l++) {
-        optimum(&r, limit[l], &v);
+        optimum(&r, within(limit[l]), &v);
         scene_run_observe(&r, v.u);
         for (int k = 0; k < 4; k++)
             assert_true(fabs(away[k]) > 2.5 && fabs(scene_run_value(&r, k)) < 0.05 * fabs(away[k]));
@@ -162,7 +162,7 @@ static void test_hyperboloid(void **state)
             assert_true(fabs(v.volt[k]) <= limit[l]);
         voltages_free(&v);
     }
-    assert_int_equal(voltages_linear(&r.analysis, 1960, &v, r.error), 0);
+    assert_int_equal(voltages_linear(&r.analysis, within(1960), &v, r.error), 0);
     scene_run_observe(&r, v.u);
     assert_true(fabs(scene_run_value(&r, 0)) > 0.15 * away[0]); /* the linear model does not know the way */
     voltages_free(&v);
