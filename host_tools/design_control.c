@@ -164,12 +164,18 @@ int design_control(design *d, const double *influence, char *error)
         return scene_fault(d->scene, d->scene->limits.at, error, "no amplifiers: add `actuators`");
     if (!allocate_control(d))
         return scene_fault(d->scene, d->scene->limits.at, error, "%d amplifiers do not fit into memory", d->amplifiers);
+    if (d->fixed_rows == d->targets)
+        return scene_fault(d->scene, d->scene->target.what.at, error, "all %d target rows lie on constrained dof and "
+                           "cannot move; choose other nodes or another direction", d->targets);
+    design_influence_free(d, influence, inputs, d->wanted, d->influence);
     for (size_t i = 0; i < (size_t)d->targets; i++) {
-        memcpy(d->influence + i * n, influence + i * inputs, n * sizeof *d->influence);
-        d->wanted[i] = d->target[i];
+        d->wanted[i] = 0;
         for (size_t load = n; load < n + (size_t)d->loads; load++)
-            d->wanted[i] -= influence[i * inputs + load];
+            d->wanted[i] += influence[i * inputs + load];
     }
+    design_take_free(d, d->wanted);
+    for (int i = 0; i < d->targets; i++)
+        d->wanted[i] = d->target[i] - d->wanted[i];
     p->effort = build_hessian(d);
     if (build_limits(d, error) < 0)
         return -1;

@@ -312,6 +312,10 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
         return -1;
     if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
         return -1;
+    if (image != TABLES_CONTROL && s->target.frees > 0)
+        return scene_fault(s, s->target.free[0].at, error, "target.free is taken out of the influence matrix of a control "
+                           "image; the device makes that of a %s image itself: use --level control or remove target.free",
+                           tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
         return 0;
     if (s->kinematics == KINEMATICS_LINEAR)

@@ -215,10 +215,15 @@ static void want(plant *p, const double *target)
     design *d = &p->analysis.design;
     const size_t inputs = d->structure.input.count;
     for (size_t i = 0; i < (size_t)d->targets; i++) {
-        d->target[i] = d->wanted[i] = target[i];
+        d->target[i] = target[i];
+        d->wanted[i] = 0;
         for (int k = 0; k < d->loads; k++)
-            d->wanted[i] -= p->analysis.influence[i * inputs + (size_t)(d->amplifiers + k)] * p->amount[input_of(p, k)];
+            d->wanted[i] += p->analysis.influence[i * inputs + (size_t)(d->amplifiers + k)] * p->amount[input_of(p, k)];
     }
+    design_take_free(d, d->target);
+    design_take_free(d, d->wanted);
+    for (int i = 0; i < d->targets; i++)
+        d->wanted[i] = d->target[i] - d->wanted[i];
 }
 
 int plant_optimum(plant *p, const double *target, const double *held, voltages *best, double *shape, char *error)

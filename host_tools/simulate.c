@@ -79,7 +79,6 @@ static int check_readings(const design *d, char *error)
 int simulate_tables(analysis *nominal, char *error)
 {
     design *d = &nominal->design;
-    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
     voltages best;
     if (!d->scene->simulate.at_target)
         return 0;
@@ -90,8 +89,12 @@ int simulate_tables(analysis *nominal, char *error)
     int failed = voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
     if (!failed && pzs_influence_at(&nominal->path.run, nominal->influence) != PZS_OK)
         failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
-    for (size_t i = 0; !failed && i < (size_t)d->targets; i++)
-        memcpy(d->influence + i * n, nominal->influence + i * inputs, n * sizeof *d->influence);
+    double *column = calloc((size_t)d->targets, sizeof *column);
+    if (!failed && !column)
+        failed = no_memory(nominal, error);
+    if (!failed)
+        design_influence_free(d, nominal->influence, d->structure.input.count, column, d->influence);
+    free(column);
     d->problem.hessian = NULL;
     d->problem.crc = guard_problem_crc(&d->problem);
     voltages_free(&best);
@@ -106,6 +109,15 @@ static int check_range(const design *d, char *error)
             return scene_fault(d->scene, d->scene->simulate.at, error, "hysteresis is a part of the range of the volts; add "
                                "limits: {voltage: [lowest, highest]}");
     return 0;
+}
+
+/* The fault detector compares measured with predicted displacements, from which free functions have been taken out. */
+static int check_free(const design *d, char *error)
+{
+    if (d->free_functions == 0 || !d->scene->simulate.finds)
+        return 0;
+    return scene_fault(d->scene, d->scene->simulate.at, error, "told: found does not work with target.free: the fault "
+                       "detector needs the whole predicted displacement; write told: TICKS or remove target.free");
 }
 
 /* What stands beside the controller. Returns 0, or -1 with error filled. */
@@ -124,7 +136,7 @@ int simulate_open(simulation *s, analysis *nominal, char *error)
     const design *d = &nominal->design;
     memset(s, 0, sizeof *s);
     s->nominal = nominal;
-    if (check_range(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
+    if (check_range(d, error) < 0 || check_free(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
         return -1;
     const double squares = design_squares(d, d->target, NULL);
     s->reference = squares > 0 ? sqrt(squares) : 1;

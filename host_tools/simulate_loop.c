@@ -52,6 +52,7 @@ static void set_target(loop *l, const scene_event *event)
         const expr_point at = mesh_place(&l->design->mesh, l->design->target_node[i]);
         l->goal[i] = expr_value(event->value, &at);
     }
+    design_take_free(l->design, l->goal);
 }
 
 static void set_load(loop *l, int load, double amount)

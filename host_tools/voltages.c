@@ -124,11 +124,12 @@ static int start(const analysis *a, voltages *v, const char *name)
     v->volts = a->design.amplifiers;
     v->volt = calloc((size_t)a->design.amplifiers, sizeof *v->volt);
     v->shape = calloc((size_t)a->design.targets, sizeof *v->shape);
+    v->aim = calloc((size_t)a->design.targets, sizeof *v->aim);
     v->u = calloc((size_t)a->design.mesh.dof, sizeof *v->u);
     v->optimality = (double)NAN;
     v->limit[0] = -HUGE_VAL;
     v->limit[1] = HUGE_VAL;
-    return v->volt && v->shape && v->u ? 0 : -1;
+    return v->volt && v->shape && v->aim && v->u ? 0 : -1;
 }
 
 static int out_of_memory(const analysis *a, char *error)
@@ -136,13 +137,37 @@ static int out_of_memory(const analysis *a, char *error)
     return analysis_explain(a, PZS_E_WORKSPACE, error);
 }
 
-/* Target rows of a displacement, and their error. */
-static double shape_of(const analysis *a, const double *u, double *shape)
+/* Weighted squares of what is wanted in the rows that cannot move. */
+static double wanted_fixed(const design *d)
+{
+    double sum = 0;
+    for (int i = 0; i < d->targets; i++)
+        sum += pow(d->fixed_weight[i] * d->wanted[i], 2);
+    return sum;
+}
+
+static double relative(double missed, double wanted)
+{
+    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+}
+
+/* v->shape, v->aim and the errors of v->u. */
+static void measure(const analysis *a, voltages *v)
 {
     const design *d = &a->design;
-    design_shape(d, u, shape);
-    const double missed = design_squares(d, shape, d->target), wanted = design_squares(d, d->wanted, NULL);
-    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+    double most = 0;
+    design_shape(d, v->u, v->shape);
+    const double missed = design_squares(d, v->shape, d->target), wanted = design_squares(d, d->wanted, NULL);
+    const double missed_fixed = design_misfit(d, v->shape, d->target, v->aim);
+    v->fixed_off = 0;
+    for (int i = 0; i < d->targets; i++)
+        most = fmax(most, fabs(d->target[i]));
+    for (int i = 0; i < d->targets; i++)
+        v->fixed_off += d->fixed_weight[i] > 0 && fabs(v->aim[i]) > 1e-9 * most;
+    for (int i = 0; i < d->targets; i++)
+        v->aim[i] = v->shape[i] - v->aim[i];
+    v->error = relative(missed, wanted);
+    v->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(d));
 }
 
 /* Shape of v->volt on the structure asked about. */
@@ -150,7 +175,7 @@ static int reach(analysis *a, voltages *v, int warm, char *error)
 {
     if (analysis_reach(a, v->volt, warm, v->u, error) < 0)
         return -1;
-    v->error = shape_of(a, v->u, v->shape);
+    measure(a, v);
     v->residual = a->nonlinear ? a->path.run.residual : a->model.residual;
     v->systems += a->nonlinear ? (int)a->path.run.systems : 0;
     return 0;
@@ -161,8 +186,8 @@ static int reach_or_none(analysis *a, voltages *v, char *error)
 {
     if (reach(a, v, 0, error) == 0)
         return 0;
-    shape_of(a, v->u, v->shape);
-    v->error = (double)NAN;
+    measure(a, v);
+    v->error = v->error_all = (double)NAN;
     return a->nonlinear && analysis_ended_early(a) ? 0 : -1;
 }
 
@@ -208,6 +233,7 @@ void voltages_free(voltages *v)
 {
     free(v->volt);
     free(v->shape);
+    free(v->aim);
     free(v->u);
     memset(v, 0, sizeof *v);
 }
@@ -234,6 +260,7 @@ typedef struct newton {
     double *all;       /* [outputs][inputs] influence at the shape reached */
     double *influence; /* [targets][amplifiers] its part */
     double *wanted;    /* [targets] what influence times volts should be */
+    double *column;    /* [targets] room */
     double reach;      /* most change of any volt for which the influence is trusted */
     void *state;       /* of the path at the shape reached */
     voltages best;     /* there */
@@ -247,6 +274,7 @@ static void keep(const analysis *a, newton *g, const voltages *v)
     g->best = *v;
     g->best.volt = memcpy(own.volt, v->volt, (size_t)v->volts * sizeof *v->volt);
     g->best.shape = memcpy(own.shape, v->shape, (size_t)a->design.targets * sizeof *v->shape);
+    g->best.aim = memcpy(own.aim, v->aim, (size_t)a->design.targets * sizeof *v->aim);
     g->best.u = memcpy(own.u, v->u, (size_t)a->design.mesh.dof * sizeof *v->u);
 }
 
@@ -256,7 +284,10 @@ static void go_back(analysis *a, const newton *g, voltages *v)
     memcpy(v->volt, g->best.volt, (size_t)v->volts * sizeof *v->volt);
     memcpy(v->shape, g->best.shape, (size_t)a->design.targets * sizeof *v->shape);
     memcpy(v->u, g->best.u, (size_t)a->design.mesh.dof * sizeof *v->u);
+    memcpy(v->aim, g->best.aim, (size_t)a->design.targets * sizeof *v->aim);
     v->error = g->best.error;
+    v->error_all = g->best.error_all;
+    v->fixed_off = g->best.fixed_off;
     v->residual = g->best.residual;
     v->active = g->best.active;
     v->optimality = g->best.optimality;
@@ -266,14 +297,14 @@ static void go_back(analysis *a, const newton *g, voltages *v)
 static pzs_status relinearise(analysis *a, newton *g, voltages *v)
 {
     const design *d = &a->design;
-    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
+    const size_t n = (size_t)d->amplifiers;
     const pzs_status status = pzs_influence_at(&a->path.run, g->all);
+    if (status == PZS_OK)
+        design_influence_free(d, g->all, d->structure.input.count, g->column, g->influence);
     for (size_t i = 0; status == PZS_OK && i < (size_t)d->targets; i++) {
-        g->wanted[i] = d->target[i] - v->shape[i];
-        for (size_t k = 0; k < n; k++) {
-            g->influence[i * n + k] = g->all[i * inputs + k];
+        g->wanted[i] = v->aim[i] - v->shape[i];
+        for (size_t k = 0; k < n; k++)
             g->wanted[i] += g->influence[i * n + k] * v->volt[k];
-        }
     }
     v->relinearised++;
     keep(a, g, v);
@@ -333,9 +364,10 @@ static int gauss_newton(analysis *a, common_limits common, voltages *v, char *er
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
     const size_t all = (size_t)d->structure.output.count * inputs;
     double fell = 1;
-    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + m, sizeof *g.all), .state = malloc(path_state_bytes(&a->path))};
+    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + 2 * m, sizeof *g.all), .state = malloc(path_state_bytes(&a->path))};
     g.influence = g.all + all;
     g.wanted = g.influence + m * n;
+    g.column = g.wanted + m;
     pzs_status status = start(a, &g.best, "") == 0 && g.all && g.state ? PZS_OK : PZS_E_WORKSPACE;
     while (status == PZS_OK && fell > 1e-3 && v->relinearised < MOST_RELINEARISED) {
         status = relinearise(a, &g, v);

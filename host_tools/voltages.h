@@ -13,7 +13,11 @@ typedef struct voltages {
     double *volt;               /* [volts] one an amplifier */
     double *u;                  /* [dof] displacement under them and the scene's loads */
     double *shape;              /* [targets] its part that the target is about */
-    double error;               /* |W (shape - target)| / |W (target - shape without volts)|, linear; NAN: no equilibrium found */
+    double *aim;                /* [targets] target, with as much of its free functions as fits the shape best */
+    double error;               /* |W P (shape - target)| / |W P (target - shape without voltages)|, linear, over the rows
+                                   that can move, P taking the free functions out; NAN: no equilibrium found */
+    double error_all;           /* the same if the rows that cannot move were counted */
+    int fixed_off;              /* rows that cannot move and are not where the target wants them */
     double optimality;          /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
     double limit[2];            /* V, lowest and highest that any amplifier may give */
     int held, narrower;         /* amplifiers that are held; of the others, those with a narrower range than limit */

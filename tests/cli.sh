@@ -73,6 +73,16 @@ run 0 shape plate-50-patches --limit -50,300 --limit 400 --set materials.G1195.f
     json "all(r['volts']['v_1_1']==0 for r in j['results'][:5]) and all(abs(r['volts']['v_1_2'])<=10 for r in j['results'][1:5]) and all(-50<=v<=300 for r in j['results'][1:3] for v in r['volts'].values()) and all(abs(v)<=300.0001 for r in j['results'][3:5] for v in r['volts'].values())"
 check 'the narrowest limit wins: held, own, field, --limit' $?
 run 2 shape plate-50-patches --limit 30,90 --set 'limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]' && says 'v_2_3 has no voltage left'; check 'limits that do not overlap name the amplifier' $?
+run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-4' && grep -q '11 of 121 target rows lie on constrained dof and cannot move, 11 of them' "$dir/out" && grep -q 'with them it would be 10.645%' "$dir/out"
+check 'target rows that cannot move are reported' $?
+run 0 shape plate-50-patches --limit 200 --set 'target.free=[piston]' --json && json "j['free_functions']==1 and j['fixed_rows']==11 and j['fixed_rows_off']==0 and j['shape_error_all_rows']>0" &&
+    cp "$dir/out" "$dir/free" && run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-2' --set 'target.free=[piston]' --json &&
+    json "abs(j['shape_error']/json.load(open('$dir/free'))['shape_error']-1)<1e-9"
+check 'a free piston in the target costs nothing' $?
+run 2 tables plate-50-patches --set 'target.free=[tip]' --level linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
+    run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'free functions of the target taken out' "$dir/free.h"
+check 'free functions: carried by the control image, refused by the linear one' $?
+run 2 simulate plate-closed-loop --set 'target.free=[piston]' && says 'told: found'; check 'free functions and the fault detector: exit 2' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
 run 0 list && [ "$(wc -l <"$dir/out")" -ge 9 ]; check 'list names the shipped scenes' $?
 for s in $("$PZS" list | cut -d' ' -f1); do
