@@ -18,15 +18,19 @@ static int run_unlimited(analysis *a, mode *m, char *error)
 
 static int run_limited(analysis *a, common_limits limit, mode_left *left, char *error)
 {
-    voltages best, cut;
+    voltages best, cut, tuned;
     memset(&cut, 0, sizeof cut);
-    const int failed = voltages_optimum(a, limit, &best, error) < 0 || voltages_clipped(a, limit, &cut, error) < 0;
+    memset(&tuned, 0, sizeof tuned);
+    const int failed = voltages_optimum(a, limit, &best, error) < 0 || voltages_clipped(a, limit, &cut, error) < 0
+                    || voltages_regularised(a, limit, &tuned, error) < 0;
     memcpy(left->limit, best.limit, sizeof left->limit);
     left->optimum = best.error;
     left->active = best.active;
     left->clipped = cut.error;
+    left->regularised = tuned.error;
     voltages_free(&best);
     voltages_free(&cut);
+    voltages_free(&tuned);
     return failed ? -1 : 0;
 }
 

@@ -11,7 +11,8 @@
 typedef struct mode_left {
     double limit[2];     /* V, lowest and highest that any amplifier may give */
     double optimum;      /* shape error of the best volts within them */
-    double clipped;      /* and of the unlimited linear ones, cut */
+    double clipped;      /* of clipped least squares, */
+    double regularised;  /* and regularised before with the best parameter of this mode */
     int active;          /* amplifiers at a limit at the optimum */
 } mode_left;
 

@@ -431,6 +431,7 @@ void print_shape(const shape_run *run)
         else
             puts("         -");
     }
+    puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, chosen knowing the answer");
     print_narrower(&run->volts[1], d->amplifiers);
     print_target_rows(d, &run->volts[1]);
     print_reached(run);
@@ -459,6 +460,8 @@ static void json_voltages(json *j, const analysis *a, const voltages *v)
     json_number(j, "active", v->active);
     json_number(j, "passes", v->passes);
     json_number(j, "kkt", v->optimality);
+    if (v->regularisation > 0)
+        json_number(j, "regularisation", v->regularisation);
     json_number(j, "relinearised", v->relinearised);
     json_number(j, "systems", v->systems);
     json_open(j, "volts", '{');
@@ -493,6 +496,7 @@ void print_shape_json(const shape_run *run)
     }
     json_number(&j, "shape_error_before", run->before.error);
     json_number(&j, "clipped_error", run->volts[a->nonlinear ? 3 : 2].error);
+    json_number(&j, "regularised_error", run->volts[a->nonlinear ? 4 : 3].error);
     json_voltages(&j, a, &run->volts[1]);
     json_open(&j, "results", '[');
     for (int i = 0; i < run->count; i++) {

@@ -1,9 +1,11 @@
 /* The closed loop (simulate.h). */
 #include "simulate.h"
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "clipped.h"
 #include "guard.h"
 #include "simulate_loop.h"
 #include "tables.h"
@@ -38,10 +40,13 @@ static int phase_begin(simulation *s, int tick, int first)
     p->until = d->scene->simulate.ticks;
     p->first = first;
     p->optimum = (double)NAN;
+    bool rooms = true;
+    for (int law = 0; law < LAWS; law++)
+        rooms = course_room(&p->course[law], d) && rooms;
     p->target = calloc((size_t)d->targets, sizeof *p->target);
     p->amount = calloc((size_t)d->loads + 1, sizeof *p->amount);
     p->held = calloc((size_t)d->amplifiers, sizeof *p->held);
-    return course_room(&p->course[0], d) && course_room(&p->course[1], d) && p->target && p->amount && p->held;
+    return rooms && p->target && p->amount && p->held;
 }
 
 /* A phase for every tick with events, one for the ticks before them, one for those after the random faults. */
@@ -131,6 +136,25 @@ static int equip(simulation *s, char *error)
     return s->estimates || s->feeds ? estimator_open(&s->estimator, s->nominal, error) : 0;
 }
 
+/* The best single parameter for the scene's target, known before the run. Returns 0, or -1 with error filled. */
+static int regularise(simulation *s, char *error)
+{
+    const design *d = &s->nominal->design;
+    clipped c;
+    double *volt = calloc((size_t)d->amplifiers, sizeof *volt);
+    int failed = clipped_open(&c, d, d->lower, d->upper, d->wanted) < 0 || !volt ? no_memory(s->nominal, error) : 0;
+    const pzs_status status = failed ? PZS_OK : clipped_tune(&c, volt, &s->regularisation);
+    if (status != PZS_OK)
+        failed = scene_fault(d->scene, d->scene->limits.at, error, "%s", pzs_status_text(status));
+    s->regularised = d->problem;
+    s->regularised.effort += s->regularisation * c.scale;
+    s->regularised.crc = 0;
+    s->regularised.crc = guard_problem_crc(&s->regularised);
+    clipped_close(&c);
+    free(volt);
+    return failed;
+}
+
 int simulate_open(simulation *s, analysis *nominal, char *error)
 {
     const design *d = &nominal->design;
@@ -141,7 +165,7 @@ int simulate_open(simulation *s, analysis *nominal, char *error)
     const double squares = design_squares(d, d->target, NULL);
     s->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(s) ? 0 : no_memory(nominal, error);
-    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0;
+    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0 || regularise(s, error) < 0;
     if (failed)
         simulate_close(s);
     return failed ? -1 : 0;

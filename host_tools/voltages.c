@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "clipped.h"
 #include "guard.h"
 
 enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
@@ -205,20 +206,42 @@ int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
     return 0;
 }
 
-int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error)
+/* Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error of the linear model. */
+static pzs_status clipped_volts(const design *d, common_limits common, bool tuned, voltages *v, char *error)
 {
     trial t;
-    if (start(a, v, "no limits, then clipped") < 0)
-        return out_of_memory(a, error);
-    pzs_status status = trial_start(&t, &a->design, common, NULL, error);
+    clipped c;
+    memset(&c, 0, sizeof c);
+    pzs_status status = trial_start(&t, d, common, NULL, error);
+    if (status == PZS_OK && clipped_open(&c, d, t.problem.lower, t.problem.upper, d->wanted) < 0)
+        status = PZS_E_WORKSPACE;
     if (status == PZS_OK)
-        status = pzs_clipped(&t.control, a->design.wanted, v->volt);
+        status = tuned ? clipped_tune(&c, v->volt, &v->regularisation) : clipped_solve(&c, 0, v->volt);
     if (status == PZS_OK)
         note_limits(&t.problem, v->volt, v);
+    clipped_close(&c);
     trial_free(&t);
+    return status;
+}
+
+static int clip(analysis *a, common_limits common, bool tuned, voltages *v, char *error)
+{
+    if (start(a, v, tuned ? "regularised, then clipped" : "clipped least squares") < 0)
+        return out_of_memory(a, error);
+    const pzs_status status = clipped_volts(&a->design, common, tuned, v, error);
     if (status != PZS_OK)
         return explain(a, status, error);
     return reach_or_none(a, v, error);
+}
+
+int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error)
+{
+    return clip(a, common, false, v, error);
+}
+
+int voltages_regularised(analysis *a, common_limits common, voltages *v, char *error)
+{
+    return clip(a, common, true, v, error);
 }
 
 int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error)

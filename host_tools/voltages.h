@@ -22,6 +22,7 @@ typedef struct voltages {
     double limit[2];            /* V, lowest and highest that any amplifier may give */
     int held, narrower;         /* amplifiers that are held; of the others, those with a narrower range than limit */
     double residual;            /* of the displacement */
+    double regularisation;      /* of voltages_regularised, over tr(B'W^2 B)/n; 0 elsewhere */
     int active, passes;         /* amplifiers at a limit, held ones not counted; passes of the optimiser */
     int relinearised;           /* times the influence was computed anew at the shape reached */
     int systems;                /* linear systems solved on the nonlinear structure */
@@ -33,12 +34,15 @@ typedef struct voltages {
  * equilibrium), within a reach that shrinks where the error does not fall, until it stops falling.
  *   common in  which common voltage limits (design.h); the narrowest limit of an amplifier always applies
  * voltages_linear: the optimum of the linear model, its shape that of the structure asked about.
- * voltages_clipped: the unlimited linear optimum cut to that limit. voltages_given: volts as they are.
+ * voltages_clipped: linear least squares without limits, then cut to them. voltages_regularised: the same with the one
+ * regularisation parameter that leaves the smallest error of the linear model after cutting, chosen knowing that error.
+ * voltages_given: voltages as they are.
  * Each returns 0, or -1 with error filled.
  */
 int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error);
 int voltages_linear(analysis *a, common_limits common, voltages *v, char *error);
 int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error);
+int voltages_regularised(analysis *a, common_limits common, voltages *v, char *error);
 int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error);
 void voltages_free(voltages *v);
 

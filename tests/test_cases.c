@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
+#include "clipped.h"
 #include "scene_assert.h"
 #include "testdata.h"
 #include "voltages.h"
@@ -448,7 +449,100 @@ static void test_no_voltage_left(void **state)
     scene_run_close(&r);
 }
 
-/* Law: weights by area have mean square 1 and follow the nodes' shares on an uneven mesh. */
+/* |B'W^2 (B v - wanted) + lambda s v| of amplifier j of the plate. */
+static double gradient(const clipped *c, double lambda, const double *volt, int j)
+{
+    const design *d = c->design;
+    double sum = lambda * c->scale * volt[j];
+    for (int i = 0; i < d->targets; i++) {
+        double miss = -d->wanted[i];
+        for (int k = 0; k < 25; k++)
+            miss += d->influence[i * 25 + k] * volt[k];
+        sum += d->weight[i] * d->weight[i] * d->influence[i * 25 + j] * miss;
+    }
+    return fabs(sum);
+}
+
+/*
+ * Law: regularised least squares meet their normal equations in every amplifier that is not held, held ones at their voltage;
+ * cut, no voltage leaves its limits, and those inside are the ones from before.
+ */
+static void test_regularised_equations(void **state)
+{
+    (void)state;
+    static const double lambda[4] = {0, 1e-6, 1e-3, 1};
+    double lower[25], upper[25], open[25], cut[25], scale = 0;
+    scene_run r;
+    clipped c;
+    solve_run(&r, "plate-50-patches", "");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    const design *d = &r.analysis.design;
+    const double nothing[25] = {0};
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 25; k++) {
+            lower[k] = -(upper[k] = HUGE_VAL);
+            if (k == 7)
+                lower[k] = upper[k] = 35;
+        }
+        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(clipped_solve(&c, lambda[i], open), PZS_OK);
+        for (int k = 0; k < 25; k++)
+            scale = fmax(scale, gradient(&c, 0, nothing, k));
+        assert_true(open[7] == 35);
+        for (int k = 0; k < 25; k++)
+            assert_true(k == 7 || gradient(&c, lambda[i], open, k) < 1e-11 * scale);
+        clipped_close(&c);
+        for (int k = 0; k < 25; k++)
+            if (k != 7)
+                lower[k] = -(upper[k] = 90);
+        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(clipped_solve(&c, lambda[i], cut), PZS_OK);
+        for (int k = 0; k < 25; k++)
+            assert_true(cut[k] == fmin(fmax(open[k], lower[k]), upper[k]));
+        clipped_close(&c);
+    }
+    scene_run_close(&r);
+}
+
+/*
+ * Law: the tuned parameter leaves no more error than any other of a fine grid, to the width of the search, no less than the
+ * optimum within the limits, and where no limit matters the same. And the
+ * numbers of the README.
+ */
+static void test_tuned(void **state)
+{
+    (void)state;
+    static const double limit[4] = {100, 200, 500, 2000}, known[4] = {.48979, .15939, .05560, .05538};
+    scene_run r;
+    solve_run(&r, "plate-50-patches", "");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    const design *d = &r.analysis.design;
+    for (int i = 0; i < 4; i++) {
+        voltages tuned, plain, best, other;
+        double lower[25], upper[25], volt[25];
+        clipped c;
+        assert_int_equal(voltages_regularised(&r.analysis, within(limit[i]), &tuned, r.error), 0);
+        assert_int_equal(voltages_clipped(&r.analysis, within(limit[i]), &plain, r.error), 0);
+        assert_int_equal(voltages_optimum(&r.analysis, within(limit[i]), &best, r.error), 0);
+        assert_true(fabs(tuned.error - known[i]) < 1e-5);
+        assert_true(tuned.error <= plain.error && tuned.error >= best.error * (1 - 1e-12));
+        assert_int_equal(design_limits(d, within(limit[i]), lower, upper, r.error), 0);
+        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        for (int k = -400; k <= 40; k++) {
+            assert_int_equal(clipped_solve(&c, pow(10, k / 40.0), volt), PZS_OK);
+            assert_int_equal(voltages_given(&r.analysis, "other", volt, &other, r.error), 0);
+            assert_true(other.error >= tuned.error * (1 - 1e-4));
+            voltages_free(&other);
+        }
+        clipped_close(&c);
+        voltages_free(&tuned);
+        voltages_free(&plain);
+        voltages_free(&best);
+    }
+    scene_run_close(&r);
+}
+
+/* Law: weights by area, of rows that can move and of others, have mean square 1 and follow the nodes' shares on an uneven mesh. */
 static void test_area_weights(void **state)
 {
     (void)state;
@@ -457,10 +551,10 @@ static void test_area_weights(void **state)
     solve_run(&r, "tests/scenes/free-bimorph.yaml", "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}");
     const design *d = &r.analysis.design;
     for (int i = 0; i < d->targets; i++)
-        sum += d->weight[i] * d->weight[i];
+        sum += d->weight[i] * d->weight[i] + d->fixed_weight[i] * d->fixed_weight[i];
     assert_true(fabs(sum / d->targets - 1) < 1e-14);
     const double corner = 0.03 * 0.1 / 3 / 4, area = 0.01; /* first node, of a plate 0.1 x 0.1 */
-    assert_true(fabs(d->weight[0] * d->weight[0] - corner / area * d->targets) < 1e-13);
+    assert_true(fabs(pow(d->weight[0] + d->fixed_weight[0], 2) - corner / area * d->targets) < 1e-13);
     scene_run_close(&r);
 }
 
@@ -487,7 +581,10 @@ int main(void)
         cmocka_unit_test(test_free_bimorph),     cmocka_unit_test(test_bimorph_tip),        cmocka_unit_test(test_equal_voltages),
         cmocka_unit_test(test_tip_force),        cmocka_unit_test(test_plate_shapes),       cmocka_unit_test(test_plate_volts),
         cmocka_unit_test(test_depolarisation),
-        cmocka_unit_test(test_narrowest_limit), cmocka_unit_test(test_held_electrode), cmocka_unit_test(test_no_voltage_left),   cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
+        cmocka_unit_test(test_narrowest_limit),
+        cmocka_unit_test(test_held_electrode), cmocka_unit_test(test_no_voltage_left),
+        cmocka_unit_test(test_regularised_equations), cmocka_unit_test(test_tuned),
+        cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
     };
     return cmocka_run_group_tests_name("cases", tests, NULL, NULL);
 }

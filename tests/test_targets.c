@@ -120,7 +120,8 @@ static void test_mirror(void **state)
     influence_run(&r, "mirror", "");
     assert_int_equal(modes_run(&m, &r.analysis, &own, 1, r.error), 0);
     for (int k = 0; k < MODES; k++) {
-        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9) && m.left[k].optimum <= m.left[k].clipped * (1 + 1e-12));
+        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9) && m.left[k].optimum <= m.left[k].regularised * (1 + 1e-12)
+                    && m.left[k].regularised <= m.left[k].clipped);
         assert_true(m.mode[k].unlimited < 0.04 && m.left[k].optimum < 0.16);
         assert_true((m.left[k].active > 0) == (m.mode[k].volt > 50));
         clipped = fmax(clipped, m.left[k].clipped / m.left[k].optimum);
