@@ -5,7 +5,10 @@
 #include <string.h>
 #include "guard.h"
 
-/* The grid: 10^(LOWEST + k / PER_DECADE), k < GRID, to 10, where every voltage is far below its size. */
+/*
+ * The grid: 10^(LOWEST + k / PER_DECADE), k < GRID, to 10, where every voltage is far below its
+ * size.
+ */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 
 static bool is_held(const clipped *c, size_t k)
@@ -13,7 +16,10 @@ static bool is_held(const clipped *c, size_t k)
     return c->lower[k] == c->upper[k];
 }
 
-/* Copy B without the columns of held amplifiers, and take what those do off the target. Returns tr(B'W^2 B)/n. */
+/*
+ * Copy B without the columns of held amplifiers, and take what those do off the target. Returns
+ * tr(B'W^2 B)/n.
+ */
 static double part(clipped *c)
 {
     const design *d = c->design;
@@ -31,10 +37,12 @@ static double part(clipped *c)
     return trace;
 }
 
-int clipped_open(clipped *c, const design *d, const double *lower, const double *upper, const double *wanted)
+int clipped_open(clipped *c, const design *d, const double *lower, const double *upper,
+                 const double *wanted)
 {
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets;
-    *c = (clipped){.design = d, .lower = lower, .upper = upper, .wanted = wanted, .problem = d->problem};
+    *c = (clipped){
+        .design = d, .lower = lower, .upper = upper, .wanted = wanted, .problem = d->problem};
     c->arrays = calloc(m * n + 2 * m + n * n, sizeof *c->arrays);
     c->work = malloc(PZS_CONTROL_BYTES(n, m));
     if (!c->arrays || !c->work)
@@ -74,7 +82,10 @@ pzs_status clipped_solve(clipped *c, double lambda, double *volt)
     return status == PZS_OK ? pzs_clipped(&control, c->left, volt) : status;
 }
 
-/* |W (B v - wanted)| of the voltages for lambda, infinite where there are none; best, best_at, volt: the smallest so far. */
+/*
+ * |W (B v - wanted)| of the voltages for lambda, infinite where there are none; best, best_at,
+ * volt: the smallest so far.
+ */
 typedef struct search {
     clipped *c;
     double *trial, *volt;  /* [amplifiers] */
@@ -106,8 +117,8 @@ static double missed(search *s, double lambda)
 }
 
 /*
- * lambda of a decimal exponent, to three digits: the best one is where a voltage just reaches its limit, and rounding must
- * not decide whether that voltage counts as cut.
+ * lambda of a decimal exponent, to three digits: the best one is where a voltage just reaches its
+ * limit, and rounding must not decide whether that voltage counts as cut.
  */
 static double lambda_of(double exponent)
 {

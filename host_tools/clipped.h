@@ -1,6 +1,6 @@
 /*
- * What is often done instead of a bounded optimum, to compare with it: least squares without limits, then each voltage
- * cut to its limits. With Tikhonov regularisation,
+ * What is often done instead of a bounded optimum, to compare with it: least squares without
+ * limits, then each voltage cut to its limits. With Tikhonov regularisation,
  *
  *   min |W (B v - wanted)|^2 + (effort + lambda s) |v - prefer|^2,   s = tr(B'W^2 B)/n,   then cut,
  *
@@ -26,20 +26,23 @@ typedef struct clipped {
 
 /*
  * Prepare.
- *   lower, upper [amplifiers] in  limits to cut to; an amplifier whose limits are equal is held, the others compensate
+ *   lower, upper [amplifiers] in  limits to cut to; an amplifier whose limits are equal is held,
+ *                                 the others compensate
  *   wanted [targets]          in
  * All must outlive *c. Returns 0, or -1 where memory runs out; clipped_close in either case.
  */
-int clipped_open(clipped *c, const design *d, const double *lower, const double *upper, const double *wanted);
+int clipped_open(clipped *c, const design *d, const double *lower, const double *upper,
+                 const double *wanted);
 void clipped_close(clipped *c);
 
 /* Voltages for one lambda >= 0. volt [amplifiers] out */
 pzs_status clipped_solve(clipped *c, double lambda, double *volt);
 
 /*
- * The lambda of the smallest |W (B v - wanted)| after cutting, and its voltages: the best of 0 and a logarithmic grid, refined
- * by golden section between the neighbours of the best, to three digits. It is chosen knowing the answer, and so is the best
- * that this method can do with one parameter.
+ * The lambda of the smallest |W (B v - wanted)| after cutting, and its voltages: the best of 0 and
+ * a logarithmic grid, refined by golden section between the neighbours of the best, to three
+ * digits. It is chosen knowing the answer, and so is the best that this method can do with one
+ * parameter.
  *   volt [amplifiers] out
  *   lambda            out
  */

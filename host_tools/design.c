@@ -132,7 +132,9 @@ int design_target_values(const design *d, const expr *wanted, scene_at at, doubl
         const expr_point place = mesh_place(m, d->target_node[i]);
         value[i] = expr_value(wanted, &place);
         if (!isfinite(value[i]))
-            return scene_fault(d->scene, at, error, "the wanted displacement or free function is not a finite number at theta1 = %g, theta2 = %g",
+            return scene_fault(d->scene, at, error,
+                               "the wanted displacement or free function is not a finite number at "
+                               "theta1 = %g, theta2 = %g",
                                m->theta[d->target_node[i]][0], m->theta[d->target_node[i]][1]);
     }
     design_take_free(d, value);
@@ -506,8 +508,8 @@ int design_build(design *d, const scene *s, char *error)
 {
     memset(d, 0, sizeof *d);
     d->scene = s;
-    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0 && design_target_rows(d, error) == 0
-        && electrodes_build(d, error) == 0)
+    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0
+        && design_target_rows(d, error) == 0 && electrodes_build(d, error) == 0)
         return 0;
     design_free(d);
     return -1;

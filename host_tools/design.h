@@ -14,8 +14,9 @@ enum { DESIGN_FREE = SCENE_FREE };
 /*
  * The common voltage limits of all amplifiers, from which the limits of each are made.
  *   LIMITS_SCENE  `limits.voltage` of the scene
- *   LIMITS_GIVEN  lower and upper of this structure replace it; they narrow an amplifier's own limits, and never widen
- *                 them, nor those of a depolarisation field; a held amplifier stays at its voltage
+ *   LIMITS_GIVEN  lower and upper of this structure replace it; they narrow an amplifier's own
+ *                 limits, and never widen them, nor those of a depolarisation field; a held
+ *                 amplifier stays at its voltage
  *   LIMITS_NONE   no limit of any kind, but held amplifiers stay held
  */
 typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
@@ -38,14 +39,17 @@ typedef struct design {
     int targets;             /* the first outputs */
     int *target_node;        /* [targets] node of each */
     int *named_first;        /* [scene outputs + 1] first row of each named output */
-    double *target;          /* [targets] wanted displacement, the free functions of the target taken out */
+    double *target;          /* [targets] wanted displacement, the free functions of the target
+                                taken out */
     double *wanted;          /* [targets] the same less the displacement under the scene's loads: what the volts must do */
     double *weight;          /* [targets] 0 in rows on constrained dof, which cannot move */
     int fixed_rows;          /* their number */
     double *fixed_weight;    /* [targets] the weight that they would have, 0 in the other rows */
     int free_functions;      /* of the target */
-    double *free_value;      /* [free_functions][targets] as combinations that are orthonormal under the weights */
-    double *influence;       /* [targets][amplifiers] after design_control, the free functions taken out */
+    double *free_value;      /* [free_functions][targets] as combinations that are orthonormal under
+                                the weights */
+    double *influence;       /* [targets][amplifiers] after design_control, the free functions taken
+                                out */
     double *hessian;         /* [amplifiers][amplifiers] */
     double *lower, *upper, *slew, *prefer; /* [amplifiers] */
     pzs_problem problem;
@@ -113,10 +117,15 @@ void design_applied(const design *d, double *volt);
 /* Target rows of a displacement. u [dof] in, shape [targets] out */
 void design_shape(const design *d, const double *u, double *shape);
 
-/* |W P (x - y)|^2, or |W P x|^2 where y is NULL; P takes the free functions out. x, y [targets] in */
+/*
+ * |W P (x - y)|^2, or |W P x|^2 where y is NULL; P takes the free functions out. x, y [targets] in
+ */
 double design_squares(const design *d, const double *x, const double *y);
 
-/* misfit [targets] out = P (x - y), as above. Returns the weighted sum of its squares in the rows that cannot move. */
+/*
+ * misfit [targets] out = P (x - y), as above. Returns the weighted sum of its squares in the rows
+ * that cannot move.
+ */
 double design_misfit(const design *d, const double *x, const double *y, double *misfit);
 
 /* x := P x. x [targets] in/out */
@@ -128,9 +137,13 @@ void design_take_free(const design *d, double *x);
  *   column [targets]                room
  *   out [targets][amplifiers]   out
  */
-void design_influence_free(const design *d, const double *influence, size_t stride, double *column, double *out);
+void design_influence_free(const design *d, const double *influence, size_t stride, double *column,
+                           double *out);
 
-/* Rows that cannot move, free functions, then the wanted displacement. Returns 0, or -1 with error filled. */
+/*
+ * Rows that cannot move, free functions, then the wanted displacement. Returns 0, or -1 with error
+ * filled.
+ */
 int design_target_rows(design *d, char *error);
 
 /* Quarter areas of the elements at each node. area [nodes] out */

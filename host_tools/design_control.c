@@ -60,7 +60,10 @@ static void set_all(const limits *l, double lower, double upper)
     }
 }
 
-/* The amplifiers' own limits in place of the common ones; the last item that names an amplifier applies. */
+/*
+ * The amplifiers' own limits in place of the common ones; the last item that names an amplifier
+ * applies.
+ */
 static void take_own(const limits *l)
 {
     const scene_limits *from = &l->scene->limits;
@@ -98,14 +101,19 @@ static int check_limits(const limits *l, const char *which, char *error)
         if (l->lower[k] > l->upper[k]) {
             char name[SCENE_LABEL];
             scene_amplifier_name(l->scene, k, name);
-            return scene_fault(l->scene, l->scene->limits.at, error,
-                               "%s has no voltage left between %g and %g: %sits own limits and the material's "
-                               "field_limit do not overlap; widen one of them", name, l->lower[k], l->upper[k], which);
+            return scene_fault(
+                l->scene, l->scene->limits.at, error,
+                "%s has no voltage left between %g and %g: %sits own limits and the material's "
+                "field_limit do not overlap; widen one of them",
+                name, l->lower[k], l->upper[k], which);
         }
     return 0;
 }
 
-/* The limits of the scene: of its amplifiers where they have their own, else common, within the depolarisation fields. */
+/*
+ * The limits of the scene: of its amplifiers where they have their own, else common, within the
+ * depolarisation fields.
+ */
 static int build_limits(const design *d, char *error)
 {
     const limits l = {d->scene, d->lower, d->upper};
@@ -165,8 +173,10 @@ int design_control(design *d, const double *influence, char *error)
     if (!allocate_control(d))
         return scene_fault(d->scene, d->scene->limits.at, error, "%d amplifiers do not fit into memory", d->amplifiers);
     if (d->fixed_rows == d->targets)
-        return scene_fault(d->scene, d->scene->target.what.at, error, "all %d target rows lie on constrained dof and "
-                           "cannot move; choose other nodes or another direction", d->targets);
+        return scene_fault(d->scene, d->scene->target.what.at, error,
+                           "all %d target rows lie on constrained dof and "
+                           "cannot move; choose other nodes or another direction",
+                           d->targets);
     design_influence_free(d, influence, inputs, d->wanted, d->influence);
     for (size_t i = 0; i < (size_t)d->targets; i++) {
         d->wanted[i] = 0;

@@ -5,8 +5,8 @@
  *
  *   P = I - F (F'W^2 F)^-1 F'W^2
  *
- * takes from a vector what a weighted least-squares fit of F finds in it. The columns of F are made W-orthonormal here, so
- * that F'W^2 F = I.
+ * takes from a vector what a weighted least-squares fit of F finds in it. The columns of F are made
+ * W-orthonormal here, so that F'W^2 F = I.
  */
 #include "design.h"
 #include <float.h>
@@ -53,7 +53,8 @@ static double difference(const double *x, const double *y, int i)
 }
 
 /* What is left of x - y in row i without `count` free functions times c. */
-static double left_of(const design *d, const double *x, const double *y, const double *c, int count, int i)
+static double left_of(const design *d, const double *x, const double *y, const double *c, int count,
+                      int i)
 {
     double left = difference(x, y, i);
     for (int j = 0; j < count; j++)
@@ -61,7 +62,10 @@ static double left_of(const design *d, const double *x, const double *y, const d
     return left;
 }
 
-/* c [count] out: weighted least-squares fit of the first free functions to x - y, in two iterations against rounding. */
+/*
+ * c [count] out: weighted least-squares fit of the first free functions to x - y, in two iterations
+ * against rounding.
+ */
 static void fit(const design *d, const double *x, const double *y, int count, double *c)
 {
     double more[DESIGN_FREE];
@@ -93,7 +97,10 @@ static double rounding(const design *d)
     return 8 * DBL_EPSILON * sqrt((double)d->targets);
 }
 
-/* x := x less its fit by the first `count` functions; rows with weight are zero where rounding alone is left. */
+/*
+ * x := x less its fit by the first `count` functions; rows with weight are zero where rounding
+ * alone is left.
+ */
 static void take_out(const design *d, int count, double *x)
 {
     double c[DESIGN_FREE];
@@ -117,8 +124,10 @@ static int add_free(design *d, int j, char *error)
     take_out(d, j, value);
     const double size = sqrt(weighted_squares(d, value));
     if (!(size > 0))
-        return scene_fault(d->scene, from->at, error, "free function '%s' is zero at the nodes of the target that can "
-                           "move, or a combination of the free functions before it; remove it", from->name);
+        return scene_fault(d->scene, from->at, error,
+                           "free function '%s' is zero at the nodes of the target that can "
+                           "move, or a combination of the free functions before it; remove it",
+                           from->name);
     for (int i = 0; i < d->targets; i++)
         value[i] /= size;
     d->free_functions = j + 1;
@@ -151,7 +160,8 @@ double design_squares(const design *d, const double *x, const double *y)
     return sum;
 }
 
-void design_influence_free(const design *d, const double *influence, size_t stride, double *column, double *out)
+void design_influence_free(const design *d, const double *influence, size_t stride, double *column,
+                           double *out)
 {
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets;
     for (size_t i = 0; i < m; i++)
@@ -174,7 +184,8 @@ int design_target_rows(design *d, char *error)
     d->fixed_weight = calloc(m, sizeof *d->fixed_weight);
     d->free_value = calloc(m * (size_t)target->frees + 1, sizeof *d->free_value);
     if (!d->fixed_weight || !d->free_value)
-        return scene_fault(d->scene, target->what.at, error, "%d target nodes do not fit into memory", d->targets);
+        return scene_fault(d->scene, target->what.at, error,
+                           "%d target nodes do not fit into memory", d->targets);
     part_rows(d);
     for (int j = 0; j < target->frees && d->fixed_rows < d->targets; j++)
         if (add_free(d, j, error) < 0)

@@ -179,8 +179,9 @@ static int shape_before(shape_run *run, char *error)
 }
 
 /*
- * Optima without limits and within each limit, on a nonlinear structure the linear optimum beside, least squares
- * clipped, and regularised before with the best parameter, then the scene's volts to compare.
+ * Optima without limits and within each limit, on a nonlinear structure the linear optimum beside,
+ * least squares clipped, and regularised before with the best parameter, then the scene's volts to
+ * compare.
  */
 static int shape_results(shape_run *run, const options *o, char *error)
 {
@@ -193,7 +194,8 @@ static int shape_results(shape_run *run, const options *o, char *error)
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
-    if (shape_before(run, error) < 0 || voltages_optimum(a, none, &run->volts[run->count++], error) < 0)
+    if (shape_before(run, error) < 0
+        || voltages_optimum(a, none, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < limits; i++)
         if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0
@@ -314,8 +316,10 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
     if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
         return -1;
     if (image != TABLES_CONTROL && s->target.frees > 0)
-        return scene_fault(s, s->target.free[0].at, error, "target.free is taken out of the influence matrix of a control "
-                           "image; the device makes that of a %s image itself: use --level control or remove target.free",
+        return scene_fault(s, s->target.free[0].at, error,
+                           "target.free is taken out of the influence matrix of a control "
+                           "image; the device makes that of a %s image itself: use --level control "
+                           "or remove target.free",
                            tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
         return 0;

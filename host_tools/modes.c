@@ -21,8 +21,9 @@ static int run_limited(analysis *a, common_limits limit, mode_left *left, char *
     voltages best, cut, tuned;
     memset(&cut, 0, sizeof cut);
     memset(&tuned, 0, sizeof tuned);
-    const int failed = voltages_optimum(a, limit, &best, error) < 0 || voltages_clipped(a, limit, &cut, error) < 0
-                    || voltages_regularised(a, limit, &tuned, error) < 0;
+    const int failed = voltages_optimum(a, limit, &best, error) < 0
+                       || voltages_clipped(a, limit, &cut, error) < 0
+                       || voltages_regularised(a, limit, &tuned, error) < 0;
     memcpy(left->limit, best.limit, sizeof left->limit);
     left->optimum = best.error;
     left->active = best.active;
@@ -44,7 +45,8 @@ static double target_size(const design *d)
 }
 
 /* Mode k of the target in the target's place, what the scene's loads move taken off as there. loaded [targets] in */
-static int run_mode(modes *m, int k, analysis *a, const double *loaded, const common_limits *limit, char *error)
+static int run_mode(modes *m, int k, analysis *a, const double *loaded, const common_limits *limit,
+                    char *error)
 {
     design *d = &a->design;
     const scene_mode *wanted = &d->scene->target.mode[k];

@@ -21,9 +21,10 @@ const char *const options_help =
     "\n"
     "SCENE is a file, or the name of a shipped scene. Options:\n"
     "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
-    "  --limit V          shape: common voltage limits -V .. V instead of limits.voltage of the scene; an amplifier's own\n"
-    "  --limit LO,HI      limits, held voltage (limits.each) and depolarisation field (field_limit) apply besides, so\n"
-    "                     that the narrowest limit always wins; repeat it for a comparison\n"
+    "  --limit V          shape: common voltage limits -V .. V instead of limits.voltage of the scene;\n"
+    "  --limit LO,HI      an amplifier's own limits and held voltage (limits.each) and depolarisation\n"
+    "                     field (field_limit) apply besides, so that the narrowest limit always wins;\n"
+    "                     repeat it for a comparison\n"
     "  --json             numbers for machines on standard output\n"
     "  --report FILE.html pictures and tables in one page\n"
     "  --vtu FILE.vtu     deformed shape for ParaView\n"
@@ -38,12 +39,14 @@ const char *const options_help =
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
     "  -o FILE            tables: output file, or a folder for it\n"
     "\n"
-    "Compared in shape and simulate: clipped least squares, voltages without limits cut to them; regularised, then clipped:\n"
-    "the same with the one parameter that leaves the smallest error of the linear model, chosen knowing the answer.\n"
+    "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the\n"
+    "limits. Regularised, then clipped: the same with the one parameter that leaves the smallest\n"
+    "error of the linear model, chosen knowing the answer.\n"
     "\n"
-    "Shape error: weighted RMS misfit over the RMS of the target. Target nodes on constrained dof, which cannot move, do\n"
-    "not count; shape reports them where they are not as wanted, and the error with them. target.free: functions that\n"
-    "are taken out of target and error (piston, tip, tilt, or formulas).\n"
+    "Shape error: weighted RMS misfit over the RMS of the target. Target nodes on constrained dof,\n"
+    "which cannot move, do not count; shape reports them where they are not as wanted, and the error\n"
+    "with them. target.free: functions that are taken out of target and error (piston, tip, tilt, or\n"
+    "formulas).\n"
     "\n"
     "Examples:\n"
     "  pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8\n"
@@ -79,13 +82,16 @@ static int take_limit(options *o, const char *value)
         return options_refuse("too many limits at", value);
     if (!strchr(value, ',')) {
         if (!read_voltage(value, '\0', &limit.upper, &end) || !(limit.upper > 0))
-            return options_refuse("--limit is a finite voltage above 0, or LOWEST,HIGHEST, not", value);
+            return options_refuse("--limit is a finite voltage above 0, or LOWEST,HIGHEST, not",
+                                  value);
         limit.lower = -limit.upper;
     } else {
-        if (!read_voltage(value, ',', &limit.lower, &end) || !read_voltage(end + 1, '\0', &limit.upper, &end))
+        if (!read_voltage(value, ',', &limit.lower, &end)
+            || !read_voltage(end + 1, '\0', &limit.upper, &end))
             return options_refuse("--limit LOWEST,HIGHEST is two finite voltages, not", value);
         if (limit.lower > limit.upper)
-            return options_refuse("--limit LOWEST,HIGHEST: the lowest voltage is above the highest in", value);
+            return options_refuse("--limit LOWEST,HIGHEST: the lowest voltage is above the highest in",
+                                  value);
     }
     o->limit[o->limits++] = limit;
     return 0;

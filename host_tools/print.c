@@ -97,8 +97,11 @@ static void json_head(json *j, const analysis *a)
 static int image_size(const analysis *a, tables_image image, tables_size *size, tables_memory *need)
 {
     const int controlled = a->design.problem.inputs > 0;
-    FILE *nowhere = (image == TABLES_CONTROL && !controlled) || (image != TABLES_CONTROL && a->design.free_functions > 0)
-                 || (image == TABLES_NONLINEAR && !a->path.full) ? NULL : fopen("/dev/null", "w");
+    FILE *nowhere = (image == TABLES_CONTROL && !controlled)
+                            || (image != TABLES_CONTROL && a->design.free_functions > 0)
+                            || (image == TABLES_NONLINEAR && !a->path.full)
+                        ? NULL
+                        : fopen("/dev/null", "w");
     if (!nowhere)
         return -1;
     const int failed = tables_write(nowhere, a, image, "t", size);
@@ -391,7 +394,8 @@ static void print_reached(const shape_run *run)
 static void print_narrower(const voltages *v, int amplifiers)
 {
     if (v->narrower + v->held > 0)
-        printf("\n  of %d amplifiers, with narrower limits than the table says (own limits, field_limit): %d; held: %d\n",
+        printf("\n  of %d amplifiers, with narrower limits than the table says (own limits, "
+               "field_limit): %d; held: %d\n",
                amplifiers, v->narrower, v->held);
 }
 
@@ -400,9 +404,10 @@ static void print_target_rows(const design *d, const voltages *v)
 {
     const char *comma = "";
     if (v->fixed_off > 0)
-        printf("\n  %d of %d target rows lie on constrained dof and cannot move, %d of them away from the target;\n"
-               "  the shape error does not count them, with them it would be %.3f%%\n", d->fixed_rows, d->targets,
-               v->fixed_off, 100 * v->error_all);
+        printf("\n  %d of %d target rows lie on constrained dof and cannot move, %d of them away "
+               "from the target;\n"
+               "  the shape error does not count them, with them it would be %.3f%%\n",
+               d->fixed_rows, d->targets, v->fixed_off, 100 * v->error_all);
     if (d->free_functions > 0)
         printf("\n  free functions, taken out of target and error: ");
     for (int k = 0; k < d->free_functions; k++, comma = ", ")
@@ -431,7 +436,8 @@ void print_shape(const shape_run *run)
         else
             puts("         -");
     }
-    puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, chosen knowing the answer");
+    puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, "
+         "chosen knowing the answer");
     print_narrower(&run->volts[1], d->amplifiers);
     print_target_rows(d, &run->volts[1]);
     print_reached(run);

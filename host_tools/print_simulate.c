@@ -100,7 +100,8 @@ static void print_settled(const simulate_phase *p)
 
 static void print_phases(const simulation *s)
 {
-    printf("  %-7s %-46s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum", "steady", "clipped", "regularised", "worst", "settled", "slew");
+    printf("  %-7s %-46s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum",
+           "steady", "clipped", "regularised", "worst", "settled", "slew");
     for (int k = 0; k < s->phases; k++) {
         const simulate_phase *p = &s->phase[k];
         char name[WORDS_PHASE];
@@ -111,8 +112,9 @@ static void print_phases(const simulation *s)
         putchar('\n');
     }
     puts("\n  errors of the shape over the scene's target; settled: ticks until within 5% of the way; slew: ticks the slew alone needs");
-    puts("  clipped: least squares without limits, cut to limits and slew; regularised: the same with the one parameter that is best for\n"
-         "  the scene's target on the controller's model, chosen knowing the answer");
+    puts("  clipped: least squares without limits, cut to limits and slew; regularised: the same with the\n"
+         "  one parameter that is best for the scene's target on the controller's model, chosen knowing\n"
+         "  the answer");
 }
 
 static void print_count(const simulation *s, simulate_law law)

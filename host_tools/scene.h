@@ -13,7 +13,13 @@
 
 /* Room for a name, for one with _i_j behind it, for a message; most nodes of a mesh; most free
  * functions of a target. */
-enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_ERROR = 400, SCENE_NODES = 60000, SCENE_FREE = 16 };
+enum {
+    SCENE_NAME = 64,
+    SCENE_LABEL = SCENE_NAME + 24,
+    SCENE_ERROR = 400,
+    SCENE_NODES = 60000,
+    SCENE_FREE = 16
+};
 
 /* Where a thing was said, for messages that come later than reading: line and column from 1.
  * Line -(k+1) is the change set[k], line 0 the file as a whole. */

@@ -91,14 +91,16 @@ int simulate_tables(analysis *nominal, char *error)
         return -1;
     memset(&best, 0, sizeof best);
     nominal->nonlinear = 1;
-    int failed = voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
+    int failed =
+        voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
     if (!failed && pzs_influence_at(&nominal->path.run, nominal->influence) != PZS_OK)
         failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
     double *column = calloc((size_t)d->targets, sizeof *column);
     if (!failed && !column)
         failed = no_memory(nominal, error);
     if (!failed)
-        design_influence_free(d, nominal->influence, d->structure.input.count, column, d->influence);
+        design_influence_free(d, nominal->influence, d->structure.input.count, column,
+                              d->influence);
     free(column);
     d->problem.hessian = NULL;
     d->problem.crc = guard_problem_crc(&d->problem);
@@ -116,13 +118,18 @@ static int check_range(const design *d, char *error)
     return 0;
 }
 
-/* The fault detector compares measured with predicted displacements, from which free functions have been taken out. */
+/*
+ * The fault detector compares measured with predicted displacements, from which free functions have
+ * been taken out.
+ */
 static int check_free(const design *d, char *error)
 {
     if (d->free_functions == 0 || !d->scene->simulate.finds)
         return 0;
-    return scene_fault(d->scene, d->scene->simulate.at, error, "told: found does not work with target.free: the fault "
-                       "detector needs the whole predicted displacement; write told: TICKS or remove target.free");
+    return scene_fault(
+        d->scene, d->scene->simulate.at, error,
+        "told: found does not work with target.free: the fault "
+        "detector needs the whole predicted displacement; write told: TICKS or remove target.free");
 }
 
 /* What stands beside the controller. Returns 0, or -1 with error filled. */
@@ -136,13 +143,18 @@ static int equip(simulation *s, char *error)
     return s->estimates || s->feeds ? estimator_open(&s->estimator, s->nominal, error) : 0;
 }
 
-/* The best single parameter for the scene's target, known before the run. Returns 0, or -1 with error filled. */
+/*
+ * The best single parameter for the scene's target, known before the run. Returns 0, or -1 with
+ * error filled.
+ */
 static int regularise(simulation *s, char *error)
 {
     const design *d = &s->nominal->design;
     clipped c;
     double *volt = calloc((size_t)d->amplifiers, sizeof *volt);
-    int failed = clipped_open(&c, d, d->lower, d->upper, d->wanted) < 0 || !volt ? no_memory(s->nominal, error) : 0;
+    int failed = clipped_open(&c, d, d->lower, d->upper, d->wanted) < 0 || !volt
+                     ? no_memory(s->nominal, error)
+                     : 0;
     const pzs_status status = failed ? PZS_OK : clipped_tune(&c, volt, &s->regularisation);
     if (status != PZS_OK)
         failed = scene_fault(d->scene, d->scene->limits.at, error, "%s", pzs_status_text(status));
@@ -160,12 +172,14 @@ int simulate_open(simulation *s, analysis *nominal, char *error)
     const design *d = &nominal->design;
     memset(s, 0, sizeof *s);
     s->nominal = nominal;
-    if (check_range(d, error) < 0 || check_free(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
+    if (check_range(d, error) < 0 || check_free(d, error) < 0
+        || plant_open(&s->plant, d->scene, error) < 0)
         return -1;
     const double squares = design_squares(d, d->target, NULL);
     s->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(s) ? 0 : no_memory(nominal, error);
-    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0 || regularise(s, error) < 0;
+    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0
+             || regularise(s, error) < 0;
     if (failed)
         simulate_close(s);
     return failed ? -1 : 0;

@@ -6,8 +6,9 @@
  *
  * The controller is the library's own here, or a firmware with the same tables on a board (simulate_device).
  * The same scene gives the same bits in every run. Beside the controller the same loop runs with what is often done
- * instead: least squares without limits, cut to limits and step limit; and the same with the regularisation parameter that is
- * the best one for the scene's target and limits on the controller's own model.
+ * instead: least squares without limits, cut to limits and step limit; and the same with the
+ * regularisation parameter that is the best one for the scene's target and limits on the
+ * controller's own model.
  */
 #ifndef SIMULATE_H
 #define SIMULATE_H

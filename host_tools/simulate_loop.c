@@ -259,7 +259,9 @@ static double slew_of(const loop *l, int amplifier)
 
 /* ---- the laws ---------------------------------------------------------- */
 
-/* As is often done: least squares without limits, regularised or not, cut to limits and step limit. */
+/*
+ * As is often done: least squares without limits, regularised or not, cut to limits and step limit.
+ */
 static pzs_status clamp(loop *l)
 {
     const design *d = l->design;
@@ -524,7 +526,9 @@ int loop_open(loop *l, simulation *s, simulate_law law, char *error)
     if (!take_memory(l))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
     const int n = l->design->amplifiers, m = l->design->targets, delay = scene->simulate.delay;
-    pzs_status status = pzs_control_init(&l->control, law == LAW_REGULARISED ? &s->regularised : s->problem, NULL, l->work, PZS_CONTROL_BYTES(n, m));
+    pzs_status status =
+        pzs_control_init(&l->control, law == LAW_REGULARISED ? &s->regularised : s->problem, NULL,
+                         l->work, PZS_CONTROL_BYTES(n, m));
     if (status == PZS_OK)
         status = pzs_watch_init(&l->watch, &l->control, (uint16_t)delay, l->watch_work, PZS_WATCH_BYTES(n, m, delay));
     if (status == PZS_OK && s->estimates)

@@ -25,8 +25,12 @@ static void trial_free(trial *t)
     free(t->work);
 }
 
-/* influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits do not overlap. */
-static pzs_status trial_start(trial *t, const design *d, common_limits common, const double *influence, char *error)
+/*
+ * influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits
+ * do not overlap.
+ */
+static pzs_status trial_start(trial *t, const design *d, common_limits common,
+                              const double *influence, char *error)
 {
     const size_t n = (size_t)d->amplifiers, bytes = PZS_CONTROL_BYTES(d->amplifiers, d->targets);
     memset(t, 0, sizeof *t);
@@ -51,7 +55,10 @@ static pzs_status trial_start(trial *t, const design *d, common_limits common, c
     return pzs_control_init(&t->control, &t->problem, NULL, t->work, bytes);
 }
 
-/* The widest range of any amplifier, how many have less or are held, and how many of `volt` are at a limit. */
+/*
+ * The widest range of any amplifier, how many have less or are held, and how many of `volt` are at
+ * a limit.
+ */
 static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
 {
     double lowest = HUGE_VAL, highest = -HUGE_VAL;
@@ -66,7 +73,8 @@ static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
         v->active += volt[k] == p->lower[k] || volt[k] == p->upper[k];
     }
     for (int k = 0; k < p->inputs; k++)
-        v->narrower += p->lower[k] != p->upper[k] && (p->lower[k] > lowest || p->upper[k] < highest);
+        v->narrower +=
+            p->lower[k] != p->upper[k] && (p->lower[k] > lowest || p->upper[k] < highest);
     v->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
     v->limit[1] = fmax(lowest, highest);
 }
@@ -76,7 +84,8 @@ static int explain(const analysis *a, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
         return -1; /* design_limits has named the amplifier */
-    return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+    return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s",
+                       pzs_status_text(status));
 }
 
 /*
@@ -86,8 +95,9 @@ static int explain(const analysis *a, pzs_status status, char *error)
  *   reach            in     most change of any volt from `volt`, or INFINITY
  *   volt [amplifiers] in/out
  */
-static pzs_status best_volts(const design *d, common_limits common, const double *influence, const double *wanted,
-                             double reach, voltages *v, double *volt, char *error)
+static pzs_status best_volts(const design *d, common_limits common, const double *influence,
+                             const double *wanted, double reach, voltages *v, double *volt,
+                             char *error)
 {
     trial t;
     pzs_status status = trial_start(&t, d, common, influence, error);
@@ -158,7 +168,8 @@ static void measure(const analysis *a, voltages *v)
     const design *d = &a->design;
     double most = 0;
     design_shape(d, v->u, v->shape);
-    const double missed = design_squares(d, v->shape, d->target), wanted = design_squares(d, d->wanted, NULL);
+    const double missed = design_squares(d, v->shape, d->target),
+                 wanted = design_squares(d, d->wanted, NULL);
     const double missed_fixed = design_misfit(d, v->shape, d->target, v->aim);
     v->fixed_off = 0;
     for (int i = 0; i < d->targets; i++)
@@ -194,9 +205,13 @@ static int reach_or_none(analysis *a, voltages *v, char *error)
 
 int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
 {
-    if (start(a, v, common.source == LIMITS_NONE ? "linear optimum, no limits" : "linear optimum in limits") < 0)
+    if (start(a, v,
+              common.source == LIMITS_NONE ? "linear optimum, no limits"
+                                           : "linear optimum in limits")
+        < 0)
         return out_of_memory(a, error);
-    const pzs_status status = best_volts(&a->design, common, NULL, a->design.wanted, HUGE_VAL, v, v->volt, error);
+    const pzs_status status =
+        best_volts(&a->design, common, NULL, a->design.wanted, HUGE_VAL, v, v->volt, error);
     if (status != PZS_OK)
         return explain(a, status, error);
     if (reach_or_none(a, v, error) < 0)
@@ -206,8 +221,12 @@ int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
     return 0;
 }
 
-/* Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error of the linear model. */
-static pzs_status clipped_volts(const design *d, common_limits common, bool tuned, voltages *v, char *error)
+/*
+ * Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error
+ * of the linear model.
+ */
+static pzs_status clipped_volts(const design *d, common_limits common, bool tuned, voltages *v,
+                                char *error)
 {
     trial t;
     clipped c;
@@ -216,7 +235,8 @@ static pzs_status clipped_volts(const design *d, common_limits common, bool tune
     if (status == PZS_OK && clipped_open(&c, d, t.problem.lower, t.problem.upper, d->wanted) < 0)
         status = PZS_E_WORKSPACE;
     if (status == PZS_OK)
-        status = tuned ? clipped_tune(&c, v->volt, &v->regularisation) : clipped_solve(&c, 0, v->volt);
+        status =
+            tuned ? clipped_tune(&c, v->volt, &v->regularisation) : clipped_solve(&c, 0, v->volt);
     if (status == PZS_OK)
         note_limits(&t.problem, v->volt, v);
     clipped_close(&c);
@@ -360,11 +380,13 @@ static double largest_change(const analysis *a, const newton *g, const voltages 
  * Move to the linearised optimum within reach; the reach follows how well the last promise was kept, and a move that
  * helps nothing is taken back and tried again closer. Returns the part of the objective it fell by; 0: nothing helps.
  */
-static double improve(analysis *a, common_limits common, newton *g, voltages *v, pzs_status *status, char *error)
+static double improve(analysis *a, common_limits common, newton *g, voltages *v, pzs_status *status,
+                      char *error)
 {
     const double before = objective(a, v);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status = best_volts(&a->design, common, g->influence, g->wanted, g->reach, v, v->volt, error);
+        *status =
+            best_volts(&a->design, common, g->influence, g->wanted, g->reach, v, v->volt, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(a, g, v), promise = promised(a, g, v);
@@ -387,7 +409,9 @@ static int gauss_newton(analysis *a, common_limits common, voltages *v, char *er
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
     const size_t all = (size_t)d->structure.output.count * inputs;
     double fell = 1;
-    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + 2 * m, sizeof *g.all), .state = malloc(path_state_bytes(&a->path))};
+    newton g = {.reach = HUGE_VAL,
+                .all = calloc(all + m * n + 2 * m, sizeof *g.all),
+                .state = malloc(path_state_bytes(&a->path))};
     g.influence = g.all + all;
     g.wanted = g.influence + m * n;
     g.column = g.wanted + m;
@@ -420,8 +444,10 @@ static int retreat(analysis *a, common_limits common, voltages *v, char *error)
 
 int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error)
 {
-    if (voltages_linear(a, common, v, error) < 0 || (isnan(v->error) && retreat(a, common, v, error) < 0))
+    if (voltages_linear(a, common, v, error) < 0
+        || (isnan(v->error) && retreat(a, common, v, error) < 0))
         return -1;
-    snprintf(v->name, sizeof v->name, "%s", common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
+    snprintf(v->name, sizeof v->name, "%s",
+             common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
     return a->nonlinear ? gauss_newton(a, common, v, error) : 0;
 }

@@ -31,7 +31,10 @@ double scene_run_value(const scene_run *r, int k);
 
 void scene_run_close(scene_run *r);
 
-/* Common voltage limits: none, those of the scene, or from -most to most; an infinite `most` is none. */
+/*
+ * Common voltage limits: none, those of the scene, or from -most to most; an infinite `most` is
+ * none.
+ */
 static inline common_limits no_limits(void)
 {
     return (common_limits){.source = LIMITS_NONE};
@@ -44,7 +47,8 @@ static inline common_limits scene_limits_alone(void)
 
 static inline common_limits within(double most)
 {
-    return isinf(most) ? no_limits() : (common_limits){.source = LIMITS_GIVEN, .lower = -most, .upper = most};
+    return isinf(most) ? no_limits()
+                       : (common_limits){.source = LIMITS_GIVEN, .lower = -most, .upper = most};
 }
 
 #endif

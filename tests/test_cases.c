@@ -242,7 +242,8 @@ static void shape_of(scene_run *r, const char *changes, voltages *v)
 {
     char error[SCENE_ERROR] = "";
     solve_run(r, "bimorph-actuator", changes);
-    if (analysis_influence(&r->analysis, error) < 0 || voltages_optimum(&r->analysis, no_limits(), v, error) < 0)
+    if (analysis_influence(&r->analysis, error) < 0
+        || voltages_optimum(&r->analysis, no_limits(), v, error) < 0)
         fail_msg("%s", error);
 }
 
@@ -340,7 +341,8 @@ static void test_plate_volts(void **state)
         const double *known = testdata_values(&t, key[i]);
         solve_run(&r, "plate-50-patches", changes[i]);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
-        assert_int_equal(voltages_optimum(&r.analysis, i == 2 ? within(200) : no_limits(), &v, error), 0);
+        assert_int_equal(
+            voltages_optimum(&r.analysis, i == 2 ? within(200) : no_limits(), &v, error), 0);
         for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction is 250 times softer */
             assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
         voltages_free(&v);
@@ -375,7 +377,8 @@ static void limits_are(const char *changes, common_limits common, int k, double 
     double low[25], high[25];
     scene_run r;
     solve_run(&r, "plate-50-patches", changes);
-    if (analysis_influence(&r.analysis, r.error) < 0 || design_limits(&r.analysis.design, common, low, high, r.error) < 0)
+    if (analysis_influence(&r.analysis, r.error) < 0
+        || design_limits(&r.analysis.design, common, low, high, r.error) < 0)
         fail_msg("%s", r.error);
     if (low[k] != lower || high[k] != upper)
         fail_msg("%s: limits %g .. %g, should be %g .. %g", changes, low[k], high[k], lower, upper);
@@ -383,14 +386,16 @@ static void limits_are(const char *changes, common_limits common, int k, double 
 }
 
 /*
- * Law: the limits of an amplifier are the intersection of the common ones, its own and those of the field; common limits
- * asked for replace those of the scene; a held amplifier keeps its voltage, whatever is asked for.
+ * Law: the limits of an amplifier are the intersection of the common ones, its own and those of the
+ * field; common limits asked for replace those of the scene; a held amplifier keeps its voltage,
+ * whatever is asked for.
  */
 static void test_narrowest_limit(void **state)
 {
     (void)state;
     static const char own[] = "limits.each=[{actuator: v_1_2, voltage: [-30, 700]}]";
-    static const char field[] = "materials.G1195.field_limit=4e5"; /* 100 V against the poling: of one patch of the pair at +V, of the other at -V */
+    /* 100 V against the poling: of one patch of the pair at +V, of the other at -V */
+    static const char field[] = "materials.G1195.field_limit=4e5";
     static const char hold[] = "limits.each=[{actuator: v_1_2, hold: 40}]";
     const common_limits scene = scene_limits_alone(), none = no_limits();
     const common_limits wide = {LIMITS_GIVEN, -60, 1000}, narrow = {LIMITS_GIVEN, -20, 10};
@@ -412,13 +417,18 @@ static void test_narrowest_limit(void **state)
     limits_are(hold, narrow, 0, -20, 10);
 }
 
-/* Law: a held electrode keeps its voltage in every set, to the bit, and no other leaves its own limits. */
+/*
+ * Law: a held electrode keeps its voltage in every set, to the bit, and no other leaves its own
+ * limits.
+ */
 static void test_held_electrode(void **state)
 {
     (void)state;
-    const common_limits all[4] = {no_limits(), within(200), {LIMITS_GIVEN, -50, 300}, scene_limits_alone()};
+    const common_limits all[4] = {
+        no_limits(), within(200), {LIMITS_GIVEN, -50, 300}, scene_limits_alone()};
     scene_run r;
-    solve_run(&r, "plate-50-patches", "limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_5, voltage: [-80, 20]}]");
+    solve_run(&r, "plate-50-patches",
+              "limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_5, voltage: [-80, 20]}]");
     assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
     for (int i = 0; i < 4; i++) {
         voltages best, clipped;
@@ -426,7 +436,9 @@ static void test_held_electrode(void **state)
         assert_int_equal(voltages_clipped(&r.analysis, all[i], &clipped, r.error), 0);
         assert_true(best.volt[0] == 0 && clipped.volt[0] == 0);
         assert_true(best.held == 1 && best.narrower == (i > 0));
-        assert_true(i == 0 || (best.volt[4] >= -80 && best.volt[4] <= 20 && clipped.volt[4] >= -80 && clipped.volt[4] <= 20));
+        assert_true(i == 0
+                    || (best.volt[4] >= -80 && best.volt[4] <= 20 && clipped.volt[4] >= -80
+                        && clipped.volt[4] <= 20));
         assert_true(best.error <= clipped.error * (1 + 1e-12));
         assert_true(i == 3 || i == 0 || best.limit[1] == all[i].upper);
         voltages_free(&best);
@@ -435,7 +447,9 @@ static void test_held_electrode(void **state)
     scene_run_close(&r);
 }
 
-/* Law: limits that leave an amplifier no voltage are refused, and the message names the amplifier. */
+/*
+ * Law: limits that leave an amplifier no voltage are refused, and the message names the amplifier.
+ */
 static void test_no_voltage_left(void **state)
 {
     (void)state;
@@ -443,8 +457,10 @@ static void test_no_voltage_left(void **state)
     scene_run r;
     solve_run(&r, "plate-50-patches", "limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]");
     assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
-    assert_int_equal(voltages_optimum(&r.analysis, (common_limits){LIMITS_GIVEN, 30, 90}, &v, r.error), -1);
-    assert_non_null(strstr(r.error, "v_2_3 has no voltage left between 30 and 20: the limits asked for, its own"));
+    assert_int_equal(
+        voltages_optimum(&r.analysis, (common_limits){LIMITS_GIVEN, 30, 90}, &v, r.error), -1);
+    assert_non_null(strstr(
+        r.error, "v_2_3 has no voltage left between 30 and 20: the limits asked for, its own"));
     voltages_free(&v);
     scene_run_close(&r);
 }
@@ -464,8 +480,9 @@ static double gradient(const clipped *c, double lambda, const double *volt, int 
 }
 
 /*
- * Law: regularised least squares meet their normal equations in every amplifier that is not held, held ones at their voltage;
- * cut, no voltage leaves its limits, and those inside are the ones from before.
+ * Law: regularised least squares meet their normal equations in every amplifier that is not held,
+ * held ones at their voltage; cut, no voltage leaves its limits, and those inside are the ones from
+ * before.
  */
 static void test_regularised_equations(void **state)
 {
@@ -505,14 +522,15 @@ static void test_regularised_equations(void **state)
 }
 
 /*
- * Law: the tuned parameter leaves no more error than any other of a fine grid, to the width of the search, no less than the
- * optimum within the limits, and where no limit matters the same. And the
+ * Law: the tuned parameter leaves no more error than any other of a fine grid, to the width of the
+ * search, no less than the optimum within the limits, and where no limit matters the same. And the
  * numbers of the README.
  */
 static void test_tuned(void **state)
 {
     (void)state;
-    static const double limit[4] = {100, 200, 500, 2000}, known[4] = {.48979, .15939, .05560, .05538};
+    static const double limit[4] = {100, 200, 500, 2000},
+                        known[4] = {.48979, .15939, .05560, .05538};
     scene_run r;
     solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
@@ -542,7 +560,10 @@ static void test_tuned(void **state)
     scene_run_close(&r);
 }
 
-/* Law: weights by area, of rows that can move and of others, have mean square 1 and follow the nodes' shares on an uneven mesh. */
+/*
+ * Law: weights by area, of rows that can move and of others, have mean square 1 and follow the
+ * nodes' shares on an uneven mesh.
+ */
 static void test_area_weights(void **state)
 {
     (void)state;
@@ -554,7 +575,8 @@ static void test_area_weights(void **state)
         sum += d->weight[i] * d->weight[i] + d->fixed_weight[i] * d->fixed_weight[i];
     assert_true(fabs(sum / d->targets - 1) < 1e-14);
     const double corner = 0.03 * 0.1 / 3 / 4, area = 0.01; /* first node, of a plate 0.1 x 0.1 */
-    assert_true(fabs(pow(d->weight[0] + d->fixed_weight[0], 2) - corner / area * d->targets) < 1e-13);
+    assert_true(fabs(pow(d->weight[0] + d->fixed_weight[0], 2) - corner / area * d->targets)
+                < 1e-13);
     scene_run_close(&r);
 }
 

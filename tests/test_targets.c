@@ -120,7 +120,8 @@ static void test_mirror(void **state)
     influence_run(&r, "mirror", "");
     assert_int_equal(modes_run(&m, &r.analysis, &own, 1, r.error), 0);
     for (int k = 0; k < MODES; k++) {
-        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9) && m.left[k].optimum <= m.left[k].regularised * (1 + 1e-12)
+        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9)
+                    && m.left[k].optimum <= m.left[k].regularised * (1 + 1e-12)
                     && m.left[k].regularised <= m.left[k].clipped);
         assert_true(m.mode[k].unlimited < 0.04 && m.left[k].optimum < 0.16);
         assert_true((m.left[k].active > 0) == (m.mode[k].volt > 50));
@@ -207,8 +208,9 @@ static double largest_difference(const double *x, const double *y, int count)
 }
 
 /*
- * Law: what is wanted of rows on constrained dof changes neither voltages nor error by one bit. Counted, 11 such rows that
- * miss by s, where |wanted| is w and |misfit| is e w: sqrt((e^2 w^2 + 11 s^2) / (w^2 + 11 s^2)).
+ * Law: what is wanted of rows on constrained dof changes neither voltages nor error by one bit.
+ * Counted, 11 such rows that miss by s, where |wanted| is w and |misfit| is e w: sqrt((e^2 w^2 + 11
+ * s^2) / (w^2 + 11 s^2)).
  */
 static void test_fixed_rows(void **state)
 {
@@ -216,7 +218,8 @@ static void test_fixed_rows(void **state)
     scene_run plain, moved;
     voltages a, b;
     influence_run(&plain, "plate-50-patches", "");
-    influence_run(&moved, "plate-50-patches", "target.value=0.1*x*(y-0.1)+max(0, 1e-3-x)"); /* nodes are 0.02 apart */
+    influence_run(&moved, "plate-50-patches",
+                  "target.value=0.1*x*(y-0.1)+max(0, 1e-3-x)"); /* nodes are 0.02 apart */
     const design *d = &plain.analysis.design;
     assert_true(d->fixed_rows == 11 && d->targets == 121);
     for (int i = 0; i < d->targets; i++)
@@ -226,7 +229,8 @@ static void test_fixed_rows(void **state)
     assert_true(memcmp(a.volt, b.volt, 25 * sizeof *a.volt) == 0 && a.error == b.error);
     assert_true(a.fixed_off == 0 && a.error_all == a.error && b.fixed_off == 11);
     const double squares = design_squares(d, d->wanted, NULL), fixed = 11 * 1e-6;
-    assert_near("counted", b.error_all, sqrt((a.error * a.error * squares + fixed) / (squares + fixed)), 1e-13);
+    assert_near("counted", b.error_all,
+                sqrt((a.error * a.error * squares + fixed) / (squares + fixed)), 1e-13);
     voltages_free(&a);
     voltages_free(&b);
     scene_run_close(&plain);
@@ -240,10 +244,12 @@ static void test_fixed_rows(void **state)
 #define FREE ";target.free=[piston, tip, tilt, x^2]"
 
 /*
- * Law: a combination of the free functions added to the target changes neither voltages nor error, to rounding of the target
- * through the condition of the voltage problem; the misfit is orthogonal to each of them under the weights.
+ * Law: a combination of the free functions added to the target changes neither voltages nor error,
+ * to rounding of the target through the condition of the voltage problem; the misfit is orthogonal
+ * to each of them under the weights.
  */
-static void free_changes_nothing(const char *scene, const char *changes, const char *offset, double size)
+static void free_changes_nothing(const char *scene, const char *changes, const char *offset,
+                                 double size)
 {
     char with_offset[512];
     scene_run r[2];
@@ -260,7 +266,8 @@ static void free_changes_nothing(const char *scene, const char *changes, const c
         double dot = 0, of_misfit = 0, of_free = 0;
         for (int i = 0; i < d->targets; i++) {
             const expr_point at = mesh_place(&d->mesh, d->target_node[i]);
-            const double f[4] = {1, at.x, at.y, at.x * at.x}, miss = v[1].shape[i] - v[1].aim[i], w = d->weight[i];
+            const double f[4] = {1, at.x, at.y, at.x * at.x}, miss = v[1].shape[i] - v[1].aim[i],
+                         w = d->weight[i];
             dot += w * w * f[j] * miss;
             of_misfit += pow(w * miss, 2);
             of_free += pow(w * f[j], 2);
@@ -278,22 +285,30 @@ static void test_free_functions(void **state)
     (void)state;
     free_changes_nothing("plate-50-patches", "target.value=0.1*x*(y-0.1)" FREE,
                          ";target.value=0.1*x*(y-0.1)+2e-3-0.03*x+0.02*y+0.1*x^2", 200);
-    free_changes_nothing("plate-50-patches", "target.value=0.1*x*(y-0.1);target.weight=area" FREE ";loads=[{face: outer, pressure: 5}]",
+    free_changes_nothing("plate-50-patches",
+                         "target.value=0.1*x*(y-0.1);target.weight=area" FREE
+                         ";loads=[{face: outer, pressure: 5}]",
                          ";target.value=0.1*x*(y-0.1)+2e-3-0.03*x+0.02*y+0.1*x^2", 200);
-    free_changes_nothing("mirror", "mesh.theta1.elements=10;mesh.theta2.elements=16;target.modes=[];"
-                         "target.value=0.2e-6*zernike(7, theta1/31.8e-3, theta2)" FREE,
-                         ";target.value=0.2e-6*zernike(7, theta1/31.8e-3, theta2)+1e-6+2e-5*x-3e-5*y+1e-3*x^2", 50);
+    free_changes_nothing(
+        "mirror",
+        "mesh.theta1.elements=10;mesh.theta2.elements=16;target.modes=[];"
+        "target.value=0.2e-6*zernike(7, theta1/31.8e-3, theta2)" FREE,
+        ";target.value=0.2e-6*zernike(7, theta1/31.8e-3, theta2)+1e-6+2e-5*x-3e-5*y+1e-3*x^2", 50);
 }
 
-/* Law: the same on a nonlinear structure, where the voltages are those of the last relinearisation. */
+/*
+ * Law: the same on a nonlinear structure, where the voltages are those of the last relinearisation.
+ */
 static void test_free_nonlinear(void **state)
 {
     (void)state;
-    static const char small[] = "kinematics=nonlinear;mesh.theta1.elements=5;mesh.theta2.elements=5;target.free=[piston, tip]";
+    static const char small[] = "kinematics=nonlinear;mesh.theta1.elements=5;mesh.theta2.elements="
+                                "5;target.free=[piston, tip]";
     scene_run r[2];
     voltages v[2];
     for (int k = 0; k < 2; k++) {
-        influence_run(&r[k], "plate-50-patches", k ? with(small, ";target.value=0.1*x*(y-0.1)+1e-3-0.02*x") : small);
+        influence_run(&r[k], "plate-50-patches",
+                      k ? with(small, ";target.value=0.1*x*(y-0.1)+1e-3-0.02*x") : small);
         r[k].analysis.nonlinear = 1;
         optimum(&r[k], within(200), &v[k]);
     }
@@ -306,8 +321,8 @@ static void test_free_nonlinear(void **state)
 }
 
 /*
- * Law: the device's tick with the tables of the control image needs no projection of its own: wanted and measured shapes as
- * they are, a free offset in each, give the optimum of `pzs shape`.
+ * Law: the device's tick with the tables of the control image needs no projection of its own:
+ * wanted and measured shapes as they are, a free offset in each, give the optimum of `pzs shape`.
  */
 static void test_free_tick(void **state)
 {
@@ -317,7 +332,8 @@ static void test_free_tick(void **state)
     influence_run(&r, "plate-50-patches", "limits.voltage=[-200, 200]" FREE);
     optimum(&r, scene_limits_alone(), &v);
     const design *d = &r.analysis.design;
-    const size_t m = (size_t)d->targets, bytes = PZS_CONTROL_BYTES(25, m), inputs = d->structure.input.count;
+    const size_t m = (size_t)d->targets, bytes = PZS_CONTROL_BYTES(25, m),
+                 inputs = d->structure.input.count;
     void *work = malloc(bytes);
     double *wanted = calloc(2 * m, sizeof *wanted), *measured = wanted + m;
     pzs_control c;
@@ -357,11 +373,13 @@ static void test_free_target(void **state)
 static void test_bad_free(void **state)
 {
     (void)state;
-    static const refusal bad[] = {{"target.free=piston", "list"}, {"target.free=[pistn]", "unknown name"},
-                                  {"target.free=[{a: 1}]", "single value"}, {"target.free=[.nan]", "no number"},
+    static const refusal bad[] = {{"target.free=piston", "list"},
+                                  {"target.free=[pistn]", "unknown name"},
+                                  {"target.free=[{a: 1}]", "single value"},
+                                  {"target.free=[.nan]", "no number"},
                                   {"target.free=['']", "empty"}};
-    static const char *const built[] = {"target.free=[piston, 2]", "target.free=[0]", "target.free=[tip, tilt, x+y]",
-                                        "target.free=[1/(x-0.1)]"};
+    static const char *const built[] = {"target.free=[piston, 2]", "target.free=[0]",
+                                        "target.free=[tip, tilt, x+y]", "target.free=[1/(x-0.1)]"};
     assert_refused("plate-50-patches", bad, sizeof bad / sizeof *bad);
     for (int k = 0; k < 4; k++) {
         scene_run r;
