@@ -132,9 +132,12 @@ int design_target_values(const design *d, const expr *wanted, scene_at at, doubl
         const expr_point place = mesh_place(m, d->target_node[i]);
         value[i] = expr_value(wanted, &place);
         if (!isfinite(value[i]))
-            return scene_fault(d->scene, at, error, "target is not a finite number at theta1 = %g, theta2 = %g",
+            return scene_fault(d->scene, at, error,
+                               "the wanted displacement or free function is not a finite number at "
+                               "theta1 = %g, theta2 = %g",
                                m->theta[d->target_node[i]][0], m->theta[d->target_node[i]][1]);
     }
+    design_take_free(d, value);
     return 0;
 }
 
@@ -163,7 +166,7 @@ static int build_targets(design *d, builder *rows, double *dense, int *node, cha
         append_output(m, &target->what, node[i], rows, dense);
     }
     free(area);
-    return design_target_values(d, target->value, target->what.at, d->target, error);
+    return 0;
 }
 
 static int build_named(design *d, builder *rows, double *dense, int *node, char *error)
@@ -505,7 +508,8 @@ int design_build(design *d, const scene *s, char *error)
 {
     memset(d, 0, sizeof *d);
     d->scene = s;
-    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0 && electrodes_build(d, error) == 0)
+    if (mesh_build(&d->mesh, s, error) == 0 && build_rows(d, error) == 0
+        && design_target_rows(d, error) == 0 && electrodes_build(d, error) == 0)
         return 0;
     design_free(d);
     return -1;
@@ -528,14 +532,6 @@ void design_shape(const design *d, const double *u, double *shape)
         shape[i] = model_observe_row(&d->structure, u, (uint32_t)i);
 }
 
-double design_squares(const design *d, const double *x, const double *y)
-{
-    double sum = 0;
-    for (int i = 0; i < d->targets; i++)
-        sum += pow(d->weight[i] * (y ? x[i] - y[i] : x[i]), 2);
-    return sum;
-}
-
 void design_free(design *d)
 {
     design_release(d->structure.input.start);
@@ -550,6 +546,8 @@ void design_free(design *d)
     free(d->target);
     free(d->wanted);
     free(d->weight);
+    free(d->fixed_weight);
+    free(d->free_value);
     free(d->influence);
     free(d->hessian);
     free(d->lower);

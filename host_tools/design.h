@@ -5,7 +5,25 @@
 #ifndef DESIGN_H
 #define DESIGN_H
 
+#include <stdbool.h>
 #include "mesh.h"
+
+/* Most free functions of a target. */
+enum { DESIGN_FREE = SCENE_FREE };
+
+/*
+ * The common voltage limits of all amplifiers, from which the limits of each are made.
+ *   LIMITS_SCENE  `limits.voltage` of the scene
+ *   LIMITS_GIVEN  lower and upper of this structure replace it; they narrow an amplifier's own
+ *                 limits, and never widen them, nor those of a depolarisation field; a held
+ *                 amplifier stays at its voltage
+ *   LIMITS_NONE   no limit of any kind, but held amplifiers stay held
+ */
+typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
+typedef struct common_limits {
+    limits_source source;
+    double lower, upper;     /* V, LIMITS_GIVEN: finite, lower <= upper */
+} common_limits;
 
 typedef struct design {
     const scene *scene;
@@ -21,10 +39,17 @@ typedef struct design {
     int targets;             /* the first outputs */
     int *target_node;        /* [targets] node of each */
     int *named_first;        /* [scene outputs + 1] first row of each named output */
-    double *target;          /* [targets] wanted displacement */
+    double *target;          /* [targets] wanted displacement, the free functions of the target
+                                taken out */
     double *wanted;          /* [targets] the same less the displacement under the scene's loads: what the volts must do */
-    double *weight;          /* [targets] */
-    double *influence;       /* [targets][amplifiers] after design_control */
+    double *weight;          /* [targets] 0 in rows on constrained dof, which cannot move */
+    int fixed_rows;          /* their number */
+    double *fixed_weight;    /* [targets] the weight that they would have, 0 in the other rows */
+    int free_functions;      /* of the target */
+    double *free_value;      /* [free_functions][targets] as combinations that are orthonormal under
+                                the weights */
+    double *influence;       /* [targets][amplifiers] after design_control, the free functions taken
+                                out */
     double *hessian;         /* [amplifiers][amplifiers] */
     double *lower, *upper, *slew, *prefer; /* [amplifiers] */
     pzs_problem problem;
@@ -39,6 +64,17 @@ int design_build(design *d, const scene *s, char *error);
  * Returns 0, or -1 with error filled.
  */
 int design_control(design *d, const double *influence, char *error);
+
+/*
+ * Voltage limits of every amplifier.
+ *   common in  LIMITS_SCENE: the limits of the design as they are, after design_control
+ *   lower, upper [amplifiers] out
+ * Returns 0, or -1 with error filled: an amplifier has no voltage left.
+ */
+int design_limits(const design *d, common_limits common, double *lower, double *upper, char *error);
+
+/* Is the amplifier held, so that its limits leave it one voltage? */
+bool design_is_held(const design *d, int amplifier);
 
 void design_free(design *d);
 
@@ -57,7 +93,10 @@ void design_warming(const mesh *m, const scene_load *load, int element, double h
 /* Patch of a grid, second index fastest, on which the element lies, or -1. */
 int design_patch(const mesh *m, int element, const scene_patches *patches);
 
-/* A wanted displacement at the target's nodes. value [targets] out. Returns 0, or -1 with error filled: not finite. */
+/*
+ * A wanted displacement at the target's nodes, the free functions taken out. value [targets] out.
+ * Returns 0, or -1 with error filled: not finite.
+ */
 int design_target_values(const design *d, const expr *wanted, scene_at at, double *value, char *error);
 
 /*
@@ -78,8 +117,34 @@ void design_applied(const design *d, double *volt);
 /* Target rows of a displacement. u [dof] in, shape [targets] out */
 void design_shape(const design *d, const double *u, double *shape);
 
-/* |W (x - y)|^2, or |W x|^2 where y is NULL. x, y [targets] in */
+/*
+ * |W P (x - y)|^2, or |W P x|^2 where y is NULL; P takes the free functions out. x, y [targets] in
+ */
 double design_squares(const design *d, const double *x, const double *y);
+
+/*
+ * misfit [targets] out = P (x - y), as above. Returns the weighted sum of its squares in the rows
+ * that cannot move.
+ */
+double design_misfit(const design *d, const double *x, const double *y, double *misfit);
+
+/* x := P x. x [targets] in/out */
+void design_take_free(const design *d, double *x);
+
+/*
+ * P B, 0 in rows that cannot move.
+ *   influence [targets][stride] in  B, the amplifiers' columns first
+ *   column [targets]                room
+ *   out [targets][amplifiers]   out
+ */
+void design_influence_free(const design *d, const double *influence, size_t stride, double *column,
+                           double *out);
+
+/*
+ * Rows that cannot move, free functions, then the wanted displacement. Returns 0, or -1 with error
+ * filled.
+ */
+int design_target_rows(design *d, char *error);
 
 /* Quarter areas of the elements at each node. area [nodes] out */
 void design_node_areas(const mesh *m, double *area);

@@ -19,49 +19,135 @@ static double build_hessian(design *d)
     return d->scene->limits.effort_is_relative ? d->scene->limits.effort * trace / d->amplifiers : d->scene->limits.effort;
 }
 
+/* ---- limits ----------------------------------------------------------- */
+
+/* Limits of every amplifier under construction. */
+typedef struct limits {
+    const scene *scene;
+    double *lower, *upper; /* [amplifiers] */
+} limits;
+
 /* Narrow the limits of one amplifier by the depolarisation field of a patch it drives: a field against the poling. */
-static void narrow_by_field(design *d, int k, const scene_drive *drive)
+static void narrow_by_field(const limits *l, int k, const scene_drive *drive)
 {
-    const scene_layer *layer = &d->scene->layer[d->scene->patches[drive->patches].layer];
-    const double field = d->scene->material[layer->material].field_limit;
+    const scene_layer *layer = &l->scene->layer[l->scene->patches[drive->patches].layer];
+    const double field = l->scene->material[layer->material].field_limit;
     if (field <= 0 || drive->factor == 0)
         return;
     /* E3 = -factor V / h opposes poling along +e3 when factor V > 0. */
-    const double volt = field * layer->thickness / fabs(drive->factor);
+    const double most = field * layer->thickness / fabs(drive->factor);
     if ((drive->factor > 0) == (layer->poling > 0))
-        d->upper[k] = fmin(d->upper[k], volt);
+        l->upper[k] = fmin(l->upper[k], most);
     else
-        d->lower[k] = fmax(d->lower[k], -volt);
+        l->lower[k] = fmax(l->lower[k], -most);
 }
 
-static int build_limits(design *d, char *error)
+static void narrow_by_fields(const limits *l)
 {
-    const scene_limits *limits = &d->scene->limits;
-    for (int k = 0; k < d->amplifiers; k++) {
-        d->lower[k] = limits->lower;
-        d->upper[k] = limits->upper;
-        d->slew[k] = limits->slew;
-    }
-    for (int i = 0; i < limits->each_count; i++)
-        for (int k = limits->each[i].first; k < limits->each[i].first + limits->each[i].count; k++) {
-            d->lower[k] = limits->each[i].lower;
-            d->upper[k] = limits->each[i].upper;
-        }
-    for (int a = 0; a < d->scene->actuators; a++) {
-        const scene_actuator *actuator = &d->scene->actuator[a];
+    for (int a = 0; a < l->scene->actuators; a++) {
+        const scene_actuator *actuator = &l->scene->actuator[a];
         for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++)
             for (int k = 0; k < actuator->drives; k++)
-                narrow_by_field(d, actuator->first + c, &actuator->drive[k]);
+                narrow_by_field(l, actuator->first + c, &actuator->drive[k]);
     }
-    for (int k = 0; k < d->amplifiers; k++)
-        if (d->lower[k] > d->upper[k]) {
+}
+
+static void set_all(const limits *l, double lower, double upper)
+{
+    for (int k = 0; k < l->scene->amplifiers; k++) {
+        l->lower[k] = lower;
+        l->upper[k] = upper;
+    }
+}
+
+/*
+ * The amplifiers' own limits in place of the common ones; the last item that names an amplifier
+ * applies.
+ */
+static void take_own(const limits *l)
+{
+    const scene_limits *from = &l->scene->limits;
+    for (int i = 0; i < from->each_count; i++)
+        for (int k = from->each[i].first; k < from->each[i].first + from->each[i].count; k++) {
+            l->lower[k] = from->each[i].lower;
+            l->upper[k] = from->each[i].upper;
+        }
+}
+
+/* Common limits over the others; a held amplifier has one voltage, which they do not move. */
+static void narrow_by_common(const limits *l, double lower, double upper)
+{
+    for (int k = 0; k < l->scene->amplifiers; k++)
+        if (l->lower[k] != l->upper[k]) {
+            l->lower[k] = fmax(l->lower[k], lower);
+            l->upper[k] = fmin(l->upper[k], upper);
+        }
+}
+
+/* Held amplifiers keep their voltage, the others have no limit. */
+static void open_others(const limits *l)
+{
+    for (int k = 0; k < l->scene->amplifiers; k++)
+        if (l->lower[k] != l->upper[k]) {
+            l->lower[k] = -HUGE_VAL;
+            l->upper[k] = HUGE_VAL;
+        }
+}
+
+/* Each amplifier must have a voltage left. */
+static int check_limits(const limits *l, const char *which, char *error)
+{
+    for (int k = 0; k < l->scene->amplifiers; k++)
+        if (l->lower[k] > l->upper[k]) {
             char name[SCENE_LABEL];
-            scene_amplifier_name(d->scene, k, name);
-            return scene_fault(d->scene, limits->at, error, "%s has no voltage left between %g and %g; its limits and the material's field_limit do not meet",
-                               name, d->lower[k], d->upper[k]);
+            scene_amplifier_name(l->scene, k, name);
+            return scene_fault(
+                l->scene, l->scene->limits.at, error,
+                "%s has no voltage left between %g and %g: %sits own limits and the material's "
+                "field_limit do not overlap; widen one of them",
+                name, l->lower[k], l->upper[k], which);
         }
     return 0;
 }
+
+/*
+ * The limits of the scene: of its amplifiers where they have their own, else common, within the
+ * depolarisation fields.
+ */
+static int build_limits(const design *d, char *error)
+{
+    const limits l = {d->scene, d->lower, d->upper};
+    set_all(&l, d->scene->limits.lower, d->scene->limits.upper);
+    take_own(&l);
+    narrow_by_fields(&l);
+    for (int k = 0; k < d->amplifiers; k++)
+        d->slew[k] = d->scene->limits.slew;
+    return check_limits(&l, "", error);
+}
+
+int design_limits(const design *d, common_limits common, double *lower, double *upper, char *error)
+{
+    const limits l = {d->scene, lower, upper};
+    const size_t bytes = (size_t)d->amplifiers * sizeof *lower;
+    memcpy(lower, d->lower, bytes);
+    memcpy(upper, d->upper, bytes);
+    if (common.source == LIMITS_NONE)
+        open_others(&l);
+    if (common.source != LIMITS_GIVEN)
+        return 0;
+    set_all(&l, -HUGE_VAL, HUGE_VAL);
+    take_own(&l);
+    narrow_by_fields(&l);
+    narrow_by_common(&l, common.lower, common.upper);
+    return check_limits(&l, "the limits asked for, ", error);
+}
+
+bool design_is_held(const design *d, int amplifier)
+{
+    return d->lower[amplifier] == d->upper[amplifier];
+}
+
+/* ---- voltage problem -------------------------------------------------- */
 
 static int allocate_control(design *d)
 {
@@ -86,12 +172,20 @@ int design_control(design *d, const double *influence, char *error)
         return scene_fault(d->scene, d->scene->limits.at, error, "no amplifiers: add `actuators`");
     if (!allocate_control(d))
         return scene_fault(d->scene, d->scene->limits.at, error, "%d amplifiers do not fit into memory", d->amplifiers);
+    if (d->fixed_rows == d->targets)
+        return scene_fault(d->scene, d->scene->target.what.at, error,
+                           "all %d target rows lie on constrained dof and "
+                           "cannot move; choose other nodes or another direction",
+                           d->targets);
+    design_influence_free(d, influence, inputs, d->wanted, d->influence);
     for (size_t i = 0; i < (size_t)d->targets; i++) {
-        memcpy(d->influence + i * n, influence + i * inputs, n * sizeof *d->influence);
-        d->wanted[i] = d->target[i];
+        d->wanted[i] = 0;
         for (size_t load = n; load < n + (size_t)d->loads; load++)
-            d->wanted[i] -= influence[i * inputs + load];
+            d->wanted[i] += influence[i * inputs + load];
     }
+    design_take_free(d, d->wanted);
+    for (int i = 0; i < d->targets; i++)
+        d->wanted[i] = d->target[i] - d->wanted[i];
     p->effort = build_hessian(d);
     if (build_limits(d, error) < 0)
         return -1;

@@ -190,26 +190,29 @@ static int shape_before(shape_run *run, char *error)
 }
 
 /*
- * Optima without limits and within each limit, clipping and on a nonlinear structure the linear optimum beside,
- * then the scene's volts to compare.
+ * Optima without limits and within each limit, on a nonlinear structure the linear optimum beside,
+ * least squares clipped, and regularised before with the best parameter, then the scene's volts to
+ * compare.
  */
 static int shape_results(shape_run *run, const options *o, char *error)
 {
     analysis *a = run->analysis;
     const scene *s = a->design.scene;
-    const double own[1] = {(double)NAN};
-    const double *limit = o->limits ? o->limit : own;
+    const common_limits own = {.source = LIMITS_SCENE}, none = {.source = LIMITS_NONE};
+    const common_limits *limit = o->limits ? o->limit : &own;
     const int limits = o->limits ? o->limits : 1;
-    const size_t most = 1 + 3 * (size_t)limits + (size_t)s->compares;
+    const size_t most = 1 + 4 * (size_t)limits + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
-    if (shape_before(run, error) < 0 || voltages_optimum(a, HUGE_VAL, &run->volts[run->count++], error) < 0)
+    if (shape_before(run, error) < 0
+        || voltages_optimum(a, none, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < limits; i++)
         if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0
             || (a->nonlinear && voltages_linear(a, limit[i], &run->volts[run->count++], error) < 0)
-            || voltages_clipped(a, limit[i], &run->volts[run->count++], error) < 0)
+            || voltages_clipped(a, limit[i], &run->volts[run->count++], error) < 0
+            || voltages_regularised(a, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
     run->compared = run->count;
     for (int i = 0; i < s->compares; i++)
@@ -338,6 +341,12 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
         return -1;
     if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
         return -1;
+    if (image != TABLES_CONTROL && s->target.frees > 0)
+        return scene_fault(s, s->target.free[0].at, error,
+                           "target.free is taken out of the influence matrix of a control "
+                           "image; the device makes that of a %s image itself: use --level control "
+                           "or remove target.free",
+                           tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
         return 0;
     if (s->kinematics == KINEMATICS_LINEAR)

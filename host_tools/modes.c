@@ -8,7 +8,7 @@
 static int run_unlimited(analysis *a, mode *m, char *error)
 {
     voltages v;
-    const int failed = voltages_optimum(a, HUGE_VAL, &v, error);
+    const int failed = voltages_optimum(a, (common_limits){.source = LIMITS_NONE}, &v, error);
     m->unlimited = v.error;
     for (int k = 0; !failed && k < v.volts; k++)
         m->volt = fmax(m->volt, fabs(v.volt[k]));
@@ -16,17 +16,22 @@ static int run_unlimited(analysis *a, mode *m, char *error)
     return failed;
 }
 
-static int run_limited(analysis *a, double limit, mode_left *left, char *error)
+static int run_limited(analysis *a, common_limits limit, mode_left *left, char *error)
 {
-    voltages best, cut;
+    voltages best, cut, tuned;
     memset(&cut, 0, sizeof cut);
-    const int failed = voltages_optimum(a, limit, &best, error) < 0 || voltages_clipped(a, limit, &cut, error) < 0;
+    memset(&tuned, 0, sizeof tuned);
+    const int failed = voltages_optimum(a, limit, &best, error) < 0
+                       || voltages_clipped(a, limit, &cut, error) < 0
+                       || voltages_regularised(a, limit, &tuned, error) < 0;
     memcpy(left->limit, best.limit, sizeof left->limit);
     left->optimum = best.error;
     left->active = best.active;
     left->clipped = cut.error;
+    left->regularised = tuned.error;
     voltages_free(&best);
     voltages_free(&cut);
+    voltages_free(&tuned);
     return failed ? -1 : 0;
 }
 
@@ -40,7 +45,8 @@ static double target_size(const design *d)
 }
 
 /* Mode k of the target in the target's place, what the scene's loads move taken off as there. loaded [targets] in */
-static int run_mode(modes *m, int k, analysis *a, const double *loaded, const double *limit, char *error)
+static int run_mode(modes *m, int k, analysis *a, const double *loaded, const common_limits *limit,
+                    char *error)
 {
     design *d = &a->design;
     const scene_mode *wanted = &d->scene->target.mode[k];
@@ -55,7 +61,7 @@ static int run_mode(modes *m, int k, analysis *a, const double *loaded, const do
     return failed;
 }
 
-int modes_run(modes *m, analysis *a, const double *limit, int limits, char *error)
+int modes_run(modes *m, analysis *a, const common_limits *limit, int limits, char *error)
 {
     design *d = &a->design;
     const size_t n = (size_t)d->targets, count = (size_t)d->scene->target.modes;

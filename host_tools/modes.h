@@ -9,9 +9,10 @@
 
 /* One mode within one pair of limits. */
 typedef struct mode_left {
-    double limit[2];     /* the tightest of any amplifier */
+    double limit[2];     /* V, lowest and highest that any amplifier may give */
     double optimum;      /* shape error of the best volts within them */
-    double clipped;      /* and of the unlimited linear ones, cut */
+    double clipped;      /* of clipped least squares, */
+    double regularised;  /* and regularised before with the best parameter of this mode */
     int active;          /* amplifiers at a limit at the optimum */
 } mode_left;
 
@@ -32,7 +33,7 @@ typedef struct modes {
  *   limit  in  [limits] as in voltages_optimum
  * Returns 0, or -1 with error filled; modes_free in either case.
  */
-int modes_run(modes *m, analysis *a, const double *limit, int limits, char *error);
+int modes_run(modes *m, analysis *a, const common_limits *limit, int limits, char *error);
 void modes_free(modes *m);
 
 #endif

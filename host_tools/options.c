@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"
 #include <ctype.h>
+#include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +21,10 @@ const char *const options_help =
     "\n"
     "SCENE is a file, or the name of a shipped scene. Options:\n"
     "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
-    "  --limit V          shape: voltage limit instead of the scene's; repeat it for a comparison\n"
+    "  --limit V          shape: common voltage limits -V .. V instead of limits.voltage of the scene;\n"
+    "  --limit LO,HI      an amplifier's own limits and held voltage (limits.each) and depolarisation\n"
+    "                     field (field_limit) apply besides, so that the narrowest limit always wins;\n"
+    "                     repeat it for a comparison\n"
     "  --json             numbers for machines on standard output\n"
     "  --strict           warnings on implausible numbers end with exit code 1\n"
     "  --report FILE.html pictures and tables in one page\n"
@@ -34,6 +39,15 @@ const char *const options_help =
     "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
     "  -o FILE            tables: output file, or a folder for it\n"
+    "\n"
+    "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the\n"
+    "limits. Regularised, then clipped: the same with the one parameter that leaves the smallest\n"
+    "error of the linear model, chosen knowing the answer.\n"
+    "\n"
+    "Shape error: weighted RMS misfit over the RMS of the target. Target nodes on constrained dof,\n"
+    "which cannot move, do not count; shape reports them where they are not as wanted, and the error\n"
+    "with them. target.free: functions that are taken out of target and error (piston, tip, tilt, or\n"
+    "formulas).\n"
     "\n"
     "Examples:\n"
     "  pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8\n"
@@ -53,19 +67,46 @@ int options_refuse(const char *what, const char *value)
     return OPTIONS_WRONG;
 }
 
+/* A finite number up to `stop`; end is where it stopped. Returns whether there is one. */
+static bool read_voltage(const char *text, char stop, double *voltage, char **end)
+{
+    *voltage = strtod(text, end);
+    return *end != text && **end == stop && isfinite(*voltage);
+}
+
+/* V: from -V to V. LOWEST,HIGHEST: those. Returns 0, or an exit code. */
+static int take_limit(options *o, const char *value)
+{
+    common_limits limit = {.source = LIMITS_GIVEN};
+    char *end;
+    if (o->limits == MOST_LIMITS)
+        return options_refuse("too many limits at", value);
+    if (!strchr(value, ',')) {
+        if (!read_voltage(value, '\0', &limit.upper, &end) || !(limit.upper > 0))
+            return options_refuse("--limit is a finite voltage above 0, or LOWEST,HIGHEST, not",
+                                  value);
+        limit.lower = -limit.upper;
+    } else {
+        if (!read_voltage(value, ',', &limit.lower, &end)
+            || !read_voltage(end + 1, '\0', &limit.upper, &end))
+            return options_refuse("--limit LOWEST,HIGHEST is two finite voltages, not", value);
+        if (limit.lower > limit.upper)
+            return options_refuse("--limit LOWEST,HIGHEST: the lowest voltage is above the highest in",
+                                  value);
+    }
+    o->limit[o->limits++] = limit;
+    return 0;
+}
+
 /* Take one option with a value. Returns 0, or an exit code. */
 static int take_value(options *o, const char *name, const char *value)
 {
-    char *end;
     if (strcmp(name, "--set") == 0) {
         if (o->sets == MOST_SETS)
             return options_refuse("too many changes at", value);
         o->set[o->sets++] = value;
     } else if (strcmp(name, "--limit") == 0) {
-        const double limit = strtod(value, &end);
-        if (o->limits == MOST_LIMITS || end == value || *end || !(limit > 0))
-            return options_refuse("--limit wants a positive voltage, not", value);
-        o->limit[o->limits++] = limit;
+        return take_limit(o, value);
     } else if (strcmp(name, "--level") == 0) {
         for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
             o->image++;

@@ -11,7 +11,7 @@ enum { OPTIONS_WRONG = 2, OPTIONS_PATH = 4096, MOST_SETS = 64, MOST_LIMITS = 16 
 typedef struct options {
     const char *scene;
     const char *set[MOST_SETS];
-    double limit[MOST_LIMITS];
+    common_limits limit[MOST_LIMITS];
     int sets, limits, as_json, is_strict;
     const char *report, *vtu, *csv, *output, *prefix;
     const device_board *device;

@@ -215,10 +215,16 @@ static void want(plant *p, const double *target)
     design *d = &p->analysis.design;
     const size_t inputs = d->structure.input.count;
     for (size_t i = 0; i < (size_t)d->targets; i++) {
-        d->target[i] = d->wanted[i] = target[i];
+        d->target[i] = target[i];
+        d->wanted[i] = 0;
         for (int k = 0; k < d->loads; k++)
-            d->wanted[i] -= p->analysis.influence[i * inputs + (size_t)(d->amplifiers + k)] * p->amount[input_of(p, k)];
+            d->wanted[i] += p->analysis.influence[i * inputs + (size_t)(d->amplifiers + k)]
+                            * p->amount[input_of(p, k)];
     }
+    design_take_free(d, d->target);
+    design_take_free(d, d->wanted);
+    for (int i = 0; i < d->targets; i++)
+        d->wanted[i] = d->target[i] - d->wanted[i];
 }
 
 int plant_optimum(plant *p, const double *target, const double *held, voltages *best, double *shape, char *error)
@@ -237,7 +243,8 @@ int plant_optimum(plant *p, const double *target, const double *held, voltages *
     want(p, target);
     if (a->nonlinear)
         memcpy(a->path.full, p->amount, d->structure.input.count * sizeof *p->amount);
-    const int failed = voltages_optimum(a, (double)NAN, best, error) < 0;
+    const int failed =
+        voltages_optimum(a, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
     memcpy(d->lower, limit, n * sizeof *limit);
     memcpy(d->upper, limit + n, n * sizeof *limit);
     free(limit);

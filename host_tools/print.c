@@ -98,7 +98,11 @@ static void json_head(json *j, const analysis *a)
 static int image_size(const analysis *a, tables_image image, tables_size *size, tables_memory *need)
 {
     const int controlled = a->design.problem.inputs > 0;
-    FILE *nowhere = (image == TABLES_CONTROL && !controlled) || (image == TABLES_NONLINEAR && !a->path.full) ? NULL : fopen("/dev/null", "w");
+    FILE *nowhere = (image == TABLES_CONTROL && !controlled)
+                            || (image != TABLES_CONTROL && a->design.free_functions > 0)
+                            || (image == TABLES_NONLINEAR && !a->path.full)
+                        ? NULL
+                        : fopen("/dev/null", "w");
     if (!nowhere)
         return -1;
     const int failed = tables_write(nowhere, a, image, "t", size);
@@ -387,6 +391,32 @@ static void print_reached(const shape_run *run)
         putchar('\n');
 }
 
+/* Amplifiers that have less than the range of the table. */
+static void print_narrower(const voltages *v, int amplifiers)
+{
+    if (v->narrower + v->held > 0)
+        printf("\n  of %d amplifiers, with narrower limits than the table says (own limits, "
+               "field_limit): %d; held: %d\n",
+               amplifiers, v->narrower, v->held);
+}
+
+/* Rows that no error counts, where they are not as wanted; and the free functions. */
+static void print_target_rows(const design *d, const voltages *v)
+{
+    const char *comma = "";
+    if (v->fixed_off > 0)
+        printf("\n  %d of %d target rows lie on constrained dof and cannot move, %d of them away "
+               "from the target;\n"
+               "  the shape error does not count them, with them it would be %.3f%%\n",
+               d->fixed_rows, d->targets, v->fixed_off, 100 * v->error_all);
+    if (d->free_functions > 0)
+        printf("\n  free functions, taken out of target and error: ");
+    for (int k = 0; k < d->free_functions; k++, comma = ", ")
+        printf("%s%s", comma, d->scene->target.free[k].name);
+    if (d->free_functions > 0)
+        putchar('\n');
+}
+
 void print_shape(const shape_run *run)
 {
     const analysis *a = run->analysis;
@@ -407,6 +437,10 @@ void print_shape(const shape_run *run)
         else
             puts("         -");
     }
+    puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, "
+         "chosen knowing the answer");
+    print_narrower(&run->volts[1], d->amplifiers);
+    print_target_rows(d, &run->volts[1]);
     print_reached(run);
     print_volts(d->scene, &run->volts[1]);
     for (int i = run->compared; i < run->count; i++)
@@ -425,10 +459,16 @@ static void json_voltages(json *j, const analysis *a, const voltages *v)
     const scene *s = a->design.scene;
     char name[SCENE_LABEL];
     json_numbers(j, "limits", v->limit, 2);
+    json_number(j, "held", v->held);
+    json_number(j, "narrower", v->narrower);
     json_number(j, "shape_error", v->error);
+    json_number(j, "shape_error_all_rows", v->error_all);
+    json_number(j, "fixed_rows_off", v->fixed_off);
     json_number(j, "active", v->active);
     json_number(j, "passes", v->passes);
     json_number(j, "kkt", v->optimality);
+    if (v->regularisation > 0)
+        json_number(j, "regularisation", v->regularisation);
     json_number(j, "relinearised", v->relinearised);
     json_number(j, "systems", v->systems);
     json_open(j, "volts", '{');
@@ -454,6 +494,8 @@ void print_shape_json(const shape_run *run)
     json_head(&j, a);
     json_number(&j, "amplifiers", d->amplifiers);
     json_number(&j, "targets", d->targets);
+    json_number(&j, "fixed_rows", d->fixed_rows);
+    json_number(&j, "free_functions", d->free_functions);
     json_string(&j, "kinematics", a->nonlinear ? "nonlinear" : "linear");
     if (a->nonlinear) {
         json_number(&j, "cost_of_linear", cost_of_linear(run));
@@ -461,6 +503,7 @@ void print_shape_json(const shape_run *run)
     }
     json_number(&j, "shape_error_before", run->before.error);
     json_number(&j, "clipped_error", run->volts[a->nonlinear ? 3 : 2].error);
+    json_number(&j, "regularised_error", run->volts[a->nonlinear ? 4 : 3].error);
     json_voltages(&j, a, &run->volts[1]);
     json_open(&j, "results", '[');
     for (int i = 0; i < run->count; i++) {

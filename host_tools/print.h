@@ -9,8 +9,9 @@
 /* What `pzs shape` found. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *volts;     /* [count] optimum without limits, then per limit the optimum, on a nonlinear structure that of
-                            the linear model, the clipped one; then those of the scene */
+    voltages *volts;     /* [count] optimum without limits; then per limit the optimum, on a nonlinear
+                            structure that of the linear model, clipped least squares, and those
+                            regularised before; then those of the scene */
     voltages before;     /* the scene without any volts */
     int count, compared; /* compared: the first of the scene's own */
     modes modes;         /* of the target, where it lists some */

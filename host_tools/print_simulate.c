@@ -3,7 +3,7 @@
 #include "print.h"
 #include "words.h"
 
-static const char *const law_name[LAWS] = {"controller", "clamped"};
+static const char *const law_name[LAWS] = {"controller", "clipped", "regularised"};
 
 /* ---- CSV -------------------------------------------------------------- */
 
@@ -61,6 +61,7 @@ int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *
     if (csv)
         print_csv_head(csv, w.scene, s->estimates);
     const int failed = simulate_run(s, LAW_CONTROLLER, look, &w, error) < 0 || simulate_run(s, LAW_CLAMP, look, &w, error) < 0
+                    || simulate_run(s, LAW_REGULARISED, look, &w, error) < 0
                     || simulate_optima(s, error) < 0;
     if (failed && bar)
         fputc('\n', stderr);
@@ -99,24 +100,28 @@ static void print_settled(const simulate_phase *p)
 
 static void print_phases(const simulation *s)
 {
-    printf("  %-7s %-46s %9s %9s %9s %9s %9s %6s\n", "tick", "phase", "optimum", "steady", "clamped", "worst", "settled", "slew");
+    printf("  %-7s %-46s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum",
+           "steady", "clipped", "regularised", "worst", "settled", "slew");
     for (int k = 0; k < s->phases; k++) {
         const simulate_phase *p = &s->phase[k];
         char name[WORDS_PHASE];
         words_phase(s, p, name);
-        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %8.3f%% ", p->from, name, 100 * p->optimum, 100 * p->course[LAW_CONTROLLER].steady,
-               100 * p->course[LAW_CLAMP].steady, 100 * p->course[LAW_CONTROLLER].worst);
+        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", p->from, name, 100 * p->optimum, 100 * p->course[LAW_CONTROLLER].steady,
+               100 * p->course[LAW_CLAMP].steady, 100 * p->course[LAW_REGULARISED].steady, 100 * p->course[LAW_CONTROLLER].worst);
         print_settled(p);
         putchar('\n');
     }
     puts("\n  errors of the shape over the scene's target; settled: ticks until within 5% of the way; slew: ticks the slew alone needs");
+    puts("  clipped: least squares without limits, cut to limits and slew; regularised: the same with the\n"
+         "  one parameter that is best for the scene's target on the controller's model, chosen knowing\n"
+         "  the answer");
 }
 
 static void print_count(const simulation *s, simulate_law law)
 {
     const simulate_count *c = &s->count[law];
     const long run = simulate_ran(c);
-    printf("  %-10s %ld volts beyond a limit or the slew, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
+    printf("  %-11s %ld volts beyond a limit or the slew, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
            "%ld out of passes\n", law_name[law], c->beyond, c->not_finite, run, c->lost, c->status[PZS_W_HELD],
            c->status[PZS_W_SENSOR], c->status[PZS_W_PASSES]);
     if (law == LAW_CONTROLLER)
@@ -165,7 +170,11 @@ void print_simulation(const simulation *s)
     print_found(s);
     print_board(s);
     print_count(s, LAW_CLAMP);
-    printf("  %.2f s, %ld linear systems of the plant\n", s->count[0].seconds + s->count[1].seconds, s->plant.systems);
+    print_count(s, LAW_REGULARISED);
+    double seconds = 0;
+    for (int law = 0; law < LAWS; law++)
+        seconds += s->count[law].seconds;
+    printf("  %.2f s, %ld linear systems of the plant\n", seconds, s->plant.systems);
 }
 
 /* ---- JSON ------------------------------------------------------------- */
@@ -232,6 +241,7 @@ void print_simulation_json(const simulation *s)
         print_estimate_json(&j, &s->estimator);
     json_number(&j, "amplifiers", s->nominal->design.amplifiers);
     json_number(&j, "targets", s->nominal->design.targets);
+    json_number(&j, "regularisation", s->regularisation);
     json_open(&j, "phases", '[');
     for (int k = 0; k < s->phases; k++)
         json_phase(&j, s, &s->phase[k]);

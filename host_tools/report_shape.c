@@ -54,7 +54,7 @@ static int result_room(result *r, const design *d)
 
 static void result_misfit(const design *d, result *r)
 {
-    parts_misfit(d, r->volts->shape, d->target, r->vector, r->misfit, r->wanted);
+    parts_misfit(d, r->volts->shape, r->volts->aim, r->vector, r->misfit, r->wanted);
     for (int t = 0; t < d->targets; t++) {
         const double miss = r->misfit[d->target_node[t]];
         r->worst = fmax(r->worst, fabs(miss));

@@ -118,6 +118,8 @@ static void write_phase(const page *p, const simulate_phase *phase)
     fputs("</td><td>", p->file);
     html_percent(p->file, c[LAW_CLAMP].steady);
     fputs("</td><td>", p->file);
+    html_percent(p->file, c[LAW_REGULARISED].steady);
+    fputs("</td><td>", p->file);
     html_percent(p->file, c[LAW_CONTROLLER].worst);
     fputs("</td><td>", p->file);
     if (c->settled < 0)
@@ -130,11 +132,12 @@ static void write_phase(const page *p, const simulate_phase *phase)
 static void write_phases(const page *p)
 {
     html_table_begin(p->file, "Shape error: root of the weighted squares of the misfit over those of the scene&rsquo;s target. Steady: over the "
-                     "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clamped: the unlimited optimum cut to "
-                     "limits and slew, same plant and sensors. Settled: ticks until the shape stays within 5 % of its way. Slew: ticks the slew "
+                     "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clipped: least squares without limits, "
+                     "cut to limits and slew, same plant and sensors. Regularised: the same with the one parameter that is best for the "
+                     "scene&rsquo;s target on the controller&rsquo;s model, chosen knowing the answer. Settled: ticks until the shape stays within 5 % of its way. Slew: ticks the slew "
                      "alone needs.",
                      "<th scope=\"col\">Tick</th><th scope=\"col\" class=\"note\">What happens</th><th scope=\"col\">Optimum</th>"
-                     "<th scope=\"col\">Steady</th><th scope=\"col\">Clamped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th>"
+                     "<th scope=\"col\">Steady</th><th scope=\"col\">Clipped</th><th scope=\"col\">Regularised, clipped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th>"
                      "<th scope=\"col\">Slew</th>");
     for (int k = 0; k < p->s->phases; k++)
         write_phase(p, &p->s->phase[k]);
@@ -165,8 +168,8 @@ static void write_extras(const page *p, const simulate_count *c)
 
 static void write_counts(const page *p)
 {
-    static const char *const name[LAWS] = {"Controller", "Clamped"};
-    html_table_begin(p->file, "Ticks of both laws", "<th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
+    static const char *const name[LAWS] = {"Controller", "Clipped least squares", "Regularised, then clipped"};
+    html_table_begin(p->file, "Ticks of all laws", "<th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
                      "<th scope=\"col\">Not finite</th><th scope=\"col\">Lost</th><th scope=\"col\">Held</th><th scope=\"col\">A sensor doubted</th>"
                      "<th scope=\"col\">Out of passes</th><th scope=\"col\">Most passes</th>");
     for (int law = 0; law < LAWS; law++) {
@@ -302,12 +305,12 @@ static void draw_curve(const page *p, const log_axis *axis, const char *style, d
 static void draw_errors(const page *p)
 {
     const log_axis axis = axis_of(p, 250);
-    static const char *const style[LAWS] = {"wire", "rest"};
+    static const char *const style[LAWS] = {"wire", "rest", ""};
     fputs("<figure>\n", p->file);
-    draw_begin_chart(p->file, 1160, axis.bottom + FOOT, "Shape error over time of the controller and of clamping, with the optimum of each phase");
+    draw_begin_chart(p->file, 1160, axis.bottom + FOOT, "Shape error over time of the controller and of clipped least squares, with the optimum of each phase");
     draw_levels(p, &axis);
     draw_phases(p, axis.bottom);
-    for (int law = LAWS - 1; law >= 0; law--)
+    for (int law = LAW_CLAMP; law >= 0; law--)
         draw_curve(p, &axis, style[law], 1.6, p->r->error[law]);
     if (p->s->estimates)
         draw_curve(p, &axis, "wire", 0.7, p->r->missed);
@@ -316,7 +319,7 @@ static void draw_errors(const page *p)
         fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, p->s->phase[k].from), y_of(&axis, p->s->phase[k].optimum), x_of(p, p->s->phase[k].until));
     fputs("\"/>\n", p->file);
     draw_end_chart(p->file);
-    fputs("<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clamped</span>"
+    fputs("<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clipped</span>"
           "<span><i class=\"key dash\"></i>optimum of the plant</span></span> Shape error, logarithmic", p->file);
     if (p->s->estimates)
         fputs("; thin: what the estimate is off by", p->file);
@@ -389,7 +392,7 @@ static void take_shape(const page *p, const simulate_phase *phase, simulate_law 
 static int draw_shape(const page *p, const simulate_phase *phase, simulate_law law)
 {
     take_shape(p, phase, law);
-    fprintf(p->file, "<figure><h3>%s ", law == LAW_CONTROLLER ? "Controller" : "Clamped");
+    fprintf(p->file, "<figure><h3>%s ", law == LAW_CONTROLLER ? "Controller" : "Clipped least squares");
     html_percent(p->file, phase->course[law].steady);
     fputs("</h3>\n", p->file);
     const int failed = parts_shape(p->file, &p->view, &p->s->nominal->design, p->vector, p->wanted, p->misfit, p->factor, &p->scale);
@@ -411,7 +414,7 @@ static void prepare_shapes(page *p)
     draw_view_begin(&p->view, m);
     for (int pass = 0; pass < 2; pass++) {
         for (int k = 0; k < p->s->phases; k++)
-            for (int law = 0; law < LAWS; law++) {
+            for (int law = 0; law <= LAW_CLAMP; law++) {
                 take_shape(p, &p->s->phase[k], (simulate_law)law);
                 for (int n = 0; n < m->nodes; n++) {
                     p->scale.most = fmax(p->scale.most, isnan(p->misfit[n]) ? 0 : fabs(p->misfit[n]));
@@ -439,7 +442,7 @@ static int draw_shapes(const page *p)
         fprintf(p->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;", p->s->phase[k].until - 1);
         html_text(p->file, name);
         fputs("&rdquo;</h3>\n<div class=\"row two\">\n", p->file);
-        for (int law = 0; law < LAWS; law++)
+        for (int law = 0; law <= LAW_CLAMP; law++)
             failed |= draw_shape(p, &p->s->phase[k], (simulate_law)law);
         fputs("</div>\n</article>\n", p->file);
     }

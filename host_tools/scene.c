@@ -140,7 +140,9 @@ void scene_free(scene *s)
     expr_free(s->contact.body.value);
     expr_free(s->target.value);
     for (i = 0; i < s->target.modes; i++) expr_free(s->target.mode[i].value);
+    for (i = 0; i < s->target.frees; i++) expr_free(s->target.free[i].value);
     free(s->target.mode);
+    free(s->target.free);
     spline_free(s->surface.meridian);
     free(s->path);
     free(s->set);

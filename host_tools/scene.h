@@ -11,8 +11,15 @@
 #include "expr.h"
 #include "spline.h"
 
-/* Room for a name, for one with _i_j behind it, for a message; most nodes of a mesh. */
-enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_ERROR = 400, SCENE_NODES = 60000 };
+/* Room for a name, for one with _i_j behind it, for a message; most nodes of a mesh; most free
+ * functions of a target. */
+enum {
+    SCENE_NAME = 64,
+    SCENE_LABEL = SCENE_NAME + 24,
+    SCENE_ERROR = 400,
+    SCENE_NODES = 60000,
+    SCENE_FREE = 16
+};
 
 /* Where a thing was said, for messages that come later than reading: line and column from 1.
  * Line -(k+1) is the change set[k], line 0 the file as a whole. */
@@ -208,6 +215,8 @@ typedef struct scene_target {
     int modes;
     scene_mode *mode;            /* shapes to try one by one beside it */
     int weight_area;             /* weight: area (1) or equal (0) */
+    int frees;
+    scene_mode *free;            /* functions that are taken out of target and error */
 } scene_target;
 
 typedef struct scene_compare {

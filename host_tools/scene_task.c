@@ -2,6 +2,7 @@
 #include "scene_parts.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -379,6 +380,38 @@ static int read_modes(reader *r, int node, void *to, const void *rule)
     return 0;
 }
 
+/* A word for a function of the coordinates, or the function itself. */
+static int read_free_item(reader *r, int node, scene_mode *to)
+{
+    static const char *const word[3][2] = {{"piston", "1"}, {"tip", "x"}, {"tilt", "y"}};
+    const char *why;
+    int i, column;
+    to->at = node_at(r, node);
+    if (r->t->node[node].kind == TREE_SCALAR)
+        snprintf(to->name, sizeof to->name, "%.60s", node_text(r, node));
+    for (i = 0; i < 3; i++)
+        if (strcmp(to->name, word[i][0]) == 0) {
+            to->value = expr_compile(word[i][1], &column, &why);
+            return to->value ? 0 : tree_fault(r->t, node, "out of memory");
+        }
+    return read_expr(r, node, &to->value, NULL);
+}
+
+static int read_free(reader *r, int node, void *to, const void *rule)
+{
+    scene_target *target = &r->s->target;
+    int i, n;
+    (void)to;
+    (void)rule;
+    target->free = new_items(r, node, TREE_LIST, sizeof *target->free, &n);
+    if (!target->free) return -1;
+    if (n > SCENE_FREE)
+        return tree_fault(r->t, node, "%d free functions; at most %d are read", n, SCENE_FREE);
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
+        if (read_free_item(r, i, &target->free[target->frees++]) != 0) return -1;
+    return 0;
+}
+
 int read_target(reader *r, int node, void *to, const void *rule)
 {
     static const choice weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
@@ -387,6 +420,7 @@ int read_target(reader *r, int node, void *to, const void *rule)
         {"value", read_expr, offsetof(output_text, value), NULL, 1},
         {"weight", read_choice, offsetof(output_text, weight_area), weights, 0},
         {"modes", read_modes, 0, NULL, 0},
+        {"free", read_free, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene *s = to;
     output_text text;

@@ -1,9 +1,11 @@
 /* The closed loop (simulate.h). */
 #include "simulate.h"
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "clipped.h"
 #include "guard.h"
 #include "simulate_loop.h"
 #include "tables.h"
@@ -38,10 +40,13 @@ static int phase_begin(simulation *s, int tick, int first)
     p->until = d->scene->simulate.ticks;
     p->first = first;
     p->optimum = (double)NAN;
+    bool rooms = true;
+    for (int law = 0; law < LAWS; law++)
+        rooms = course_room(&p->course[law], d) && rooms;
     p->target = calloc((size_t)d->targets, sizeof *p->target);
     p->amount = calloc((size_t)d->loads + 1, sizeof *p->amount);
     p->held = calloc((size_t)d->amplifiers, sizeof *p->held);
-    return course_room(&p->course[0], d) && course_room(&p->course[1], d) && p->target && p->amount && p->held;
+    return rooms && p->target && p->amount && p->held;
 }
 
 /* A phase for every tick with events, one for the ticks before them, one for those after the random faults. */
@@ -79,7 +84,6 @@ static int check_readings(const design *d, char *error)
 int simulate_tables(analysis *nominal, char *error)
 {
     design *d = &nominal->design;
-    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
     voltages best;
     if (!d->scene->simulate.at_target)
         return 0;
@@ -87,11 +91,17 @@ int simulate_tables(analysis *nominal, char *error)
         return -1;
     memset(&best, 0, sizeof best);
     nominal->nonlinear = 1;
-    int failed = voltages_optimum(nominal, (double)NAN, &best, error) < 0;
+    int failed =
+        voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
     if (!failed && pzs_influence_at(&nominal->path.run, nominal->influence) != PZS_OK)
         failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
-    for (size_t i = 0; !failed && i < (size_t)d->targets; i++)
-        memcpy(d->influence + i * n, nominal->influence + i * inputs, n * sizeof *d->influence);
+    double *column = calloc((size_t)d->targets, sizeof *column);
+    if (!failed && !column)
+        failed = no_memory(nominal, error);
+    if (!failed)
+        design_influence_free(d, nominal->influence, d->structure.input.count, column,
+                              d->influence);
+    free(column);
     d->problem.hessian = NULL;
     d->problem.crc = guard_problem_crc(&d->problem);
     voltages_free(&best);
@@ -108,6 +118,20 @@ static int check_range(const design *d, char *error)
     return 0;
 }
 
+/*
+ * The fault detector compares measured with predicted displacements, from which free functions have
+ * been taken out.
+ */
+static int check_free(const design *d, char *error)
+{
+    if (d->free_functions == 0 || !d->scene->simulate.finds)
+        return 0;
+    return scene_fault(
+        d->scene, d->scene->simulate.at, error,
+        "told: found does not work with target.free: the fault "
+        "detector needs the whole predicted displacement; write told: TICKS or remove target.free");
+}
+
 /* What stands beside the controller. Returns 0, or -1 with error filled. */
 static int equip(simulation *s, char *error)
 {
@@ -119,17 +143,43 @@ static int equip(simulation *s, char *error)
     return s->estimates || s->feeds ? estimator_open(&s->estimator, s->nominal, error) : 0;
 }
 
+/*
+ * The best single parameter for the scene's target, known before the run. Returns 0, or -1 with
+ * error filled.
+ */
+static int regularise(simulation *s, char *error)
+{
+    const design *d = &s->nominal->design;
+    clipped c;
+    double *volt = calloc((size_t)d->amplifiers, sizeof *volt);
+    int failed = clipped_open(&c, d, d->lower, d->upper, d->wanted) < 0 || !volt
+                     ? no_memory(s->nominal, error)
+                     : 0;
+    const pzs_status status = failed ? PZS_OK : clipped_tune(&c, volt, &s->regularisation);
+    if (status != PZS_OK)
+        failed = scene_fault(d->scene, d->scene->limits.at, error, "%s", pzs_status_text(status));
+    s->regularised = d->problem;
+    s->regularised.effort += s->regularisation * c.scale;
+    s->regularised.crc = 0;
+    s->regularised.crc = guard_problem_crc(&s->regularised);
+    clipped_close(&c);
+    free(volt);
+    return failed;
+}
+
 int simulate_open(simulation *s, analysis *nominal, char *error)
 {
     const design *d = &nominal->design;
     memset(s, 0, sizeof *s);
     s->nominal = nominal;
-    if (check_range(d, error) < 0 || plant_open(&s->plant, d->scene, error) < 0)
+    if (check_range(d, error) < 0 || check_free(d, error) < 0
+        || plant_open(&s->plant, d->scene, error) < 0)
         return -1;
     const double squares = design_squares(d, d->target, NULL);
     s->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(s) ? 0 : no_memory(nominal, error);
-    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0;
+    failed = failed || simulate_tables(nominal, error) < 0 || equip(s, error) < 0
+             || regularise(s, error) < 0;
     if (failed)
         simulate_close(s);
     return failed ? -1 : 0;

@@ -6,7 +6,9 @@
  *
  * The controller is the library's own here, or a firmware with the same tables on a board (simulate_device).
  * The same scene gives the same bits in every run. Beside the controller the same loop runs with what is often done
- * instead: the unlimited optimum, cut to limits and slew.
+ * instead: least squares without limits, cut to limits and step limit; and the same with the
+ * regularisation parameter that is the best one for the scene's target and limits on the
+ * controller's own model.
  */
 #ifndef SIMULATE_H
 #define SIMULATE_H
@@ -15,7 +17,8 @@
 #include "estimator.h"
 #include "plant.h"
 
-typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAWS } simulate_law;
+/* LAW_CLAMP: clipped least squares; LAW_REGULARISED: the same, regularised. */
+typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAW_REGULARISED, LAWS } simulate_law;
 
 /* What a tick came to. */
 typedef struct simulate_sample {
@@ -76,6 +79,8 @@ typedef struct simulation {
     estimator estimator;     /* its gains and known loads, where `estimates` or `feeds` */
     int estimates, feeds, quantises; /* the shape from few sensors; known loads; amplifiers with steps or a dead band */
     double reference;        /* |W target of the scene| */
+    pzs_problem regularised; /* `problem` with the parameter of LAW_REGULARISED in its effort */
+    double regularisation;   /* that parameter, over tr(B'W^2 B)/n */
     const device_board *board; /* the controller runs on it; NULL: here */
     char folder[DEVICE_PATH]; /* of its firmware */
     int phases;

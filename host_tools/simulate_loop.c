@@ -52,6 +52,7 @@ static void set_target(loop *l, const scene_event *event)
         const expr_point at = mesh_place(&l->design->mesh, l->design->target_node[i]);
         l->goal[i] = expr_value(event->value, &at);
     }
+    design_take_free(l->design, l->goal);
 }
 
 static void set_load(loop *l, int load, double amount)
@@ -256,9 +257,11 @@ static double slew_of(const loop *l, int amplifier)
     return l->electrode[amplifier].is_told ? HUGE_VAL : l->design->slew[amplifier];
 }
 
-/* ---- the two laws ----------------------------------------------------- */
+/* ---- the laws ---------------------------------------------------------- */
 
-/* As is often done: the unlimited optimum for the error, cut to limits and slew. */
+/*
+ * As is often done: least squares without limits, regularised or not, cut to limits and step limit.
+ */
 static pzs_status clamp(loop *l)
 {
     const design *d = l->design;
@@ -337,12 +340,12 @@ static void follow(loop *l)
 
 static int command(loop *l, int tick, char *error)
 {
-    if (l->simulation->estimates && (l->law == LAW_CLAMP || l->board.board))
+    if (l->simulation->estimates && (l->law != LAW_CONTROLLER || l->board.board))
         follow(l);
     l->status = sense_shape(l, tick);
     if (PZS_IS_ERROR(l->status))
         return 0;
-    if (l->law == LAW_CLAMP) {
+    if (l->law != LAW_CONTROLLER) {
         l->status = clamp(l);
     } else if (l->board.board) {
         if (ask_board(l, tick, error) < 0)
@@ -523,7 +526,9 @@ int loop_open(loop *l, simulation *s, simulate_law law, char *error)
     if (!take_memory(l))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
     const int n = l->design->amplifiers, m = l->design->targets, delay = scene->simulate.delay;
-    pzs_status status = pzs_control_init(&l->control, s->problem, NULL, l->work, PZS_CONTROL_BYTES(n, m));
+    pzs_status status =
+        pzs_control_init(&l->control, law == LAW_REGULARISED ? &s->regularised : s->problem, NULL,
+                         l->work, PZS_CONTROL_BYTES(n, m));
     if (status == PZS_OK)
         status = pzs_watch_init(&l->watch, &l->control, (uint16_t)delay, l->watch_work, PZS_WATCH_BYTES(n, m, delay));
     if (status == PZS_OK && s->estimates)

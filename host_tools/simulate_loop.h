@@ -43,7 +43,7 @@ typedef struct loop {
     double *wanted;          /* [targets] */
     double *load, *scheduled_load; /* [loads + 1] amounts, the temperature last */
     double *shape;           /* [targets] of the plant */
-    double *wish;            /* [targets] error for the clamped law */
+    double *wish;            /* [targets] error for the clamped law; room before that */
     double *disturbance;     /* [targets] of the clamped law */
     double *command;         /* [amplifiers] of the controller */
     double *given;           /* [amplifiers] by the amplifiers */

@@ -158,14 +158,13 @@ static double missed(const loop *l)
 {
     const design *d = l->design;
     const simulation *s = l->simulation;
-    double sum = 0;
     for (int i = 0; i < d->targets; i++) {
         double left = l->shape[i] - l->measured[i];
         for (int k = 0; k < d->loads && s->feeds; k++)
             left -= s->estimator.known[i * d->loads + k] * l->known[k];
-        sum += isnan(left) ? 0 : pow(d->weight[i] * left, 2);
+        l->wish[i] = isnan(left) ? 0 : left;
     }
-    return sqrt(sum) / s->reference;
+    return sqrt(design_squares(d, l->wish, NULL)) / s->reference;
 }
 
 /*

@@ -175,7 +175,10 @@ static void write_problem(emitter *w, const analysis *a, tables_image image)
     const uint16_t counts[2] = {p.inputs, p.outputs};
     w->crc32 = guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (influence) {
-        emit_reals(w, "influence", p.influence, m * n, "displacement of target node (row) per volt (column)");
+        emit_reals(w, "influence", p.influence, m * n,
+                   d->free_functions > 0 ? "displacement of target node (row) per volt (column), "
+                                           "free functions of the target taken out"
+                                         : "displacement of target node (row) per volt (column)");
         if (p.hessian)
             emit_reals(w, "hessian", p.hessian, n * n, "B'W^2 B");
     }

@@ -1,9 +1,11 @@
 /* Voltages for a target (voltages.h). */
 #include "voltages.h"
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "clipped.h"
 #include "guard.h"
 
 enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
@@ -23,8 +25,12 @@ static void trial_free(trial *t)
     free(t->work);
 }
 
-/* influence [targets][amplifiers] in, or NULL: the design's, at rest */
-static pzs_status trial_start(trial *t, const design *d, double limit, const double *influence)
+/*
+ * influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits
+ * do not overlap.
+ */
+static pzs_status trial_start(trial *t, const design *d, common_limits common,
+                              const double *influence, char *error)
 {
     const size_t n = (size_t)d->amplifiers, bytes = PZS_CONTROL_BYTES(d->amplifiers, d->targets);
     memset(t, 0, sizeof *t);
@@ -33,11 +39,10 @@ static pzs_status trial_start(trial *t, const design *d, double limit, const dou
     t->work = malloc(bytes);
     if (!t->bounds || !t->work)
         return PZS_E_WORKSPACE;
-    for (size_t k = 0; k < n; k++) {
-        t->bounds[k] = isnan(limit) ? d->lower[k] : -limit;
-        t->bounds[n + k] = isnan(limit) ? d->upper[k] : limit;
+    if (design_limits(d, common, t->bounds, t->bounds + n, error) < 0)
+        return PZS_E_LIMITS;
+    for (size_t k = 0; k < n; k++)
         t->bounds[2 * n + k] = HUGE_VAL;
-    }
     t->problem.lower = t->bounds;
     t->problem.upper = t->bounds + n;
     t->problem.slew = t->bounds + 2 * n;
@@ -50,17 +55,37 @@ static pzs_status trial_start(trial *t, const design *d, double limit, const dou
     return pzs_control_init(&t->control, &t->problem, NULL, t->work, bytes);
 }
 
-/* The tightest limits, and how many of v->volt are at theirs. */
+/*
+ * The widest range of any amplifier, how many have less or are held, and how many of `volt` are at
+ * a limit.
+ */
 static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
 {
-    v->limit[0] = -HUGE_VAL;
-    v->limit[1] = HUGE_VAL;
-    v->active = 0;
+    double lowest = HUGE_VAL, highest = -HUGE_VAL;
+    v->active = v->held = v->narrower = 0;
     for (int k = 0; k < p->inputs; k++) {
-        v->limit[0] = fmax(v->limit[0], p->lower[k]);
-        v->limit[1] = fmin(v->limit[1], p->upper[k]);
+        if (p->lower[k] == p->upper[k]) {
+            v->held++;
+            continue;
+        }
+        lowest = fmin(lowest, p->lower[k]);
+        highest = fmax(highest, p->upper[k]);
         v->active += volt[k] == p->lower[k] || volt[k] == p->upper[k];
     }
+    for (int k = 0; k < p->inputs; k++)
+        v->narrower +=
+            p->lower[k] != p->upper[k] && (p->lower[k] > lowest || p->upper[k] < highest);
+    v->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
+    v->limit[1] = fmax(lowest, highest);
+}
+
+/* The message of a status that is about the voltage problem. Returns -1. */
+static int explain(const analysis *a, pzs_status status, char *error)
+{
+    if (status == PZS_E_LIMITS)
+        return -1; /* design_limits has named the amplifier */
+    return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s",
+                       pzs_status_text(status));
 }
 
 /*
@@ -70,11 +95,12 @@ static void note_limits(const pzs_problem *p, const double *volt, voltages *v)
  *   reach            in     most change of any volt from `volt`, or INFINITY
  *   volt [amplifiers] in/out
  */
-static pzs_status best_volts(const design *d, double limit, const double *influence, const double *wanted, double reach,
-                             voltages *v, double *volt)
+static pzs_status best_volts(const design *d, common_limits common, const double *influence,
+                             const double *wanted, double reach, voltages *v, double *volt,
+                             char *error)
 {
     trial t;
-    pzs_status status = trial_start(&t, d, limit, influence);
+    pzs_status status = trial_start(&t, d, common, influence, error);
     for (int k = 0; status == PZS_OK && isfinite(reach) && k < d->amplifiers; k++) {
         t.control.lower[k] = fmax(t.problem.lower[k], volt[k] - reach);
         t.control.upper[k] = fmin(t.problem.upper[k], volt[k] + reach);
@@ -109,11 +135,12 @@ static int start(const analysis *a, voltages *v, const char *name)
     v->volts = a->design.amplifiers;
     v->volt = calloc((size_t)a->design.amplifiers, sizeof *v->volt);
     v->shape = calloc((size_t)a->design.targets, sizeof *v->shape);
+    v->aim = calloc((size_t)a->design.targets, sizeof *v->aim);
     v->u = calloc((size_t)a->design.mesh.dof, sizeof *v->u);
     v->optimality = (double)NAN;
     v->limit[0] = -HUGE_VAL;
     v->limit[1] = HUGE_VAL;
-    return v->volt && v->shape && v->u ? 0 : -1;
+    return v->volt && v->shape && v->aim && v->u ? 0 : -1;
 }
 
 static int out_of_memory(const analysis *a, char *error)
@@ -121,13 +148,38 @@ static int out_of_memory(const analysis *a, char *error)
     return analysis_explain(a, PZS_E_WORKSPACE, error);
 }
 
-/* Target rows of a displacement, and their error. */
-static double shape_of(const analysis *a, const double *u, double *shape)
+/* Weighted squares of what is wanted in the rows that cannot move. */
+static double wanted_fixed(const design *d)
+{
+    double sum = 0;
+    for (int i = 0; i < d->targets; i++)
+        sum += pow(d->fixed_weight[i] * d->wanted[i], 2);
+    return sum;
+}
+
+static double relative(double missed, double wanted)
+{
+    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+}
+
+/* v->shape, v->aim and the errors of v->u. */
+static void measure(const analysis *a, voltages *v)
 {
     const design *d = &a->design;
-    design_shape(d, u, shape);
-    const double missed = design_squares(d, shape, d->target), wanted = design_squares(d, d->wanted, NULL);
-    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+    double most = 0;
+    design_shape(d, v->u, v->shape);
+    const double missed = design_squares(d, v->shape, d->target),
+                 wanted = design_squares(d, d->wanted, NULL);
+    const double missed_fixed = design_misfit(d, v->shape, d->target, v->aim);
+    v->fixed_off = 0;
+    for (int i = 0; i < d->targets; i++)
+        most = fmax(most, fabs(d->target[i]));
+    for (int i = 0; i < d->targets; i++)
+        v->fixed_off += d->fixed_weight[i] > 0 && fabs(v->aim[i]) > 1e-9 * most;
+    for (int i = 0; i < d->targets; i++)
+        v->aim[i] = v->shape[i] - v->aim[i];
+    v->error = relative(missed, wanted);
+    v->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(d));
 }
 
 /* Shape of v->volt on the structure asked about. */
@@ -135,7 +187,7 @@ static int reach(analysis *a, voltages *v, int warm, char *error)
 {
     if (analysis_reach(a, v->volt, warm, v->u, error) < 0)
         return -1;
-    v->error = shape_of(a, v->u, v->shape);
+    measure(a, v);
     v->residual = a->nonlinear ? a->path.run.residual : a->model.residual;
     v->systems += a->nonlinear ? (int)a->path.run.systems : 0;
     return 0;
@@ -146,18 +198,22 @@ static int reach_or_none(analysis *a, voltages *v, char *error)
 {
     if (reach(a, v, 0, error) == 0)
         return 0;
-    shape_of(a, v->u, v->shape);
-    v->error = (double)NAN;
+    measure(a, v);
+    v->error = v->error_all = (double)NAN;
     return a->nonlinear && analysis_ended_early(a) ? 0 : -1;
 }
 
-int voltages_linear(analysis *a, double limit, voltages *v, char *error)
+int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
 {
-    if (start(a, v, isinf(limit) ? "linear optimum, no limits" : "linear optimum in limits") < 0)
+    if (start(a, v,
+              common.source == LIMITS_NONE ? "linear optimum, no limits"
+                                           : "linear optimum in limits")
+        < 0)
         return out_of_memory(a, error);
-    const pzs_status status = best_volts(&a->design, limit, NULL, a->design.wanted, HUGE_VAL, v, v->volt);
+    const pzs_status status =
+        best_volts(&a->design, common, NULL, a->design.wanted, HUGE_VAL, v, v->volt, error);
     if (status != PZS_OK)
-        return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+        return explain(a, status, error);
     if (reach_or_none(a, v, error) < 0)
         return -1;
     if (a->nonlinear)
@@ -165,20 +221,47 @@ int voltages_linear(analysis *a, double limit, voltages *v, char *error)
     return 0;
 }
 
-int voltages_clipped(analysis *a, double limit, voltages *v, char *error)
+/*
+ * Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error
+ * of the linear model.
+ */
+static pzs_status clipped_volts(const design *d, common_limits common, bool tuned, voltages *v,
+                                char *error)
 {
     trial t;
-    if (start(a, v, "no limits, then clipped") < 0)
-        return out_of_memory(a, error);
-    pzs_status status = trial_start(&t, &a->design, limit, NULL);
+    clipped c;
+    memset(&c, 0, sizeof c);
+    pzs_status status = trial_start(&t, d, common, NULL, error);
+    if (status == PZS_OK && clipped_open(&c, d, t.problem.lower, t.problem.upper, d->wanted) < 0)
+        status = PZS_E_WORKSPACE;
     if (status == PZS_OK)
-        status = pzs_clipped(&t.control, a->design.wanted, v->volt);
+        status =
+            tuned ? clipped_tune(&c, v->volt, &v->regularisation) : clipped_solve(&c, 0, v->volt);
     if (status == PZS_OK)
         note_limits(&t.problem, v->volt, v);
+    clipped_close(&c);
     trial_free(&t);
+    return status;
+}
+
+static int clip(analysis *a, common_limits common, bool tuned, voltages *v, char *error)
+{
+    if (start(a, v, tuned ? "regularised, then clipped" : "clipped least squares") < 0)
+        return out_of_memory(a, error);
+    const pzs_status status = clipped_volts(&a->design, common, tuned, v, error);
     if (status != PZS_OK)
-        return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s", pzs_status_text(status));
+        return explain(a, status, error);
     return reach_or_none(a, v, error);
+}
+
+int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error)
+{
+    return clip(a, common, false, v, error);
+}
+
+int voltages_regularised(analysis *a, common_limits common, voltages *v, char *error)
+{
+    return clip(a, common, true, v, error);
 }
 
 int voltages_given(analysis *a, const char *name, const double *volt, voltages *v, char *error)
@@ -193,6 +276,7 @@ void voltages_free(voltages *v)
 {
     free(v->volt);
     free(v->shape);
+    free(v->aim);
     free(v->u);
     memset(v, 0, sizeof *v);
 }
@@ -219,6 +303,7 @@ typedef struct newton {
     double *all;       /* [outputs][inputs] influence at the shape reached */
     double *influence; /* [targets][amplifiers] its part */
     double *wanted;    /* [targets] what influence times volts should be */
+    double *column;    /* [targets] room */
     double reach;      /* most change of any volt for which the influence is trusted */
     void *state;       /* of the path at the shape reached */
     voltages best;     /* there */
@@ -232,6 +317,7 @@ static void keep(const analysis *a, newton *g, const voltages *v)
     g->best = *v;
     g->best.volt = memcpy(own.volt, v->volt, (size_t)v->volts * sizeof *v->volt);
     g->best.shape = memcpy(own.shape, v->shape, (size_t)a->design.targets * sizeof *v->shape);
+    g->best.aim = memcpy(own.aim, v->aim, (size_t)a->design.targets * sizeof *v->aim);
     g->best.u = memcpy(own.u, v->u, (size_t)a->design.mesh.dof * sizeof *v->u);
 }
 
@@ -241,7 +327,10 @@ static void go_back(analysis *a, const newton *g, voltages *v)
     memcpy(v->volt, g->best.volt, (size_t)v->volts * sizeof *v->volt);
     memcpy(v->shape, g->best.shape, (size_t)a->design.targets * sizeof *v->shape);
     memcpy(v->u, g->best.u, (size_t)a->design.mesh.dof * sizeof *v->u);
+    memcpy(v->aim, g->best.aim, (size_t)a->design.targets * sizeof *v->aim);
     v->error = g->best.error;
+    v->error_all = g->best.error_all;
+    v->fixed_off = g->best.fixed_off;
     v->residual = g->best.residual;
     v->active = g->best.active;
     v->optimality = g->best.optimality;
@@ -251,14 +340,14 @@ static void go_back(analysis *a, const newton *g, voltages *v)
 static pzs_status relinearise(analysis *a, newton *g, voltages *v)
 {
     const design *d = &a->design;
-    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
+    const size_t n = (size_t)d->amplifiers;
     const pzs_status status = pzs_influence_at(&a->path.run, g->all);
+    if (status == PZS_OK)
+        design_influence_free(d, g->all, d->structure.input.count, g->column, g->influence);
     for (size_t i = 0; status == PZS_OK && i < (size_t)d->targets; i++) {
-        g->wanted[i] = d->target[i] - v->shape[i];
-        for (size_t k = 0; k < n; k++) {
-            g->influence[i * n + k] = g->all[i * inputs + k];
+        g->wanted[i] = v->aim[i] - v->shape[i];
+        for (size_t k = 0; k < n; k++)
             g->wanted[i] += g->influence[i * n + k] * v->volt[k];
-        }
     }
     v->relinearised++;
     keep(a, g, v);
@@ -291,11 +380,13 @@ static double largest_change(const analysis *a, const newton *g, const voltages 
  * Move to the linearised optimum within reach; the reach follows how well the last promise was kept, and a move that
  * helps nothing is taken back and tried again closer. Returns the part of the objective it fell by; 0: nothing helps.
  */
-static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_status *status, char *error)
+static double improve(analysis *a, common_limits common, newton *g, voltages *v, pzs_status *status,
+                      char *error)
 {
     const double before = objective(a, v);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status = best_volts(&a->design, limit, g->influence, g->wanted, g->reach, v, v->volt);
+        *status =
+            best_volts(&a->design, common, g->influence, g->wanted, g->reach, v, v->volt, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(a, g, v), promise = promised(a, g, v);
@@ -312,20 +403,23 @@ static double improve(analysis *a, double limit, newton *g, voltages *v, pzs_sta
     return 0;
 }
 
-static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
+static int gauss_newton(analysis *a, common_limits common, voltages *v, char *error)
 {
     const design *d = &a->design;
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, inputs = d->structure.input.count;
     const size_t all = (size_t)d->structure.output.count * inputs;
     double fell = 1;
-    newton g = {.reach = HUGE_VAL, .all = calloc(all + m * n + m, sizeof *g.all), .state = malloc(path_state_bytes(&a->path))};
+    newton g = {.reach = HUGE_VAL,
+                .all = calloc(all + m * n + 2 * m, sizeof *g.all),
+                .state = malloc(path_state_bytes(&a->path))};
     g.influence = g.all + all;
     g.wanted = g.influence + m * n;
+    g.column = g.wanted + m;
     pzs_status status = start(a, &g.best, "") == 0 && g.all && g.state ? PZS_OK : PZS_E_WORKSPACE;
     while (status == PZS_OK && fell > 1e-3 && v->relinearised < MOST_RELINEARISED) {
         status = relinearise(a, &g, v);
         if (status == PZS_OK)
-            fell = improve(a, limit, &g, v, &status, error);
+            fell = improve(a, common, &g, v, &status, error);
     }
     voltages_free(&g.best);
     free(g.state);
@@ -334,10 +428,10 @@ static int gauss_newton(analysis *a, double limit, voltages *v, char *error)
 }
 
 /* Halve the volts, within their limits, until there is an equilibrium. */
-static int retreat(analysis *a, double limit, voltages *v, char *error)
+static int retreat(analysis *a, common_limits common, voltages *v, char *error)
 {
     trial t;
-    const pzs_status status = trial_start(&t, &a->design, limit, NULL);
+    const pzs_status status = trial_start(&t, &a->design, common, NULL, error);
     int failed = -1;
     for (int tries = 0; status == PZS_OK && failed && tries < MOST_REFUSED; tries++) {
         for (int k = 0; k < v->volts; k++)
@@ -348,10 +442,12 @@ static int retreat(analysis *a, double limit, voltages *v, char *error)
     return failed;
 }
 
-int voltages_optimum(analysis *a, double limit, voltages *v, char *error)
+int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error)
 {
-    if (voltages_linear(a, limit, v, error) < 0 || (isnan(v->error) && retreat(a, limit, v, error) < 0))
+    if (voltages_linear(a, common, v, error) < 0
+        || (isnan(v->error) && retreat(a, common, v, error) < 0))
         return -1;
-    snprintf(v->name, sizeof v->name, "%s", isinf(limit) ? "optimum, no limits" : "optimum within limits");
-    return a->nonlinear ? gauss_newton(a, limit, v, error) : 0;
+    snprintf(v->name, sizeof v->name, "%s",
+             common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
+    return a->nonlinear ? gauss_newton(a, common, v, error) : 0;
 }

@@ -66,6 +66,23 @@ run 2; check 'no arguments: usage, exit code 2' $?
 run 2 sovle plate-50-patches && says "unknown command 'sovle'"; check 'unknown command' $?
 run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
 run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?
+for limit in inf -inf 0 1e999 junk '' 5,-5 1,2,3 1, ,1 1,inf nan,1; do
+    run 2 shape plate-50-patches --limit "$limit" && says "--limit"; check "bad limit '$limit'" $?
+done
+run 0 shape plate-50-patches --limit -50,300 --limit 400 --set materials.G1195.field_limit=1.2e6 --set 'limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_2, voltage: [-10, 10]}]' --json &&
+    json "all(r['volts']['v_1_1']==0 for r in j['results'][:7]) and all(abs(r['volts']['v_1_2'])<=10 for r in j['results'][1:7]) and all(-50<=v<=300 for r in j['results'][1:4] for v in r['volts'].values()) and all(abs(v)<=300.0001 for r in j['results'][4:7] for v in r['volts'].values())"
+check 'the narrowest limit wins: held, own, field, --limit' $?
+run 2 shape plate-50-patches --limit 30,90 --set 'limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]' && says 'v_2_3 has no voltage left'; check 'limits that do not overlap name the amplifier' $?
+run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-4' && grep -q '11 of 121 target rows lie on constrained dof and cannot move, 11 of them' "$dir/out" && grep -q 'with them it would be 10.645%' "$dir/out"
+check 'target rows that cannot move are reported' $?
+run 0 shape plate-50-patches --limit 200 --set 'target.free=[piston]' --json && json "j['free_functions']==1 and j['fixed_rows']==11 and j['fixed_rows_off']==0 and j['shape_error_all_rows']>0" &&
+    cp "$dir/out" "$dir/free" && run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-2' --set 'target.free=[piston]' --json &&
+    json "abs(j['shape_error']/json.load(open('$dir/free'))['shape_error']-1)<1e-9"
+check 'a free piston in the target costs nothing' $?
+run 2 tables plate-50-patches --set 'target.free=[tip]' --level linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
+    run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'free functions of the target taken out' "$dir/free.h"
+check 'free functions: carried by the control image, refused by the linear one' $?
+run 2 simulate plate-closed-loop --set 'target.free=[piston]' && says 'told: found'; check 'free functions and the fault detector: exit 2' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
 run 0 list && [ "$(wc -l <"$dir/out")" -ge 9 ]; check 'list names the shipped scenes' $?
 for s in $("$PZS" list | cut -d' ' -f1); do
@@ -84,10 +101,11 @@ run 0 shape plate-50-patches --limit 200 --limit 100 --json && json "abs(j['resu
 json "not [k for k in '$common volts shape_error shape_error_before clipped_error active kkt'.split() if k not in j] and len(j['volts'])==25 and j['shape_error']==j['results'][1]['shape_error'] and j['clipped_error']==j['results'][2]['shape_error'] and abs(j['shape_error_before']-1)<1e-12"; check 'keys of shape --json' $?
 json "abs(j['results'][1]['shape_error']-.08975)<1e-5 and j['results'][1]['active']==6"; check 'shape within 200 V .08975, 6 active' $?
 json "abs(j['results'][2]['shape_error']-.520)<5e-4"; check 'clipped .520' $?
-json "abs(j['results'][3]['shape_error']-.36114)<1e-5"; check 'shape within 100 V .36114' $?
+json "abs(j['regularised_error']-.15939)<1e-5 and j['results'][3]['shape_error']==j['regularised_error'] and j['results'][3]['name']=='regularised, then clipped' and 1e-3<j['results'][3]['regularisation']<1e-2"; check 'regularised with the best parameter, then clipped .159' $?
+json "abs(j['results'][4]['shape_error']-.36114)<1e-5"; check 'shape within 100 V .36114' $?
 json "max(abs(v) for v in j['results'][1]['volts'].values())<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
 json "[r for r in j['results'] if r['name']=='published'][0]['shape_error'] > .0705"; check 'published voltages beside' $?
-run 0 shape mirror --set mesh.theta1.elements=10 --set mesh.theta2.elements=16 --limit 30 --limit 100 --json && json "len(j['modes'])==14 and all(m['unlimited_error']<=l['shape_error']*(1+1e-9)<=l['clipped_error']*(1+1e-8) for m in j['modes'] for l in m['limits']) and [l['limits'][1] for l in j['modes'][0]['limits']]==[30,100]"; check 'modes of shape --json' $?
+run 0 shape mirror --set mesh.theta1.elements=10 --set mesh.theta2.elements=16 --limit 30 --limit 100 --json && json "len(j['modes'])==14 and all(m['unlimited_error']<=l['shape_error']*(1+1e-9)<=l['regularised_error']*(1+1e-8)<=l['clipped_error']*(1+2e-8) for m in j['modes'] for l in m['limits']) and [l['limits'][1] for l in j['modes'][0]['limits']]==[30,100]"; check 'modes of shape --json' $?
 run 0 shape mirror --report "$dir/m.html" && grep -q 'Z11 spherical .* 3.962% .* 187.753%' "$dir/out" && grep -q 'Mode by mode' "$dir/m.html"; check 'modes as a table and a picture' $?
 run 0 solve bimorph-sensor --json && json "abs(j['outputs']['V1']/292.351-1)<1e-6 and j['electrodes']['s_1_1']['circuit']=='open' and abs(j['electrodes']['s_1_1']['capacitance_held']/1.062e-11-1)<1e-12 and 1<j['open_over_short_stiffness']<1.01"; check 'electrodes of solve --json' $?
 run 0 solve bimorph-sensor && grep -q '^  s_1_1 *open *2.923510e+02' "$dir/out" && grep -q 'stiffer than short' "$dir/out"; check 'electrodes of solve' $?
@@ -188,7 +206,7 @@ check 'contact needs no linear answer beside it' $?
 "$PZS" solve scordelis-lo --json >/dev/full 2>"$dir/err"; [ $? -eq 1 ] && says 'standard output'; check 'a full standard output is an error' $?
 mkfifo "$dir/pipe"; cat "$dir/pipe" >"$dir/read" & run 0 solve "$dir/good.yaml" --vtu "$dir/pipe"; wait; [ -p "$dir/pipe" ] && grep -q '<Points>' "$dir/read"; check 'a pipe stays a pipe' $?
 { sed '/^compare:/,$d' host_tools/scenes/plate-50-patches.yaml; echo compare:; for i in $(seq 80); do echo "  - {name: c$i, values: [$(seq -s, 25)]}"; done; } >"$dir/many.yaml"
-run 0 shape "$dir/many.yaml" --json && json "len(j['results'])==83"; check 'eighty sets of volts to compare' $?
+run 0 shape "$dir/many.yaml" --json && json "len(j['results'])==84"; check 'eighty sets of volts to compare' $?
 run 2 shape plate-50-patches --set 'limits.each=[{actuator: v_1_1, hold: 1e6}]' --set materials.G1195.field_limit=1e6 && says 'v_1_1'; check 'hold beyond the depolarisation field names the amplifier' $?
 cat >"$dir/tube.yaml" <<'EOT'
 name: tube
@@ -225,8 +243,9 @@ quick='--set kinematics=linear --set simulate.influence=rest --set simulate.plan
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$dir/loop.csv" --report "$dir/loop.html" &&
     json "j['ticks'] == 60 and j['counts']['controller']['ran'] == 60 and j['counts']['controller']['beyond'] == 0 and
-          j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clamped']['steady'] / 2"
-check 'simulate: optimum, controller and clamping in JSON' $?
+          j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clipped']['steady'] / 2 and
+          j['phases'][0]['controller']['steady'] < j['phases'][0]['regularised']['steady'] < j['phases'][0]['clipped']['steady']"
+check 'simulate: optimum, controller and clipping in JSON' $?
 [ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,active,passes,status,lost,v_1_1,.*,v_5_5$' &&
     [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 32 ]
 check 'simulate: a CSV line a tick, a column a quantity' $?

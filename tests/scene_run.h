@@ -2,6 +2,7 @@
 #ifndef SCENE_RUN_H
 #define SCENE_RUN_H
 
+#include <math.h>
 #include "analysis.h"
 
 typedef struct scene_run {
@@ -29,5 +30,25 @@ void scene_run_observe(scene_run *r, const double *u);
 double scene_run_value(const scene_run *r, int k);
 
 void scene_run_close(scene_run *r);
+
+/*
+ * Common voltage limits: none, those of the scene, or from -most to most; an infinite `most` is
+ * none.
+ */
+static inline common_limits no_limits(void)
+{
+    return (common_limits){.source = LIMITS_NONE};
+}
+
+static inline common_limits scene_limits_alone(void)
+{
+    return (common_limits){.source = LIMITS_SCENE};
+}
+
+static inline common_limits within(double most)
+{
+    return isinf(most) ? no_limits()
+                       : (common_limits){.source = LIMITS_GIVEN, .lower = -most, .upper = most};
+}
 
 #endif

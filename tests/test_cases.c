@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
+#include "clipped.h"
 #include "scene_assert.h"
 #include "testdata.h"
 #include "voltages.h"
@@ -241,7 +242,8 @@ static void shape_of(scene_run *r, const char *changes, voltages *v)
 {
     char error[SCENE_ERROR] = "";
     solve_run(r, "bimorph-actuator", changes);
-    if (analysis_influence(&r->analysis, error) < 0 || voltages_optimum(&r->analysis, INFINITY, v, error) < 0)
+    if (analysis_influence(&r->analysis, error) < 0
+        || voltages_optimum(&r->analysis, no_limits(), v, error) < 0)
         fail_msg("%s", error);
 }
 
@@ -288,7 +290,7 @@ static void check_plate(analysis *a, double limit, double shape_error, int activ
 {
     char error[SCENE_ERROR] = "";
     voltages v;
-    if (voltages_optimum(a, limit, &v, error) < 0)
+    if (voltages_optimum(a, within(limit), &v, error) < 0)
         fail_msg("%s", error);
     for (int k = 0; k < 25; k++)
         assert_true(v.volt[k] >= -limit && v.volt[k] <= limit);
@@ -308,11 +310,11 @@ static void test_plate_shapes(void **state)
     char error[SCENE_ERROR] = "";
     solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
-    check_plate(&r.analysis, INFINITY, .05538, 0);
+    check_plate(&r.analysis, HUGE_VAL, .05538, 0);
     check_plate(&r.analysis, 500, .05560, 2);
     check_plate(&r.analysis, 200, .08975, 6);
     check_plate(&r.analysis, 100, .36114, 18);
-    assert_int_equal(voltages_clipped(&r.analysis, 200, &v, error), 0);
+    assert_int_equal(voltages_clipped(&r.analysis, within(200), &v, error), 0);
     assert_true(fabs(v.error - .520) < 5e-4);
     voltages_free(&v);
     assert_int_equal(voltages_given(&r.analysis, "published", r.scene.compare[0].value, &v, error), 0);
@@ -339,7 +341,8 @@ static void test_plate_volts(void **state)
         const double *known = testdata_values(&t, key[i]);
         solve_run(&r, "plate-50-patches", changes[i]);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
-        assert_int_equal(voltages_optimum(&r.analysis, i == 2 ? 200 : INFINITY, &v, error), 0);
+        assert_int_equal(
+            voltages_optimum(&r.analysis, i == 2 ? within(200) : no_limits(), &v, error), 0);
         for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction is 250 times softer */
             assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
         voltages_free(&v);
@@ -368,7 +371,199 @@ static void test_depolarisation(void **state)
         }
 }
 
-/* Law: weights by area have mean square 1 and follow the nodes' shares on an uneven mesh. */
+/* Limits of amplifier k under common limits, of the plate with these changes. */
+static void limits_are(const char *changes, common_limits common, int k, double lower, double upper)
+{
+    double low[25], high[25];
+    scene_run r;
+    solve_run(&r, "plate-50-patches", changes);
+    if (analysis_influence(&r.analysis, r.error) < 0
+        || design_limits(&r.analysis.design, common, low, high, r.error) < 0)
+        fail_msg("%s", r.error);
+    if (low[k] != lower || high[k] != upper)
+        fail_msg("%s: limits %g .. %g, should be %g .. %g", changes, low[k], high[k], lower, upper);
+    scene_run_close(&r);
+}
+
+/*
+ * Law: the limits of an amplifier are the intersection of the common ones, its own and those of the
+ * field; common limits asked for replace those of the scene; a held amplifier keeps its voltage,
+ * whatever is asked for.
+ */
+static void test_narrowest_limit(void **state)
+{
+    (void)state;
+    static const char own[] = "limits.each=[{actuator: v_1_2, voltage: [-30, 700]}]";
+    /* 100 V against the poling: of one patch of the pair at +V, of the other at -V */
+    static const char field[] = "materials.G1195.field_limit=4e5";
+    static const char hold[] = "limits.each=[{actuator: v_1_2, hold: 40}]";
+    const common_limits scene = scene_limits_alone(), none = no_limits();
+    const common_limits wide = {LIMITS_GIVEN, -60, 1000}, narrow = {LIMITS_GIVEN, -20, 10};
+    limits_are("", scene, 1, -600, 600);
+    limits_are("", wide, 1, -60, 1000);
+    limits_are("", none, 1, -HUGE_VAL, HUGE_VAL);
+    limits_are(own, scene, 1, -30, 700);
+    limits_are(own, wide, 1, -30, 700);
+    limits_are(own, narrow, 1, -20, 10);
+    limits_are(own, wide, 2, -60, 1000);
+    limits_are(own, none, 1, -HUGE_VAL, HUGE_VAL);
+    limits_are(field, scene, 1, -4e5 * 0.25e-3, 4e5 * 0.25e-3);
+    limits_are(field, wide, 1, -60, 4e5 * 0.25e-3);
+    limits_are(field, narrow, 1, -20, 10);
+    limits_are(hold, scene, 1, 40, 40);
+    limits_are(hold, wide, 1, 40, 40);
+    limits_are(hold, narrow, 1, 40, 40);
+    limits_are(hold, none, 1, 40, 40);
+    limits_are(hold, narrow, 0, -20, 10);
+}
+
+/*
+ * Law: a held electrode keeps its voltage in every set, to the bit, and no other leaves its own
+ * limits.
+ */
+static void test_held_electrode(void **state)
+{
+    (void)state;
+    const common_limits all[4] = {
+        no_limits(), within(200), {LIMITS_GIVEN, -50, 300}, scene_limits_alone()};
+    scene_run r;
+    solve_run(&r, "plate-50-patches",
+              "limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_5, voltage: [-80, 20]}]");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    for (int i = 0; i < 4; i++) {
+        voltages best, clipped;
+        assert_int_equal(voltages_optimum(&r.analysis, all[i], &best, r.error), 0);
+        assert_int_equal(voltages_clipped(&r.analysis, all[i], &clipped, r.error), 0);
+        assert_true(best.volt[0] == 0 && clipped.volt[0] == 0);
+        assert_true(best.held == 1 && best.narrower == (i > 0));
+        assert_true(i == 0
+                    || (best.volt[4] >= -80 && best.volt[4] <= 20 && clipped.volt[4] >= -80
+                        && clipped.volt[4] <= 20));
+        assert_true(best.error <= clipped.error * (1 + 1e-12));
+        assert_true(i == 3 || i == 0 || best.limit[1] == all[i].upper);
+        voltages_free(&best);
+        voltages_free(&clipped);
+    }
+    scene_run_close(&r);
+}
+
+/*
+ * Law: limits that leave an amplifier no voltage are refused, and the message names the amplifier.
+ */
+static void test_no_voltage_left(void **state)
+{
+    (void)state;
+    voltages v;
+    scene_run r;
+    solve_run(&r, "plate-50-patches", "limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    assert_int_equal(
+        voltages_optimum(&r.analysis, (common_limits){LIMITS_GIVEN, 30, 90}, &v, r.error), -1);
+    assert_non_null(strstr(
+        r.error, "v_2_3 has no voltage left between 30 and 20: the limits asked for, its own"));
+    voltages_free(&v);
+    scene_run_close(&r);
+}
+
+/* |B'W^2 (B v - wanted) + lambda s v| of amplifier j of the plate. */
+static double gradient(const clipped *c, double lambda, const double *volt, int j)
+{
+    const design *d = c->design;
+    double sum = lambda * c->scale * volt[j];
+    for (int i = 0; i < d->targets; i++) {
+        double miss = -d->wanted[i];
+        for (int k = 0; k < 25; k++)
+            miss += d->influence[i * 25 + k] * volt[k];
+        sum += d->weight[i] * d->weight[i] * d->influence[i * 25 + j] * miss;
+    }
+    return fabs(sum);
+}
+
+/*
+ * Law: regularised least squares meet their normal equations in every amplifier that is not held,
+ * held ones at their voltage; cut, no voltage leaves its limits, and those inside are the ones from
+ * before.
+ */
+static void test_regularised_equations(void **state)
+{
+    (void)state;
+    static const double lambda[4] = {0, 1e-6, 1e-3, 1};
+    double lower[25], upper[25], open[25], cut[25], scale = 0;
+    scene_run r;
+    clipped c;
+    solve_run(&r, "plate-50-patches", "");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    const design *d = &r.analysis.design;
+    const double nothing[25] = {0};
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 25; k++) {
+            lower[k] = -(upper[k] = HUGE_VAL);
+            if (k == 7)
+                lower[k] = upper[k] = 35;
+        }
+        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(clipped_solve(&c, lambda[i], open), PZS_OK);
+        for (int k = 0; k < 25; k++)
+            scale = fmax(scale, gradient(&c, 0, nothing, k));
+        assert_true(open[7] == 35);
+        for (int k = 0; k < 25; k++)
+            assert_true(k == 7 || gradient(&c, lambda[i], open, k) < 1e-11 * scale);
+        clipped_close(&c);
+        for (int k = 0; k < 25; k++)
+            if (k != 7)
+                lower[k] = -(upper[k] = 90);
+        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(clipped_solve(&c, lambda[i], cut), PZS_OK);
+        for (int k = 0; k < 25; k++)
+            assert_true(cut[k] == fmin(fmax(open[k], lower[k]), upper[k]));
+        clipped_close(&c);
+    }
+    scene_run_close(&r);
+}
+
+/*
+ * Law: the tuned parameter leaves no more error than any other of a fine grid, to the width of the
+ * search, no less than the optimum within the limits, and where no limit matters the same. And the
+ * numbers of the README.
+ */
+static void test_tuned(void **state)
+{
+    (void)state;
+    static const double limit[4] = {100, 200, 500, 2000},
+                        known[4] = {.48979, .15939, .05560, .05538};
+    scene_run r;
+    solve_run(&r, "plate-50-patches", "");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
+    const design *d = &r.analysis.design;
+    for (int i = 0; i < 4; i++) {
+        voltages tuned, plain, best, other;
+        double lower[25], upper[25], volt[25];
+        clipped c;
+        assert_int_equal(voltages_regularised(&r.analysis, within(limit[i]), &tuned, r.error), 0);
+        assert_int_equal(voltages_clipped(&r.analysis, within(limit[i]), &plain, r.error), 0);
+        assert_int_equal(voltages_optimum(&r.analysis, within(limit[i]), &best, r.error), 0);
+        assert_true(fabs(tuned.error - known[i]) < 1e-5);
+        assert_true(tuned.error <= plain.error && tuned.error >= best.error * (1 - 1e-12));
+        assert_int_equal(design_limits(d, within(limit[i]), lower, upper, r.error), 0);
+        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        for (int k = -400; k <= 40; k++) {
+            assert_int_equal(clipped_solve(&c, pow(10, k / 40.0), volt), PZS_OK);
+            assert_int_equal(voltages_given(&r.analysis, "other", volt, &other, r.error), 0);
+            assert_true(other.error >= tuned.error * (1 - 1e-4));
+            voltages_free(&other);
+        }
+        clipped_close(&c);
+        voltages_free(&tuned);
+        voltages_free(&plain);
+        voltages_free(&best);
+    }
+    scene_run_close(&r);
+}
+
+/*
+ * Law: weights by area, of rows that can move and of others, have mean square 1 and follow the
+ * nodes' shares on an uneven mesh.
+ */
 static void test_area_weights(void **state)
 {
     (void)state;
@@ -377,10 +572,11 @@ static void test_area_weights(void **state)
     solve_run(&r, "tests/scenes/free-bimorph.yaml", "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}");
     const design *d = &r.analysis.design;
     for (int i = 0; i < d->targets; i++)
-        sum += d->weight[i] * d->weight[i];
+        sum += d->weight[i] * d->weight[i] + d->fixed_weight[i] * d->fixed_weight[i];
     assert_true(fabs(sum / d->targets - 1) < 1e-14);
     const double corner = 0.03 * 0.1 / 3 / 4, area = 0.01; /* first node, of a plate 0.1 x 0.1 */
-    assert_true(fabs(d->weight[0] * d->weight[0] - corner / area * d->targets) < 1e-13);
+    assert_true(fabs(pow(d->weight[0] + d->fixed_weight[0], 2) - corner / area * d->targets)
+                < 1e-13);
     scene_run_close(&r);
 }
 
@@ -406,7 +602,11 @@ int main(void)
         cmocka_unit_test(test_three_dimensional), cmocka_unit_test(test_pressure_on_a_ring), cmocka_unit_test(test_patch),
         cmocka_unit_test(test_free_bimorph),     cmocka_unit_test(test_bimorph_tip),        cmocka_unit_test(test_equal_voltages),
         cmocka_unit_test(test_tip_force),        cmocka_unit_test(test_plate_shapes),       cmocka_unit_test(test_plate_volts),
-        cmocka_unit_test(test_depolarisation),   cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
+        cmocka_unit_test(test_depolarisation),
+        cmocka_unit_test(test_narrowest_limit),
+        cmocka_unit_test(test_held_electrode), cmocka_unit_test(test_no_voltage_left),
+        cmocka_unit_test(test_regularised_equations), cmocka_unit_test(test_tuned),
+        cmocka_unit_test(test_area_weights),       cmocka_unit_test(test_target_under_load),
     };
     return cmocka_run_group_tests_name("cases", tests, NULL, NULL);
 }

@@ -319,8 +319,8 @@ static void test_plate_targets(void **state)
         snprintf(changes, sizeof changes, SOURCE "kinematics=nonlinear;target.value=\"%s\"", t->value);
         open_run(&r, "plate-50-patches", changes);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
-        assert_int_equal(voltages_linear(&r.analysis, INFINITY, &linear, error), 0);
-        assert_int_equal(voltages_optimum(&r.analysis, INFINITY, &best, error), 0);
+        assert_int_equal(voltages_linear(&r.analysis, no_limits(), &linear, error), 0);
+        assert_int_equal(voltages_optimum(&r.analysis, no_limits(), &best, error), 0);
         print_message("%s: linear optimum %.4f, optimum %.4f after %d relinearisations, %d systems\n", t->value, linear.error, best.error,
                       best.relinearised, best.systems);
         assert_true(fabs(linear.error / t->linear - 1) < t->tolerance);

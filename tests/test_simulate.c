@@ -140,7 +140,10 @@ static void test_reaches_optimum(void **state)
     }
 }
 
-/* Every event of the shipped schedule: limits, slew and steps of the converter hold on every tick, for both laws. */
+/*
+ * Every event of the shipped schedule: limits, slew and steps of the converter hold on every tick,
+ * for all laws.
+ */
 static void test_inside_limits(void **state)
 {
     bench b;
@@ -170,11 +173,18 @@ static void test_clamp_is_worse(void **state)
     run(&b, LAW_CONTROLLER, &t);
     run(&b, LAW_CLAMP, &t);
     assert_true(b.s.phase[0].course[LAW_CLAMP].steady > 2 * course(&b, 0)->steady);
+    run(&b, LAW_REGULARISED, &t);
+    assert_true(b.s.phase[0].course[LAW_REGULARISED].steady > 1.02 * course(&b, 0)->steady);
+    assert_true(b.s.phase[0].course[LAW_REGULARISED].steady
+                < 0.5 * b.s.phase[0].course[LAW_CLAMP].steady);
     close_bench(&b);
     open_bench(&b, LINEAR "limits.voltage=[-2000, 2000];simulate.ticks=300;simulate.events=[]");
     run(&b, LAW_CONTROLLER, &t);
     run(&b, LAW_CLAMP, &t);
     assert_true(fabs(b.s.phase[0].course[LAW_CLAMP].steady / course(&b, 0)->steady - 1) < 1e-6);
+    run(&b, LAW_REGULARISED, &t);
+    assert_true(fabs(b.s.phase[0].course[LAW_REGULARISED].steady / course(&b, 0)->steady - 1)
+                < 1e-5);
     close_bench(&b);
 }
 

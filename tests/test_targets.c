@@ -18,7 +18,7 @@ static void influence_run(scene_run *r, const char *name, const char *changes)
         fail_msg("%s", r->error);
 }
 
-static void optimum(scene_run *r, double limit, voltages *v)
+static void optimum(scene_run *r, common_limits limit, voltages *v)
 {
     if (voltages_optimum(&r->analysis, limit, v, r->error) < 0)
         fail_msg("%s", r->error);
@@ -83,7 +83,7 @@ static void test_modes(void **state)
     scene_run r, alone;
     modes m;
     voltages v;
-    const double limit[2] = {20, (double)NAN};
+    const common_limits limit[2] = {within(20), scene_limits_alone()};
     influence_run(&r, "mirror", "mesh.theta1.elements=10;mesh.theta2.elements=16");
     const double first = r.analysis.design.target[7];
     assert_int_equal(modes_run(&m, &r.analysis, limit, 2, r.error), 0);
@@ -97,7 +97,7 @@ static void test_modes(void **state)
         assert_true(left->limit[1] == (l ? 50 : 20));
         voltages_free(&v);
     }
-    optimum(&alone, HUGE_VAL, &v);
+    optimum(&alone, no_limits(), &v);
     assert_true(v.error == m.mode[7].unlimited);
     voltages_free(&v);
     modes_free(&m);
@@ -113,14 +113,16 @@ static void test_mirror(void **state)
 {
     (void)state;
     static const int alike[6] = {0, 3, 5, 7, 10, 12}; /* Z2 Z5 Z7 Z9 Z12 Z14, each with the next */
-    const double own = (double)NAN;
+    const common_limits own = scene_limits_alone();
     scene_run r;
     modes m;
     double clipped = 0;
     influence_run(&r, "mirror", "");
     assert_int_equal(modes_run(&m, &r.analysis, &own, 1, r.error), 0);
     for (int k = 0; k < MODES; k++) {
-        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9) && m.left[k].optimum <= m.left[k].clipped * (1 + 1e-12));
+        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9)
+                    && m.left[k].optimum <= m.left[k].regularised * (1 + 1e-12)
+                    && m.left[k].regularised <= m.left[k].clipped);
         assert_true(m.mode[k].unlimited < 0.04 && m.left[k].optimum < 0.16);
         assert_true((m.left[k].active > 0) == (m.mode[k].volt > 50));
         clipped = fmax(clipped, m.left[k].clipped / m.left[k].optimum);
@@ -153,7 +155,7 @@ static void test_hyperboloid(void **state)
         away[k] = scene_run_value(&r, k);
     voltages_free(&v);
     for (int l = 0; l < 2; l++) {
-        optimum(&r, limit[l], &v);
+        optimum(&r, within(limit[l]), &v);
         scene_run_observe(&r, v.u);
         for (int k = 0; k < 4; k++)
             assert_true(fabs(away[k]) > 2.5 && fabs(scene_run_value(&r, k)) < 0.05 * fabs(away[k]));
@@ -162,7 +164,7 @@ static void test_hyperboloid(void **state)
             assert_true(fabs(v.volt[k]) <= limit[l]);
         voltages_free(&v);
     }
-    assert_int_equal(voltages_linear(&r.analysis, 1960, &v, r.error), 0);
+    assert_int_equal(voltages_linear(&r.analysis, within(1960), &v, r.error), 0);
     scene_run_observe(&r, v.u);
     assert_true(fabs(scene_run_value(&r, 0)) > 0.15 * away[0]); /* the linear model does not know the way */
     voltages_free(&v);
@@ -195,12 +197,207 @@ static void test_twist(void **state)
     assert_true(fabs(twist[2]) < 1e-9 * fabs(bend[2]));
 }
 
+/* ---- rows that cannot move, free functions ---------------------------- */
+
+static double largest_difference(const double *x, const double *y, int count)
+{
+    double most = 0;
+    for (int i = 0; i < count; i++)
+        most = fmax(most, fabs(x[i] - y[i]));
+    return most;
+}
+
+/*
+ * Law: what is wanted of rows on constrained dof changes neither voltages nor error by one bit.
+ * Counted, 11 such rows that miss by s, where |wanted| is w and |misfit| is e w: sqrt((e^2 w^2 + 11
+ * s^2) / (w^2 + 11 s^2)).
+ */
+static void test_fixed_rows(void **state)
+{
+    (void)state;
+    scene_run plain, moved;
+    voltages a, b;
+    influence_run(&plain, "plate-50-patches", "");
+    influence_run(&moved, "plate-50-patches",
+                  "target.value=0.1*x*(y-0.1)+max(0, 1e-3-x)"); /* nodes are 0.02 apart */
+    const design *d = &plain.analysis.design;
+    assert_true(d->fixed_rows == 11 && d->targets == 121);
+    for (int i = 0; i < d->targets; i++)
+        assert_true((d->mesh.theta[d->target_node[i]][0] < 1e-9) == (d->weight[i] == 0));
+    optimum(&plain, within(200), &a);
+    optimum(&moved, within(200), &b);
+    assert_true(memcmp(a.volt, b.volt, 25 * sizeof *a.volt) == 0 && a.error == b.error);
+    assert_true(a.fixed_off == 0 && a.error_all == a.error && b.fixed_off == 11);
+    const double squares = design_squares(d, d->wanted, NULL), fixed = 11 * 1e-6;
+    assert_near("counted", b.error_all,
+                sqrt((a.error * a.error * squares + fixed) / (squares + fixed)), 1e-13);
+    voltages_free(&a);
+    voltages_free(&b);
+    scene_run_close(&plain);
+    scene_run_close(&moved);
+    open_run(&moved, "plate-50-patches", "target.at={theta1: [0, 0]}");
+    assert_int_equal(analysis_influence(&moved.analysis, moved.error), -1);
+    assert_non_null(strstr(moved.error, "all 11 target rows lie on constrained dof"));
+    scene_run_close(&moved);
+}
+
+#define FREE ";target.free=[piston, tip, tilt, x^2]"
+
+/*
+ * Law: a combination of the free functions added to the target changes neither voltages nor error,
+ * to rounding of the target through the condition of the voltage problem; the misfit is orthogonal
+ * to each of them under the weights.
+ */
+static void free_changes_nothing(const char *scene, const char *changes, const char *offset,
+                                 double size)
+{
+    char with_offset[512];
+    scene_run r[2];
+    voltages v[2];
+    snprintf(with_offset, sizeof with_offset, "%s%s", changes, offset);
+    for (int k = 0; k < 2; k++) {
+        influence_run(&r[k], scene, k ? with_offset : changes);
+        optimum(&r[k], within(size), &v[k]);
+    }
+    const design *d = &r[1].analysis.design;
+    assert_true(largest_difference(v[0].volt, v[1].volt, v[0].volts) < 1e-9 * size);
+    assert_near("error", v[1].error, v[0].error, 1e-11);
+    for (int j = 0; j < 4; j++) {
+        double dot = 0, of_misfit = 0, of_free = 0;
+        for (int i = 0; i < d->targets; i++) {
+            const expr_point at = mesh_place(&d->mesh, d->target_node[i]);
+            const double f[4] = {1, at.x, at.y, at.x * at.x}, miss = v[1].shape[i] - v[1].aim[i],
+                         w = d->weight[i];
+            dot += w * w * f[j] * miss;
+            of_misfit += pow(w * miss, 2);
+            of_free += pow(w * f[j], 2);
+        }
+        assert_true(fabs(dot) < 1e-12 * sqrt(of_misfit * of_free));
+    }
+    for (int k = 0; k < 2; k++) {
+        voltages_free(&v[k]);
+        scene_run_close(&r[k]);
+    }
+}
+
+static void test_free_functions(void **state)
+{
+    (void)state;
+    free_changes_nothing("plate-50-patches", "target.value=0.1*x*(y-0.1)" FREE,
+                         ";target.value=0.1*x*(y-0.1)+2e-3-0.03*x+0.02*y+0.1*x^2", 200);
+    free_changes_nothing("plate-50-patches",
+                         "target.value=0.1*x*(y-0.1);target.weight=area" FREE
+                         ";loads=[{face: outer, pressure: 5}]",
+                         ";target.value=0.1*x*(y-0.1)+2e-3-0.03*x+0.02*y+0.1*x^2", 200);
+    free_changes_nothing(
+        "mirror",
+        "mesh.theta1.elements=10;mesh.theta2.elements=16;target.modes=[];"
+        "target.value=0.2e-6*zernike(7, theta1/31.8e-3, theta2)" FREE,
+        ";target.value=0.2e-6*zernike(7, theta1/31.8e-3, theta2)+1e-6+2e-5*x-3e-5*y+1e-3*x^2", 50);
+}
+
+/*
+ * Law: the same on a nonlinear structure, where the voltages are those of the last relinearisation.
+ */
+static void test_free_nonlinear(void **state)
+{
+    (void)state;
+    static const char small[] = "kinematics=nonlinear;mesh.theta1.elements=5;mesh.theta2.elements="
+                                "5;target.free=[piston, tip]";
+    scene_run r[2];
+    voltages v[2];
+    for (int k = 0; k < 2; k++) {
+        influence_run(&r[k], "plate-50-patches",
+                      k ? with(small, ";target.value=0.1*x*(y-0.1)+1e-3-0.02*x") : small);
+        r[k].analysis.nonlinear = 1;
+        optimum(&r[k], within(200), &v[k]);
+    }
+    assert_true(largest_difference(v[0].volt, v[1].volt, v[0].volts) < 1e-6 * 200);
+    assert_near("error", v[1].error, v[0].error, 1e-8);
+    for (int k = 0; k < 2; k++) {
+        voltages_free(&v[k]);
+        scene_run_close(&r[k]);
+    }
+}
+
+/*
+ * Law: the device's tick with the tables of the control image needs no projection of its own:
+ * wanted and measured shapes as they are, a free offset in each, give the optimum of `pzs shape`.
+ */
+static void test_free_tick(void **state)
+{
+    (void)state;
+    scene_run r;
+    voltages v;
+    influence_run(&r, "plate-50-patches", "limits.voltage=[-200, 200]" FREE);
+    optimum(&r, scene_limits_alone(), &v);
+    const design *d = &r.analysis.design;
+    const size_t m = (size_t)d->targets, bytes = PZS_CONTROL_BYTES(25, m),
+                 inputs = d->structure.input.count;
+    void *work = malloc(bytes);
+    double *wanted = calloc(2 * m, sizeof *wanted), *measured = wanted + m;
+    pzs_control c;
+    assert_int_equal(pzs_control_init(&c, &d->problem, NULL, work, bytes), PZS_OK);
+    for (int tick = 0; tick < 5; tick++) {
+        for (size_t i = 0; i < m; i++) {
+            const expr_point at = mesh_place(&d->mesh, d->target_node[i]);
+            wanted[i] = 0.1 * at.x * (at.y - 0.1) + 1e-3 * at.x;
+            measured[i] = 2e-3 - 0.1 * at.x * at.x;
+            for (size_t k = 0; k < 25; k++)
+                measured[i] += r.analysis.influence[i * inputs + k] * c.volt[k];
+        }
+        assert_int_equal(pzs_tick(&c, wanted, measured), PZS_OK);
+    }
+    assert_true(largest_difference(c.volt, v.volt, 25) < 1e-8 * 200);
+    voltages_free(&v);
+    free(wanted);
+    free(work);
+    scene_run_close(&r);
+}
+
+/* Law: a target that is free altogether wants nothing. */
+static void test_free_target(void **state)
+{
+    (void)state;
+    scene_run r;
+    voltages v;
+    influence_run(&r, "plate-50-patches", "target.value=3e-3-0.7*x" FREE);
+    optimum(&r, within(200), &v);
+    for (int k = 0; k < 25; k++)
+        assert_true(v.volt[k] == 0);
+    assert_true(v.error == 0);
+    voltages_free(&v);
+    scene_run_close(&r);
+}
+
+static void test_bad_free(void **state)
+{
+    (void)state;
+    static const refusal bad[] = {{"target.free=piston", "list"},
+                                  {"target.free=[pistn]", "unknown name"},
+                                  {"target.free=[{a: 1}]", "single value"},
+                                  {"target.free=[.nan]", "no number"},
+                                  {"target.free=['']", "empty"}};
+    static const char *const built[] = {"target.free=[piston, 2]", "target.free=[0]",
+                                        "target.free=[tip, tilt, x+y]", "target.free=[1/(x-0.1)]"};
+    assert_refused("plate-50-patches", bad, sizeof bad / sizeof *bad);
+    for (int k = 0; k < 4; k++) {
+        scene_run r;
+        assert_int_equal(scene_run_open(&r, "plate-50-patches", built[k]), -1);
+        assert_non_null(strstr(r.error, "free function"));
+        scene_run_close(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_orthonormal), cmocka_unit_test(test_region),
         cmocka_unit_test(test_modes),       cmocka_unit_test(test_mirror),
         cmocka_unit_test(test_hyperboloid), cmocka_unit_test(test_twist),
+        cmocka_unit_test(test_fixed_rows),  cmocka_unit_test(test_free_functions),
+        cmocka_unit_test(test_free_nonlinear), cmocka_unit_test(test_free_tick),
+        cmocka_unit_test(test_free_target), cmocka_unit_test(test_bad_free),
     };
     return cmocka_run_group_tests_name("targets", tests, NULL, NULL);
 }

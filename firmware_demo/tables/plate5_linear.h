@@ -343,8 +343,8 @@ static const pzs_structure demo_structure = {
 
 /* W */
 static const pzs_real demo_weight[36] = {
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
+    PZS_R(0), PZS_R(0), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
@@ -394,7 +394,7 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x81ef4e1du, PZS_BY_BITS(0xc2b6e51eu, 0x39f786f9u), 25, 36,
+    1u, 0x81ef4e1du, PZS_BY_BITS(0x48254806u, 0x19328045u), 25, 36,
     NULL, NULL, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 

@@ -563,9 +563,9 @@ static const pzs_structure demo_structure = {
 
 /* W */
 static const pzs_real demo_weight[121] = {
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
@@ -636,7 +636,7 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x8196b8feu, PZS_BY_BITS(0xae024460u, 0xf1a06642u), 25, 121,
+    1u, 0x8196b8feu, PZS_BY_BITS(0xe1d38512u, 0x47b971edu), 25, 121,
     NULL, NULL, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 

@@ -662,9 +662,9 @@ static const pzs_real demo_reached[122] = {
 
 /* W */
 static const pzs_real demo_weight[121] = {
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
-    PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
+    PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
@@ -735,7 +735,7 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0xbfd19b67u, PZS_BY_BITS(0x8ef658b3u, 0x37fa21b1u), 25, 121,
+    1u, 0xbfd19b67u, PZS_BY_BITS(0xc12799c1u, 0x81e3361eu), 25, 121,
     NULL, NULL, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 
