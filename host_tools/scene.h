@@ -299,6 +299,14 @@ typedef struct scene_simulate {
     scene_at at;
 } scene_simulate;
 
+/* What vibration needs besides the densities of the materials. */
+typedef struct scene_dynamics {
+    double damping;              /* ratio of every mode to critical damping */
+    int damping_given;           /* by the scene; 0: an assumption */
+    int modes;                   /* of the structure that the stability of the control loop is judged with */
+    double mass_per_area;        /* of what is no layer, at the middle of the package */
+} scene_dynamics;
+
 typedef struct scene {
     char *path;                  /* file it was read from */
     char **set;                  /* [sets] changes that were applied */
@@ -329,6 +337,7 @@ typedef struct scene {
     scene_compare *compare;
     scene_estimate estimate;
     scene_simulate simulate;
+    scene_dynamics dynamics;
     int amplifiers;              /* of all actuators, in their order */
     int electrodes;              /* of all sensors, in their order */
     scene_at at_surface, at_layers;
