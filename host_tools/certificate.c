@@ -11,12 +11,12 @@
 #include "model.h"
 
 /* Squarings for the radius at the scene's rate and at the rates of the scan; most states of the loop; rates scanned. */
-enum { EXACT = 40, QUICK = 16, MOST_STATES = 300, MOST_RATES = 1200 };
+enum { EXACT = 40, QUICK = 16, MOST_STATES = 300, MOST_RATES = 2000, PHASES = 8, STARTS = 4 };
 
 static const double two_pi = 6.283185307179586;
 
 /* The scan: first rate, in damping rates zeta w1 a tick, its steps, and its end in highest frequencies. */
-static const double scan_from = 0.2, scan_step = 1.02, scan_to = 10;
+static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
 /* Time constants of a mode between two ticks after which its vibration is forgotten: exp(-20) = 2e-9. */
 static const double decayed = 20;
@@ -256,18 +256,43 @@ static double *loop_gains(const analysis *a, const vibration *v, int modes)
 
 /* ---- verdict ---------------------------------------------------------- */
 
-/* The rate up to which every rate scanned is stable: 0 where the first is not, infinite where all are. */
-static double scan_rates(const double *loop, const double *square, int modes, double damping, int delay)
+/* What the radius is judged with. */
+typedef struct judged_loop {
+    const double *loop, *square;
+    int modes, delay;
+    double damping;
+} judged_loop;
+
+/*
+ * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not the decay alone, decides:
+ * then the intervals up to one period longer have to be stable too.
+ */
+static int is_stable(const judged_loop *l, double rate)
 {
-    const double end = scan_to * sqrt(square[modes - 1]) / two_pi;
-    double rate = scan_from * damping * sqrt(square[0]), stable = 0;
+    const double period = two_pi / sqrt(l->square[0]), interval = 1 / rate;
+    const int phases = interval > 4 * period ? PHASES : 1;
+    for (int k = 0; k < phases; k++) {
+        const double longer = interval + period * k / PHASES;
+        if (!(certificate_radius(l->loop, l->square, l->modes, l->damping, l->delay, longer, QUICK) < 1))
+            return 0;
+    }
+    return 1;
+}
+
+/* The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where all are. */
+static double scan_rates(const judged_loop *l)
+{
+    const double end = scan_to * sqrt(l->square[l->modes - 1]) / two_pi;
+    double rate = scan_from * l->damping * sqrt(l->square[0]), stable = 0;
+    for (int i = 0; i < STARTS && !is_stable(l, rate); i++)
+        rate /= 4;
     for (int i = 0; i < MOST_RATES && rate < end; i++) {
-        if (!(certificate_radius(loop, square, modes, damping, delay, 1 / rate, QUICK) < 1))
+        if (!is_stable(l, rate))
             return stable;
         stable = rate;
         rate *= scan_step;
     }
-    return HUGE_VAL;
+    return rate < end ? stable : HUGE_VAL;
 }
 
 static void judge(certificate *c, const analysis *a)
@@ -287,7 +312,8 @@ static void judge(certificate *c, const analysis *a)
         c->radius = certificate_radius(loop, square, c->modes, c->damping, delay, 1 / c->rate, EXACT);
         c->gain = 2 * c->damping * sqrt(square[0]) / c->rate;
     }
-    c->rate_to = scan_rates(loop, square, c->modes, c->damping, delay);
+    const judged_loop judged = {loop, square, c->modes, delay, c->damping};
+    c->rate_to = scan_rates(&judged);
     free(loop);
 }
 

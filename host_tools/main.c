@@ -355,13 +355,18 @@ static const char *table_path(const options *o, const char *prefix, char path[OP
     return path;
 }
 
-/* A control loop that vibration makes unstable is not handed to a firmware unasked. */
-static int refuse_unstable(const analysis *a, char *error)
+/* A control loop that vibration makes unstable is not handed to a firmware unasked. Returns 0, or -1 with error filled. */
+static int judge_loop(analysis *a, char *error)
 {
     const certificate *c = &a->certificate;
     const scene *s = a->design.scene;
+    if (a->design.problem.inputs == 0)
+        return 0;
+    certificate_make(&a->certificate, a);
+    if (a->quasi_static || !certificate_refuses(c))
+        return 0;
     return scene_fault(s, s->simulate.at, error, "unstable at %g ticks a second: the control step has no vibration model, first "
-                       "mode %.4g Hz, vibration grows %.4g times a tick; a rate up to %.3g is stable; --quasi-static writes "
+                       "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
                        "the tables all the same", c->rate, certificate_first(c), c->radius, c->rate_to);
 }
 
@@ -374,10 +379,8 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
     const scene *s = a->design.scene;
     if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && s->target.given)) && analysis_influence(a, error) < 0)
         return -1;
-    if (a->design.problem.inputs > 0)
-        certificate_make(&a->certificate, a);
-    if (!a->quasi_static && certificate_refuses(&a->certificate))
-        return refuse_unstable(a, error);
+    if (judge_loop(a, error) < 0)
+        return -1;
     if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
         return -1;
     if (image != TABLES_NONLINEAR)
@@ -388,7 +391,9 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
     a->nonlinear = 1;
     const int failed = u ? analysis_solve(a, u, error) : scene_fault(s, s->at_surface, error, "out of memory");
     free(u);
-    return failed ? -1 : s->target.given ? analysis_influence(a, error) : 0;
+    if (failed || (s->target.given && analysis_influence(a, error) < 0))
+        return -1;
+    return judge_loop(a, error);
 }
 
 static void print_tables(const options *o, const analysis *a, const char *path)

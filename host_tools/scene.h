@@ -72,7 +72,7 @@ typedef struct scene_material {
     double permittivity;                           /* at constant strain (F/m), 0 if not given */
     double pyroelectric;                           /* along the poling at constant strain (C/m2 K) */
     double alpha[3];                               /* thermal expansion (1/K) */
-    double density;                                /* weight is force per volume = density * gravity */
+    double density;                                /* mass per volume; weight is density * gravity */
     double field_limit;                            /* depolarisation field (V/m), 0: none */
     int poling;                                    /* +3 or -3 */
     scene_at at;

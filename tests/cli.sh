@@ -224,7 +224,7 @@ grep -q 'Volts of the amplifiers' "$dir/loop.html" && ! grep -qi '[^a-z]nan[^a-z
 [ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
 run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
 run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
-run 0 tables plate-closed-loop -o "$dir/target.h" && run 0 tables plate-closed-loop --set simulate.influence=rest -o "$dir/rest.h" &&
+run 0 tables plate-closed-loop --quasi-static -o "$dir/target.h" && run 0 tables plate-closed-loop --quasi-static --set simulate.influence=rest -o "$dir/rest.h" &&
     grep -q 'influence\[3025\]' "$dir/target.h" && ! cmp -s "$dir/target.h" "$dir/rest.h"
 check 'control tables have the influence that the simulation has' $?
 
