@@ -10,18 +10,38 @@
 #include "mass.h"
 #include "model.h"
 
-/* Squarings for the radius at the scene's rate and at the rates of the scan; most states of the loop; rates scanned. */
-enum { EXACT = 40, QUICK = 16, MOST_STATES = 300, MOST_RATES = 2000, PHASES = 8, STARTS = 4 };
+/*
+ * Squarings for the radius at the scene's rate and at the rates of the scan; most states of the
+ * loop; rates scanned.
+ */
+enum {
+    EXACT = 40,
+    QUICK = 16,
+    MOST_STATES = 300,
+    MOST_DELAY = 100,
+    MOST_RATES = 2000,
+    PHASES = 8,
+    STARTS = 4
+};
 
 static const double two_pi = 6.283185307179586;
 
-/* The scan: first rate, in damping rates zeta w1 a tick, its steps, and its end in highest frequencies. */
+/*
+ * The scan: first rate, in damping rates zeta w1 a tick, its steps, and its end in highest
+ * frequencies.
+ */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
-/* Time constants of a mode between two ticks after which its vibration is forgotten: exp(-20) = 2e-9. */
+/*
+ * Time constants of a mode between two ticks after which its vibration is forgotten: exp(-20)
+ * = 2e-9.
+ */
 static const double decayed = 20;
 
-/* Smallest regularisation, relative to the mean diagonal: amplifiers of equal effect can be told apart by it. */
+/*
+ * Smallest regularisation, relative to the mean diagonal: amplifiers of equal effect can be told
+ * apart by it.
+ */
 static const double least_regularisation = 1e-12;
 
 /* ---- the loop --------------------------------------------------------- */
@@ -38,14 +58,16 @@ static void propagator(double w, double damping, double interval, double r[2][2]
 }
 
 /*
- * The loop over a tick: states q - eq and p = velocity / w of each mode just before the tick, then the deviations
- * measured 1 .. delay ticks before. With eq = g v in force, a tick moves eq to -g F e(late):
- *   e' = R00 (e + eq - eq') + R01 p,   p' = R10 (e + eq - eq') + R11 p,   eq' = -(g F) e(t - delay),   eq = -(g F) e(t - delay - 1)
+ * The loop over a tick: states q - eq and p = velocity / w of each mode just before the tick, then
+ * the deviations measured 1 .. delay ticks before. With eq = g v in force, a tick moves eq to -g F
+ * e(late):
+ *   e' = R00 (e + eq - eq') + R01 p,     eq' = -(g F) e(t - delay)
+ *   p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay - 1)
  * so that delay + 1 deviations of the past are kept.
- *   loop [modes][stride], of which the first `modes` columns count
+ *   loop [modes][stride] in  of which the first `modes` columns count
  */
-static void fill_loop(const double *loop, int stride, const double *square, int modes, double damping, int delay,
-                      double interval, double *a)
+static void fill_loop(const double *loop, int stride, const double *square, int modes,
+                      double damping, int delay, double interval, double *a)
 {
     const size_t m = (size_t)modes, n = m * (size_t)(delay + 3);
     const size_t late = delay == 0 ? 0 : m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
@@ -76,8 +98,8 @@ static int lasting(const double *square, int modes, double damping, double inter
     return count;
 }
 
-double certificate_radius(const double *loop, const double *square, int modes, double damping, int delay, double interval,
-                          int squarings)
+double certificate_radius(const double *loop, const double *square, int modes, double damping,
+                          int delay, double interval, int squarings)
 {
     const int count = lasting(square, modes, damping, interval);
     const size_t n = (size_t)count * (size_t)(delay + 3);
@@ -127,13 +149,13 @@ static void cholesky_solve(const double *l, size_t n, double *x)
 typedef struct gains {
     const analysis *a;
     const vibration *v;
-    size_t modes, n;        /* n: amplifiers that can move */
-    size_t *amplifier;      /* [n] */
-    double *factor;         /* [n][n] B'W^2 B and its regularisation, factored */
-    double *shape;          /* [targets] what the controller takes for a mode's shape */
-    double *x;              /* [n] */
-    double *given;          /* [modes][n] modal coordinates per unit of voltage */
-    double *loop;           /* [modes][modes] */
+    size_t modes, n;   /* n: amplifiers that can move */
+    size_t *amplifier; /* [n] */
+    double *factor;    /* [n][n] B'W^2 B and its regularisation, factored */
+    double *shape;     /* [targets] what the controller takes for a mode's shape */
+    double *x;         /* [n] */
+    double *given;     /* [modes][n] modal coordinates per unit of voltage */
+    double *loop;      /* [modes][modes] */
 } gains;
 
 static size_t list_amplifiers(const design *d, size_t *amplifier)
@@ -151,7 +173,8 @@ static int factor_hessian(gains *g)
     double trace = 0;
     for (size_t i = 0; i < g->n; i++)
         for (size_t j = 0; j < g->n; j++)
-            g->factor[i * g->n + j] = d->hessian[g->amplifier[i] * (size_t)d->amplifiers + g->amplifier[j]];
+            g->factor[i * g->n + j] =
+                d->hessian[g->amplifier[i] * (size_t)d->amplifiers + g->amplifier[j]];
     for (size_t i = 0; i < g->n; i++)
         trace += g->factor[i * g->n + i];
     for (size_t i = 0; i < g->n; i++)
@@ -159,7 +182,9 @@ static int factor_hessian(gains *g)
     return g->n > 0 && cholesky(g->factor, g->n);
 }
 
-/* Does every reading of the estimate show a displacement? Then its rows are those of the structure. */
+/*
+ * Does every reading of the estimate show a displacement? Then its rows are those of the structure.
+ */
 static int reads_displacements(const scene *s)
 {
     for (int i = 0; i < s->estimate.readings; i++)
@@ -199,8 +224,8 @@ static void fill_column(gains *g, const estimator *e, size_t mode)
     for (size_t j = 0; j < g->n; j++) {
         g->x[j] = 0;
         for (int t = 0; t < d->targets; t++)
-            g->x[j] += d->influence[(size_t)t * (size_t)d->amplifiers + g->amplifier[j]] * d->weight[t] * d->weight[t]
-                     * g->shape[t];
+            g->x[j] += d->influence[(size_t)t * (size_t)d->amplifiers + g->amplifier[j]]
+                       * d->weight[t] * d->weight[t] * g->shape[t];
     }
     cholesky_solve(g->factor, g->n, g->x);
     for (size_t i = 0; i < g->modes; i++) {
@@ -221,9 +246,10 @@ static int fill_gains(gains *g)
         return 0;
     for (size_t i = 0; i < g->modes; i++)
         for (size_t j = 0; j < g->n; j++)
-            g->given[i * g->n + j] = vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
+            g->given[i * g->n + j] =
+                vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
     const int estimates = reads_displacements(s) && s->simulate.sight != SIGHT_MEASURED
-                       && estimator_open(&e, g->a, ignored) == 0;
+                          && estimator_open(&e, g->a, ignored) == 0;
     for (size_t mode = 0; mode < g->modes; mode++)
         fill_column(g, estimates ? &e : NULL, mode);
     if (estimates)
@@ -242,7 +268,8 @@ static double *loop_gains(const analysis *a, const vibration *v, int modes)
     g.shape = malloc((size_t)a->design.targets * sizeof *g.shape);
     g.given = malloc(g.modes * amplifiers * sizeof *g.given);
     g.loop = malloc(g.modes * g.modes * sizeof *g.loop);
-    const int filled = g.amplifier && g.factor && g.x && g.shape && g.given && g.loop && fill_gains(&g);
+    const int filled =
+        g.amplifier && g.factor && g.x && g.shape && g.given && g.loop && fill_gains(&g);
     free(g.amplifier);
     free(g.factor);
     free(g.x);
@@ -264,8 +291,8 @@ typedef struct judged_loop {
 } judged_loop;
 
 /*
- * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not the decay alone, decides:
- * then the intervals up to one period longer have to be stable too.
+ * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not
+ * the decay alone, decides: then the intervals up to one period longer have to be stable too.
  */
 static int is_stable(const judged_loop *l, double rate)
 {
@@ -273,13 +300,17 @@ static int is_stable(const judged_loop *l, double rate)
     const int phases = interval > 4 * period ? PHASES : 1;
     for (int k = 0; k < phases; k++) {
         const double longer = interval + period * k / PHASES;
-        if (!(certificate_radius(l->loop, l->square, l->modes, l->damping, l->delay, longer, QUICK) < 1))
+        if (!(certificate_radius(l->loop, l->square, l->modes, l->damping, l->delay, longer, QUICK)
+              < 1))
             return 0;
     }
     return 1;
 }
 
-/* The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where all are. */
+/*
+ * The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where
+ * all are.
+ */
 static double scan_rates(const judged_loop *l)
 {
     const double end = scan_to * sqrt(l->square[l->modes - 1]) / two_pi;
@@ -298,18 +329,30 @@ static double scan_rates(const judged_loop *l)
 static void judge(certificate *c, const analysis *a)
 {
     const scene *s = a->design.scene;
-    const int first = vibration_first(&c->vibration), delay = s->simulate.delay, most = MOST_STATES / (delay + 3);
+    const int first = vibration_first(&c->vibration), delay = s->simulate.delay,
+              most = MOST_STATES / (delay + 3);
     const double *square = c->vibration.square + first;
     c->modes = c->vibration.count - first;
     c->modes = c->modes < most ? c->modes : most;
     if (c->modes < 1 || a->design.problem.inputs == 0)
         return;
-    double *loop = loop_gains(a, &c->vibration, c->modes);
-    if (!loop)
+    if (delay > MOST_DELAY) {
+        snprintf(c->why_not, sizeof c->why_not, "sensors %d ticks late: at most %d can be judged",
+                 delay, MOST_DELAY);
         return;
+    }
+    double *loop = loop_gains(a, &c->vibration, c->modes);
+    if (!loop) {
+        snprintf(c->why_not, sizeof c->why_not,
+                 "its gains cannot be computed; add a regularisation, limits.effort");
+        return;
+    }
     c->is_judged = 1;
+    c->as_measured =
+        s->estimate.given && !reads_displacements(s) && s->simulate.sight != SIGHT_MEASURED;
     if (c->rate > 0) {
-        c->radius = certificate_radius(loop, square, c->modes, c->damping, delay, 1 / c->rate, EXACT);
+        c->radius =
+            certificate_radius(loop, square, c->modes, c->damping, delay, 1 / c->rate, EXACT);
         c->gain = 2 * c->damping * sqrt(square[0]) / c->rate;
     }
     const judged_loop judged = {loop, square, c->modes, delay, c->damping};
@@ -328,7 +371,8 @@ void certificate_make(certificate *c, const analysis *a)
     c->damping_given = s->dynamics.damping_given;
     c->rate = s->simulate.given ? s->simulate.rate : 0;
     c->radius = c->gain = c->rate_to = (double)NAN;
-    c->vibrates = vibration_solve(&c->vibration, &a->design, s->dynamics.modes, MASS_LUMPED, c->why_not) == 0;
+    c->vibrates =
+        vibration_solve(&c->vibration, &a->design, s->dynamics.modes, MASS_LUMPED, c->why_not) == 0;
     if (c->vibrates)
         judge(c, a);
 }
@@ -352,38 +396,53 @@ double certificate_first(const certificate *c)
 
 /* ---- words ------------------------------------------------------------ */
 
-/* What to do about it. */
-static void cure_text(const certificate *c, char text[SCENE_ERROR])
+/* The range of rates, behind the verdict. */
+static void range_text(const certificate *c, char text[SCENE_ERROR])
 {
-    if (c->rate_to > 0)
-        snprintf(text, SCENE_ERROR, "Run it at most at %.3g ticks a second, or wait for a vibration model.", c->rate_to);
+    if (!isfinite(c->rate_to))
+        snprintf(text, SCENE_ERROR, "Every rate is stable.");
+    else if (c->rate_to <= 0)
+        snprintf(text, SCENE_ERROR,
+                 "No rate was found at which it is stable; wait for a vibration model.");
+    else if (certificate_refuses(c))
+        snprintf(text, SCENE_ERROR,
+                 "Run it at most at %.3g ticks a second, or wait for a vibration model.",
+                 c->rate_to);
     else
-        snprintf(text, SCENE_ERROR, "No rate was found at which it is stable; wait for a vibration model.");
+        snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.", c->rate_to);
 }
 
-static void rate_text(const certificate *c, char text[3 * SCENE_ERROR])
+/* The verdict at the scene's rate. */
+static void rate_text(const certificate *c, char text[SCENE_ERROR])
 {
-    char cure[SCENE_ERROR];
-    cure_text(c, cure);
     if (certificate_refuses(c))
-        snprintf(text, 3 * SCENE_ERROR,
-                 "The control step has no vibration model. At %g ticks a second (T = %g s) a structure with first mode\n"
-                 "%.4g Hz and damping ratio %g is stable only at step gain below about 2 zeta w1 T = %.2g; the step\n"
-                 "limit does not help: vibration grows %.4g times a tick.\n%s",
-                 c->rate, 1 / c->rate, certificate_first(c), c->damping, c->gain, c->radius, cure);
+        snprintf(
+            text, SCENE_ERROR,
+            "The control step has no vibration model. At %g ticks a second (T = %g s) a structure\n"
+            "with first mode %.4g Hz and damping ratio %g is stable only at step gain below about\n"
+            "2 zeta w1 T = %.2g; the step limit does not help: vibration grows %.4g times a "
+            "tick.\n",
+            c->rate, 1 / c->rate, certificate_first(c), c->damping, c->gain, c->radius);
     else
-        snprintf(text, 3 * SCENE_ERROR, "At %g ticks a second vibration decays to %.4g of itself a tick: the loop is stable.",
-                 c->rate, c->radius);
+        snprintf(
+            text, SCENE_ERROR,
+            "The control step has no vibration model. At %g ticks a second the loop is stable:\n"
+            "vibration decays to %.4g of itself a tick.\n",
+            c->rate, c->radius);
 }
 
 void certificate_text(const certificate *c, char text[3 * SCENE_ERROR])
 {
+    char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
     text[0] = '\0';
+    if (c->made && c->vibrates && !c->is_judged && c->why_not[0])
+        snprintf(text, 3 * SCENE_ERROR, "The stability of the control loop is not known: %s",
+                 c->why_not);
     if (!c->is_judged)
         return;
     if (c->rate > 0)
-        rate_text(c, text);
-    else if (isfinite(c->rate_to))
-        snprintf(text, 3 * SCENE_ERROR, "The control step has no vibration model: on this structure it is stable up to %.3g ticks a "
-                 "second.", c->rate_to);
+        rate_text(c, verdict);
+    range_text(c, range);
+    snprintf(text, 3 * SCENE_ERROR, "%s%s%s", verdict, range,
+             c->as_measured ? "\nJudged as if every target node were measured." : "");
 }

@@ -7,7 +7,8 @@
 static void rotate(double *a, double *v, size_t n, size_t p, size_t q)
 {
     const double theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
-    const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + hypot(theta, 1)), c = 1 / sqrt(t * t + 1), s = t * c;
+    const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + hypot(theta, 1)),
+                 c = 1 / sqrt(t * t + 1), s = t * c;
     for (size_t i = 0; i < n; i++) {
         const double x = a[i * n + p], y = a[i * n + q], vx = v[i * n + p], vy = v[i * n + q];
         a[i * n + p] = c * x - s * y;

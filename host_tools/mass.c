@@ -13,8 +13,10 @@ enum { FUNCTIONS = 3, POINTS = 4 };
 static const int function_of[7] = {0, 0, 0, 1, 1, 1, 2}, component_of[7] = {0, 1, 2, 0, 1, 2, 2};
 
 /* Gauss points, exact to the seventh power; the integrands have the sixth. */
-static const double gauss_x[POINTS] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
-static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538};
+static const double gauss_x[POINTS] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                       0.8611363115940526};
+static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                       0.3478548451374538};
 
 /* m += weight f f' at height t above the middle */
 static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
@@ -25,8 +27,12 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
             m[i][j] += weight * f[i] * f[j];
 }
 
-/* Integrals of density f f' (1 + k1 z)(1 + k2 z) over the plies that are present, per area of the reference surface. */
-static void moments(const laminate *l, const laminate_place *place, double per_area, double m[FUNCTIONS][FUNCTIONS])
+/*
+ * Integrals of density f f' (1 + k1 z)(1 + k2 z) over the plies that are present, per area of the
+ * reference surface.
+ */
+static void moments(const laminate *l, const laminate_place *place, double per_area,
+                    double m[FUNCTIONS][FUNCTIONS])
 {
     const double middle = (l->z[0] + l->z[1]) / 2;
     memset(m, 0, sizeof(double[FUNCTIONS][FUNCTIONS]));
@@ -61,14 +67,17 @@ static double between(const surface_point *p, int a, const surface_point *q, int
     return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
 }
 
-static void fill_element(const mesh *mesh, int element, double lumped, double m[FUNCTIONS][FUNCTIONS], double *entry)
+static void fill_element(const mesh *mesh, int element, double lumped,
+                         double m[FUNCTIONS][FUNCTIONS], double *entry)
 {
     const int unknowns = (int)mesh->unknowns;
     const double area = mesh->place[mesh->element_kind[element]].area;
     for (int row = 0; row < 4 * unknowns; row++)
         for (int column = 0; column <= row; column++) {
-            const int r = row / unknowns, s = column / unknowns, i = row % unknowns, j = column % unknowns;
-            const surface_point *p = &mesh->point[mesh->element[element][r]], *q = &mesh->point[mesh->element[element][s]];
+            const int r = row / unknowns, s = column / unknowns, i = row % unknowns,
+                      j = column % unknowns;
+            const surface_point *p = &mesh->point[mesh->element[element][r]],
+                                *q = &mesh->point[mesh->element[element][s]];
             const double cosine = between(p, component_of[i], q, component_of[j]);
             *entry++ = area * share(r, s, lumped) * m[function_of[i]][function_of[j]] * cosine;
         }
@@ -91,8 +100,8 @@ int mass_missing(const scene *s, char names[SCENE_ERROR])
         if (!used || s->material[k].density > 0)
             continue;
         if (length + SCENE_NAME + 8 < SCENE_ERROR / 2)
-            length += (size_t)snprintf(names + length, SCENE_ERROR - length, "%s'%s'", missing ? ", " : "",
-                                       s->material[k].name);
+            length += (size_t)snprintf(names + length, SCENE_ERROR - length, "%s'%s'",
+                                       missing ? ", " : "", s->material[k].name);
         missing++;
     }
     return missing;
@@ -105,8 +114,10 @@ static int check_densities(const scene *s, char *error)
     const int missing = mass_missing(s, names);
     if (missing == 0)
         return 0;
-    return scene_fault(s, s->at_layers, error, "no density in %s%.200s: vibration needs the mass; add `density` to "
-                       "materials, 7800 for steel in kg/m3", missing == 1 ? "material " : "materials ", names);
+    return scene_fault(s, s->at_layers, error,
+                       "no density in %s%.200s: vibration needs the mass; add `density` to "
+                       "materials, 7800 for steel in kg/m3",
+                       missing == 1 ? "material " : "materials ", names);
 }
 
 int mass_build(mass *m, const mesh *mesh, double lumped, char *error)
@@ -118,10 +129,12 @@ int mass_build(mass *m, const mesh *mesh, double lumped, char *error)
     m->mesh = mesh;
     m->entry = malloc((size_t)mesh->elements * entries(mesh) * sizeof *m->entry);
     if (!m->entry)
-        return scene_fault(s, s->line[0].at, error, "the mass of %d elements does not fit into memory", mesh->elements);
+        return scene_fault(s, s->line[0].at, error,
+                           "the mass of %d elements does not fit into memory", mesh->elements);
     for (int e = 0; e < mesh->elements; e++) {
         double integral[FUNCTIONS][FUNCTIONS];
-        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], s->dynamics.mass_per_area, integral);
+        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], s->dynamics.mass_per_area,
+                integral);
         fill_element(mesh, e, lumped, integral, m->entry + (size_t)e * entries(mesh));
     }
     return 0;
@@ -174,7 +187,8 @@ static void cross(const double a[3], const double b[3], double c[3])
 }
 
 /* Unknowns of a node under a rigid motion.  u [7] out */
-static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3], double u[7])
+static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
+                           double u[7])
 {
     const surface_point *p = &mesh->point[node];
     const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
@@ -191,7 +205,8 @@ static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], co
         }
 }
 
-double mass_rigid(const mass *m, const pzs_model *model, const double shift[3], const double spin[3], double *force)
+double mass_rigid(const mass *m, const pzs_model *model, const double shift[3],
+                  const double spin[3], double *force)
 {
     const int unknowns = (int)m->mesh->unknowns;
     double sum = 0;

@@ -49,18 +49,21 @@ void print_vibration(const design *d, const vibration *v)
     double sum[3] = {0, 0, 0};
     words_unit(s, QUANTITY_LENGTH, unit);
     printf("%s: natural frequencies in the reference state, electrodes short-circuited\n", s->name);
-    printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", v->mass, s->dynamics.damping,
+    printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", v->mass,
+           s->dynamics.damping,
            s->dynamics.damping_given ? "given" : "assumed: the scene gives none", v->solves);
     printf("\n  %4s %16s %9s %9s %9s", "mode", "frequency (Hz)", "mass x", "mass y", "mass z");
     if (d->amplifiers > 0)
-        printf("   %-16s largest displacement by 1 V%s%s%s", "strongest input", *unit ? " (" : "", unit, *unit ? ")" : "");
+        printf("   %-16s largest displacement by 1 V%s%s%s", "strongest input", *unit ? " (" : "",
+               unit, *unit ? ")" : "");
     putchar('\n');
     for (int i = 0; i < v->count; i++) {
         print_mode(d, v, i);
         for (int axis = 0; axis < 3; axis++)
             sum[axis] += v->effective[i][axis] / v->mass;
     }
-    printf("  %-21s %8.2f%% %8.2f%% %8.2f%%\n", "together", 100 * sum[0], 100 * sum[1], 100 * sum[2]);
+    printf("  %-21s %8.2f%% %8.2f%% %8.2f%%\n", "together", 100 * sum[0], 100 * sum[1],
+           100 * sum[2]);
 }
 
 static void json_mode(json *j, const design *d, const vibration *v, int mode)
@@ -116,8 +119,8 @@ void print_certificate(const certificate *c)
         printf("  vibration not known: %s\n", c->why_not);
         return;
     }
-    printf("  first natural frequency %.4g Hz; damping ratio %g, %s\n", certificate_first(c), c->damping,
-           c->damping_given ? "given" : "assumed");
+    printf("  first natural frequency %.4g Hz; damping ratio %g, %s\n", certificate_first(c),
+           c->damping, c->damping_given ? "given" : "assumed");
     certificate_text(c, text);
     print_lines(text);
 }
@@ -131,6 +134,8 @@ void print_certificate_json(json *j, const certificate *c)
         json_numbers(j, "frequency", c->vibration.frequency, c->vibration.count);
     else
         json_string(j, "missing", c->why_not);
+    if (c->vibrates && c->why_not[0])
+        json_string(j, "not_judged", c->why_not);
     if (c->is_judged) {
         json_number(j, "damping", c->damping);
         json_number(j, "modes", c->modes);

@@ -9,7 +9,10 @@
 void print_vibration(const design *d, const vibration *v);
 void print_vibration_json(const design *d, const vibration *v);
 
-/* First frequency and verdict on the loop, or why they are not known; nothing where certificate_make has not run. */
+/*
+ * First frequency and verdict on the loop, or why they are not known; nothing where
+ * certificate_make has not run.
+ */
 void print_certificate(const certificate *c);
 void print_certificate_json(json *j, const certificate *c);
 

@@ -3,7 +3,8 @@
 
 int read_dynamics(reader *r, int node, void *to, const void *rule)
 {
-    static const range ratio = {0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
+    static const range ratio = {
+        0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
     static const range counted = {1, 200, 0, "must be from 1 to 200"};
     static const field fields[] = {
         {"damping", read_real, offsetof(scene_dynamics, damping), &ratio, 0},

@@ -9,7 +9,10 @@
 #include "mass.h"
 #include "model.h"
 
-/* Starting vectors of a supported and of a loose structure, sweeps of Jacobi's method, tries of the check. */
+/*
+ * Starting vectors of a supported and of a loose structure, sweeps of Jacobi's method, tries of the
+ * check.
+ */
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
 /* Residual of a Ritz pair relative to its value at which the mode has converged. */
@@ -21,30 +24,34 @@ static const double rigid_below = 1e-6;
 static const double two_pi = 6.283185307179586;
 
 /*
- * The search. Column j of h holds the products of A q_j with the basis, A = (K + shift M)^-1 M, for the first `done`
- * vectors; the rows from `done` on tell how far their span is from being invariant.
+ * The search. Column j of h holds the products of A q_j with the basis, A = (K + shift M)^-1 M, for
+ * the first `done` vectors; the rows from `done` on tell how far their span is from being
+ * invariant.
  */
 typedef struct search {
     const design *d;
     mass mass;
     pzs_model model;
     void *work;
-    uint8_t *held;            /* [dof] dof with a value of their own: at rest here */
-    size_t n, room;           /* free dof; basis vectors that fit */
+    uint8_t *held;  /* [dof] dof with a value of their own: at rest here */
+    size_t n, room; /* free dof; basis vectors that fit */
     double shift;
-    double *basis;            /* [room][n] orthonormal in M */
+    double *basis; /* [room][n] orthonormal in M */
     size_t made, done;
-    double *h;                /* [room][room] column j at h + j room */
-    double *w, *mw;           /* [n] work */
-    double *ritz, *turn;      /* [done][done] values on the diagonal, vectors as columns */
-    size_t *order;            /* [done] columns by falling value */
+    double *h;           /* [room][room] column j at h + j room */
+    double *w, *mw;      /* [n] work */
+    double *ritz, *turn; /* [done][done] values on the diagonal, vectors as columns */
+    size_t *order;       /* [done] columns by falling value */
     uint64_t seed;
     int solves;
 } search;
 
 /* ---- matrices --------------------------------------------------------- */
 
-/* Factor K + factor M, rows scaled by the diagonal of K. Returns what the pivots are; zero 0 where K has no diagonal. */
+/*
+ * Factor K + times M, rows scaled by the diagonal of K. Returns what the pivots are; zero 0 where
+ * K has no diagonal.
+ */
 static linalg_inertia factor(search *s, double times, int keep_scale)
 {
     linalg_inertia failed = {0, -1, 0, 0};
@@ -67,7 +74,9 @@ static linalg_inertia factor(search *s, double times, int keep_scale)
     return inertia;
 }
 
-/* Number of squares of frequencies below a bound, or -1 where K - bound M cannot be factored there. */
+/*
+ * Number of squares of frequencies below a bound, or -1 where K - bound M cannot be factored there.
+ */
 static int count_below(search *s, double bound)
 {
     const linalg_inertia inertia = factor(s, -bound, 1);
@@ -101,7 +110,10 @@ static double upper_bound(search *s)
     return least;
 }
 
-/* Factor K, or for a loose structure K + shift M, the shift about as large as the highest square wanted. Returns success. */
+/*
+ * Factor K, or for a loose structure K + shift M, the shift about as large as the highest square
+ * wanted. Returns success.
+ */
 static int choose_shift(search *s, int number)
 {
     linalg_inertia inertia = factor(s, 0, 0);
@@ -138,7 +150,7 @@ static double dot(const double *x, const double *y, size_t n)
 
 /*
  * Make w orthogonal to the basis, twice, and append what is left of it, unless that is rounding.
- *   column [room] in/out  the products with the basis are added, the norm appended; NULL: not wanted
+ *   column [room] in/out  products with the basis added, the norm appended; NULL: not wanted
  */
 static void append(search *s, double *column)
 {
@@ -263,12 +275,16 @@ static int have_converged(const search *s, size_t number)
     return 1;
 }
 
-/* Modes to be checked: those wanted, and those that cannot be told from the last one by their frequency. */
+/*
+ * Modes to be checked: those wanted, and those that cannot be told from the last one by their
+ * frequency.
+ */
 static size_t cluster_end(const search *s, size_t number)
 {
     const double scale = fabs(square_of(s, number - 1)) + rigid_below * s->shift;
     size_t end = number;
-    while (end < s->done && value(s, end) > 0 && square_of(s, end) - square_of(s, number - 1) < 1e-5 * scale)
+    while (end < s->done && value(s, end) > 0
+           && square_of(s, end) - square_of(s, number - 1) < 1e-5 * scale)
         end++;
     return end;
 }
@@ -298,13 +314,17 @@ static size_t iterate(search *s, size_t number)
 /* A bound above the last of the modes found and, where it is known, below the next. */
 static double bound_above(const search *s, size_t found)
 {
-    const double last = square_of(s, found - 1), beyond = fmax(last, rigid_below * s->shift) * (1 + 1e-3);
+    const double last = square_of(s, found - 1),
+                 beyond = fmax(last, rigid_below * s->shift) * (1 + 1e-3);
     if (found == s->done || !(value(s, found) > 0))
         return beyond;
     return fmin(beyond, (last + square_of(s, found)) / 2);
 }
 
-/* Number of modes below the bound by the pivots of K - bound M; the factor for solves is made again. -1: not known. */
+/*
+ * Number of modes below the bound by the pivots of K - bound M; the factor for solves is made
+ * again. -1: not known.
+ */
 static int modes_below(search *s, double bound)
 {
     int below = -1;
@@ -314,7 +334,10 @@ static int modes_below(search *s, double bound)
     return again.zero < 0 ? below : -1;
 }
 
-/* Find the lowest modes, and search on in new directions while the pivots tell of more. Returns success. */
+/*
+ * Find the lowest modes, and search on in new directions while the pivots tell of more. Returns
+ * success.
+ */
 static int find_modes(search *s, size_t number, char *error)
 {
     const scene *of = s->d->scene;
@@ -323,21 +346,27 @@ static int find_modes(search *s, size_t number, char *error)
     for (int i = 0; i < CHECKS; i++) {
         found = iterate(s, number);
         if (found == 0)
-            return scene_fault(of, of->at_surface, error, "the lowest %zu modes have not converged in %zu vectors; ask for "
-                               "fewer", number, s->done);
+            return scene_fault(of, of->at_surface, error,
+                               "the lowest %zu modes have not converged in %zu vectors; ask for "
+                               "fewer",
+                               number, s->done);
         below = found < s->n ? modes_below(s, bound_above(s, found)) : (int)found;
         if (below == (int)found)
             return 0;
         for (int k = 0; k < BLOCK; k++)
             inject(s);
     }
-    return scene_fault(of, of->at_surface, error, "%d modes lie below %.6g Hz, but %zu were found; ask for more or fewer",
+    return scene_fault(of, of->at_surface, error,
+                       "%d modes lie below %.6g Hz, but %zu were found; ask for more or fewer",
                        below, sqrt(fmax(bound_above(s, found), 0)) / two_pi, found);
 }
 
 /* ---- results ---------------------------------------------------------- */
 
-/* Displacement of the middle surface at a node, largest over the nodes; the sign of its largest component. */
+/*
+ * Displacement of the middle surface at a node, largest over the nodes; the sign of its largest
+ * component.
+ */
 static double largest_displacement(const search *s, const double *x, double *sign)
 {
     const mesh *m = s->mass.mesh;
@@ -418,7 +447,8 @@ static int allocate_search(search *s, size_t number)
 {
     const pzs_structure *structure = &s->d->structure;
     const mesh *m = &s->d->mesh;
-    const size_t bytes = PZS_MODEL_BYTES(structure->dof, linalg_reals(structure->first, structure->dof));
+    const size_t bytes =
+        PZS_MODEL_BYTES(structure->dof, linalg_reals(structure->first, structure->dof));
     s->n = structure->dof;
     s->room = 6 * number + 60 < s->n ? 6 * number + 60 : s->n;
     s->seed = 1;
@@ -431,7 +461,8 @@ static int allocate_search(search *s, size_t number)
     s->order = malloc(s->room * sizeof *s->order);
     s->w = malloc(s->n * sizeof *s->w);
     s->mw = malloc(s->n * sizeof *s->mw);
-    if (!s->work || !s->held || !s->basis || !s->h || !s->ritz || !s->turn || !s->order || !s->w || !s->mw)
+    if (!s->work || !s->held || !s->basis || !s->h || !s->ritz || !s->turn || !s->order || !s->w
+        || !s->mw)
         return 0;
     for (int i = 0; i < m->prescribed_count; i++)
         s->held[m->prescribed_dof[i]] = 1;
@@ -456,7 +487,8 @@ static int run(search *s, vibration *v, size_t number, char *error)
 {
     const scene *of = s->d->scene;
     if (!choose_shift(s, (int)number))
-        return scene_fault(of, of->at_surface, error, "the stiffness cannot be factored, not even with mass added: a dof "
+        return scene_fault(of, of->at_surface, error,
+                           "the stiffness cannot be factored, not even with mass added: a dof "
                            "has neither");
     const int block = s->shift > 0 ? BLOCK_LOOSE : BLOCK;
     for (int i = 0; i < block; i++)
@@ -482,9 +514,11 @@ int vibration_solve(vibration *v, const design *d, int number, double lumped, ch
         return -1;
     int failed = -1;
     if (wanted < 1)
-        scene_fault(d->scene, d->scene->at_surface, error, "%d modes of %d free dof; ask for at least 1", number, most);
+        scene_fault(d->scene, d->scene->at_surface, error,
+                    "%d modes of %d free dof; ask for at least 1", number, most);
     else if (!allocate_search(&s, (size_t)wanted))
-        scene_fault(d->scene, d->scene->line[0].at, error, "%d modes of %d free dof do not fit into memory", wanted, most);
+        scene_fault(d->scene, d->scene->line[0].at, error,
+                    "%d modes of %d free dof do not fit into memory", wanted, most);
     else
         failed = run(&s, v, (size_t)wanted, error);
     free_search(&s);

@@ -13,7 +13,8 @@
 #endif
 
 /*
- * The control step has no vibration model: on this structure it is stable up to 0.445 ticks a second.
+ * The control step has no vibration model.
+ * Every rate up to 0.445 ticks a second is stable.
  */
 
 #define DEMO_INPUTS 25
