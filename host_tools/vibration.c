@@ -8,6 +8,7 @@
 #include "linalg.h"
 #include "mass.h"
 #include "model.h"
+#include "shell.h"
 
 /*
  * Starting vectors of a supported and of a loose structure, sweeps of Jacobi's method, tries of the
@@ -18,8 +19,11 @@ enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 /* Residual of a Ritz pair relative to its value at which the mode has converged. */
 static const double converged_at = 1e-8;
 
-/* A square below this part of the shift is that of a rigid motion. */
-static const double rigid_below = 1e-6;
+/* Part of the shift that squares near 0 are known to by the search, and that of a rigid motion. */
+static const double known_to = 1e-6, rigid_below = 1e-8;
+
+/* A structure whose stiffness is conditioned worse is shifted, as if it were loose. */
+static const double held_below = 1e10;
 
 static const double two_pi = 6.283185307179586;
 
@@ -83,10 +87,10 @@ static int count_below(search *s, double bound)
     return inertia.zero < 0 ? (int)inertia.negative : -1;
 }
 
-/* Does the factor of K alone hold the structure? Beyond this condition rounding decides. */
+/* Does the factor of K alone hold the structure, by more than rounding? */
 static int is_held(const search *s, const linalg_inertia *inertia)
 {
-    return inertia->zero < 0 && inertia->negative == 0 && s->model.condition < 600 / PZS_EPSILON;
+    return inertia->zero < 0 && inertia->negative == 0 && s->model.condition < held_below;
 }
 
 /* A bound that so many frequencies lie above: of each dof alone K_ii/M_ii is one for the lowest. */
@@ -281,10 +285,10 @@ static int have_converged(const search *s, size_t number)
  */
 static size_t cluster_end(const search *s, size_t number)
 {
-    const double scale = fabs(square_of(s, number - 1)) + rigid_below * s->shift;
+    const double last = square_of(s, number - 1);
+    const double limit = fmax(last * (1 + 1e-5), known_to * s->shift);
     size_t end = number;
-    while (end < s->done && value(s, end) > 0
-           && square_of(s, end) - square_of(s, number - 1) < 1e-5 * scale)
+    while (end < s->done && value(s, end) > 0 && square_of(s, end) < limit)
         end++;
     return end;
 }
@@ -315,7 +319,7 @@ static size_t iterate(search *s, size_t number)
 static double bound_above(const search *s, size_t found)
 {
     const double last = square_of(s, found - 1),
-                 beyond = fmax(last, rigid_below * s->shift) * (1 + 1e-3);
+                 beyond = fmax(last, known_to * s->shift) * (1 + 1e-3);
     if (found == s->done || !(value(s, found) > 0))
         return beyond;
     return fmin(beyond, (last + square_of(s, found)) / 2);
@@ -400,12 +404,26 @@ static void take_shape(search *s, size_t i, double *x)
         x[k] *= sign;
 }
 
+/* x' K x, formed from strains: a rigid motion has none, to rounding of rounding. */
+static double energy(const search *s, const double *x)
+{
+    const mesh *m = s->mass.mesh;
+    double sum = 0;
+    for (int e = 0; e < m->elements; e++) {
+        double u[SHELL_MAX], f[SHELL_MAX];
+        model_gather(&s->model, m->element[e], SHELL_NODES, x, u);
+        shell_force(&m->kind[m->element_kind[e]], m->unknowns, u, f);
+        sum += dot(u, f, SHELL_NODES * (size_t)m->unknowns);
+    }
+    return sum;
+}
+
 static void take_modes(search *s, vibration *v)
 {
     for (int i = 0; i < v->count; i++) {
         double *x = v->shape + (size_t)i * s->n, sign;
-        const double square = square_of(s, (size_t)i);
         take_shape(s, (size_t)i, x);
+        const double square = energy(s, x);
         const int is_rigid = s->shift > 0 && square < rigid_below * s->shift;
         v->rigid += is_rigid;
         v->square[i] = is_rigid ? 0 : square;

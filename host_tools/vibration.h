@@ -2,9 +2,10 @@
  * Natural frequencies and mode shapes of a structure in its reference state, electrodes
  * short-circuited:
  *   K x = w^2 M x,
- * the lowest, by a band Lanczos method on (K + shift M)^-1 M with full reorthogonalisation. The shift is 0 where the supports hold the structure; a structure that
- * they leave loose is shifted. Every result is checked by the number of negative pivots of K - s M
- * just above the last frequency: no mode is missed.
+ * the lowest, by a band Lanczos method on (K + shift M)^-1 M with full reorthogonalisation. The
+ * shift is 0 where the supports hold the structure; a structure that they leave loose is shifted.
+ * Every result is checked by the number of negative pivots of K - s M just above the last
+ * frequency: no mode is missed.
  */
 #ifndef VIBRATION_H
 #define VIBRATION_H

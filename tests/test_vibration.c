@@ -248,6 +248,15 @@ static void test_loose(void **state)
         assert_near("mass of the rigid motions", sum, v.mass, 1e-9);
     }
     assert_true(v.frequency[6] > 1);
+    for (int number = 1; number <= 8; number++) {
+        vibration few;
+        solve_modes(&few, &r, number);
+        assert_int_equal(few.count, number);
+        assert_int_equal(few.rigid, number < 6 ? number : 6);
+        if (number > 6)
+            assert_near("first frequency", few.frequency[6], v.frequency[6], 1e-9);
+        vibration_free(&few);
+    }
     assert_true(isnan(vibration_static(&v, &r.design, 0, 0)));
     assert_true(isfinite(vibration_static(&v, &r.design, 6, 0)));
     vibration_free(&v);
