@@ -156,6 +156,7 @@ typedef struct gains {
     double *x;         /* [n] */
     double *given;     /* [modes][n] modal coordinates per unit of voltage */
     double *loop;      /* [modes][modes] */
+    int as_measured;   /* an estimate's sensors are left out */
 } gains;
 
 static size_t list_amplifiers(const design *d, size_t *amplifier)
@@ -190,7 +191,7 @@ static int reads_displacements(const scene *s)
     for (int i = 0; i < s->estimate.readings; i++)
         if (s->output[s->estimate.reading[i].output].electric != ELECTRIC_NONE)
             return 0;
-    return s->estimate.given;
+    return 1;
 }
 
 /* The shape estimated from what the sensors show of a displacement u. */
@@ -248,8 +249,10 @@ static int fill_gains(gains *g)
         for (size_t j = 0; j < g->n; j++)
             g->given[i * g->n + j] =
                 vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
-    const int estimates = reads_displacements(s) && s->simulate.sight != SIGHT_MEASURED
-                          && estimator_open(&e, g->a, ignored) == 0;
+    const int wanted = s->estimate.given && s->simulate.sight != SIGHT_MEASURED;
+    const int estimates =
+        wanted && reads_displacements(s) && estimator_open(&e, g->a, ignored) == 0;
+    g->as_measured = wanted && !estimates;
     for (size_t mode = 0; mode < g->modes; mode++)
         fill_column(g, estimates ? &e : NULL, mode);
     if (estimates)
@@ -258,7 +261,7 @@ static int fill_gains(gains *g)
 }
 
 /* g F of the lowest modes that are no rigid motion, to be freed; NULL where it cannot be made. */
-static double *loop_gains(const analysis *a, const vibration *v, int modes)
+static double *loop_gains(const analysis *a, const vibration *v, int modes, int *as_measured)
 {
     const size_t amplifiers = (size_t)a->design.amplifiers;
     gains g = {.a = a, .v = v, .modes = (size_t)modes};
@@ -275,6 +278,7 @@ static double *loop_gains(const analysis *a, const vibration *v, int modes)
     free(g.x);
     free(g.shape);
     free(g.given);
+    *as_measured = g.as_measured;
     if (filled)
         return g.loop;
     free(g.loop);
@@ -341,15 +345,13 @@ static void judge(certificate *c, const analysis *a)
                  delay, MOST_DELAY);
         return;
     }
-    double *loop = loop_gains(a, &c->vibration, c->modes);
+    double *loop = loop_gains(a, &c->vibration, c->modes, &c->as_measured);
     if (!loop) {
         snprintf(c->why_not, sizeof c->why_not,
                  "its gains cannot be computed; add a regularisation, limits.effort");
         return;
     }
     c->is_judged = 1;
-    c->as_measured =
-        s->estimate.given && !reads_displacements(s) && s->simulate.sight != SIGHT_MEASURED;
     if (c->rate > 0) {
         c->radius =
             certificate_radius(loop, square, c->modes, c->damping, delay, 1 / c->rate, EXACT);

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "certificate.h"
+#include "estimator.h"
 #include "linalg.h"
 #include "mass.h"
 #include "model.h"
@@ -281,6 +282,31 @@ static void test_pairs(void **state)
     }
 }
 
+/*
+ * Nine panels that clamped lines part have every frequency nine times, more often than the search has starting vectors: the
+ * count of the negative pivots asks for the others.
+ */
+static void test_panels(void **state)
+{
+    (void)state;
+    for (int number = 5; number <= 18; number += 4) {
+        rig r;
+        vibration v;
+        rig_open(&r, SHELL, "mesh.theta1={from: 0, to: 12, elements: 12};mesh.theta2={from: 0, to: 12, elements: 12};"
+                 "supports=[{at: {theta1: [0, 0]}, fix: clamped}, {at: {theta1: [4, 4]}, fix: clamped}, "
+                 "{at: {theta1: [8, 8]}, fix: clamped}, {at: {theta1: [12, 12]}, fix: clamped}, "
+                 "{at: {theta2: [0, 0]}, fix: clamped}, {at: {theta2: [4, 4]}, fix: clamped}, "
+                 "{at: {theta2: [8, 8]}, fix: clamped}, {at: {theta2: [12, 12]}, fix: clamped}]", MASS_LUMPED);
+        solve_modes(&v, &r, number);
+        for (int i = 1; i < number; i++) {
+            const double ratio = v.frequency[i] / v.frequency[0];
+            assert_true(i < 9 ? fabs(ratio - 1) < 1e-9 : ratio > 1.2);
+        }
+        vibration_free(&v);
+        rig_close(&r);
+    }
+}
+
 /* ---- accuracy --------------------------------------------------------- */
 
 #define ALL_EDGES(fix) "supports=[{edge: theta1-, fix: " fix "},{edge: theta1+, fix: " fix "},{edge: theta2-, fix: " fix \
@@ -410,25 +436,26 @@ static void test_demo_plate(void **state)
 
 #define FREE_LOOP "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: linear};limits={voltage: [-1e30, 1e30]};"
 
-/* The plant of certificate.h, simulated with pzs_tick itself. */
+/* The plant of certificate.h, simulated with pzs_tick itself; its sensors are rows of the structure. */
 typedef struct plant_run {
     const analysis *a;
     const vibration *v;
-    int modes, targets, amplifiers;
-    double *q, *p, *shape, *given, *volt, *sensed;
+    int modes, sensors, amplifiers;
+    double *q, *p, *shape, *given, *reach; /* shape [modes][sensors], given [modes][amplifiers], reach [sensors][amplifiers] */
 } plant_run;
 
-static void plant_shape_of(const plant_run *r, const double *volt, double *shape)
+/* What the sensors show. */
+static void plant_show(const plant_run *r, const double *volt, double *shown)
 {
-    for (int t = 0; t < r->targets; t++) {
-        shape[t] = 0;
+    for (int t = 0; t < r->sensors; t++) {
+        shown[t] = 0;
         for (int j = 0; j < r->amplifiers; j++)
-            shape[t] += r->a->design.influence[t * r->amplifiers + j] * volt[j];
+            shown[t] += r->reach[t * r->amplifiers + j] * volt[j];
         for (int i = 0; i < r->modes; i++) {
             double rest = 0;
             for (int j = 0; j < r->amplifiers; j++)
                 rest += r->given[i * r->amplifiers + j] * volt[j];
-            shape[t] += r->shape[i * r->targets + t] * (r->q[i] - rest);
+            shown[t] += r->shape[i * r->sensors + t] * (r->q[i] - rest);
         }
     }
 }
@@ -457,36 +484,75 @@ static double plant_size(const plant_run *r)
     return sqrt(sum);
 }
 
-/* Growth a tick, mean over the second half of the ticks, with what the sensors show `delay` ticks late. */
-static double simulated_growth(scene_run *run, double damping, double interval, int delay, int ticks)
+/* Structure row of a sensor: a target node, or the reading of an estimate at one node. */
+static uint32_t sensor_row(const analysis *a, const estimator *e, int sensor)
 {
+    const scene *s = a->design.scene;
+    return (uint32_t)(e ? a->design.named_first[s->estimate.reading[sensor].output] : sensor);
+}
+
+/* What pzs_tick is given: the prediction, and the disturbance that the sensors showed under the voltages of that time. */
+static void plant_sense(const plant_run *r, const estimator *e, const double *shown, const double *then, const double *now,
+                        double *sensed)
+{
+    const design *d = &r->a->design;
+    for (int t = 0; t < d->targets; t++) {
+        sensed[t] = 0;
+        for (int j = 0; j < r->amplifiers; j++)
+            sensed[t] += d->influence[t * r->amplifiers + j] * now[j];
+    }
+    for (int k = 0; k < r->sensors; k++) {
+        double besides = shown[k];
+        for (int j = 0; j < r->amplifiers; j++)
+            besides -= r->reach[k * r->amplifiers + j] * then[j];
+        for (int t = 0; t < d->targets; t++)
+            sensed[t] += e ? e->gain[t * r->sensors + k] * besides : t == k ? besides : 0;
+    }
+}
+
+static void plant_fill(plant_run *r, const estimator *e)
+{
+    const analysis *a = r->a;
+    const size_t inputs = a->design.structure.input.count;
+    for (int i = 0; i < r->modes; i++) {
+        r->q[i] = 1e-9 * cos(3.0 * i);
+        for (int t = 0; t < r->sensors; t++)
+            r->shape[i * r->sensors + t] = model_observe_row(
+                &a->design.structure, r->v->shape + i * a->design.mesh.dof, sensor_row(a, e, t));
+        for (int j = 0; j < r->amplifiers; j++)
+            r->given[i * r->amplifiers + j] = vibration_static(r->v, &a->design, i, j);
+    }
+    for (int t = 0; t < r->sensors; t++)
+        for (int j = 0; j < r->amplifiers; j++)
+            r->reach[t * r->amplifiers + j] = a->influence[sensor_row(a, e, t) * inputs + (size_t)j];
+}
+
+/* Growth a tick, mean over the second half of the ticks, with what the sensors show `delay` ticks late. */
+static double simulated_growth(scene_run *run, const estimator *e, double damping, double interval, int delay, int ticks)
+{
+    enum { KEPT = 8 };
     const analysis *a = &run->analysis;
     const certificate *c = &a->certificate;
-    enum { KEPT = 8 };
-    plant_run r = {.a = a, .v = &c->vibration, .modes = c->modes, .targets = a->design.targets, .amplifiers = a->design.amplifiers};
-    const size_t m = (size_t)r.targets, n = (size_t)r.amplifiers, k = (size_t)r.modes;
-    double *memory = calloc(2 * k + k * m + k * n + KEPT * (n + m) + 3 * m, sizeof *memory), half = 0;
+    plant_run r = {.a = a, .v = &c->vibration, .modes = c->modes, .amplifiers = a->design.amplifiers};
+    r.sensors = e ? a->design.scene->estimate.readings : a->design.targets;
+    const size_t m = (size_t)a->design.targets, n = (size_t)r.amplifiers, k = (size_t)r.modes, s = (size_t)r.sensors;
+    double *memory = calloc(2 * k + k * s + k * n + s * n + KEPT * (n + s) + 2 * m, sizeof *memory), half = 0;
     void *work = calloc(1, PZS_CONTROL_BYTES(n, m));
-    assert_true(memory && work);
-    r.q = memory, r.p = r.q + k, r.shape = r.p + k, r.given = r.shape + k * m;
-    double *volts = r.given + k * n, *shapes = volts + KEPT * n, *wanted = shapes + KEPT * m, *sensed = wanted + m;
-    for (size_t i = 0; i < k; i++) {
-        r.q[i] = 1e-9 * cos((double)(3 * i));
-        design_shape(&a->design, r.v->shape + i * (size_t)a->design.mesh.dof, r.shape + i * m);
-        for (size_t j = 0; j < n; j++)
-            r.given[i * n + j] = vibration_static(r.v, &a->design, (int)i, (int)j);
-    }
     pzs_control control;
+    assert_true(memory && work);
+    r.q = memory;
+    r.p = r.q + k;
+    r.shape = r.p + k;
+    r.given = r.shape + k * s;
+    r.reach = r.given + k * n;
+    double *volts = r.reach + s * n, *shown = volts + KEPT * n, *wanted = shown + KEPT * s, *sensed = wanted + m;
+    plant_fill(&r, e);
     assert_int_equal(pzs_control_init(&control, &a->design.problem, NULL, work, PZS_CONTROL_BYTES(n, m)), PZS_OK);
     for (int tick = 0; tick < ticks; tick++) {
-        const int then = tick > delay ? tick - delay : 0;
-        memcpy(volts + (size_t)(tick % KEPT) * n, control.volt, n * sizeof *volts);
-        plant_shape_of(&r, control.volt, shapes + (size_t)(tick % KEPT) * m);
-        for (size_t t = 0; t < m; t++) {
-            sensed[t] = shapes[(size_t)(then % KEPT) * m + t];
-            for (size_t j = 0; j < n; j++)
-                sensed[t] += a->design.influence[t * n + j] * (control.volt[j] - volts[(size_t)(then % KEPT) * n + j]);
-        }
+        const size_t then = (size_t)(tick > delay ? tick - delay : 0) % KEPT, now = (size_t)tick % KEPT;
+        memcpy(volts + now * n, control.volt, n * sizeof *volts);
+        plant_show(&r, control.volt, shown + now * s);
+        plant_sense(&r, e, shown + then * s, volts + then * n, volts + now * n, sensed);
         assert_false(PZS_IS_ERROR(pzs_tick(&control, wanted, sensed)));
         plant_advance(&r, control.volt, damping, interval);
         if (tick == ticks / 2 - 1)
@@ -501,28 +567,34 @@ static double simulated_growth(scene_run *run, double damping, double interval, 
 /* The radius is the growth that pzs_tick brings about on the plant, tick by tick, growing or decaying, with late sensors too. */
 static void test_radius(void **state)
 {
-    static const struct { double rate, damping; int delay; } of[] = {
-        {1000, 0.005, 0}, {1000, 0.3, 0}, {300, 0.1, 1}, {200, 0.2, 3}, {60, 0.3, 0}, {20, 0.3, 1}, {40, 0.3, 0}};
+    static const struct { double rate, damping; int delay; double within; int is_few; } of[] = {
+        {1000, 0.005, 0, 1e-5, 0}, {1000, 0.3, 0, 0.005, 0}, {300, 0.1, 1, 0.0055, 0}, {200, 0.2, 3, 0.004, 0},
+        {60, 0.3, 0, 0.004, 0}, {20, 0.3, 1, 0.018, 0}, {40, 0.3, 0, 0.01, 0}, {1000, 0.1, 0, 0.005, 1},
+        {300, 0.1, 2, 0.005, 1}, {100, 0.02, 3, 0.005, 1}};
     (void)state;
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         char changes[1024];
         scene_run run;
-        snprintf(changes, sizeof changes, FREE_LOOP "simulate.rate=%g;dynamics={damping: %g};simulate.sensors={delay: %d}",
-                 of[i].rate, of[i].damping, of[i].delay);
-        open_run(&run, "plate-closed-loop", changes);
-        if (analysis_influence(&run.analysis, run.error) < 0)
+        snprintf(changes, sizeof changes, FREE_LOOP "simulate.rate=%g;dynamics={damping: %g};simulate.sensors={delay: %d};%s",
+                 of[i].rate, of[i].damping, of[i].delay, of[i].is_few ? "estimate.tolerance=0.9;estimate.volts=30" : "");
+        open_run(&run, of[i].is_few ? "plate-few-sensors" : "plate-closed-loop", changes);
+        estimator e;
+        if (analysis_influence(&run.analysis, run.error) < 0
+            || (of[i].is_few && estimator_open(&e, &run.analysis, run.error) < 0))
             fail_msg("%s", run.error);
         certificate *c = &run.analysis.certificate;
         certificate_make(c, &run.analysis);
         assert_true(c->is_judged);
         /* So many ticks that growth stays within what double holds, 1e-9 to 1e25 or so. */
         const int ticks = (int)fmin(400, 45 / fabs(log(c->radius)));
-        const double growth = simulated_growth(&run, of[i].damping, 1 / of[i].rate, of[i].delay, ticks);
+        const double growth = simulated_growth(&run, of[i].is_few ? &e : NULL, of[i].damping, 1 / of[i].rate, of[i].delay, ticks);
         print_message("    %g a second, damping %g, delay %d: radius %.6f, growth of %d ticks %.6f\n", of[i].rate,
                       of[i].damping, of[i].delay, c->radius, ticks, growth);
         assert_true((c->radius < 1) == !certificate_refuses(c));
-        if (!(fabs(log(growth / c->radius)) < 1.5 / ticks))
+        if (!(fabs(log(growth / c->radius)) < of[i].within))
             fail_msg("radius %.6f, growth %.6f", c->radius, growth);
+        if (of[i].is_few)
+            estimator_close(&e);
         scene_run_close(&run);
     }
 }
@@ -624,7 +696,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_translation), cmocka_unit_test(test_rotation), cmocka_unit_test(test_thickness_motion),
         cmocka_unit_test(test_eigenpairs),  cmocka_unit_test(test_complete), cmocka_unit_test(test_loose),
-        cmocka_unit_test(test_pairs),       cmocka_unit_test(test_frequencies), cmocka_unit_test(test_published_frequencies),
+        cmocka_unit_test(test_pairs), cmocka_unit_test(test_panels),      cmocka_unit_test(test_frequencies), cmocka_unit_test(test_published_frequencies),
         cmocka_unit_test(test_demo_plate),
         cmocka_unit_test(test_radius),      cmocka_unit_test(test_one_mode), cmocka_unit_test(test_range),
         cmocka_unit_test(test_refused),
