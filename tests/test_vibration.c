@@ -38,7 +38,8 @@ static void rig_open(rig *r, const char *name, const char *changes, double lumpe
     snprintf(text, sizeof text, "%s", changes);
     for (char *part = strtok(text, ";"); part && sets < 24; part = strtok(NULL, ";"))
         set[sets++] = part;
-    if (scene_read(&r->scene, path, set, sets, error) < 0 || design_build(&r->design, &r->scene, error) < 0
+    if (scene_read(&r->scene, path, set, sets, error) < 0
+        || design_build(&r->design, &r->scene, error) < 0
         || mass_build(&r->mass, &r->design.mesh, lumped, error) < 0)
         fail_msg("%s", error);
     const pzs_structure *s = &r->design.structure;
@@ -65,9 +66,14 @@ static void solve_modes(vibration *v, const rig *r, int number)
 
 /* ---- mass ------------------------------------------------------------- */
 
-typedef struct weighed { const char *what, *scene, *changes; double mass; } weighed;
+typedef struct weighed {
+    const char *what, *scene, *changes;
+    double mass;
+} weighed;
 
-#define TUBE "surface={type: cylinder, radius: 3, axial: theta1};mesh.theta2={from: 0, to: 2*pi, elements: 8};"
+#define TUBE                                                                                       \
+    "surface={type: cylinder, radius: 3, axial: theta1};mesh.theta2={from: 0, to: 2*pi, "          \
+    "elements: 8};"
 
 /* A rigid translation has the mass of the structure, however it is lumped, in every direction, with either element. */
 static void test_translation(void **state)
@@ -79,13 +85,17 @@ static void test_translation(void **state)
         {"plate, 6 unknowns", SHELL, "unknowns=6;", 10 * 10 * 0.05 * 8000},
         {"mass per area", SHELL, "dynamics={mass_per_area: 25};", 10 * 10 * (0.05 * 8000 + 25)},
         {"thick tube", SHELL, TUBE "layers.0.thickness=2;", 2 * pi * 3 * 10 * 2 * 8000},
-        {"thick tube, inner face", SHELL, TUBE "layers.0.thickness=2;reference=0;", pi * (5 * 5 - 3 * 3) * 10 * 8000},
+        {"thick tube, inner face", SHELL, TUBE "layers.0.thickness=2;reference=0;",
+         pi * (5 * 5 - 3 * 3) * 10 * 8000},
         {"patches all over", "plate-50-patches", "", patches + laminate},
         {"patches on one quarter", "plate-50-patches",
-         "patches.0.theta1=[0, 0.1];patches.0.theta2=[0, 0.1];patches.0.grid=[1, 1];patches.1.theta1=[0, 0.1];"
-         "patches.1.theta2=[0, 0.1];patches.1.grid=[1, 1];actuators.0.drives=[{patches: up}];compare=[];",
+         "patches.0.theta1=[0, 0.1];patches.0.theta2=[0, 0.1];patches.0.grid=[1, "
+         "1];patches.1.theta1=[0, 0.1];"
+         "patches.1.theta2=[0, 0.1];patches.1.grid=[1, 1];actuators.0.drives=[{patches: "
+         "up}];compare=[];",
          patches / 4 + laminate},
-        {"thick sphere", "hemisphere", "element=corrected;materials.shell.density=2;layers.0.thickness=4;",
+        {"thick sphere", "hemisphere",
+         "element=corrected;materials.shell.density=2;layers.0.thickness=4;",
          ball * 2 * (4 + 4 * 4 * 4 / (12.0 * 10 * 10))},
     };
     (void)state;
@@ -96,8 +106,8 @@ static void test_translation(void **state)
                 double shift[3] = {0, 0, 0};
                 shift[axis] = 1;
                 rig_open(&r, of[i].scene, of[i].changes, lumped / 2.0);
-                assert_near(of[i].what, mass_rigid(&r.mass, &r.model, shift, still, NULL), of[i].mass,
-                            EPSILON * 28 * r.design.mesh.elements);
+                assert_near(of[i].what, mass_rigid(&r.mass, &r.model, shift, still, NULL),
+                            of[i].mass, EPSILON * 28 * r.design.mesh.elements);
                 rig_close(&r);
             }
 }
@@ -109,7 +119,8 @@ static void test_translation(void **state)
 static void test_rotation(void **state)
 {
     const double a = 10, b = 6, h = 1.5, m = a * b * h * 8000, strip[2] = {a / 5, b / 3};
-    const double exact[3] = {m * (b * b / 3 + h * h / 12), m * (a * a / 3 + h * h / 12), m * (a * a + b * b) / 3};
+    const double exact[3] = {m * (b * b / 3 + h * h / 12), m * (a * a / 3 + h * h / 12),
+                             m * (a * a + b * b) / 3};
     const double added[3] = {m * strip[1] * strip[1] / 6, m * strip[0] * strip[0] / 6,
                              m * (strip[0] * strip[0] + strip[1] * strip[1]) / 6};
     (void)state;
@@ -118,7 +129,10 @@ static void test_rotation(void **state)
             rig r;
             double spin[3] = {0, 0, 0};
             spin[axis] = 1;
-            rig_open(&r, SHELL, "mesh.theta1.elements=5;mesh.theta2={from: 0, to: 6, elements: 3};layers.0.thickness=1.5;", lumped / 3.0);
+            rig_open(&r, SHELL,
+                     "mesh.theta1.elements=5;mesh.theta2={from: 0, to: 6, elements: "
+                     "3};layers.0.thickness=1.5;",
+                     lumped / 3.0);
             assert_near("moment of inertia", mass_rigid(&r.mass, &r.model, still, spin, NULL),
                         exact[axis] + lumped / 3.0 * added[axis], 1e-13);
             rig_close(&r);
@@ -161,7 +175,8 @@ static void test_eigenpairs(void **state)
         rig r;
         vibration v;
         scene_run run;
-        rig_open(&r, scenes[k], k ? "mesh.theta1.elements=10;mesh.theta2.elements=16;" : "", MASS_LUMPED);
+        rig_open(&r, scenes[k], k ? "mesh.theta1.elements=10;mesh.theta2.elements=16;" : "",
+                 MASS_LUMPED);
         open_run(&run, scenes[k], k ? "mesh.theta1.elements=10;mesh.theta2.elements=16" : "");
         solve_modes(&v, &r, 20);
         assert_int_equal(v.count, 20);
@@ -201,8 +216,9 @@ static void test_complete(void **state)
     rig r;
     vibration v;
     scene_run run;
-    const char *small = "mesh.theta1.elements=2;mesh.theta2.elements=2;supports=[{edge: theta1-, fix: clamped}];"
-                        "loads=[{face: outer, pressure: 20}]";
+    const char *small =
+        "mesh.theta1.elements=2;mesh.theta2.elements=2;supports=[{edge: theta1-, fix: clamped}];"
+        "loads=[{face: outer, pressure: 20}]";
     (void)state;
     rig_open(&r, SHELL, small, MASS_LUMPED);
     solve_modes(&v, &r, 200);
@@ -271,7 +287,9 @@ static void test_pairs(void **state)
     for (int number = 3; number <= 13; number += 2) {
         rig r;
         vibration v;
-        rig_open(&r, SHELL, TUBE "supports=[{edge: theta1-, fix: simple}, {edge: theta1+, fix: simple}];mesh.theta2.elements=16",
+        rig_open(&r, SHELL,
+                 TUBE "supports=[{edge: theta1-, fix: simple}, {edge: theta1+, fix: "
+                      "simple}];mesh.theta2.elements=16",
                  MASS_LUMPED);
         solve_modes(&v, &r, number);
         assert_int_equal(v.rigid, 1); /* along the axis */
@@ -292,11 +310,15 @@ static void test_panels(void **state)
     for (int number = 5; number <= 18; number += 4) {
         rig r;
         vibration v;
-        rig_open(&r, SHELL, "mesh.theta1={from: 0, to: 12, elements: 12};mesh.theta2={from: 0, to: 12, elements: 12};"
-                 "supports=[{at: {theta1: [0, 0]}, fix: clamped}, {at: {theta1: [4, 4]}, fix: clamped}, "
-                 "{at: {theta1: [8, 8]}, fix: clamped}, {at: {theta1: [12, 12]}, fix: clamped}, "
-                 "{at: {theta2: [0, 0]}, fix: clamped}, {at: {theta2: [4, 4]}, fix: clamped}, "
-                 "{at: {theta2: [8, 8]}, fix: clamped}, {at: {theta2: [12, 12]}, fix: clamped}]", MASS_LUMPED);
+        rig_open(
+            &r, SHELL,
+            "mesh.theta1={from: 0, to: 12, elements: 12};mesh.theta2={from: 0, to: 12, elements: "
+            "12};"
+            "supports=[{at: {theta1: [0, 0]}, fix: clamped}, {at: {theta1: [4, 4]}, fix: clamped}, "
+            "{at: {theta1: [8, 8]}, fix: clamped}, {at: {theta1: [12, 12]}, fix: clamped}, "
+            "{at: {theta2: [0, 0]}, fix: clamped}, {at: {theta2: [4, 4]}, fix: clamped}, "
+            "{at: {theta2: [8, 8]}, fix: clamped}, {at: {theta2: [12, 12]}, fix: clamped}]",
+            MASS_LUMPED);
         solve_modes(&v, &r, number);
         for (int i = 1; i < number; i++) {
             const double ratio = v.frequency[i] / v.frequency[0];
@@ -309,22 +331,31 @@ static void test_panels(void **state)
 
 /* ---- accuracy --------------------------------------------------------- */
 
-#define ALL_EDGES(fix) "supports=[{edge: theta1-, fix: " fix "},{edge: theta1+, fix: " fix "},{edge: theta2-, fix: " fix \
-    "},{edge: theta2+, fix: " fix "}];"
-#define DISC "surface={type: polar};mesh.theta1={from: 0.1, to: 5, elements: 8};mesh.theta2={from: 0, to: 2*pi, elements: 8};" \
+#define ALL_EDGES(fix)                                                                             \
+    "supports=[{edge: theta1-, fix: " fix "},{edge: theta1+, fix: " fix                            \
+    "},{edge: theta2-, fix: " fix "},{edge: theta2+, fix: " fix "}];"
+#define DISC                                                                                       \
+    "surface={type: polar};mesh.theta1={from: 0.1, to: 5, elements: 8};mesh.theta2={from: 0, to: " \
+    "2*pi, elements: 8};"                                                                          \
     "supports=[{edge: theta1+, fix: clamped}];"
-#define PANEL "surface={type: cylinder, radius: 0.6096, axial: theta1};mesh.theta1={from: 0, to: 0.3048, elements: 8};" \
-    "mesh.theta2={from: 0, to: 0.5, elements: 8};materials.m={E: 68.948e9, nu: 0.33, density: 2657.3};" \
+#define PANEL                                                                                      \
+    "surface={type: cylinder, radius: 0.6096, axial: theta1};mesh.theta1={from: 0, to: 0.3048, "   \
+    "elements: 8};"                                                                                \
+    "mesh.theta2={from: 0, to: 0.5, elements: 8};materials.m={E: 68.948e9, nu: 0.33, density: "    \
+    "2657.3};"                                                                                     \
     "layers.0.thickness=3.048e-3;supports=[{edge: theta1-, fix: clamped}];"
-#define CYLINDER "surface={type: cylinder, radius: 1, axial: theta1};mesh.theta1={from: 0, to: 2, elements: 8};" \
-    "mesh.theta2={from: 0, to: 2*pi, elements: 8};materials.m={E: 1, nu: 0.3, density: 1};layers.0.thickness=0.05;" \
+#define CYLINDER                                                                                   \
+    "surface={type: cylinder, radius: 1, axial: theta1};mesh.theta1={from: 0, to: 2, elements: "   \
+    "8};"                                                                                          \
+    "mesh.theta2={from: 0, to: 2*pi, elements: 8};materials.m={E: 1, nu: 0.3, density: "           \
+    "1};layers.0.thickness=0.05;"                                                                  \
     "supports=[{edge: theta1-, fix: simple},{edge: theta1+, fix: simple}];"
 
 /* Frequencies of a thin plate: parameter lambda = w a^2 sqrt(rho h / D), a = 10 or the disc's radius 5. */
 typedef struct shell_case {
     const char *name, *changes;
-    int around;              /* elements around over those along */
-    double length;           /* a; 0: the numbers are frequencies */
+    int around;    /* elements around over those along */
+    double length; /* a; 0: the numbers are frequencies */
     double exact[6];
 } shell_case;
 
@@ -341,13 +372,25 @@ typedef struct shell_case {
  *                       Legendre polynomials through the thickness (m, n) = (1,3) (1,4) (1,2), each twice
  */
 static const shell_case cases[] = {
-    {"simply supported", ALL_EDGES("simple"), 1, 10, {19.7392, 49.3480, 49.3480, 78.9568, 98.6960, 98.6960}},
+    {"simply supported",
+     ALL_EDGES("simple"),
+     1,
+     10,
+     {19.7392, 49.3480, 49.3480, 78.9568, 98.6960, 98.6960}},
     {"clamped", ALL_EDGES("clamped"), 1, 10, {35.985, 73.394, 73.394, 108.217, 131.580, 132.205}},
     {"free", "", 1, 10, {13.468, 19.596, 24.270, 34.801, 34.801, 61.093}},
-    {"cantilever", "supports=[{edge: theta1-, fix: clamped}];", 1, 10, {3.4710, 8.5066, 21.284, 27.199, 30.955, 54.186}},
+    {"cantilever",
+     "supports=[{edge: theta1-, fix: clamped}];",
+     1,
+     10,
+     {3.4710, 8.5066, 21.284, 27.199, 30.955, 54.186}},
     {"disc", DISC, 2, 5, {10.2158, 21.2604, 21.2604, 34.8770, 34.8770, 39.7711}},
     {"panel", PANEL, 1, 0, {85.2, 137.6, 244.9, 339.8, 383.3, 524.6}},
-    {"cylinder", CYLINDER, 3, 0, {0.03986508, 0.03986508, 0.04506863, 0.04506863, 0.05576842, 0.05576842}},
+    {"cylinder",
+     CYLINDER,
+     3,
+     0,
+     {0.03986508, 0.03986508, 0.04506863, 0.04506863, 0.05576842, 0.05576842}},
 };
 enum { CASES = sizeof cases / sizeof *cases };
 
@@ -359,12 +402,13 @@ static double frequency_error(const shell_case *c, int elements, const char *ele
     vibration v;
     double sum = 0;
     const double stiffness = 200e9 * 0.05 * 0.05 * 0.05 / (12 * (1 - 0.09)), per_area = 8000 * 0.05;
-    snprintf(changes, sizeof changes, "%s%smesh.theta1.elements=%d;mesh.theta2.elements=%d", element, c->changes, elements,
-             elements * c->around);
+    snprintf(changes, sizeof changes, "%s%smesh.theta1.elements=%d;mesh.theta2.elements=%d",
+             element, c->changes, elements, elements * c->around);
     rig_open(&r, SHELL, changes, MASS_LUMPED);
     solve_modes(&v, &r, 12);
     for (int i = 0; i < 6; i++) {
-        const double scale = c->length > 0 ? sqrt(stiffness / per_area) / (2 * pi * c->length * c->length) : 1;
+        const double scale =
+            c->length > 0 ? sqrt(stiffness / per_area) / (2 * pi * c->length * c->length) : 1;
         const double off = v.frequency[vibration_first(&v) + i] / (c->exact[i] * scale) - 1;
         sum += off * off / 6;
     }
@@ -387,7 +431,8 @@ static void assert_accuracy(const char *element, const double bound[2])
         double mean = 0;
         for (size_t i = 0; i < CASES; i++) {
             const double error = frequency_error(&cases[i], fine ? 16 : 8, element);
-            print_message("    %s mesh %d, %s: %.2f %%\n", element, fine ? 16 : 8, cases[i].name, 100 * error);
+            print_message("    %s mesh %d, %s: %.2f %%\n", element, fine ? 16 : 8, cases[i].name,
+                          100 * error);
             mean += error / CASES;
         }
         print_message("    mean %.2f %%\n", 100 * mean);
@@ -418,8 +463,8 @@ static void test_published_frequencies(void **state)
 /* The plate of the demonstrations: its first modes as an independent program has them, half of the mass lumped. */
 static void test_demo_plate(void **state)
 {
-    static const double expected[8] = {15.05120337, 36.17797085, 93.84333069, 122.71618561, 133.26288694, 233.05781222,
-                                       276.6916969, 296.57451585};
+    static const double expected[8] = {15.05120337,  36.17797085,  93.84333069, 122.71618561,
+                                       133.26288694, 233.05781222, 276.6916969, 296.57451585};
     rig r;
     vibration v;
     char error[SCENE_ERROR];
@@ -434,14 +479,17 @@ static void test_demo_plate(void **state)
 
 /* ---- certificate ------------------------------------------------------ */
 
-#define FREE_LOOP "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: linear};limits={voltage: [-1e30, 1e30]};"
+#define FREE_LOOP                                                                                  \
+    "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: "                       \
+    "linear};limits={voltage: [-1e30, 1e30]};"
 
 /* The plant of certificate.h, simulated with pzs_tick itself; its sensors are rows of the structure. */
 typedef struct plant_run {
     const analysis *a;
     const vibration *v;
     int modes, sensors, amplifiers;
-    double *q, *p, *shape, *given, *reach; /* shape [modes][sensors], given [modes][amplifiers], reach [sensors][amplifiers] */
+    double *q, *p, *shape, *given,
+        *reach; /* shape [modes][sensors], given [modes][amplifiers], reach [sensors][amplifiers] */
 } plant_run;
 
 /* What the sensors show. */
@@ -464,13 +512,15 @@ static void plant_show(const plant_run *r, const double *volt, double *shown)
 static void plant_advance(plant_run *r, const double *volt, double damping, double interval)
 {
     for (int i = 0; i < r->modes; i++) {
-        const double w = sqrt(r->v->square[i]), wd = w * sqrt(1 - damping * damping), e = exp(-damping * w * interval);
+        const double w = sqrt(r->v->square[i]), wd = w * sqrt(1 - damping * damping),
+                     e = exp(-damping * w * interval);
         double rest = 0;
         for (int j = 0; j < r->amplifiers; j++)
             rest += r->given[i * r->amplifiers + j] * volt[j];
         const double c0 = r->q[i] - rest, c1 = (r->p[i] * w + damping * w * c0) / wd;
         const double c = cos(wd * interval), s = sin(wd * interval);
-        const double velocity = e * ((c1 * wd - damping * w * c0) * c - (c0 * wd + damping * w * c1) * s);
+        const double velocity =
+            e * ((c1 * wd - damping * w * c0) * c - (c0 * wd + damping * w * c1) * s);
         r->q[i] = rest + e * (c0 * c + c1 * s);
         r->p[i] = velocity / w;
     }
@@ -492,8 +542,8 @@ static uint32_t sensor_row(const analysis *a, const estimator *e, int sensor)
 }
 
 /* What pzs_tick is given: the prediction, and the disturbance that the sensors showed under the voltages of that time. */
-static void plant_sense(const plant_run *r, const estimator *e, const double *shown, const double *then, const double *now,
-                        double *sensed)
+static void plant_sense(const plant_run *r, const estimator *e, const double *shown,
+                        const double *then, const double *now, double *sensed)
 {
     const design *d = &r->a->design;
     for (int t = 0; t < d->targets; t++) {
@@ -524,19 +574,24 @@ static void plant_fill(plant_run *r, const estimator *e)
     }
     for (int t = 0; t < r->sensors; t++)
         for (int j = 0; j < r->amplifiers; j++)
-            r->reach[t * r->amplifiers + j] = a->influence[sensor_row(a, e, t) * inputs + (size_t)j];
+            r->reach[t * r->amplifiers + j] =
+                a->influence[sensor_row(a, e, t) * inputs + (size_t)j];
 }
 
 /* Growth a tick, mean over the second half of the ticks, with what the sensors show `delay` ticks late. */
-static double simulated_growth(scene_run *run, const estimator *e, double damping, double interval, int delay, int ticks)
+static double simulated_growth(scene_run *run, const estimator *e, double damping, double interval,
+                               int delay, int ticks)
 {
     enum { KEPT = 8 };
     const analysis *a = &run->analysis;
     const certificate *c = &a->certificate;
-    plant_run r = {.a = a, .v = &c->vibration, .modes = c->modes, .amplifiers = a->design.amplifiers};
+    plant_run r = {
+        .a = a, .v = &c->vibration, .modes = c->modes, .amplifiers = a->design.amplifiers};
     r.sensors = e ? a->design.scene->estimate.readings : a->design.targets;
-    const size_t m = (size_t)a->design.targets, n = (size_t)r.amplifiers, k = (size_t)r.modes, s = (size_t)r.sensors;
-    double *memory = calloc(2 * k + k * s + k * n + s * n + KEPT * (n + s) + 2 * m, sizeof *memory), half = 0;
+    const size_t m = (size_t)a->design.targets, n = (size_t)r.amplifiers, k = (size_t)r.modes,
+                 s = (size_t)r.sensors;
+    double *memory = calloc(2 * k + k * s + k * n + s * n + KEPT * (n + s) + 2 * m, sizeof *memory),
+           half = 0;
     void *work = calloc(1, PZS_CONTROL_BYTES(n, m));
     pzs_control control;
     assert_true(memory && work);
@@ -545,11 +600,15 @@ static double simulated_growth(scene_run *run, const estimator *e, double dampin
     r.shape = r.p + k;
     r.given = r.shape + k * s;
     r.reach = r.given + k * n;
-    double *volts = r.reach + s * n, *shown = volts + KEPT * n, *wanted = shown + KEPT * s, *sensed = wanted + m;
+    double *volts = r.reach + s * n, *shown = volts + KEPT * n, *wanted = shown + KEPT * s,
+           *sensed = wanted + m;
     plant_fill(&r, e);
-    assert_int_equal(pzs_control_init(&control, &a->design.problem, NULL, work, PZS_CONTROL_BYTES(n, m)), PZS_OK);
+    assert_int_equal(
+        pzs_control_init(&control, &a->design.problem, NULL, work, PZS_CONTROL_BYTES(n, m)),
+        PZS_OK);
     for (int tick = 0; tick < ticks; tick++) {
-        const size_t then = (size_t)(tick > delay ? tick - delay : 0) % KEPT, now = (size_t)tick % KEPT;
+        const size_t then = (size_t)(tick > delay ? tick - delay : 0) % KEPT,
+                     now = (size_t)tick % KEPT;
         memcpy(volts + now * n, control.volt, n * sizeof *volts);
         plant_show(&r, control.volt, shown + now * s);
         plant_sense(&r, e, shown + then * s, volts + then * n, volts + now * n, sensed);
@@ -567,16 +626,24 @@ static double simulated_growth(scene_run *run, const estimator *e, double dampin
 /* The radius is the growth that pzs_tick brings about on the plant, tick by tick, growing or decaying, with late sensors too. */
 static void test_radius(void **state)
 {
-    static const struct { double rate, damping; int delay; double within; int is_few; } of[] = {
-        {1000, 0.005, 0, 1e-5, 0}, {1000, 0.3, 0, 0.005, 0}, {300, 0.1, 1, 0.0055, 0}, {200, 0.2, 3, 0.004, 0},
-        {60, 0.3, 0, 0.004, 0}, {20, 0.3, 1, 0.018, 0}, {40, 0.3, 0, 0.01, 0}, {1000, 0.1, 0, 0.005, 1},
-        {300, 0.1, 2, 0.005, 1}, {100, 0.02, 3, 0.005, 1}};
+    static const struct {
+        double rate, damping;
+        int delay;
+        double within;
+        int is_few;
+    } of[] = {{1000, 0.005, 0, 1e-5, 0}, {1000, 0.3, 0, 0.005, 0}, {300, 0.1, 1, 0.0055, 0},
+              {200, 0.2, 3, 0.004, 0},   {60, 0.3, 0, 0.004, 0},   {20, 0.3, 1, 0.018, 0},
+              {40, 0.3, 0, 0.01, 0},     {1000, 0.1, 0, 0.005, 1}, {300, 0.1, 2, 0.005, 1},
+              {100, 0.02, 3, 0.005, 1}};
     (void)state;
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         char changes[1024];
         scene_run run;
-        snprintf(changes, sizeof changes, FREE_LOOP "simulate.rate=%g;dynamics={damping: %g};simulate.sensors={delay: %d};%s",
-                 of[i].rate, of[i].damping, of[i].delay, of[i].is_few ? "estimate.tolerance=0.9;estimate.volts=30" : "");
+        snprintf(changes, sizeof changes,
+                 FREE_LOOP
+                 "simulate.rate=%g;dynamics={damping: %g};simulate.sensors={delay: %d};%s",
+                 of[i].rate, of[i].damping, of[i].delay,
+                 of[i].is_few ? "estimate.tolerance=0.9;estimate.volts=30" : "");
         open_run(&run, of[i].is_few ? "plate-few-sensors" : "plate-closed-loop", changes);
         estimator e;
         if (analysis_influence(&run.analysis, run.error) < 0
@@ -587,9 +654,11 @@ static void test_radius(void **state)
         assert_true(c->is_judged);
         /* So many ticks that growth stays within what double holds, 1e-9 to 1e25 or so. */
         const int ticks = (int)fmin(400, 45 / fabs(log(c->radius)));
-        const double growth = simulated_growth(&run, of[i].is_few ? &e : NULL, of[i].damping, 1 / of[i].rate, of[i].delay, ticks);
-        print_message("    %g a second, damping %g, delay %d: radius %.6f, growth of %d ticks %.6f\n", of[i].rate,
-                      of[i].damping, of[i].delay, c->radius, ticks, growth);
+        const double growth = simulated_growth(&run, of[i].is_few ? &e : NULL, of[i].damping,
+                                               1 / of[i].rate, of[i].delay, ticks);
+        print_message(
+            "    %g a second, damping %g, delay %d: radius %.6f, growth of %d ticks %.6f\n",
+            of[i].rate, of[i].damping, of[i].delay, c->radius, ticks, growth);
         assert_true((c->radius < 1) == !certificate_refuses(c));
         if (!(fabs(log(growth / c->radius)) < of[i].within))
             fail_msg("radius %.6f, growth %.6f", c->radius, growth);
@@ -605,7 +674,8 @@ static void test_one_mode(void **state)
     const double loop = 1, square = 25, zeta = 0.1;
     (void)state;
     for (int i = 1; i < 40; i++) {
-        const double interval = 0.05 * i, w = 5, root = sqrt(1 - zeta * zeta), e = exp(-zeta * w * interval);
+        const double interval = 0.05 * i, w = 5, root = sqrt(1 - zeta * zeta),
+                     e = exp(-zeta * w * interval);
         const double c = e * cos(w * root * interval), s = e * sin(w * root * interval) / root;
         const double a = c + zeta * s, d = c - zeta * s;
         /* det(z - A) with e' = a (e + g) + s p, p' = -s (e + g) + d p, g = e - e_before. */
@@ -630,7 +700,8 @@ static void test_one_mode(void **state)
             }
         for (int r = 0; r < 3; r++)
             largest = fmax(largest, hypot(z[r][0], z[r][1]));
-        assert_near("radius of one mode", certificate_radius(&loop, &square, 1, zeta, 0, interval, 40), largest, 1e-6);
+        assert_near("radius of one mode",
+                    certificate_radius(&loop, &square, 1, zeta, 0, interval, 40), largest, 1e-6);
     }
 }
 
@@ -643,7 +714,8 @@ static void test_range(void **state)
     for (int i = -1; i <= 16; i++) {
         char changes[512];
         scene_run run;
-        snprintf(changes, sizeof changes, FREE_LOOP "simulate.rate=%.9g", i < 0 ? 1000 : rate_to * (0.92 + 0.01 * i));
+        snprintf(changes, sizeof changes, FREE_LOOP "simulate.rate=%.9g",
+                 i < 0 ? 1000 : rate_to * (0.92 + 0.01 * i));
         open_run(&run, "plate-closed-loop", changes);
         assert_int_equal(analysis_influence(&run.analysis, run.error), 0);
         certificate *c = &run.analysis.certificate;
@@ -663,14 +735,21 @@ static void test_range(void **state)
 static void test_refused(void **state)
 {
     static const refusal bad[] = {
-        {"dynamics={damping: 0}", "between 0 and 1"},  {"dynamics={damping: 1}", "between 0 and 1"},
-        {"dynamics={damping: -0.1}", "between 0 and 1"}, {"dynamics={damping: .nan}", "damping"},
-        {"dynamics={modes: 0}", "from 1 to 200"},      {"dynamics={modes: 201}", "from 1 to 200"},
-        {"dynamics={modes: 2.5}", "modes"},            {"dynamics={mass_per_area: -1}", "mass_per_area"},
-        {"dynamics={mass: lumped}", "mass"},           {"dynamics=[]", "dynamics"},
-        {"materials.G1195.density=-1", "density"},     {"materials.G1195.density=.inf", "density"},
+        {"dynamics={damping: 0}", "between 0 and 1"},
+        {"dynamics={damping: 1}", "between 0 and 1"},
+        {"dynamics={damping: -0.1}", "between 0 and 1"},
+        {"dynamics={damping: .nan}", "damping"},
+        {"dynamics={modes: 0}", "from 1 to 200"},
+        {"dynamics={modes: 201}", "from 1 to 200"},
+        {"dynamics={modes: 2.5}", "modes"},
+        {"dynamics={mass_per_area: -1}", "mass_per_area"},
+        {"dynamics={mass: lumped}", "mass"},
+        {"dynamics=[]", "dynamics"},
+        {"materials.G1195.density=-1", "density"},
+        {"materials.G1195.density=.inf", "density"},
     };
-    static const char *const missing[3] = {"materials.G1195.density=0;", "materials.AS4/3501.density=0;", "scordelis-lo"};
+    static const char *const missing[3] = {"materials.G1195.density=0;",
+                                           "materials.AS4/3501.density=0;", "scordelis-lo"};
     static const char *const named[3] = {"'G1195'", "'AS4/3501'", "'concrete'"};
     (void)state;
     assert_refused("plate-50-patches", bad, sizeof bad / sizeof *bad);
@@ -694,11 +773,20 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_translation), cmocka_unit_test(test_rotation), cmocka_unit_test(test_thickness_motion),
-        cmocka_unit_test(test_eigenpairs),  cmocka_unit_test(test_complete), cmocka_unit_test(test_loose),
-        cmocka_unit_test(test_pairs), cmocka_unit_test(test_panels),      cmocka_unit_test(test_frequencies), cmocka_unit_test(test_published_frequencies),
+        cmocka_unit_test(test_translation),
+        cmocka_unit_test(test_rotation),
+        cmocka_unit_test(test_thickness_motion),
+        cmocka_unit_test(test_eigenpairs),
+        cmocka_unit_test(test_complete),
+        cmocka_unit_test(test_loose),
+        cmocka_unit_test(test_pairs),
+        cmocka_unit_test(test_panels),
+        cmocka_unit_test(test_frequencies),
+        cmocka_unit_test(test_published_frequencies),
         cmocka_unit_test(test_demo_plate),
-        cmocka_unit_test(test_radius),      cmocka_unit_test(test_one_mode), cmocka_unit_test(test_range),
+        cmocka_unit_test(test_radius),
+        cmocka_unit_test(test_one_mode),
+        cmocka_unit_test(test_range),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
