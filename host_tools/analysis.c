@@ -308,6 +308,7 @@ double analysis_stiffening(analysis *a)
 
 void analysis_free(analysis *a)
 {
+    certificate_free(&a->certificate);
     path_close(&a->path);
     design_free(&a->design);
     free(a->work);

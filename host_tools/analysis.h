@@ -5,6 +5,7 @@
 #ifndef ANALYSIS_H
 #define ANALYSIS_H
 
+#include "certificate.h"
 #include "path.h"
 #include "plausible.h"
 
@@ -24,6 +25,8 @@ typedef struct analysis {
     struct {
         double assemble, factor, solve;
     } seconds;          /* of the stiffness at rest, and of the last displacement */
+    certificate certificate; /* of vibration, after certificate_make */
+    int quasi_static;   /* tables of a control loop that vibration makes unstable are wanted all the same */
     double cost;        /* kinematics auto: difference of the linear displacement over the nonlinear one */
     plausible warnings; /* of the scene and its results so far, for the reader */
 } analysis;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "eigen.h"
 #include "electrodes.h"
 #include "estimate.h"
 
@@ -120,37 +121,10 @@ static void form(bench *b)
 
 /* ---- eigenvalues ------------------------------------------------------ */
 
-/* Turn rows and columns p, q of the symmetric a [n][n] so that a_pq vanishes; v's columns along. */
-static void rotate(double *a, double *v, size_t n, size_t p, size_t q)
-{
-    if (!(fabs(a[p * n + q]) > 0))
-        return;
-    const double theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
-    const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + hypot(theta, 1)), c = 1 / sqrt(t * t + 1), s = t * c;
-    for (size_t i = 0; i < n; i++) {
-        const double x = a[i * n + p], y = a[i * n + q], vx = v[i * n + p], vy = v[i * n + q];
-        a[i * n + p] = c * x - s * y;
-        a[i * n + q] = s * x + c * y;
-        v[i * n + p] = c * vx - s * vy;
-        v[i * n + q] = s * vx + c * vy;
-    }
-    for (size_t i = 0; i < n; i++) {
-        const double x = a[p * n + i], y = a[q * n + i];
-        a[p * n + i] = c * x - s * y;
-        a[q * n + i] = s * x + c * y;
-    }
-}
-
-/* Jacobi's method: square becomes diagonal, turn its eigenvectors. */
+/* square becomes diagonal, turn its eigenvectors. */
 static void diagonalise(bench *b)
 {
-    const size_t n = b->k;
-    for (size_t i = 0; i < n; i++)
-        b->turn[i * n + i] = 1;
-    for (int sweep = 0; sweep < SWEEPS; sweep++)
-        for (size_t p = 0; p < n; p++)
-            for (size_t q = p + 1; q < n; q++)
-                rotate(b->square, b->turn, n, p, q);
+    eigen_symmetric(b->square, b->turn, b->k, SWEEPS, 0);
 }
 
 static double eigenvalue(const bench *b, size_t i)

@@ -52,6 +52,12 @@ static void number(FILE *file, double value)
         fputs("null", file);
 }
 
+void json_bool(json *j, const char *key, int is_true)
+{
+    begin(j, key);
+    fputs(is_true ? "true" : "false", j->file);
+}
+
 void json_number(json *j, const char *key, double value)
 {
     begin(j, key);

@@ -14,6 +14,7 @@ typedef struct json {
 void json_open(json *j, const char *key, char bracket);
 void json_close(json *j, char bracket);
 void json_number(json *j, const char *key, double value);
+void json_bool(json *j, const char *key, int is_true);
 void json_string(json *j, const char *key, const char *text);
 void json_numbers(json *j, const char *key, const double *value, int count);
 

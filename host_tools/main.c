@@ -9,9 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include "estimator.h"
+#include "mass.h"
 #include "options.h"
 #include "print.h"
 #include "print_simulate.h"
+#include "print_vibration.h"
 #include "report.h"
 #include "report_simulate.h"
 #include "voltages.h"
@@ -289,6 +291,9 @@ static int command_simulate(const options *o, analysis *a)
     memset(&record, 0, sizeof record);
     if (!s->simulate.given)
         scene_fault(s, s->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
+    if (s->simulate.given && analysis_influence(a, error) == 0)
+        certificate_make(&a->certificate, a);
+    a->quasi_static = 1;
     if (!s->simulate.given || analysis_influence(a, error) < 0 || simulate_open(&run, a, error) < 0) {
         status = complain(error, OPTIONS_WRONG);
     } else if (o->device && simulate_device(&run, o->device, error) < 0) {
@@ -305,6 +310,55 @@ static int command_simulate(const options *o, analysis *a)
     }
     record_close(&record);
     simulate_close(&run);
+    return status;
+}
+
+/* ---- modes ------------------------------------------------------------ */
+
+/* A field of the VTU file for each mode. */
+static int write_modes(const vibration *v, const mesh *m, const char *path)
+{
+    const size_t length = 3 * (size_t)m->nodes, count = (size_t)v->count;
+    double *vector = calloc(length * count, sizeof *vector);
+    report_field *field = calloc(count, sizeof *field);
+    char (*name)[32] = calloc(count, sizeof *name);
+    output_file f;
+    int status = vector && field && name ? output_begin(&f, path) : complain("out of memory", 1);
+    if (status == 0) {
+        for (size_t i = 0; i < count; i++) {
+            snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
+            report_displacement(m, v->shape + i * (size_t)m->dof, vector + i * length);
+            field[i] = (report_field){name[i], vector + i * length};
+        }
+        status = output_end(&f, report_vtu(f.file, m, field, v->count));
+    }
+    free(vector);
+    free(field);
+    free(name);
+    return status;
+}
+
+/* The structure alone, which supports may leave loose. */
+static int run_modes(const options *o)
+{
+    scene s;
+    design d;
+    vibration v;
+    char error[SCENE_ERROR];
+    int status = open_scene(o, &s);
+    if (status)
+        return status;
+    if (design_build(&d, &s, error) < 0) {
+        status = complain(error, OPTIONS_WRONG);
+    } else if (vibration_solve(&v, &d, o->number ? o->number : 10, MASS_LUMPED, error) < 0) {
+        status = complain(error, OPTIONS_WRONG);
+    } else {
+        (o->as_json ? print_vibration_json : print_vibration)(&d, &v);
+        status = o->vtu ? write_modes(&v, &d.mesh, o->vtu) : 0;
+        vibration_free(&v);
+    }
+    design_free(&d);
+    scene_free(&s);
     return status;
 }
 
@@ -330,6 +384,21 @@ static const char *table_path(const options *o, const char *prefix, char path[OP
     return path;
 }
 
+/* A control loop that vibration makes unstable is not handed to a firmware unasked. Returns 0, or -1 with error filled. */
+static int judge_loop(analysis *a, char *error)
+{
+    const certificate *c = &a->certificate;
+    const scene *s = a->design.scene;
+    if (a->design.problem.inputs == 0)
+        return 0;
+    certificate_make(&a->certificate, a);
+    if (a->quasi_static || !certificate_refuses(c))
+        return 0;
+    return scene_fault(s, s->simulate.at, error, "unstable at %g ticks a second: the control step has no vibration model, first "
+                       "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
+                       "the tables all the same", c->rate, certificate_first(c), c->radius, c->rate_to);
+}
+
 /*
  * Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem where it has a target. A
  * control image: the influence that the scene's simulation has.
@@ -338,6 +407,8 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
 {
     const scene *s = a->design.scene;
     if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && s->target.given)) && analysis_influence(a, error) < 0)
+        return -1;
+    if (judge_loop(a, error) < 0)
         return -1;
     if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
         return -1;
@@ -355,7 +426,9 @@ static int prepare_tables(analysis *a, tables_image image, char *error)
     a->nonlinear = 1;
     const int failed = u ? analysis_solve(a, u, error) : scene_fault(s, s->at_surface, error, "out of memory");
     free(u);
-    return failed ? -1 : s->target.given ? analysis_influence(a, error) : 0;
+    if (failed || (s->target.given && analysis_influence(a, error) < 0))
+        return -1;
+    return judge_loop(a, error);
 }
 
 static void print_tables(const options *o, const analysis *a, const char *path)
@@ -372,6 +445,7 @@ static int command_tables(const options *o, analysis *a)
     output_file f;
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
+    a->quasi_static = o->quasi_static;
     if (prepare_tables(a, o->image, error) < 0)
         return complain(error, failed_code(a));
     table_prefix(o, a->design.scene, prefix);
@@ -388,6 +462,7 @@ static int command_check(const options *o, analysis *a)
     char error[SCENE_ERROR];
     if (a->design.scene->target.given && analysis_influence(a, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    certificate_make(&a->certificate, a);
     (o->as_json ? print_check_json : print_check)(a);
     return 0;
 }
@@ -453,6 +528,11 @@ static int run_command(int argc, char **argv)
     }
     if (strcmp(argv[1], "list") == 0)
         return command_list();
+    if (strcmp(argv[1], "modes") == 0) {
+        options o;
+        const int wrong = options_read(&o, argc, argv);
+        return wrong ? wrong : run_modes(&o);
+    }
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (strcmp(argv[1], commands[i].name) == 0) {
             options o;

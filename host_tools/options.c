@@ -16,6 +16,7 @@ const char *const options_help =
     "  pzs check  SCENE                 read a scene and say what is wrong with it\n"
     "  pzs solve  SCENE                 displacement under the scene's loads and applied volts\n"
     "  pzs shape  SCENE                 volts that bring the shape to the scene's target, and its error\n"
+    "  pzs modes  SCENE                 natural frequencies: the vibration that the control loop has no model of\n"
     "  pzs tables SCENE -o FILE.h       C tables for a firmware\n"
     "  pzs simulate SCENE               the controller in closed loop with a structure it does not quite know\n"
     "\n"
@@ -28,7 +29,8 @@ const char *const options_help =
     "  --json             numbers for machines on standard output\n"
     "  --strict           warnings on implausible numbers end with exit code 1\n"
     "  --report FILE.html pictures and tables in one page\n"
-    "  --vtu FILE.vtu     deformed shape for ParaView\n"
+    "  --vtu FILE.vtu     deformed shape for ParaView; modes: the mode shapes\n"
+    "  --number N         modes: how many, 1 to 200; default 10\n"
     "  --csv FILE.csv     simulate: a line a tick: tick, time (s), error of the shape over the scene's target, active\n"
     "                     (volts at a limit), passes of the optimiser, status (pzs_status of the tick), lost (1: the\n"
     "                     controller did not run), missed (by the estimate of the shape), then the volts that each\n"
@@ -37,6 +39,8 @@ const char *const options_help =
     "                     controller; every bit compared with the same C here. host-32, host-64: that C alone\n"
     "  --level IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
     "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
+    "  --quasi-static     tables: also where vibration makes the control loop unstable at the scene's rate; the header\n"
+    "                     then says so and defines PREFIX_QUASI_STATIC\n"
     "  --prefix NAME      tables: start of every name; default the scene's name\n"
     "  -o FILE            tables: output file, or a folder for it\n"
     "\n"
@@ -107,6 +111,12 @@ static int take_value(options *o, const char *name, const char *value)
         o->set[o->sets++] = value;
     } else if (strcmp(name, "--limit") == 0) {
         return take_limit(o, value);
+    } else if (strcmp(name, "--number") == 0) {
+        char *end;
+        const long number = strtol(value, &end, 10);
+        if (end == value || *end || number < 1 || number > 200)
+            return options_refuse("--number wants a whole number from 1 to 200, not", value);
+        o->number = (int)number;
     } else if (strcmp(name, "--level") == 0) {
         for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
             o->image++;
@@ -140,6 +150,8 @@ static int parse(options *o, int argc, char **argv)
             o->as_json = 1;
         } else if (strcmp(argv[i], "--strict") == 0) {
             o->is_strict = 1;
+        } else if (strcmp(argv[i], "--quasi-static") == 0) {
+            o->quasi_static = 1;
         } else if (argv[i][0] != '-') {
             if (o->scene)
                 return options_refuse("one scene at a time; unexpected", argv[i]);
@@ -218,9 +230,10 @@ static int check_options(const options *o, const char *command)
         const char *name, *commands;
         int given;
     } option[] = {{"--limit", "shape", o->limits > 0}, {"--report", "solve, shape, simulate", o->report != NULL},
-                  {"--vtu", "solve, shape", o->vtu != NULL}, {"--csv", "simulate", o->csv != NULL},
+                  {"--vtu", "solve, shape, modes", o->vtu != NULL}, {"--csv", "simulate", o->csv != NULL},
                   {"--device", "simulate", o->device != NULL}, {"--prefix", "tables", o->prefix != NULL},
-                  {"--level", "tables", o->image != TABLES_CONTROL}, {"-o", "tables", o->output != NULL}};
+                  {"--level", "tables", o->image != TABLES_CONTROL}, {"-o", "tables", o->output != NULL},
+                  {"--number", "modes", o->number > 0}, {"--quasi-static", "tables", o->quasi_static}};
     for (size_t i = 0; i < sizeof option / sizeof *option; i++)
         if (option[i].given && !strstr(option[i].commands, command)) {
             fprintf(stderr, "pzs: %s belongs to %s, not to %s; see pzs --help\n", option[i].name, option[i].commands, command);

@@ -13,6 +13,8 @@ typedef struct options {
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
     int sets, limits, as_json, is_strict;
+    int number;       /* of modes; 0: not given */
+    int quasi_static;
     const char *report, *vtu, *csv, *output, *prefix;
     const device_board *device;
     tables_image image;

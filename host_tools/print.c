@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "model.h"
+#include "print_vibration.h"
 #include "words.h"
 #include "tables.h"
 
@@ -123,6 +124,8 @@ void print_check(const analysis *a)
             printf("  %-10s %11.1f %10.1f %11.1f %10.1f %11.1f %10.1f\n", tables_image_name[image],
                    (double)(size.bytes + size.reals * 4) / 1024, (double)(size.bytes + size.reals * 8) / 1024,
                    (double)need.work[0] / 1024, (double)need.work[1] / 1024, (double)need.stack[0] / 1024, (double)need.stack[1] / 1024);
+    putchar('\n');
+    print_certificate(&a->certificate);
     puts("\n  the scene is sound");
 }
 
@@ -152,6 +155,7 @@ void print_check_json(const analysis *a)
         json_close(&j, '}');
     }
     json_close(&j, '}');
+    print_certificate_json(&j, &a->certificate);
     json_close(&j, '}');
 }
 

@@ -1,6 +1,7 @@
 /* A simulation in words and numbers (print_simulate.h). */
 #include "print_simulate.h"
 #include "print.h"
+#include "print_vibration.h"
 #include "words.h"
 
 static const char *const law_name[LAWS] = {"controller", "clipped", "regularised"};
@@ -74,6 +75,8 @@ static void print_plant(const simulation *s)
 {
     const scene_simulate *simulate = &s->nominal->design.scene->simulate;
     const char *unit = s->nominal->design.scene->unit_length;
+    puts("  quasi-static plant: no inertia; each shape is an equilibrium");
+    print_certificate(&s->nominal->certificate);
     printf("  plant: %s", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < s->plant.scene.materials; i++)
         printf("%s %s stiffness x %g, d x %g", i ? ";" : ",", s->plant.scene.material[i].name,
@@ -231,6 +234,8 @@ void print_simulation_json(const simulation *s)
     json_open(&j, NULL, '{');
     json_string(&j, "scene", scene->name);
     json_string(&j, "plant", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    json_string(&j, "dynamics", "quasi-static");
+    print_certificate_json(&j, &s->nominal->certificate);
     json_number(&j, "ticks", scene->simulate.ticks);
     if (s->board) {
         json_string(&j, "device", s->board->name);

@@ -181,6 +181,23 @@ static void write_counts(const page *p)
     write_extras(p, &p->s->count[LAW_CONTROLLER]);
 }
 
+/* What vibration would make of the loop, where the densities say it. */
+static void write_certificate(const page *p)
+{
+    const certificate *c = &p->s->nominal->certificate;
+    char text[3 * SCENE_ERROR];
+    certificate_text(c, text);
+    if (!c->made)
+        return;
+    fputs("<p><b>Quasi-static plant: no inertia.</b> ", p->file);
+    if (c->vibrates)
+        fprintf(p->file, "First natural frequency %.4g Hz. ", certificate_first(c));
+    else
+        fputs("Vibration is not known: ", p->file);
+    html_text(p->file, c->vibrates ? text : c->why_not);
+    fputs("</p>\n", p->file);
+}
+
 /* The plant as it is, of what the controller believes. */
 static void write_plant(const page *p)
 {
@@ -202,7 +219,7 @@ static void write_plant(const page *p)
     html_quantity(p->file, simulate->step, p->scene->unit_voltage);
     fputs(", dead band ", p->file);
     html_quantity(p->file, simulate->dead_band, p->scene->unit_voltage);
-    fprintf(p->file, ". The controller&rsquo;s influence is that %s. Every shape is an equilibrium; there are no vibrations.</p>\n",
+    fprintf(p->file, ". The controller&rsquo;s influence is that %s. Every shape is an equilibrium.</p>\n",
             simulate->at_target ? "at the nonlinear optimum it believes in" : "at rest");
 }
 
@@ -463,6 +480,7 @@ static int write_page(page *p)
     write_verdict(p);
     fputs("<section>\n<h2>Over time</h2>\n", p->file);
     write_plant(p);
+    write_certificate(p);
     draw_errors(p);
     draw_volts(p);
     fputs("</section>\n<section>\n<h2>Phases</h2>\n", p->file);

@@ -68,6 +68,7 @@ static const field sections[] = {
     {"target", read_target, 0, NULL, 0},
     {"compare", read_compare, 0, NULL, 0},
     {"estimate", read_estimate, 0, NULL, 0},
+    {"dynamics", read_dynamics, 0, NULL, 0},
     {"simulate", read_simulate, 0, NULL, 0},
     {NULL, NULL, 0, NULL, 0}};
 
@@ -99,6 +100,8 @@ static void set_defaults(scene *s)
     s->equilibrium.mixed = 12;
     s->equilibrium.systems = 400;
     s->reference_is_middle = 1;
+    s->dynamics.damping = 0.005;
+    s->dynamics.modes = 30;
     s->limits.lower = -HUGE_VAL;
     s->limits.upper = s->limits.slew = HUGE_VAL;
 }

@@ -79,7 +79,7 @@ typedef struct scene_material {
     double permittivity;                           /* at constant strain (F/m), 0 if not given */
     double pyroelectric;                           /* along the poling at constant strain (C/m2 K) */
     double alpha[3];                               /* thermal expansion (1/K) */
-    double density;                                /* weight is force per volume = density * gravity */
+    double density;                                /* mass per volume; weight is density * gravity */
     double field_limit;                            /* depolarisation field (V/m), 0: none */
     int poling;                                    /* +3 or -3 */
     scene_at at;
@@ -308,6 +308,14 @@ typedef struct scene_simulate {
     scene_at at;
 } scene_simulate;
 
+/* What vibration needs besides the densities of the materials. */
+typedef struct scene_dynamics {
+    double damping;              /* ratio of every mode to critical damping */
+    int damping_given;           /* by the scene; 0: an assumption */
+    int modes;                   /* of the structure that the stability of the control loop is judged with */
+    double mass_per_area;        /* of what is no layer, at the middle of the package */
+} scene_dynamics;
+
 typedef struct scene {
     char *path;                  /* file it was read from */
     char **set;                  /* [sets] changes that were applied */
@@ -338,6 +346,7 @@ typedef struct scene {
     scene_compare *compare;
     scene_estimate estimate;
     scene_simulate simulate;
+    scene_dynamics dynamics;
     int amplifiers;              /* of all actuators, in their order */
     int electrodes;              /* of all sensors, in their order */
     scene_at at_surface, at_layers;

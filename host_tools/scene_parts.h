@@ -19,6 +19,9 @@ field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_out
 /* scene_estimate.c: what the firmware knows of the shape. */
 field_read read_estimate;
 
+/* scene_dynamics.c: what its vibration needs. */
+field_read read_dynamics;
+
 /* scene_simulate.c: what the controller has to live with. */
 field_read read_simulate;
 void free_simulate(scene_simulate *simulate);

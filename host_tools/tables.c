@@ -291,6 +291,22 @@ static void write_head(const emitter *w, const analysis *a, const char *image)
             s->name, image, s->about ? s->about : "", s->unit_length, s->unit_force, s->unit_voltage, w->upper, w->upper, PZS_TABLE_FORMAT);
 }
 
+/* What vibration makes of the control loop, in the words of the certificate. */
+static void write_certificate(const emitter *w, const certificate *c)
+{
+    char text[3 * SCENE_ERROR];
+    certificate_text(c, text);
+    if (!text[0])
+        return;
+    fprintf(w->file, "/*\n * ");
+    for (const char *p = text; *p; p++)
+        fprintf(w->file, *p == '\n' ? "\n * " : "%c", *p);
+    fputs("\n */\n", w->file);
+    if (certificate_refuses(c))
+        fprintf(w->file, "#define %s_QUASI_STATIC 1\n", w->upper);
+    fputs("\n", w->file);
+}
+
 /* What a nonlinear image asks of its compilation. */
 static void write_demands(const emitter *w, const analysis *a)
 {
@@ -316,6 +332,8 @@ int tables_write(FILE *file, const analysis *a, tables_image image, const char *
     write_head(&w, a, tables_image_name[image]);
     if (image == TABLES_NONLINEAR)
         write_demands(&w, a);
+    if (controlled)
+        write_certificate(&w, &a->certificate);
     if (controlled)
         fprintf(file, "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
                 w.upper, a->design.amplifiers, w.upper, a->design.targets, w.upper, a->design.amplifiers, a->design.targets);

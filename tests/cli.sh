@@ -253,7 +253,7 @@ grep -q 'Volts of the amplifiers' "$dir/loop.html" && ! grep -qi '[^a-z]nan[^a-z
 [ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
 run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
 run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
-run 0 tables plate-closed-loop -o "$dir/target.h" && run 0 tables plate-closed-loop --set simulate.influence=rest -o "$dir/rest.h" &&
+run 0 tables plate-closed-loop --quasi-static -o "$dir/target.h" && run 0 tables plate-closed-loop --quasi-static --set simulate.influence=rest -o "$dir/rest.h" &&
     grep -q 'influence\[3025\]' "$dir/target.h" && ! cmp -s "$dir/target.h" "$dir/rest.h"
 check 'control tables have the influence that the simulation has' $?
 
@@ -261,6 +261,22 @@ check 'control tables have the influence that the simulation has' $?
 run 0 shape plate-50-patches --limit 200 --limit 100 --limit 500
 sed -n '/<!-- demo -->/,/^$/p' README.md | grep '%' | awk '{$NF = ""; print}' >"$dir/told"
 grep -v 'target' "$dir/out" | grep '%' | awk '{$NF = ""; print}' | cmp -s - "$dir/told" && [ -s "$dir/told" ]; check "the README's table is the demo's" $?
+
+# vibration
+run 0 modes plate-50-patches --number 5 --vtu "$dir/modes.vtu" && grep -q '^ *1 *15\.0' "$dir/out" && grep -q 'mode_5' "$dir/modes.vtu"; check 'modes: a table and a VTU file' $?
+run 0 modes plate-50-patches --number 5 --json && json "all(abs(f/w-1)<.02 for f,w in zip(j['frequency'],[15,36,94,123,133])) and abs(j['mass']-.184)<1e-12 and len(j['modes'][4]['controllability'])==25 and len(j['frequency'])==5"; check 'modes --json' $?
+run 2 modes scordelis-lo && says "no density in material 'concrete'"; check 'modes without a density: exit 2, with the cure' $?
+run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-50-patches --number 2.5 && says '--number' && run 2 check plate-50-patches --number 3 && says 'belongs to modes'; check 'modes: a wrong number' $?
+run 2 tables plate-closed-loop -o "$dir/x.h" && says 'unstable at 1000 ticks a second' && says 'quasi-static' && [ ! -e "$dir/x.h" ]; check 'tables of an unstable loop are refused' $?
+run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set simulate.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
+grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
+run 0 check plate-closed-loop --json && json "j['vibration']['radius']>1.5 and j['vibration']['stable'] is False and 0<j['vibration']['rate_to']<15 and abs(j['vibration']['frequency'][0]-15.04)<.1"; check 'check --json: verdict on the loop' $?
+run 0 check plate-closed-loop --set simulate.rate=0.4 && grep -q 'the loop is stable' "$dir/out" && grep -q 'Every rate up to' "$dir/out"; check 'check: a rate that is stable' $?
+run 0 check scordelis-lo && grep -q "vibration not known: .*'concrete'" "$dir/out"; check 'check names the densities that are missing' $?
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 && grep -q 'quasi-static plant: no inertia' "$dir/out" && grep -q 'vibration grows' "$dir/out"; check 'simulate says that its plant has no inertia' $?
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 --set materials.G1195.density=0 --json --report "$dir/loop.html" && json "j['dynamics']=='quasi-static' and 'G1195' in j['vibration']['missing']" && grep -q 'Quasi-static plant' "$dir/loop.html"; check 'simulate without a density says so' $?
 
 # The README's example compiles against its tables and stays inside the limits
 run 0 tables plate-50-patches --prefix plate -o "$dir/plate.h"

@@ -1,0 +1,73 @@
+/* Eigenvalues of small dense matrices (eigen.h). */
+#include "eigen.h"
+#include <math.h>
+#include <string.h>
+
+/* Turn rows and columns p, q of the symmetric a [n][n] so that a_pq vanishes; v's columns along. */
+static void rotate(double *a, double *v, size_t n, size_t p, size_t q)
+{
+    const double theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
+    const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + hypot(theta, 1)),
+                 c = 1 / sqrt(t * t + 1), s = t * c;
+    for (size_t i = 0; i < n; i++) {
+        const double x = a[i * n + p], y = a[i * n + q], vx = v[i * n + p], vy = v[i * n + q];
+        a[i * n + p] = c * x - s * y;
+        a[i * n + q] = s * x + c * y;
+        v[i * n + p] = c * vx - s * vy;
+        v[i * n + q] = s * vx + c * vy;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double x = a[p * n + i], y = a[q * n + i];
+        a[p * n + i] = c * x - s * y;
+        a[q * n + i] = s * x + c * y;
+    }
+}
+
+void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligible)
+{
+    memset(v, 0, n * n * sizeof *v);
+    for (size_t i = 0; i < n; i++)
+        v[i * n + i] = 1;
+    for (int sweep = 0; sweep < sweeps; sweep++)
+        for (size_t p = 0; p < n; p++)
+            for (size_t q = p + 1; q < n; q++)
+                if (fabs(a[p * n + q]) > negligible)
+                    rotate(a, v, n, p, q);
+}
+
+/* Divide by the Frobenius norm. Returns the norm. */
+static double normalise(double *a, size_t n)
+{
+    double sum = 0;
+    for (size_t i = 0; i < n * n; i++)
+        sum += a[i] * a[i];
+    const double norm = sqrt(sum);
+    for (size_t i = 0; i < n * n && norm > 0; i++)
+        a[i] /= norm;
+    return norm;
+}
+
+/* out = a a */
+static void square(const double *a, double *out, size_t n)
+{
+    memset(out, 0, n * n * sizeof *out);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++) {
+            const double factor = a[i * n + k];
+            for (size_t j = 0; j < n; j++)
+                out[i * n + j] += factor * a[k * n + j];
+        }
+}
+
+double eigen_radius(double *a, double *work, size_t n, int squarings)
+{
+    double norm = normalise(a, n), log_norm = log(norm), power = 1;
+    for (int k = 0; k < squarings && norm > 0; k++) {
+        square(a, work, n);
+        memcpy(a, work, n * n * sizeof *a);
+        norm = normalise(a, n);
+        log_norm = 2 * log_norm + log(norm);
+        power *= 2;
+    }
+    return norm > 0 ? exp(log_norm / power) : norm;
+}

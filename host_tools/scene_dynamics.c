@@ -1,0 +1,18 @@
+/* Section of a scene that says what its vibration needs besides densities: dynamics. */
+#include "scene_parts.h"
+
+int read_dynamics(reader *r, int node, void *to, const void *rule)
+{
+    static const range ratio = {
+        0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
+    static const range counted = {1, 200, 0, "must be from 1 to 200"};
+    static const field fields[] = {
+        {"damping", read_real, offsetof(scene_dynamics, damping), &ratio, 0},
+        {"modes", read_int, offsetof(scene_dynamics, modes), &counted, 0},
+        {"mass_per_area", read_real, offsetof(scene_dynamics, mass_per_area), &not_negative, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    (void)rule;
+    s->dynamics.damping_given = tree_find(r->t, node, "damping") != 0;
+    return read_map(r, node, fields, &s->dynamics);
+}
