@@ -6,7 +6,7 @@
 
 /* ---- element ---- */
 
-const scene_element element_corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
+const scene_element element_corrected = {1, 1, 0.09, 1, 1, 1, 1, 7};
 static const scene_element element_source = {0, 0, 0, 0, 0, 0, 0, 7};
 
 static int read_preset(reader *r, int node, void *to, const void *rule)

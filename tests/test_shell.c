@@ -23,7 +23,7 @@ typedef struct one {
 } one;
 
 static const scene_element source = {0, 0, 0, 0, 0, 0, 0, 7};
-static const scene_element corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
+static const scene_element corrected = {1, 1, 0.09, 1, 1, 1, 1, 7};
 
 static void set_surface(scene_surface *s, const char *name, const double *number)
 {
