@@ -18,7 +18,7 @@ const char *const options_help =
     "  pzs simulate SCENE               the controller in closed loop with a structure it does not quite know\n"
     "\n"
     "SCENE is a file, or the name of a shipped scene. Options:\n"
-    "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
+    "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=improved\n"
     "  --limit V          shape: voltage limit instead of the scene's; repeat it for a comparison\n"
     "  --json             numbers for machines on standard output\n"
     "  --report FILE.html pictures and tables in one page\n"

@@ -45,7 +45,7 @@ typedef struct scene_equilibrium {
     scene_at at;
 } scene_equilibrium;
 
-/* The formulation of the element: `element: source`, `element: corrected`, or a map of these. */
+/* The formulation of the element: `element: published`, `element: improved`, or a map of these. */
 typedef struct scene_element {
     int cartesian;       /* kinematics: cartesian (1) or local (0) */
     double tau;          /* twist term */

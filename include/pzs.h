@@ -121,7 +121,7 @@ typedef struct pzs_rows {
  * Corner r = 0..3 is (-,-) (+,-) (+,+) (-,+); direction a = 0, 1 along theta1, theta2;
  * r' is the neighbour of r along a. Displacement derivatives in the frame of corner r:
  *   lam_a = S_a u_r + T_a u_r'
- * Formulation (source or corrected) is nothing but the values in here.
+ * Formulation (published or improved) is nothing but the values in here.
  */
 typedef struct pzs_kind {
     pzs_real s[4][2][3][3];  /* (1/m) */

@@ -22,8 +22,8 @@ typedef struct one {
     scene_material material[8];
 } one;
 
-static const scene_element source = {0, 0, 0, 0, 0, 0, 0, 7};
-static const scene_element corrected = {1, 1, 0.09, 1, 1, 1, 1, 7};
+static const scene_element published = {0, 0, 0, 0, 0, 0, 0, 7};
+static const scene_element improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 
 static void set_surface(scene_surface *s, const char *name, const double *number)
 {
@@ -178,7 +178,7 @@ static void check_witness(const testdata *t, one *o)
     double layer[17];
     memcpy(layer, any, sizeof layer);
     layer[0] = z[1] - z[0];
-    build(o, &source, testdata_word(t, "surface"), number ? number->value : NULL, testdata_values(t, "cell"), layer, 1, z[0]);
+    build(o, &published, testdata_word(t, "surface"), number ? number->value : NULL, testdata_values(t, "cell"), layer, 1, z[0]);
     for (int r = 0; r < 4; r++) {
         const surface_point *p = &o->mesh.point[o->mesh.element[0][r]];
         const double here[6] = {p->a[0], p->a[1], p->k[0], p->k[1], p->b[0], p->b[1]};
@@ -204,11 +204,11 @@ static void test_oracle(void **state)
     assert_non_null(file);
     while (testdata_next(file, &t)) {
         one o;
-        if (strncmp(t.name, "source-witness", 14) == 0) {
+        if (strncmp(t.name, "published-witness", 17) == 0) {
             check_witness(&t, &o);
         } else {
             const testdata_array *layers = testdata_find(&t, "layers"), *number = testdata_find(&t, "surface");
-            scene_element element = strcmp(testdata_word(&t, "element"), "source") == 0 ? source : corrected;
+            scene_element element = strcmp(testdata_word(&t, "element"), "published") == 0 ? published : improved;
             element.unknowns = (int)testdata_values(&t, "unknowns")[0];
             build(&o, &element, testdata_word(&t, "surface"), number ? number->value : NULL, testdata_values(&t, "cell"),
                   layers->value, layers->rows, testdata_values(&t, "z")[0]);
@@ -279,7 +279,7 @@ static void eigenvalues(double *a, int n)
 static void test_six_zero_modes(void **state)
 {
     (void)state;
-    scene_element formulations[3] = {source, corrected, corrected};
+    scene_element formulations[3] = {published, improved, improved};
     formulations[2].unknowns = 6;
     for (int f = 0; f < 3; f++)
         for (int i = 0; i < SAMPLES; i++) {
@@ -321,12 +321,12 @@ static void fill(double *x, int n, double size, unsigned *seed)
         x[i] = size * pseudo_random(seed);
 }
 
-/* Elements under the laws at a shape: every surface in both formulations, corrected with 7 and 6 unknowns. */
+/* Elements under the laws at a shape: every surface in both formulations, improved with 7 and 6 unknowns. */
 enum { SHAPES = 3 * SAMPLES };
 
 static unsigned build_shape(one *o, int shape)
 {
-    scene_element element = shape % 3 == 0 ? source : corrected;
+    scene_element element = shape % 3 == 0 ? published : improved;
     element.unknowns = shape % 3 == 2 ? 6 : 7;
     build_sample(o, &samples[shape / 3], &element);
     return (unsigned)element.unknowns;
@@ -495,7 +495,7 @@ static void test_rigid_motion_at_a_point(void **state)
         for (int r = 0; r < 4; r++) {
             one o;
             double u[28] = {0}, e[4][10];
-            build_sample(&o, &samples[i], &source);
+            build_sample(&o, &samples[i], &published);
             const pzs_kind *kind = &o.mesh.kind[0];
             const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
             rigid_node(&o, p, u + 7 * r);
@@ -547,28 +547,28 @@ static sample shrunk(const sample *s, double share)
     return small;
 }
 
-/* Law: a finite rigid motion of the mesh costs the corrected element nothing; the source's pays d^4 on curved meshes. */
+/* Law: a finite rigid motion of the mesh costs the improved element nothing; the published one pays d^4 on curved meshes. */
 static void test_rigid_motion_of_the_mesh(void **state)
 {
     (void)state;
     for (int i = 0; i < SAMPLES; i++) {
         const sample *s = &samples[i], small = shrunk(s, 0.0625), smaller = shrunk(s, 0.03125);
-        assert_true(rigid_energy(s, &corrected) < 1e-28);
+        assert_true(rigid_energy(s, &improved) < 1e-28);
         if (strcmp(s->surface, "plate") == 0) {
-            assert_true(rigid_energy(s, &source) < 1e-28);
+            assert_true(rigid_energy(s, &published) < 1e-28);
             continue;
         }
-        const double order = log2(rigid_energy(&small, &source) / rigid_energy(&smaller, &source));
-        assert_true(rigid_energy(s, &source) > 1e-6);
+        const double order = log2(rigid_energy(&small, &published) / rigid_energy(&smaller, &published));
+        assert_true(rigid_energy(s, &published) > 1e-6);
         if (!(order > 3.8 && order < 4.2))
             fail_msg("%s: energy falls with power %.2f", s->surface, order);
     }
 }
 
-/* A corrected element with 6 unknowns and its finite rigid motion, u [24]; h of the sample multiplied by `thin`. */
+/* An improved element with 6 unknowns and its finite rigid motion, u [24]; h of the sample multiplied by `thin`. */
 static void build_rigid(one *o, const sample *s, double thin, double u[24])
 {
-    scene_element element = corrected;
+    scene_element element = improved;
     double thin_plies[34], node[7];
     element.unknowns = 6;
     memcpy(thin_plies, plies, sizeof plies);
@@ -596,7 +596,7 @@ static void turn_unknowns(const one *o, const double x[24], double y[24])
     }
 }
 
-/* Law: no force holds a corrected element after a finite rigid motion. A row of K u sums 24 products of 40 terms. */
+/* Law: no force holds an improved element after a finite rigid motion. A row of K u sums 24 products of 40 terms. */
 static void test_rigid_motion_without_force(void **state)
 {
     (void)state;
@@ -685,7 +685,7 @@ static void test_free_expansion(void **state)
     for (int f = 0; f < 2; f++) {
         one o;
         double u[28] = {0}, h0[10], given[28], force[28];
-        build(&o, f ? &corrected : &source, "plate", NULL, samples[0].cell, layer, 1, -0.04);
+        build(&o, f ? &improved : &published, "plate", NULL, samples[0].cell, layer, 1, -0.04);
         for (int r = 0; r < 4; r++) {
             const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
             u[7 * r] = 1e-3 * p->x[0];
