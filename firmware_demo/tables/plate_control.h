@@ -8,7 +8,7 @@
 
 #include "pzs.h"
 
-#if PZS_TABLE_FORMAT != 1
+#if PZS_TABLE_FORMAT != 2
 #error "these tables were made for another version of the library: run `pzs tables` again"
 #endif
 
@@ -1011,7 +1011,7 @@ static const pzs_real demo_prefer[25] = {
     PZS_R(0),
 };
 static const pzs_problem demo_problem = {
-    1u, 0x8196b8feu, PZS_BY_BITS(0x02c31636u, 0xd71275d0u), 25, 121,
+    2u, 0xc9f05cfau, PZS_BY_BITS(0x02c31636u, 0xd71275d0u), 25, 121,
     demo_influence, demo_hessian, demo_weight, demo_lower, demo_upper, demo_slew, demo_prefer, PZS_R(0),
 };
 
