@@ -305,6 +305,28 @@ static void test_six_zero_modes(void **state)
         }
 }
 
+/* Inverse of a mode's kept block of d [10][10], zero elsewhere; positive definite. */
+static void invert_kept(const double *d, int mode, double *inverse)
+{
+    double a[10][20] = {{0}};
+    const int n = kept_count[mode];
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++)
+            a[i][j] = d[10 * kept[mode][i] + kept[mode][j]];
+        a[i][n + i] = 1;
+    }
+    for (int p = 0; p < n; p++)
+        for (int i = 0; i < n; i++) {
+            const double factor = i == p ? (a[p][p] - 1) / a[p][p] : a[i][p] / a[p][p];
+            for (int j = 0; j < 2 * n; j++)
+                a[i][j] -= factor * a[p][j];
+        }
+    memset(inverse, 0, 100 * sizeof *inverse);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            inverse[10 * kept[mode][i] + kept[mode][j]] = a[i][n + j];
+}
+
 /* y = K x, K a packed lower triangle of n rows. */
 static void times(const double *k, const double *x, int n, double *y)
 {
@@ -324,12 +346,105 @@ static void fill(double *x, int n, double size, unsigned *seed)
 /* Elements under the laws at a shape: every surface in both formulations, improved with 7 and 6 unknowns. */
 enum { SHAPES = 3 * SAMPLES };
 
+/* Any nine shares in the warp, also those that are 0 on these surfaces: the laws hold for all of them. */
+static void set_warp(one *o)
+{
+    unsigned seed = 11;
+    fill(o->mesh.kind[0].warp, 9, 0.5, &seed);
+    shell_stiffness(&o->mesh.kind[0], o->mesh.unknowns, o->mesh.stiffness);
+}
+
 static unsigned build_shape(one *o, int shape)
 {
     scene_element element = shape % 3 == 0 ? published : improved;
     element.unknowns = shape % 3 == 2 ? 6 : 7;
     build_sample(o, &samples[shape / 3], &element);
+    if (element.cartesian)
+        set_warp(o);
     return (unsigned)element.unknowns;
+}
+
+/* Law: the 12 mean of mode 00 grows by the nine shares times their strains, nothing else changes. */
+static void test_warp_shares(void **state)
+{
+    (void)state;
+    static const int row[9][2] = {{0, 7}, {1, 8}, {2, 9}, {0, 8}, {0, 9}, {0, 1}, {1, 1}, {0, 3}, {2, 3}};
+    for (int i = 0; i < SHAPES; i++) {
+        one o;
+        unsigned seed = 5;
+        const unsigned unknowns = build_shape(&o, i);
+        double u[28], with_warp[4][10], plain[4][10];
+        fill(u, 4 * (int)unknowns, 0.2, &seed);
+        shell_strains_at(&o.mesh.kind[0], unknowns, u, with_warp);
+        const pzs_kind kind = o.mesh.kind[0];
+        memset(o.mesh.kind[0].warp, 0, sizeof kind.warp);
+        shell_strains_at(&o.mesh.kind[0], unknowns, u, plain);
+        for (int k = 0; k < 9; k++)
+            plain[0][6] += kind.warp[k] * plain[row[k][0]][row[k][1]];
+        ASSERT_CLOSE(samples[i / 3].surface, "strains with the warp", &with_warp[0][0], &plain[0][0], 40, 1e-15);
+        mesh_free(&o.mesh);
+    }
+}
+
+/*
+ * Law: the warp holds no director at rest. Tilted directors leave the 12 mean what g_diff gives it, on every surface
+ * and meridian, coarse and thin; the tables of the published element hold no warp.
+ */
+static void test_warp_is_free_of_directors(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SAMPLES; i++)
+        for (int thin = 0; thin < 2; thin++) {
+            one o;
+            double layer[17], k[9], u[28], e[4][10], plain[4][10];
+            unsigned seed = 3;
+            memcpy(layer, steel, sizeof layer);
+            layer[0] = thin ? 1e-5 : 0.08;
+            build(&o, &improved, samples[i].surface, samples[i].number, samples[i].cell, layer, 1, -layer[0] / 2);
+            memset(u, 0, sizeof u);
+            for (int p = 0; p < 4; p++)
+                fill(u + 7 * p + 3, 2, 1e-6, &seed);
+            shell_strains_at(&o.mesh.kind[0], 7, u, e);
+            memcpy(k, o.mesh.kind[0].warp, sizeof k);
+            memset(o.mesh.kind[0].warp, 0, sizeof k);
+            shell_strains_at(&o.mesh.kind[0], 7, u, plain);
+            if (fabs(k[0]) > 0) /* what is left is quadratic in u */
+                assert_true(fabs(e[0][6] - plain[0][6]) < 1e-5 * fabs(k[0] * plain[0][7]));
+            mesh_free(&o.mesh);
+            build(&o, &published, samples[i].surface, samples[i].number, samples[i].cell, layer, 1, -layer[0] / 2);
+            for (int j = 0; j < 9; j++)
+                assert_true(o.mesh.kind[0].warp[j] == 0);
+            mesh_free(&o.mesh);
+        }
+}
+
+/* Law: rho adds to the shear compliance of whole modes, 00 01 10, and to nothing else. */
+static void test_shear_compliance(void **state)
+{
+    (void)state;
+    scene_element stiff = improved;
+    stiff.rho = 0;
+    for (int i = 0; i < SAMPLES; i++) {
+        one with_rho, without;
+        build_sample(&with_rho, &samples[i], &improved);
+        build_sample(&without, &samples[i], &stiff);
+        for (int mode = 0; mode < 4; mode++) {
+            double d[2][100], s[2][100];
+            unpack_mode(&with_rho, mode, d[0]);
+            unpack_mode(&without, mode, d[1]);
+            invert_kept(d[0], mode, s[0]);
+            invert_kept(d[1], mode, s[1]);
+            for (int r = 0; r < 10; r++)
+                for (int c = 0; c < 10; c++) {
+                    const int shear = r == c && r >= 8 && (mode == 0 || r == 7 + mode);
+                    const double more = s[0][10 * r + c] - s[1][10 * r + c];
+                    const double size = sqrt(s[1][11 * r] * s[1][11 * c]);
+                    assert_true(shear ? more > 0.01 * size : fabs(more) <= 1e-13 * size);
+                }
+        }
+        mesh_free(&with_rho.mesh);
+        mesh_free(&without.mesh);
+    }
 }
 
 /* Law: the tangent under the true resultants, given ones among them, is the derivative of the internal force.
@@ -715,6 +830,9 @@ int main(void)
         cmocka_unit_test(test_strains_of_a_thin_shell),
         cmocka_unit_test(test_tangent_of_a_thin_shell),
         cmocka_unit_test(test_free_expansion),
+        cmocka_unit_test(test_warp_shares),
+        cmocka_unit_test(test_warp_is_free_of_directors),
+        cmocka_unit_test(test_shear_compliance),
     };
     return cmocka_run_group_tests_name("shell", tests, NULL, NULL);
 }
