@@ -237,9 +237,11 @@ static int add_kind(mesh *m, pzs_kind *kind, const laminate_place *place, char *
 {
     const scene *s = m->scene;
     if (laminate_modes(&m->laminate, &s->element, place, kind->d) < 0)
-        return scene_fault(s, s->at_layers, error, "no stiffness where no patch lies: add a layer that is not patched");
+        return scene_fault(s, s->at_layers, error,
+                           "no stiffness where no patch lies: add a layer that is not patched");
     if (warp_fill(kind, warp_share(m, place)) < 0)
-        return scene_fault(s, s->at_surface, error, "an element of %g x %g has no usable shape; use other mesh lines",
+        return scene_fault(s, s->at_surface, error,
+                           "an element of %g x %g is degenerate; use other mesh lines",
                            place->chord[0], place->chord[1]);
     m->kind[m->kinds] = *kind;
     m->place[m->kinds++] = *place;

@@ -9,7 +9,7 @@
 const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
 
-/* Answer a former name of a preset with its present one. Returns -1 with the fault told, 0 where it is none. */
+/* Answer a former name of a preset with its present one: -1 with the fault told, 0 otherwise. */
 static int refuse_former_preset(reader *r, int node)
 {
     static const char *const renamed[][2] = {{"corrected", "improved"}, {"source", "published"}};

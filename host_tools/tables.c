@@ -25,7 +25,8 @@ static void write_elements(emitter *w, const mesh *m)
 /* Corner tables of every kind, member by member in the order of pzs_kind. */
 static void write_kinds(emitter *w, const mesh *m)
 {
-    static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3}, modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
+    static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
+    static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
     fprintf(w->file, "/* corner tables of each element kind */\nstatic const pzs_kind %s_kind[%d] = {", w->prefix, m->kinds);
     for (int k = 0; k < m->kinds; k++) {
         const pzs_kind *kind = &m->kind[k];

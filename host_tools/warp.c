@@ -3,10 +3,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Unknowns: the factors c of the rows. Equations: the tilts along e1 and e2 of the directors of four nodes. */
+/*
+ * Unknowns: the factors c of the rows. Equations: the tilts along e1 and e2 of the directors of
+ * four nodes.
+ */
 enum { ROWS = 8, TILTS = 8 };
 
-/* c [ROWS] solves a c = y; the columns of a are the rows' strains of each tilt, y those of the 12 difference. */
+/*
+ * c [ROWS] solves a c = y; the columns of a are the rows' strains of each tilt, y those of the 12
+ * difference.
+ */
 typedef struct tilt_system {
     double a[TILTS][ROWS], y[TILTS];
 } tilt_system;
@@ -21,7 +27,10 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Derivative along direction a, at corner r, of a unit tilt of the director of node p along e_(j+1). */
+/*
+ * Derivative along direction a, at corner r, of a unit tilt of the director of node p along
+ * e_(j+1).
+ */
 static void tilt_derivative(const pzs_kind *kind, int r, int a, int p, int j, double out[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -31,7 +40,10 @@ static void tilt_derivative(const pzs_kind *kind, int r, int a, int p, int j, do
     }
 }
 
-/* Add the strains at corner r of a tilt of node p along e_(j+1), as they enter the modes of the rows. */
+/*
+ * Add the strains at corner r of a tilt of node p along e_(j+1), as they enter the modes of the
+ * rows.
+ */
 static void add_corner(const pzs_kind *kind, int r, int p, int j, double row[ROWS], double *y)
 {
     const double h = kind->thickness, *g1 = kind->g_mean[r][0], *g2 = kind->g_mean[r][1];
@@ -40,7 +52,8 @@ static void add_corner(const pzs_kind *kind, int r, int p, int j, double row[ROW
     tilt_derivative(kind, r, 1, p, j, along2);
     const double e11 = h * dot(g1, along1), e22 = h * dot(g2, along2);
     const double e13 = r == p ? g1[j] : 0, e23 = r == p ? g2[j] : 0;
-    const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23, e11, xi2[r] * e11, e22, xi1[r] * e22};
+    const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23,
+                                 e11, xi2[r] * e11, e22, xi1[r] * e22};
     for (int k = 0; k < ROWS; k++)
         row[k] += strain[k] / 4;
     *y += h * (dot(g1, along2) + dot(g2, along1)) / 4;
@@ -55,7 +68,10 @@ static void fill_system(const pzs_kind *kind, tilt_system *s)
                 add_corner(kind, r, p, j, s->a[2 * p + j], &s->y[2 * p + j]);
 }
 
-/* Divide every column by its largest entry, kept in scale: bending strains carry h, shears do not. */
+/*
+ * Divide every column by its largest entry, kept in scale: bending strains carry h, shears do
+ * not.
+ */
 static void scale_columns(tilt_system *s, double scale[ROWS])
 {
     for (int k = 0; k < ROWS; k++) {
@@ -101,7 +117,10 @@ static void eliminate(tilt_system *s, int step)
     }
 }
 
-/* Gauss and Jordan with both pivots; order [ROWS] out: the unknown of each column. Returns the rank. */
+/*
+ * Gauss and Jordan with both pivots; order [ROWS] out: the unknown of each column. Returns the
+ * rank.
+ */
 static int reduce(tilt_system *s, int order[ROWS])
 {
     for (int k = 0; k < ROWS; k++)
@@ -124,8 +143,9 @@ static int reduce(tilt_system *s, int order[ROWS])
 }
 
 /*
- * Solve for c [ROWS], 0 for unknowns beyond the rank. What rounding leaves of a 0 becomes one, in units of the
- * columns' scales. Returns -1 where an equation beyond the rank is not met.
+ * Solve for c [ROWS], 0 for unknowns beyond the rank. What rounding leaves of a 0 becomes one, in
+ * units of the columns' scales. Returns -1 where an equation beyond the rank is not
+ * met or a number is not finite.
  */
 static int solve(tilt_system *s, double c[ROWS])
 {
@@ -140,8 +160,11 @@ static int solve(tilt_system *s, double c[ROWS])
             return -1;
     for (int k = 0; k < rank; k++)
         value[order[k]] = s->y[k] / s->a[k][k];
-    for (int k = 0; k < ROWS; k++)
-        c[k] = fabs(value[k]) > 1e-13 * size ? value[k] / scale[k] : 0;
+    for (int k = 0; k < ROWS; k++) {
+        c[k] = fabs(value[k]) <= 1e-13 * size ? 0 : value[k] / scale[k];
+        if (!isfinite(c[k]) || !isfinite(size))
+            return -1;
+    }
     return 0;
 }
 

@@ -197,7 +197,7 @@ static void share_warp(const pzs_kind *kind, pzs_real h[4][10])
     h[2][E22D] += w[8] * mean;
 }
 
-/* Resultants by mode in place of strains by mode; the strains include the warp, share_warp is still to come. */
+/* Resultants by mode in place of strains by mode, the warp in the strains; share_warp comes after. */
 static void multiply_modes(const pzs_kind *kind, pzs_real e[4][10])
 {
     for (int m = 0; m < SHELL_MODES; m++)

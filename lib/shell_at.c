@@ -21,8 +21,8 @@ enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows in which q takes part, in 12m through the shears in the warp. They are also the places of these rows in the list
- * of a mode below, of which a mode has the first `with_q`.
+ * Rows in which q takes part, in 12m through the shears in the warp. They are also the places of
+ * these rows in the list of a mode below, of which a mode has the first `with_q`.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
@@ -131,8 +131,8 @@ static void transverse(const pzs_kind *kind, const corner shape[4], int p, pzs_r
 }
 
 /*
- * Add the warp to the 12 mean at node p. Mode 00 alone keeps 12m, so its row may carry the signs that the modes 01 and 10
- * of the strains in the warp give to node p.
+ * Add the warp to the 12 mean at node p. Mode 00 alone keeps 12m, so its row may carry the signs
+ * that the modes 01 and 10 of the strains in the warp give to node p.
  */
 static void add_warp(const pzs_kind *kind, int p, pzs_real a[ROWS][COLUMNS])
 {
@@ -140,7 +140,8 @@ static void add_warp(const pzs_kind *kind, int p, pzs_real a[ROWS][COLUMNS])
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
     for (int i = OWN * p; i < OWN * (p + 1); i++)
-        a[A12M][i] += w[0] * a[A12D][i] + of_13 * a[A13][i] + of_23 * a[A23][i] + of_11 * a[A11D][i] + of_22 * a[A22D][i];
+        a[A12M][i] += w[0] * a[A12D][i] + of_13 * a[A13][i] + of_23 * a[A23][i]
+                    + of_11 * a[A11D][i] + of_22 * a[A22D][i];
     a[A12M][Q + p] = of_13 * a[A13][Q + p] + of_23 * a[A23][Q + p];
 }
 
@@ -179,7 +180,7 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
         to[i] = sum[i];
 }
 
-/* The same over the columns of q, for the first `count` rows and, where all that have it are meant, for 12m. */
+/* The same over the columns of q, for the first `count` of the rows in q_row. */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride, const pzs_real *const *row,
                       int count)
 {

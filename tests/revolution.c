@@ -5,17 +5,24 @@
 #include <string.h>
 #include "surface.h"
 
-/* Amplitudes at a node: u v w and the changes t1 t2 of the director. u, w, t1 go with cos(n theta2), v, t2 with sin. */
+/*
+ * Amplitudes at a node: u v w and the changes t1 t2 of the director. u, w, t1 go with cos(n
+ * theta2), v, t2 with sin.
+ */
 enum { U, V, W, T1, T2, DOF };
-enum { NODE_DOF = 3 * DOF, BAND = NODE_DOF, ELEMENTS = 2000, NODES = 2 * ELEMENTS + 1, SIZE = DOF * NODES };
-enum { STRAINS = 8 };
+enum { NODE_DOF = 3 * DOF, BAND = NODE_DOF, STRAINS = 8 };
+enum { ELEMENTS = 2000, NODES = 2 * ELEMENTS + 1, SIZE = DOF * NODES };
 
 static const double nu = 0.3, pi = 3.141592653589793;
 
 /* ---- one element -------------------------------------------------------- */
 
-/* Strains e11 e22 g12, k11 k22 k12, g13 g23 of amplitude i, with value `n` and derivative `d` along the meridian. */
-static void strain_of(const surface_point *p, double harmonic, int i, double n, double d, double e[STRAINS])
+/*
+ * Strains e11 e22 g12, k11 k22 k12, g13 g23 of amplitude i, with value `n` and derivative `d`
+ * along the meridian.
+ */
+static void strain_of(const surface_point *p, double harmonic, int i, double n, double d,
+                      double e[STRAINS])
 {
     const double k1 = p->k[0], k2 = p->k[1], b = p->b[0], along = harmonic / p->a[1];
     const double l11 = (i == U ? d : 0) + (i == W ? k1 * n : 0);
@@ -31,14 +38,17 @@ static void strain_of(const surface_point *p, double harmonic, int i, double n, 
     e[7] = (i == V ? -k2 * n : 0) + (i == W ? -along * n : 0) + (i == T2 ? n : 0);
 }
 
+/* Plane stress of unit modulus: x' C y of the strains 11 22 12. */
+static double plane_product(const double x[3], const double y[3])
+{
+    const double c = 1 / (1 - nu * nu), g = 1 / (2 * (1 + nu));
+    return c * (x[0] * y[0] + x[1] * y[1] + nu * (x[0] * y[1] + x[1] * y[0])) + g * x[2] * y[2];
+}
+
 static double energy_product(double h, const double x[STRAINS], const double y[STRAINS])
 {
-    const double c = h / (1 - nu * nu), g = h / (2 * (1 + nu)), bend = h * h / 12;
-    double sum = g * (x[6] * y[6] + x[7] * y[7]);
-    for (int k = 0; k < 6; k += 3)
-        sum += (k ? bend : 1) * (c * (x[k] * y[k] + x[k + 1] * y[k + 1] + nu * (x[k] * y[k + 1] + x[k + 1] * y[k]))
-                                 + g * x[k + 2] * y[k + 2]);
-    return sum;
+    const double shear = (x[6] * y[6] + x[7] * y[7]) / (2 * (1 + nu));
+    return h * (plane_product(x, y) + h * h / 12 * plane_product(x + 3, y + 3) + shear);
 }
 
 /* Add an element's stiffness and load. k [SIZE][BAND] lower band, the diagonal last. */
@@ -49,11 +59,12 @@ static void add_element(const revolution *r, int element, double *k, double *f)
     for (int g = 0; g < 2; g++) {
         const double x = gauss[g], t = r->theta1[0] + length * (element + (1 + x) / 2);
         const surface_point p = surface_at(&r->surface, t, 0);
-        const double shape[3] = {x * (x - 1) / 2, 1 - x * x, x * (x + 1) / 2}, slope[3] = {x - 0.5, -2 * x, x + 0.5};
+        const double shape[3] = {x * (x - 1) / 2, 1 - x * x, x * (x + 1) / 2};
+        const double slope[3] = {x - 0.5, -2 * x, x + 0.5}, per_length = 2 / (length * p.a[0]);
         const double weight = pi * length / 2 * p.a[0] * p.a[1];
         double e[NODE_DOF][STRAINS];
         for (int i = 0; i < NODE_DOF; i++)
-            strain_of(&p, r->harmonic, i % DOF, shape[i / DOF], slope[i / DOF] * 2 / (length * p.a[0]), e[i]);
+            strain_of(&p, r->harmonic, i % DOF, shape[i / DOF], slope[i / DOF] * per_length, e[i]);
         for (int i = 0; i < NODE_DOF; i++) {
             const int row = 2 * DOF * element + i;
             f[row] += i % DOF == W ? weight * shape[i / DOF] : 0;
@@ -127,7 +138,8 @@ static double work(const revolution *r, double *k, double *f, double *load)
 
 double revolution_compliance(const revolution *r)
 {
-    double *k = calloc((size_t)SIZE * BAND, sizeof *k), *f = calloc(SIZE, sizeof *f), *load = calloc(SIZE, sizeof *load);
+    double *k = calloc((size_t)SIZE * BAND, sizeof *k), *f = calloc(SIZE, sizeof *f);
+    double *load = calloc(SIZE, sizeof *load);
     const double sum = k && f && load ? work(r, k, f, load) : 0;
     free(k);
     free(f);
@@ -137,7 +149,10 @@ double revolution_compliance(const revolution *r)
 
 /* ---- the cylinder in closed form ---------------------------------------- */
 
-/* Strains e11 e22 g12 g13 g23 at height z of amplitude i; w = cos cos, u = sin cos, v = cos sin along x and theta2. */
+/*
+ * Strains e11 e22 g12 g13 g23 at height z of amplitude i; w = cos cos, u = sin cos, v = cos sin
+ * along x and theta2.
+ */
 static void cylinder_strain(int i, double wave, double harmonic, double z, double e[5])
 {
     const double radius = 1 + z, height = i >= T1 ? z : 1;
@@ -151,28 +166,31 @@ static void cylinder_strain(int i, double wave, double harmonic, double z, doubl
 
 static void add_height(double k[DOF][DOF], double wave, double harmonic, double z, double weight)
 {
-    const double c = 1 / (1 - nu * nu), g = 1 / (2 * (1 + nu));
     double e[DOF][5];
     for (int i = 0; i < DOF; i++)
         cylinder_strain(i, wave, harmonic, z, e[i]);
     for (int i = 0; i < DOF; i++)
         for (int j = 0; j < DOF; j++)
             k[i][j] += weight * (1 + z)
-                     * (c * (e[i][0] * e[j][0] + e[i][1] * e[j][1] + nu * (e[i][0] * e[j][1] + e[i][1] * e[j][0]))
-                        + g * (e[i][2] * e[j][2] + e[i][3] * e[j][3] + e[i][4] * e[j][4]));
+                     * (plane_product(e[i], e[j])
+                        + (e[i][3] * e[j][3] + e[i][4] * e[j][4]) / (2 * (1 + nu)));
 }
 
 double revolution_cylinder(int harmonic, double length, double h)
 {
-    static const double gauss[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
-    static const double weight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538};
-    static const int order[DOF] = {T1, T2, U, V, W};     /* w last: its pivot is the stiffness asked for */
+    static const double gauss[4] = {-0.8611363115940526, -0.3399810435848563,
+                                    0.3399810435848563, 0.8611363115940526};
+    static const double weight[4] = {0.3478548451374538, 0.6521451548625461,
+                                     0.6521451548625461, 0.3478548451374538};
+    static const int order[DOF] = {T1, T2, U, V, W}; /* w last: its pivot is the stiffness */
     double k[DOF][DOF] = {{0}};
     for (int g = 0; g < 4; g++)
         add_height(k, pi / length, harmonic, h / 2 * gauss[g], h / 2 * weight[g]);
     for (int p = 0; p < DOF - 1; p++)
         for (int i = p + 1; i < DOF; i++)
-            for (int j = DOF - 1; j >= p; j--)
-                k[order[i]][order[j]] -= k[order[i]][order[p]] * k[order[p]][order[j]] / k[order[p]][order[p]];
+            for (int j = DOF - 1; j >= p; j--) {
+                const double *row = k[order[p]];
+                k[order[i]][order[j]] -= k[order[i]][order[p]] * row[order[j]] / row[order[p]];
+            }
     return 1 / k[W][W];
 }

@@ -1,4 +1,7 @@
-/* Converged references for thin shells of revolution under a pressure cos(n theta2): one harmonic, one line of elements. */
+/*
+ * Converged references for thin shells of revolution under a pressure cos(n theta2): one
+ * harmonic, one line of elements.
+ */
 #ifndef REVOLUTION_H
 #define REVOLUTION_H
 
@@ -16,14 +19,16 @@ typedef struct revolution {
 } revolution;
 
 /*
- * Work of the pressure cos(n theta2), per reference area along e3, over the whole circle: the compliance.
- * A shell after Naghdi, shear stiffness G h, quadratic elements of reduced integration. Returns 0 where memory is short.
+ * Work of the pressure cos(n theta2), per reference area along e3, over the whole circle: the
+ * compliance. A shell after Naghdi, shear stiffness G h, quadratic elements of reduced
+ * integration. Returns 0 where memory is short.
  */
 double revolution_compliance(const revolution *r);
 
 /*
- * Deflection at the crest of a cylinder, radius 1, between diaphragms `length` apart under the pressure
- * cos(pi x/length) cos(n theta2), x from the middle: closed form, exact through the thickness.
+ * Deflection at the crest of a cylinder, radius 1, between diaphragms `length` apart under the
+ * pressure cos(pi x/length) cos(n theta2), x from the middle: closed form, exact through the
+ * thickness.
  */
 double revolution_cylinder(int harmonic, double length, double h);
 

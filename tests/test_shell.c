@@ -8,6 +8,7 @@
 #include "mesh.h"
 #include "shell.h"
 #include "testdata.h"
+#include "warp.h"
 
 #ifndef DATA
 #define DATA "tests/data"
@@ -346,7 +347,7 @@ static void fill(double *x, int n, double size, unsigned *seed)
 /* Elements under the laws at a shape: every surface in both formulations, improved with 7 and 6 unknowns. */
 enum { SHAPES = 3 * SAMPLES };
 
-/* Any nine shares in the warp, also those that are 0 on these surfaces: the laws hold for all of them. */
+/* Any nine shares in the warp, also those that are 0 on these surfaces: the laws hold for all. */
 static void set_warp(one *o)
 {
     unsigned seed = 11;
@@ -368,7 +369,8 @@ static unsigned build_shape(one *o, int shape)
 static void test_warp_shares(void **state)
 {
     (void)state;
-    static const int row[9][2] = {{0, 7}, {1, 8}, {2, 9}, {0, 8}, {0, 9}, {0, 1}, {1, 1}, {0, 3}, {2, 3}};
+    static const int row[9][2] = {{0, 7}, {1, 8}, {2, 9}, {0, 8}, {0, 9},
+                                  {0, 1}, {1, 1}, {0, 3}, {2, 3}};
     for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 5;
@@ -381,14 +383,15 @@ static void test_warp_shares(void **state)
         shell_strains_at(&o.mesh.kind[0], unknowns, u, plain);
         for (int k = 0; k < 9; k++)
             plain[0][6] += kind.warp[k] * plain[row[k][0]][row[k][1]];
-        ASSERT_CLOSE(samples[i / 3].surface, "strains with the warp", &with_warp[0][0], &plain[0][0], 40, 1e-15);
+        ASSERT_CLOSE(samples[i / 3].surface, "strains with the warp", &with_warp[0][0], &plain[0][0],
+                     40, 1e-15);
         mesh_free(&o.mesh);
     }
 }
 
 /*
- * Law: the warp holds no director at rest. Tilted directors leave the 12 mean what g_diff gives it, on every surface
- * and meridian, coarse and thin; the tables of the published element hold no warp.
+ * Law: the warp holds no director at rest. Tilted directors leave the 12 mean what g_diff gives
+ * it, on every surface, thick and thin. The published element has no warp.
  */
 static void test_warp_is_free_of_directors(void **state)
 {
@@ -400,7 +403,8 @@ static void test_warp_is_free_of_directors(void **state)
             unsigned seed = 3;
             memcpy(layer, steel, sizeof layer);
             layer[0] = thin ? 1e-5 : 0.08;
-            build(&o, &improved, samples[i].surface, samples[i].number, samples[i].cell, layer, 1, -layer[0] / 2);
+            build(&o, &improved, samples[i].surface, samples[i].number, samples[i].cell, layer, 1,
+                  -layer[0] / 2);
             memset(u, 0, sizeof u);
             for (int p = 0; p < 4; p++)
                 fill(u + 7 * p + 3, 2, 1e-6, &seed);
@@ -411,11 +415,30 @@ static void test_warp_is_free_of_directors(void **state)
             if (fabs(k[0]) > 0) /* what is left is quadratic in u */
                 assert_true(fabs(e[0][6] - plain[0][6]) < 1e-5 * fabs(k[0] * plain[0][7]));
             mesh_free(&o.mesh);
-            build(&o, &published, samples[i].surface, samples[i].number, samples[i].cell, layer, 1, -layer[0] / 2);
+            build(&o, &published, samples[i].surface, samples[i].number, samples[i].cell, layer, 1,
+                  -layer[0] / 2);
             for (int j = 0; j < 9; j++)
                 assert_true(o.mesh.kind[0].warp[j] == 0);
             mesh_free(&o.mesh);
         }
+}
+
+/* Law: no warp comes of a table with a number that is not finite. */
+static void test_bad_warp(void **state)
+{
+    (void)state;
+    static const double bad[] = {NAN, INFINITY};
+    one o;
+    build_sample(&o, &samples[2], &improved);
+    for (int i = 0; i < 2; i++) {
+        pzs_kind kind = o.mesh.kind[0];
+        kind.g_mean[1][0][0] = bad[i];
+        assert_int_equal(warp_fill(&kind, 0.3), -1);
+        assert_int_equal(warp_fill(&kind, 0), 0);
+        for (int k = 0; k < 9; k++)
+            assert_true(kind.warp[k] == 0);
+    }
+    mesh_free(&o.mesh);
 }
 
 /* Law: rho adds to the shear compliance of whole modes, 00 01 10, and to nothing else. */
@@ -833,6 +856,7 @@ int main(void)
         cmocka_unit_test(test_warp_shares),
         cmocka_unit_test(test_warp_is_free_of_directors),
         cmocka_unit_test(test_shear_compliance),
+        cmocka_unit_test(test_bad_warp),
     };
     return cmocka_run_group_tests_name("shell", tests, NULL, NULL);
 }

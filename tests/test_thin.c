@@ -1,7 +1,7 @@
 /*
- * Laws of the improved element on thin shells: no mesh may turn too soft as h/R falls, because nothing else would tell.
- * Meshes along lines of curvature, linear, double. HARD=1 runs every thickness
- * and mesh (make hard); the table of ratios is printed in either case.
+ * Laws of the improved element on thin shells: no mesh may turn too soft as h/R falls, because
+ * nothing else would tell. Meshes along lines of curvature, linear, double. HARD=1 runs every
+ * thickness and mesh (make hard); the table of ratios is printed in either case.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -30,10 +30,10 @@ enum { THICKNESSES = HARD ? 5 : 3 };
 
 /* ---- one run ------------------------------------------------------------ */
 
-static void solve_thin(scene_run *r, const char *element, const char *changes, double h, int n1, int n2)
+static void solve_thin(scene_run *r, const char *changes, double h, int n1, int n2)
 {
     char all[1024];
-    snprintf(all, sizeof all, "%s%slayers.0.thickness=%.17g;mesh.theta1.elements=%d;mesh.theta2.elements=%d", element,
+    snprintf(all, sizeof all, "%slayers.0.thickness=%.17g;mesh.theta1.elements=%d;mesh.theta2.elements=%d",
              changes, h, n1, n2);
     solve_run(r, THIN, all);
 }
@@ -60,8 +60,9 @@ static double compliance(const scene_run *r)
 /* ---- closed forms -------------------------------------------------------- */
 
 /*
- * Law: between diaphragms under a smooth pressure the deflection is that of the closed form, the same on a mesh at every
- * thickness: 1.005, 1.002, 1.001 of it. The former element had 4.8 on 8 x 8 at h/R 1e-4 and 384 at 1e-5.
+ * Law: between diaphragms under a smooth pressure the deflection is that of the closed form, the
+ * same on a mesh at every thickness: 1.005, 1.002, 1.001 of it. The former element had 4.8 on 8 x
+ * 8 at h/R 1e-4 and 384 at 1e-5.
  */
 static void test_diaphragm_cylinder(void **state)
 {
@@ -71,7 +72,7 @@ static void test_diaphragm_cylinder(void **state)
         const double exact = revolution_cylinder(2, 2, h);
         for (int k = 0; k < 3; k++) {
             scene_run r;
-            solve_thin(&r, IMPROVED, "", h, sizes[k], sizes[k]);
+            solve_thin(&r, "", h, sizes[k], sizes[k]);
             const double ratio = scene_run_value(&r, 0) / exact;
             if (!(fabs(ratio - known[k]) <= 5e-4))
                 fail_msg("h/R %g, %d elements: %.5f, known %.3f", h, sizes[k], ratio, known[k]);
@@ -80,30 +81,38 @@ static void test_diaphragm_cylinder(void **state)
     }
 }
 
-/* Compliance of a circumferential wave of phase phi an element over the exact one: fourth order, never above 1. */
+/*
+ * Compliance of a circumferential wave of phase phi an element over the exact one: fourth order,
+ * never above 1.
+ */
 static double wave_ratio(double phi)
 {
     const double s = sin(phi / 2), sinc = 2 * s / phi;
     return sinc * sinc * sinc * sinc / (1 - 2 * s * s / 3);
 }
 
-/* Work of a wave on a long, very thin strip of the cylinder, a sixteenth of a turn wide, over the exact one. */
+/*
+ * Work of a wave on a long, very thin strip of the cylinder, a sixteenth of a turn wide, over the
+ * exact one.
+ */
 static double wave_on_mesh(int harmonic, int n)
 {
     const double h = 1e-10, width = acos(-1.0) / 32;
     char changes[256];
     scene_run r;
-    snprintf(changes, sizeof changes, "mesh.theta2.to=pi/32;loads.0.pressure=cos(pi*theta1/2)*cos(%d*theta2);", harmonic);
-    solve_thin(&r, IMPROVED, changes, h, 64, n);
+    snprintf(changes, sizeof changes,
+             "mesh.theta2.to=pi/32;loads.0.pressure=cos(pi*theta1/2)*cos(%d*theta2);", harmonic);
+    solve_thin(&r, changes, h, 64, n);
     const double ratio = compliance(&r) / (revolution_cylinder(harmonic, 2, h) * width / 4);
     scene_run_close(&r);
     return ratio;
 }
 
 /*
- * Law: tau = 1. A thin cylinder answers a wave as r(phi) = [sin(phi/2)/(phi/2)]^4/(1 - 2/3 sin^2(phi/2)) says, up to the
- * shortest one of the mesh, which has its crests at the nodes: their mean square is 1 there, not 1/2. tau = 1.25 passes
- * 1, tau = 0 is of second order. The mesh along the axis and the curvature of an element leave .002.
+ * Law: tau = 1. A thin cylinder answers a wave as r(phi) = [sin(phi/2)/(phi/2)]^4/(1 - 2/3
+ * sin^2(phi/2)) says, up to the shortest one of the mesh, which has its crests at the nodes:
+ * their mean square is 1 there, not 1/2. tau = 1.25 passes 1, tau = 0 is of second order. The
+ * mesh along the axis and the curvature of an element leave .002.
  */
 static void test_waves(void **state)
 {
@@ -111,33 +120,41 @@ static void test_waves(void **state)
     static const int harmonic[] = {32, 64, 96, 128};
     for (size_t i = 0; i < COUNT(harmonic); i++)
         for (int n = 4; n <= 16; n += 12) {
-            const double phi = harmonic[i] * acos(-1.0) / 32 / n, crests = harmonic[i] == 32 * n ? 2 : 1;
+            const double phi = harmonic[i] * acos(-1.0) / 32 / n;
+            const int crests = harmonic[i] == 32 * n ? 2 : 1;
             const double ratio = wave_on_mesh(harmonic[i], n) / crests, want = wave_ratio(phi);
-            print_message("wave of phase %.3f an element: %.4f, closed form %.4f\n", phi, ratio, want);
+            print_message("wave of phase %.3f an element: %.4f, closed form %.4f\n",
+                          phi, ratio, want);
             assert_true(fabs(ratio - want) <= 0.002);
         }
 }
 
-/* Deflection of a corner of a strip of width 1 that is held at the other three, over that of Saint-Venant's torsion. */
+/*
+ * Deflection of a corner of a strip of width 1 that is held at the other three, over that of
+ * Saint-Venant's torsion.
+ */
 static double torsion_ratio(double length, int n)
 {
     const double h = 0.01, stiffness = 1 / 2.6 * h * h * h / 3 * (1 - 0.63 * h);
     char changes[1024];
     scene_run r;
     snprintf(changes, sizeof changes, "surface={type: plate};mesh.theta1.to=%g;mesh.theta2.to=1;"
-             "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean]}, {at: {theta1: 0, theta2: 1}, fix: [u3 mean]}, "
+             "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean]}, "
+             "{at: {theta1: 0, theta2: 1}, fix: [u3 mean]}, "
              "{at: {theta1: %g, theta2: 0}, fix: [u2 mean, u3 mean]}];"
-             "loads=[{point: {theta1: %g, theta2: 1}, u3: 1e-9}];outputs=[{name: w, u3: middle, at: {theta1: %g, theta2: 1}}];",
+             "loads=[{point: {theta1: %g, theta2: 1}, u3: 1e-9}];"
+             "outputs=[{name: w, u3: middle, at: {theta1: %g, theta2: 1}}];",
              length, length, length, length);
-    solve_thin(&r, IMPROVED, changes, h, n, 1);
+    solve_thin(&r, changes, h, n, 1);
     const double u = scene_run_value(&r, 0);
     scene_run_close(&r);
     return u / (1e-9 * length / stiffness);
 }
 
 /*
- * Law: a strip in torsion is too soft by at most 1 + .96 rho/c = 1.144, at any length of an element: 1.14 in one, 1.12 in
- * 6 and 1.03 in 24 of 30 widths. The former element had 35, 1.95 and 1.05.
+ * Law: a strip in torsion is too soft by at most 1 + .96 rho/c = 1.144, at any length of an
+ * element: 1.14 in one, 1.12 in 6 and 1.03 in 24 of 30 widths. The former element had 35, 1.95
+ * and 1.05.
  */
 static void test_torsion(void **state)
 {
@@ -155,16 +172,18 @@ static void test_torsion(void **state)
 /* ---- the matrix: case x thickness x mesh ------------------------------------ */
 
 #define WAVE "loads.0.pressure="
-#define ENDS(first, last, sides) "supports=[{edge: theta1-, fix: " first "}, {edge: theta1+, fix: " last "}, " \
+#define ENDS(first, last, sides) \
+    "supports=[{edge: theta1-, fix: " first "}, {edge: theta1+, fix: " last "}, " \
     "{edge: theta2-, fix: symmetric}, {edge: theta2+, fix: " sides "}];"
 #define FREE_CYLINDER ENDS("symmetric", "free", "symmetric") WAVE "cos(2*theta2);"
-#define CAP "surface={type: sphere, radius: 1};mesh.theta1={from: 0.5, to: 1.2, elements: 4};outputs.0.at.theta1=0.5;"
+#define CAP "surface={type: sphere, radius: 1};" \
+    "mesh.theta1={from: 0.5, to: 1.2, elements: 4};outputs.0.at.theta1=0.5;"
 #define HYPERBOLOID "surface={type: hyperboloid, waist: 1, height: 1};"
 
 typedef struct thin_case {
     const char *name, *changes;
     revolution reference;
-    double thinnest;        /* of the reference, whose condition grows where the shell only bends; 0: any */
+    double thinnest;  /* h/R of the reference: ill-conditioned where the shell only bends; 0: any */
 } thin_case;
 
 #define ROUND {.type = SURFACE_CYLINDER, .axial = 1, .radius = 1}
@@ -181,15 +200,21 @@ static thin_case cases[] = {
      {ROUND, {0, 1}, {END_SYMMETRIC, END_CLAMPED}, 2, 0}, 0},
     {"cylinder, free, n = 2", FREE_CYLINDER,
      {ROUND, {0, 1}, {END_SYMMETRIC, END_FREE}, 2, 0}, 1e-3},
-    {"spherical cap, clamped, n = 2", CAP ENDS("clamped", "clamped", "symmetric") WAVE "cos(2*theta2);",
+    {"spherical cap, clamped, n = 2",
+     CAP ENDS("clamped", "clamped", "symmetric") WAVE "cos(2*theta2);",
      {BALL, {.5, 1.2}, {END_CLAMPED, END_CLAMPED}, 2, 0}, 0},
-    {"hyperboloid, clamped, n = 2", HYPERBOLOID ENDS("symmetric", "clamped", "symmetric") WAVE "cos(2*theta2);",
+    {"hyperboloid, clamped, n = 2",
+     HYPERBOLOID ENDS("symmetric", "clamped", "symmetric") WAVE "cos(2*theta2);",
      {{.type = SURFACE_HYPERBOLOID}, {0, 1}, {END_SYMMETRIC, END_CLAMPED}, 2, 0}, 0},
-    {"hyperboloid, free, n = 2", HYPERBOLOID ENDS("symmetric", "free", "symmetric") WAVE "cos(2*theta2);",
+    {"hyperboloid, free, n = 2",
+     HYPERBOLOID ENDS("symmetric", "free", "symmetric") WAVE "cos(2*theta2);",
      {{.type = SURFACE_HYPERBOLOID}, {0, 1}, {END_SYMMETRIC, END_FREE}, 2, 0}, 1e-3},
 };
 
-/* Bounds of the compliance over the reference, 4 8 16 32 elements a side: no mesh is soft, none of 8 locks. */
+/*
+ * Bounds of the compliance over the reference, 4 8 16 32 elements a side: no mesh is soft, none
+ * of 8 locks.
+ */
 static const double least[] = {0.7, 0.9, 0.96, 0.98}, most[] = {1.05, 1.02, 1.01, 1.01};
 
 /* Ratios of one case at one thickness, printed; returns how many are out of bounds. */
@@ -197,15 +222,15 @@ static int check_case(thin_case *c, double h)
 {
     scene_run r;
     int wrong = 0;
-    solve_thin(&r, IMPROVED, c->changes, h, 4, 4);
+    solve_thin(&r, c->changes, h, 4, 4);
     c->reference.surface = r.scene.surface;
     c->reference.h = h;
     scene_run_close(&r);
-    const double exact = revolution_compliance(&c->reference) / 4; /* a quarter turn of the half that is meshed */
+    const double exact = revolution_compliance(&c->reference) / 4; /* the mesh is a quarter turn */
     assert_true(exact > 0);
     print_message("%-30s %.0e", c->name, h);
     for (int k = 0; k < SIZES; k++) {
-        solve_thin(&r, IMPROVED, c->changes, h, sizes[k], sizes[k]);
+        solve_thin(&r, c->changes, h, sizes[k], sizes[k]);
         const double ratio = compliance(&r) / exact;
         const int good = ratio >= least[k] && ratio <= most[k];
         print_message("  %2d %.3f%s", sizes[k], ratio, good ? "" : " OUT OF BOUNDS");
@@ -216,7 +241,10 @@ static int check_case(thin_case *c, double h)
     return wrong;
 }
 
-/* Law: no mechanism. The compliance is that of the shell, whatever its thickness, on meshes of 8 elements a side and finer. */
+/*
+ * Law: no mechanism. The compliance is that of the shell, whatever its thickness, on meshes of 8
+ * elements a side and finer.
+ */
 static void test_matrix(void **state)
 {
     (void)state;
@@ -229,8 +257,8 @@ static void test_matrix(void **state)
 }
 
 /*
- * Law: a free cylinder bends without stretching, w = 12 (1 - nu^2) cos 2 theta/(9 h^3), less what its ends do over a
- * length of sqrt(R h); on a mesh alike at every thickness.
+ * Law: a free cylinder bends without stretching, w = 12 (1 - nu^2) cos 2 theta/(9 h^3), less what
+ * its ends do over a length of sqrt(R h); on a mesh alike at every thickness.
  */
 static void test_bending(void **state)
 {
@@ -239,7 +267,7 @@ static void test_bending(void **state)
     for (double h = 1e-3; h > 5e-6; h /= 10)
         for (int k = 0; k < 3; k++) {
             scene_run r;
-            solve_thin(&r, IMPROVED, FREE_CYLINDER, h, sizes[k], sizes[k]);
+            solve_thin(&r, FREE_CYLINDER, h, sizes[k], sizes[k]);
             const double ratio = compliance(&r) / (acos(-1.0) / 4 * 12 * 0.91 / (9 * h * h * h));
             print_message("free cylinder, h/R %.0e, %d elements: %.3f\n", h, sizes[k], ratio);
             assert_true(fabs(ratio - known[k]) <= 0.01);
@@ -250,8 +278,8 @@ static void test_bending(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_diaphragm_cylinder), cmocka_unit_test(test_waves), cmocka_unit_test(test_torsion),
-        cmocka_unit_test(test_matrix), cmocka_unit_test(test_bending),
+        cmocka_unit_test(test_diaphragm_cylinder), cmocka_unit_test(test_waves),
+        cmocka_unit_test(test_torsion), cmocka_unit_test(test_matrix), cmocka_unit_test(test_bending),
     };
     return cmocka_run_group_tests_name("thin", tests, NULL, NULL);
 }
