@@ -123,6 +123,8 @@ typedef struct shell_case {
     "loads=[{point: {theta1: pi/2, theta2: 0}, u3: -" #force "}, {point: {theta1: pi/2, theta2: pi/2}, u3: " #force "}]"}}
 #define ROLL_UP(element, n) {"roll-up", {"element=" element, "mesh.theta1.elements=" #n}}
 #define ANNULAR(element, n1, n2) {"annular-plate", {"element=" element, "mesh.theta1.elements=" #n1, "mesh.theta2.elements=" #n2}}
+/* At its 2.2, near the limit load, a change of load moves the cap 5.5 times as much: roundings too. */
+#define CAP(element) {"tests/scenes/cap.yaml", {"element=" element, "loads.0.u3=-2.0/4"}}
 #define STRIP "tests/scenes/strip.yaml"
 
 /* ---- what float does -------------------------------------------------- */
@@ -132,7 +134,7 @@ static const shell_case good[] = {
     {"hyperboloid", {"element=published", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
     {"hyperboloid", {"element=improved", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
     {STRIP, {"element=published"}}, {STRIP, {"element=improved"}},
-    {"tests/scenes/cap.yaml", {"element=published"}}, {"tests/scenes/cap.yaml", {"element=improved"}},
+    CAP("published"), CAP("improved"),
 };
 
 /*
