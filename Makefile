@@ -97,7 +97,7 @@ $(call for_variants,cases,64,@tests/testdata.o @tests/scene_run.o @host.a)
 $(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,fields,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,targets,64,@tests/scene_run.o @host.a)
-$(call for_variants,thin,64,@tests/revolution.o @tests/scene_run.o @host.a)
+$(call for_variants,thin,64,@tests/round_shell.o @tests/testdata.o @tests/scene_run.o @host.a)
 $(foreach t,path path_tables path_oracle,$(call for_variants,$(t),64,@tests/testdata.o @tests/scene_run.o @host.a))
 $(call for_variants,path_ends,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,path_precision,64 32,@bridge64.o)
@@ -116,7 +116,7 @@ $(B)/pzs-san: $(B)/san64/host_tools/main.o $(B)/san64/host.a $(B)/san64/libpiezo
 # Thin shells of revolution, every thickness and mesh: prints compliance over reference, case x h/R x mesh.
 hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DHARD=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
-	    tests/test_thin.c tests/revolution.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
+	    tests/test_thin.c tests/round_shell.c tests/testdata.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched.

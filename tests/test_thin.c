@@ -10,12 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "revolution.h"
+#include "round_shell.h"
 #include "scene_assert.h"
 #include "shell.h"
+#include "testdata.h"
 
 #ifndef HARD
 #define HARD 0
+#endif
+
+#ifndef DATA
+#define DATA "tests/data"
 #endif
 
 #define THIN "tests/scenes/thin.yaml"
@@ -24,17 +29,14 @@
 static const int sizes[] = {4, 8, 16, 32};
 enum { SIZES = HARD ? 4 : 3 };
 
-/* Every power of ten from h/R 1e-2 to 1e-6, or its ends and its middle. */
-static const double thicknesses[] = {1e-2, 1e-4, 1e-6, 1e-3, 1e-5};
-enum { THICKNESSES = HARD ? 5 : 3 };
-
 /* ---- one run ------------------------------------------------------------ */
 
 static void solve_thin(scene_run *r, const char *changes, double h, int n1, int n2)
 {
     char all[1024];
-    snprintf(all, sizeof all, "%slayers.0.thickness=%.17g;mesh.theta1.elements=%d;mesh.theta2.elements=%d",
-             changes, h, n1, n2);
+    snprintf(all, sizeof all,
+             "%slayers.0.thickness=%.17g;mesh.theta1.elements=%d;mesh.theta2.elements=%d", changes, h,
+             n1, n2);
     solve_run(r, THIN, all);
 }
 
@@ -69,7 +71,7 @@ static void test_diaphragm_cylinder(void **state)
     (void)state;
     static const double known[3] = {1.005, 1.002, 1.001};
     for (double h = 1e-2; h > 5e-7; h /= 10) {
-        const double exact = revolution_cylinder(2, 2, h);
+        const double exact = round_shell_crest(2, 2, h);
         for (int k = 0; k < 3; k++) {
             scene_run r;
             solve_thin(&r, "", h, sizes[k], sizes[k]);
@@ -103,7 +105,7 @@ static double wave_on_mesh(int harmonic, int n)
     snprintf(changes, sizeof changes,
              "mesh.theta2.to=pi/32;loads.0.pressure=cos(pi*theta1/2)*cos(%d*theta2);", harmonic);
     solve_thin(&r, changes, h, 64, n);
-    const double ratio = compliance(&r) / (revolution_cylinder(harmonic, 2, h) * width / 4);
+    const double ratio = compliance(&r) / (round_shell_crest(harmonic, 2, h) * width / 4);
     scene_run_close(&r);
     return ratio;
 }
@@ -169,68 +171,44 @@ static void test_torsion(void **state)
         }
 }
 
-/* ---- the matrix: case x thickness x mesh ------------------------------------ */
+/* ---- the matrix: case x thickness x mesh -------------------------------- */
 
-#define WAVE "loads.0.pressure="
-#define ENDS(first, last, sides) \
-    "supports=[{edge: theta1-, fix: " first "}, {edge: theta1+, fix: " last "}, " \
-    "{edge: theta2-, fix: symmetric}, {edge: theta2+, fix: " sides "}];"
-#define FREE_CYLINDER ENDS("symmetric", "free", "symmetric") WAVE "cos(2*theta2);"
-#define CAP "surface={type: sphere, radius: 1};" \
-    "mesh.theta1={from: 0.5, to: 1.2, elements: 4};outputs.0.at.theta1=0.5;"
-#define HYPERBOLOID "surface={type: hyperboloid, waist: 1, height: 1};"
+/* A case of the stored references as changes of the scene. */
+static void describe(const testdata *t, const char *mesh, char *changes, size_t size)
+{
+    const char *surface = testdata_word(t, "surface");
+    const double *number = testdata_values(t, "surface"), *cell = testdata_values(t, "cell");
+    char text[128];
+    if (strcmp(surface, "hyperboloid") == 0)
+        snprintf(text, sizeof text, "{type: hyperboloid, waist: %.17g, height: %.17g}", number[0],
+                 1 / sqrt(number[1]));
+    else
+        snprintf(text, sizeof text, "{type: %s, radius: %.17g%s}", surface, number[0],
+                 strcmp(surface, "cylinder") == 0 ? ", axial: theta1" : "");
+    snprintf(changes, size,
+             "surface=%s;mesh.theta1.from=%.17g;mesh.theta1.to=%.17g;outputs.0.at.theta1=%.17g;"
+             "supports=[{edge: theta1-, fix: %s}, {edge: theta1+, fix: %s}, "
+             "{edge: theta2-, fix: %s}, {edge: theta2+, fix: %s}];"
+             "loads.0.pressure=cos(%d*theta2);%s",
+             text, cell[0], cell[1], cell[0], testdata_word(t, "theta1-"),
+             testdata_word(t, "theta1+"), testdata_word(t, "theta2-"), testdata_word(t, "theta2+"),
+             (int)testdata_values(t, "harmonic")[0], mesh);
+}
 
-typedef struct thin_case {
-    const char *name, *changes;
-    revolution reference;
-    double thinnest;  /* h/R of the reference: ill-conditioned where the shell only bends; 0: any */
-} thin_case;
-
-#define ROUND {.type = SURFACE_CYLINDER, .axial = 1, .radius = 1}
-#define BALL {.type = SURFACE_SPHERE, .radius = 1}
-static thin_case cases[] = {
-    {"cylinder, diaphragms, n = 1", ENDS("symmetric", "simple", "simple") WAVE "cos(theta2);",
-     {ROUND, {0, 1}, {END_SYMMETRIC, END_DIAPHRAGM}, 1, 0}, 0},
-    {"cylinder, diaphragms, n = 3", ENDS("symmetric", "simple", "simple") WAVE "cos(3*theta2);",
-     {ROUND, {0, 1}, {END_SYMMETRIC, END_DIAPHRAGM}, 3, 0}, 0},
-    {"the same, graded 1 to 4", ENDS("symmetric", "simple", "simple") WAVE "cos(3*theta2);"
-     "mesh.theta1.grading=4;mesh.theta2.grading=4;",
-     {ROUND, {0, 1}, {END_SYMMETRIC, END_DIAPHRAGM}, 3, 0}, 0},
-    {"cylinder, clamped, n = 2", ENDS("symmetric", "clamped", "symmetric") WAVE "cos(2*theta2);",
-     {ROUND, {0, 1}, {END_SYMMETRIC, END_CLAMPED}, 2, 0}, 0},
-    {"cylinder, free, n = 2", FREE_CYLINDER,
-     {ROUND, {0, 1}, {END_SYMMETRIC, END_FREE}, 2, 0}, 1e-3},
-    {"spherical cap, clamped, n = 2",
-     CAP ENDS("clamped", "clamped", "symmetric") WAVE "cos(2*theta2);",
-     {BALL, {.5, 1.2}, {END_CLAMPED, END_CLAMPED}, 2, 0}, 0},
-    {"hyperboloid, clamped, n = 2",
-     HYPERBOLOID ENDS("symmetric", "clamped", "symmetric") WAVE "cos(2*theta2);",
-     {{.type = SURFACE_HYPERBOLOID}, {0, 1}, {END_SYMMETRIC, END_CLAMPED}, 2, 0}, 0},
-    {"hyperboloid, free, n = 2",
-     HYPERBOLOID ENDS("symmetric", "free", "symmetric") WAVE "cos(2*theta2);",
-     {{.type = SURFACE_HYPERBOLOID}, {0, 1}, {END_SYMMETRIC, END_FREE}, 2, 0}, 1e-3},
-};
-
-/*
- * Bounds of the compliance over the reference, 4 8 16 32 elements a side: no mesh is soft, none
- * of 8 locks.
- */
+/* Bounds of the ratio, 4 8 16 32 elements a side: no mesh is soft, none of 8 locks. */
 static const double least[] = {0.7, 0.9, 0.96, 0.98}, most[] = {1.05, 1.02, 1.01, 1.01};
 
-/* Ratios of one case at one thickness, printed; returns how many are out of bounds. */
-static int check_case(thin_case *c, double h)
+/* Compliance over the reference on each mesh, printed; returns how many are out of bounds. */
+static int check_case(const testdata *t, const char *mesh)
 {
-    scene_run r;
+    const double exact = testdata_values(t, "compliance")[0];
     int wrong = 0;
-    solve_thin(&r, c->changes, h, 4, 4);
-    c->reference.surface = r.scene.surface;
-    c->reference.h = h;
-    scene_run_close(&r);
-    const double exact = revolution_compliance(&c->reference) / 4; /* the mesh is a quarter turn */
-    assert_true(exact > 0);
-    print_message("%-30s %.0e", c->name, h);
+    print_message("%-28s%s", t->name, *mesh ? " graded" : "       ");
     for (int k = 0; k < SIZES; k++) {
-        solve_thin(&r, c->changes, h, sizes[k], sizes[k]);
+        char changes[1024];
+        scene_run r;
+        describe(t, mesh, changes, sizeof changes);
+        solve_thin(&r, changes, testdata_values(t, "h")[0], sizes[k], sizes[k]);
         const double ratio = compliance(&r) / exact;
         const int good = ratio >= least[k] && ratio <= most[k];
         print_message("  %2d %.3f%s", sizes[k], ratio, good ? "" : " OUT OF BOUNDS");
@@ -242,17 +220,38 @@ static int check_case(thin_case *c, double h)
 }
 
 /*
- * Law: no mechanism. The compliance is that of the shell, whatever its thickness, on meshes of 8
- * elements a side and finer.
+ * With HARD every thickness, otherwise 1e-2, 1e-4 and 1e-6. A free shell of 1e-6 is left out: its
+ * condition is refused by name (1.6e14).
+ */
+static int is_wanted(double h, const char *end)
+{
+    const double power = log10(h);
+    if (strcmp(end, "free") == 0 && h < 5e-6)
+        return 0;
+    return HARD || fabs(power + 2 * round(-power / 2)) < 1e-9;
+}
+
+/*
+ * Law: no mechanism and no locking. The compliance is that of the shell, whatever its thickness, on
+ * meshes of 8 elements a side and finer, even or graded; references of a spectral program.
  */
 static void test_matrix(void **state)
 {
     (void)state;
-    int wrong = 0;
-    for (size_t i = 0; i < COUNT(cases); i++)
-        for (int t = 0; t < THICKNESSES; t++)
-            if (thicknesses[t] >= cases[i].thinnest * (1 - 1e-9))
-                wrong += check_case(&cases[i], thicknesses[t]);
+    FILE *file = fopen(DATA "/thin.txt", "r");
+    testdata t;
+    int wrong = 0, cases = 0;
+    assert_non_null(file);
+    for (; testdata_next(file, &t); testdata_free(&t)) {
+        if (!is_wanted(testdata_values(&t, "h")[0], testdata_word(&t, "theta1+")))
+            continue;
+        wrong += check_case(&t, "");
+        if ((int)testdata_values(&t, "harmonic")[0] == 3)
+            wrong += check_case(&t, "mesh.theta1.grading=4;mesh.theta2.grading=4;");
+        cases++;
+    }
+    fclose(file);
+    assert_int_equal(cases, HARD ? 38 : 22);
     assert_int_equal(wrong, 0);
 }
 
@@ -267,7 +266,8 @@ static void test_bending(void **state)
     for (double h = 1e-3; h > 5e-6; h /= 10)
         for (int k = 0; k < 3; k++) {
             scene_run r;
-            solve_thin(&r, FREE_CYLINDER, h, sizes[k], sizes[k]);
+            solve_thin(&r, "supports.1={edge: theta1+, fix: free};loads.0.pressure=cos(2*theta2);", h,
+                       sizes[k], sizes[k]);
             const double ratio = compliance(&r) / (acos(-1.0) / 4 * 12 * 0.91 / (9 * h * h * h));
             print_message("free cylinder, h/R %.0e, %d elements: %.3f\n", h, sizes[k], ratio);
             assert_true(fabs(ratio - known[k]) <= 0.01);
@@ -279,7 +279,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_diaphragm_cylinder), cmocka_unit_test(test_waves),
-        cmocka_unit_test(test_torsion), cmocka_unit_test(test_matrix), cmocka_unit_test(test_bending),
+        cmocka_unit_test(test_torsion), cmocka_unit_test(test_matrix),
+        cmocka_unit_test(test_bending),
     };
     return cmocka_run_group_tests_name("thin", tests, NULL, NULL);
 }
