@@ -296,7 +296,7 @@ static void add_force(const mesh *m, const scene_load *load, int node, double fa
 /*
  * Components at node `to` of a load given at node `from`. A pressure keeps its components, because vectors
  * interpolated along a chord lose angle^2/6 of it; a load of fixed direction is carried as a vector by the
- * Cartesian element and by components in the source's.
+ * Cartesian element and by components in the published one.
  */
 static void carry(const mesh *m, const scene_load *load, int from, int to, const double c[3], double out[3])
 {

@@ -100,7 +100,7 @@ int design_patch(const mesh *m, int element, const scene_patches *patches);
 int design_target_values(const design *d, const expr *wanted, scene_at at, double *value, char *error);
 
 /*
- * Base vectors of a face at corner r of an element of the corrected kind: chords, a/2 out of the tangent plane where the
+ * Base vectors of a face at corner r of an element of the improved kind: chords, a/2 out of the tangent plane where the
  * element spans the angle a. Of that lean the tangent (1 - (a/2) cot(a/2))/(a/2) counts, about a third: a pressure that
  * pushes by it along the surface, towards the ends of the element, has the resultant and the moment on an arc of that
  * on its chord, and is what the stretched chords of a ring hold in balance, whatever their angles.

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "shell.h"
+#include "warp.h"
 
 static const double full_turn = 6.283185307179586;
 
@@ -211,7 +212,7 @@ static int same_kind(const pzs_kind *x, const laminate_place *at_x, const pzs_ki
     return at_x->present == at_y->present && alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72)
         && alike(&x->t[0][0][0][0], &y->t[0][0][0][0], 72) && alike(&x->g_mean[0][0][0], &y->g_mean[0][0][0], 24)
         && alike(&x->g_diff[0][0][0], &y->g_diff[0][0][0], 24) && alike(&at_x->area, &at_y->area, 1)
-        && alike(at_x->chord, at_y->chord, 2) && alike(at_x->k, at_y->k, 2) && alike(&x->twist, &y->twist, 1);
+        && alike(at_x->chord, at_y->chord, 2) && alike(at_x->k, at_y->k, 2);
 }
 
 static int find_kind(const mesh *m, const pzs_kind *kind, const laminate_place *place)
@@ -222,25 +223,43 @@ static int find_kind(const mesh *m, const pzs_kind *kind, const laminate_place *
     return -1;
 }
 
-static int build_kinds(mesh *m, char *error)
+/* Share of the warp in the membrane shear (warp.h). */
+static double warp_share(const mesh *m, const laminate_place *place)
+{
+    double sum = 0;
+    for (int a = 0; a < 2; a++)
+        sum += place->chord[a] * place->chord[a] * place->k[a];
+    return m->scene->element.tau * sum / (12 * m->laminate.h);
+}
+
+/* Add a kind whose corner tables and thickness are there. */
+static int add_kind(mesh *m, pzs_kind *kind, const laminate_place *place, char *error)
 {
     const scene *s = m->scene;
-    const double h = m->laminate.h;
+    if (laminate_modes(&m->laminate, &s->element, place, kind->d) < 0)
+        return scene_fault(s, s->at_layers, error,
+                           "no stiffness where no patch lies: add a layer that is not patched");
+    if (warp_fill(kind, warp_share(m, place)) < 0)
+        return scene_fault(s, s->at_surface, error,
+                           "an element of %g x %g is degenerate; use other mesh lines",
+                           place->chord[0], place->chord[1]);
+    m->kind[m->kinds] = *kind;
+    m->place[m->kinds++] = *place;
+    return 0;
+}
+
+static int build_kinds(mesh *m, char *error)
+{
     for (int e = 0; e < m->elements; e++) {
         pzs_kind kind;
         memset(&kind, 0, sizeof kind);
         corner_tables(m, e, &kind);
         const laminate_place place = element_place(m, e);
-        kind.thickness = h;
-        kind.twist = s->element.tau * (place.chord[0] * place.chord[0] * place.k[0] + place.chord[1] * place.chord[1] * place.k[1]) / (12 * h);
-        int k = find_kind(m, &kind, &place);
-        if (k < 0) {
-            k = m->kinds++;
-            if (laminate_modes(&m->laminate, &s->element, &place, kind.d) < 0)
-                return scene_fault(s, s->at_layers, error, "no stiffness where no patch lies: add a layer that is not patched");
-            m->kind[k] = kind;
-            m->place[k] = place;
-        }
+        kind.thickness = m->laminate.h;
+        const int known = find_kind(m, &kind, &place);
+        const int k = known < 0 ? m->kinds : known;
+        if (known < 0 && add_kind(m, &kind, &place, error) < 0)
+            return -1;
         m->element_kind[e] = (uint16_t)k;
     }
     return 0;

@@ -21,7 +21,7 @@ const char *const options_help =
     "  pzs simulate SCENE               the controller in closed loop with a structure it does not quite know\n"
     "\n"
     "SCENE is a file, or the name of a shipped scene. Options:\n"
-    "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=corrected\n"
+    "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=improved\n"
     "  --limit V          shape: common voltage limits -V .. V instead of limits.voltage of the scene;\n"
     "  --limit LO,HI      an amplifier's own limits and held voltage (limits.each) and depolarisation\n"
     "                     field (field_limit) apply besides, so that the narrowest limit always wins;\n"

@@ -26,7 +26,7 @@ static int read_unknowns(reader *r, int node, void *to, const void *rule)
     (void)rule;
     if (read_choice(r, node, &element->unknowns, counts) != 0) return -1;
     if (element->unknowns == 7 || element->lin33) return 0;
-    return tree_fault(r->t, node, "'unknowns: 6' needs lin33; use element: corrected, or unknowns: 7");
+    return tree_fault(r->t, node, "'unknowns: 6' needs lin33; use element: improved, or unknowns: 7");
 }
 
 static const choice kinematics[] = {
@@ -93,7 +93,7 @@ static int keep_origin(scene *s, const char *path, const char *const *set, int s
 
 static void set_defaults(scene *s)
 {
-    s->element = element_corrected;
+    s->element = element_improved;
     s->tolerance = 0.01;
     s->equilibrium.steps = 1;
     s->equilibrium.change = 1e-4;

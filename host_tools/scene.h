@@ -52,10 +52,10 @@ typedef struct scene_equilibrium {
     scene_at at;
 } scene_equilibrium;
 
-/* The formulation of the element: `element: source`, `element: corrected`, or a map of these. */
+/* The formulation of the element: `element: published`, `element: improved`, or a map of these. */
 typedef struct scene_element {
     int cartesian;       /* kinematics: cartesian (1) or local (0) */
-    double tau;          /* twist term */
+    double tau;          /* share of the warp in the membrane shear */
     double rho;          /* shear flexibility of coarse bending */
     int hr, lin33;       /* modes 01 10 11 by stresses; linear e33 condensed */
     int metric;          /* exact metric through the thickness */

@@ -6,16 +6,29 @@
 
 /* ---- element ---- */
 
-const scene_element element_corrected = {1, 1, 0.1, 1, 1, 1, 1, 7};
-static const scene_element element_source = {0, 0, 0, 0, 0, 0, 0, 7};
+const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
+static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
+
+/* Answer a former name of a preset with its present one: -1 with the fault told, 0 otherwise. */
+static int refuse_former_preset(reader *r, int node)
+{
+    static const char *const renamed[][2] = {{"corrected", "improved"}, {"source", "published"}};
+    const char *text = node_text(r, node);
+    for (int i = 0; text && i < 2; i++)
+        if (strcmp(text, renamed[i][0]) == 0)
+            return tree_fault(r->t, node, "'%.60s: %s' is now called '%s'; write '%s'",
+                              tree_name(r->t, node), text, renamed[i][1], renamed[i][1]);
+    return 0;
+}
 
 static int read_preset(reader *r, int node, void *to, const void *rule)
 {
-    static const choice presets[] = {{"corrected", 0}, {"source", 1}, {NULL, 0}};
-    int is_source = 0;
+    static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
+    int is_published = 0;
     (void)rule;
-    if (read_choice(r, node, &is_source, presets) != 0) return -1;
-    *(scene_element *)to = is_source ? element_source : element_corrected;
+    if (refuse_former_preset(r, node) != 0) return -1;
+    if (read_choice(r, node, &is_published, presets) != 0) return -1;
+    *(scene_element *)to = is_published ? element_published : element_improved;
     return 0;
 }
 
@@ -34,7 +47,7 @@ int read_element(reader *r, int node, void *to, const void *rule)
         {"area", read_choice, offsetof(scene_element, exact_area), area, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene_element *element = &((scene *)to)->element;
-    *element = element_corrected;
+    *element = element_improved;
     return r->t->node[node].kind == TREE_MAP ? read_map(r, node, fields, element) : read_preset(r, node, element, rule);
 }
 
@@ -107,7 +120,7 @@ static int elastic_isotropic(reader *r, int node, material_text *text)
     if (require(r, node, isotropic_keys) != 0) return -1;
     if (text->nu >= 0.5 || text->nu <= -1)
         return tree_fault(r->t, tree_find(r->t, node, "nu"), "'nu: %g' of %.60s leaves no positive definite stiffness; "
-                          "use -1 < nu < 0.5, 0.4999 with element: corrected for rubber",
+                          "use -1 < nu < 0.5, 0.4999 with element: improved for rubber",
                           text->nu, tree_name(r->t, node));
     m->e[0] = m->e[1] = m->e[2] = text->e;
     m->nu12 = m->nu13 = m->nu23 = text->nu;

@@ -39,7 +39,7 @@ extern const int place_components[];
     {"y", read, 0, &place_components[4], 0}, {"z", read, 0, &place_components[5], 0}
 
 /* What a scene has that says nothing of its element. */
-extern const scene_element element_corrected;
+extern const scene_element element_improved;
 
 /* scene_check.c: what no single section can know; snaps points and patches to the mesh. */
 int scene_check(scene *s, char *error);

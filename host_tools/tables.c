@@ -25,7 +25,8 @@ static void write_elements(emitter *w, const mesh *m)
 /* Corner tables of every kind, member by member in the order of pzs_kind. */
 static void write_kinds(emitter *w, const mesh *m)
 {
-    static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3}, modes[2] = {4, LAMINATE_PACKED};
+    static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
+    static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
     fprintf(w->file, "/* corner tables of each element kind */\nstatic const pzs_kind %s_kind[%d] = {", w->prefix, m->kinds);
     for (int k = 0; k < m->kinds; k++) {
         const pzs_kind *kind = &m->kind[k];
@@ -41,9 +42,9 @@ static void write_kinds(emitter *w, const mesh *m)
         emit_nested(w->file, kind->d[0], modes, 2);
         fputs(", PZS_R(", w->file);
         emit_real(w->file, kind->thickness);
-        fputs("), PZS_R(", w->file);
-        emit_real(w->file, kind->twist);
-        fputs(")\n}, ", w->file);
+        fputs("),\n    ", w->file);
+        emit_nested(w->file, kind->warp, warps, 1);
+        fputs("\n}, ", w->file);
         emit_count_reals(w, (const double *)kind, sizeof *kind / sizeof(double));
     }
     fputs("\n};\n", w->file);

@@ -105,7 +105,7 @@ const char *pzs_status_text(pzs_status status);
 
 /* ---- tables ----------------------------------------------------------- */
 
-#define PZS_TABLE_FORMAT 1u
+#define PZS_TABLE_FORMAT 2u
 #define PZS_FIXED 0xFFFFu /* in node_dof: an unknown held at zero by a support */
 
 /* Sparse rows over the free unknowns: one per input (a force) or output (a displacement). */
@@ -121,7 +121,7 @@ typedef struct pzs_rows {
  * Corner r = 0..3 is (-,-) (+,-) (+,+) (-,+); direction a = 0, 1 along theta1, theta2;
  * r' is the neighbour of r along a. Displacement derivatives in the frame of corner r:
  *   lam_a = S_a u_r + T_a u_r'
- * Formulation (source or corrected) is nothing but the values in here.
+ * Formulation (published or improved) is nothing but the values in here.
  */
 typedef struct pzs_kind {
     pzs_real s[4][2][3][3];  /* (1/m) */
@@ -131,7 +131,9 @@ typedef struct pzs_kind {
     pzs_real d[4][55];       /* (N m) D of modes 00 01 10 11, packed lower triangle, times area/3^(r1+r2);
                                 order 11m 11d 22m 22d 33m 33d 12m 12d 13 23, m mean and d difference of the faces */
     pzs_real thickness;      /* h (m) */
-    pzs_real twist;          /* share of the 12 difference added to the 12 mean, mode 00 (1) */
+    pzs_real warp[9];        /* shares added to the 12 mean of mode 00 (1), in this order: 12d^00, 13^01, 23^10,
+                                13^00, 23^00, 11d^00, 11d^01, 22d^00, 22d^10; all 0 in the published element.
+                                At rest their sum is the warp of the four nodes, free of the directors. */
 } pzs_kind;
 
 /* A structure for the linear image. All arrays const, in flash. */

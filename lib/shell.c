@@ -172,7 +172,32 @@ static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
     memcpy(e, h, sizeof h);
 }
 
-/* Resultants by mode in place of strains by mode, without the twist term. */
+/* Add the warp to the 12 mean of mode 00: a fixed combination of strains by mode (pzs_kind). */
+static void add_warp(const pzs_kind *kind, pzs_real e[4][10])
+{
+    const pzs_real *w = kind->warp;
+    e[0][E12M] += w[0] * e[0][E12D] + w[1] * e[1][E13] + w[2] * e[2][E23]
+                + w[3] * e[0][E13] + w[4] * e[0][E23]
+                + w[5] * e[0][E11D] + w[6] * e[1][E11D]
+                + w[7] * e[0][E22D] + w[8] * e[2][E22D];
+}
+
+/* The transpose of add_warp: resultants by mode that the 12 mean's resultant adds to. */
+static void share_warp(const pzs_kind *kind, pzs_real h[4][10])
+{
+    const pzs_real *w = kind->warp, mean = h[0][E12M];
+    h[0][E12D] += w[0] * mean;
+    h[1][E13] += w[1] * mean;
+    h[2][E23] += w[2] * mean;
+    h[0][E13] += w[3] * mean;
+    h[0][E23] += w[4] * mean;
+    h[0][E11D] += w[5] * mean;
+    h[1][E11D] += w[6] * mean;
+    h[0][E22D] += w[7] * mean;
+    h[2][E22D] += w[8] * mean;
+}
+
+/* Resultants by mode in place of strains by mode, the warp in the strains; share_warp comes after. */
 static void multiply_modes(const pzs_kind *kind, pzs_real e[4][10])
 {
     for (int m = 0; m < SHELL_MODES; m++)
@@ -190,13 +215,13 @@ static void strains_at_rest(const pzs_kind *kind, unsigned unknowns, const pzs_r
         corner_strains(&rest, &d, kind->thickness, e);
         add_modes(modes, e, r);
     }
-    modes[0][E12M] += kind->twist * modes[0][E12D];
+    add_warp(kind, modes);
 }
 
 /* f = sum of L' h at rest */
 static void force_at_rest(const pzs_kind *kind, unsigned unknowns, pzs_real h[4][10], pzs_real *f)
 {
-    h[0][E12D] += kind->twist * h[0][E12M];
+    share_warp(kind, h);
     memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const shape rest = at_rest(kind, r);
@@ -268,7 +293,7 @@ static void derivatives(const pzs_kind *kind, unsigned unknowns, const pzs_real 
         d[r] = corner_derivatives(kind, unknowns, u, r);
 }
 
-/* e += L(share u) v, the first variation of the strains by mode without the twist term.
+/* e += L(share u) v, the first variation of the strains by mode without the warp.
  * d, v [4] in derivatives of u and v at the corners */
 static void add_variation(const pzs_kind *kind, const corner d[4], pzs_real share, const corner v[4], pzs_real e[4][10])
 {
@@ -292,7 +317,7 @@ static void strains_ahead(const pzs_kind *kind, unsigned unknowns, const pzs_rea
         derivatives(kind, unknowns, du, v);
         add_variation(kind, d, 1, v, e);
     }
-    e[0][E12M] += kind->twist * e[0][E12D];
+    add_warp(kind, e);
 }
 
 void shell_strains_at(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, pzs_real e[4][10])
@@ -328,7 +353,7 @@ void shell_stresses(const pzs_kind *kind, const pzs_real *resultant, pzs_real t[
     for (int m = 0; m < SHELL_MODES; m++)
         for (int i = 0; i < kept_strains[m]; i++)
             h[m][kept_strain[m][i]] = *resultant++;
-    h[0][E12D] += kind->twist * h[0][E12M];
+    share_warp(kind, h);
     for (int r = 0; r < SHELL_NODES; r++)
         corner_of_modes(h, r, t[r]);
 }

@@ -5,7 +5,7 @@
  * array of nodal strains A serves every mode, L_m = A sign_m, and the signs of a node's row and of a node's column
  * turn the four products D_m A into stresses seen from the nodes, Y_p = sum_m sign_m(p) sign_m D_m A. Then
  *   K_p = A_p^T Y_p + geometric part,   p = 0..3.
- * Here columns are four nodes of 6 (mean, difference/h), then the four q; q takes part in four strains alone.
+ * Here columns are four nodes of 6 (mean, difference/h), then the four q; q takes part in five strains alone.
  */
 #include "shell_corner.h"
 #include "unrolled.h"
@@ -15,15 +15,21 @@
 
 enum { OWN = 6, HALF = 12, Q = 24, COLUMNS = 28 };
 
-/* Strains in the order of the rows of A: q takes part in the first four alone, the mean unknowns not in the first two. */
+/* Strains in the order of the rows of A; the mean unknowns take no part in the first two. */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
-enum { ROWS = SHELL_STRAINS, WITH_Q = 4, WITHOUT_MEAN = 2 };
+enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
+
+/*
+ * Rows in which q takes part, in 12m through the shears in the warp. They are also the places of
+ * these rows in the list of a mode below, of which a mode has the first `with_q`.
+ */
+static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /* What each mode keeps of them: number, how many of those have q, where its rows D_m A begin, and which. */
 typedef struct mode_rows { uint8_t count, with_q, start, strain[ROWS]; } mode_rows;
 static const mode_rows kept[4] = {
-    {10, 4, 0, {A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D}},
+    {10, 5, 0, {A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D}},
     {5, 3, 10, {A33M, A33D, A13, A11M, A11D}},
     {5, 3, 15, {A33M, A33D, A23, A22M, A22D}},
     {2, 2, 20, {A33M, A33D}},
@@ -124,14 +130,28 @@ static void transverse(const pzs_kind *kind, const corner shape[4], int p, pzs_r
     a[A33D][Q + p] = -2 * own->beta[2];
 }
 
+/*
+ * Add the warp to the 12 mean at node p. Mode 00 alone keeps 12m, so its row may carry the signs
+ * that the modes 01 and 10 of the strains in the warp give to node p.
+ */
+static void add_warp(const pzs_kind *kind, int p, pzs_real a[ROWS][COLUMNS])
+{
+    const pzs_real *w = kind->warp, xi2 = mode_sign[1][p], xi1 = mode_sign[2][p];
+    const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
+    const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
+    for (int i = OWN * p; i < OWN * (p + 1); i++)
+        a[A12M][i] += w[0] * a[A12D][i] + of_13 * a[A13][i] + of_23 * a[A23][i]
+                    + of_11 * a[A11D][i] + of_22 * a[A22D][i];
+    a[A12M][Q + p] = of_13 * a[A13][Q + p] + of_23 * a[A23][Q + p];
+}
+
 static void nodal_strains(const pzs_kind *kind, const corner shape[4], pzs_real a[ROWS][COLUMNS])
 {
     for (int p = 0; p < SHELL_NODES; p++) {
         in_plane(kind, shape, p, a);
         transverse(kind, shape, p, a);
+        add_warp(kind, p, a);
     }
-    for (int i = 0; i < Q; i++)
-        a[A12M][i] += kind->twist * a[A12D][i];
 }
 
 /* ---- material part ---------------------------------------------------- */
@@ -160,15 +180,24 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
         to[i] = sum[i];
 }
 
-/* The same over the columns of q, for `count` rows that have it. */
+/* The same over the columns of q, for the first `count` of the rows in q_row. */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride, const pzs_real *const *row,
                       int count)
 {
+    const int leading = count < WITH_Q ? count : WITH_Q - 1;
     for (int p = 0; p < SHELL_NODES; p++) {
         to[p] = factor[0] * row[0][Q + p];
-        for (int t = 1; t < count; t++)
+        for (int t = 1; t < leading; t++)
             to[p] += factor[t * stride] * row[t][Q + p];
+        if (count == WITH_Q)
+            to[p] += factor[A12M * stride] * row[A12M][Q + p];
     }
+}
+
+/* Whether q takes part in row s of a mode's list. */
+static int has_q(const mode_rows *mode, int s)
+{
+    return mode->with_q == WITH_Q ? s <= A23 || s == A12M : s < mode->with_q;
 }
 
 /* The rows D_m A of all modes. */
@@ -189,7 +218,7 @@ static void stress_rows(const pzs_kind *kind, unsigned unknowns, pzs_real a[ROWS
             }
             combine(to, factor, 1, row, 0);
             combine(to + HALF, factor, 1, row, HALF);
-            if (unknowns == 7 && s < mode->with_q)
+            if (unknowns == 7 && has_q(mode, s))
                 combine_q(to + Q, factor, 1, row, mode->with_q);
         }
     }
@@ -329,12 +358,17 @@ static void write_node(const pzs_kind *kind, unsigned unknowns, int p, pzs_real 
 /* Row and column of q of node p. */
 static void write_q(int p, pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress, pzs_real *k)
 {
-    const pzs_real *row[WITH_Q + 1] = {stress[0], stress[1], stress[2], stress[3], NULL};
+    const pzs_real *row[WITH_Q + 1];
     const unsigned q = 7 * (unsigned)p + 6;
-    pzs_real sum[COLUMNS];
-    combine(sum, &a[0][Q + p], COLUMNS, row, 0);
-    combine(sum + HALF, &a[0][Q + p], COLUMNS, row, HALF);
-    combine_q(sum + Q, &a[0][Q + p], COLUMNS, row, WITH_Q);
+    pzs_real sum[COLUMNS], factor[WITH_Q];
+    for (int t = 0; t < WITH_Q; t++) {
+        row[t] = stress[q_row[t]];
+        factor[t] = a[q_row[t]][Q + p];
+    }
+    row[WITH_Q] = NULL;
+    combine(sum, factor, 1, row, 0);
+    combine(sum + HALF, factor, 1, row, HALF);
+    combine_q(sum + Q, &a[0][Q + p], COLUMNS, stress, WITH_Q);
     for (unsigned other = 0; other < SHELL_NODES; other++) {
         for (unsigned j = 0; j < OWN; j++)
             *entry(k, q, 7 * other + j) = sum[OWN * other + j];

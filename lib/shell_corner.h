@@ -25,7 +25,7 @@ typedef struct corner {
 /* Shape of the corners at displacement u: base vectors plus derivatives of the displacement. */
 void shell_corners(const pzs_kind *kind, unsigned unknowns, const pzs_real *u, corner shape[4]);
 
-/* Stresses at the corners that go with resultants [22], twist term included. t [4][10] out, order of D. */
+/* Stresses at the corners that go with resultants [22], the warp's share included. t [4][10] out, order of D. */
 void shell_stresses(const pzs_kind *kind, const pzs_real *resultant, pzs_real t[4][10]);
 
 /* Force of stresses at corners of a shape.  f [4 unknowns] out. */

@@ -8,13 +8,13 @@
 #include "scene_run.h"
 
 #define PLATE "tests/scenes/piezo-plate.yaml"
-#define SOURCE "element=source;"
-#define CORRECTED "element=corrected;"
+#define PUBLISHED "element=published;"
+#define IMPROVED "element=improved;"
 #define METRIC_OFF "element={kinematics: cartesian, metric: off};"
 /* The upper layer of PLATE alone, with one electrode. */
 #define ONE_LAYER "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: upper}];"
 
-static const char *const elements[3] = {SOURCE, CORRECTED, CORRECTED "unknowns=6;"};
+static const char *const elements[3] = {PUBLISHED, IMPROVED, IMPROVED "unknowns=6;"};
 
 static inline void open_run(scene_run *r, const char *name, const char *changes)
 {

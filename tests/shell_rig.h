@@ -214,7 +214,7 @@ static inline void assert_bits_count(rig *g, void *data, size_t bytes, attaching
     }
 }
 
-/* A follower of pressure 1 on every node, driven by input 1; corrected shares. */
+/* A follower of pressure 1 on every node, driven by input 1; shares of the improved element. */
 static inline void make_follower(rig *g, int load_face, int normal_face, int true_area)
 {
     pzs_follower *f = &g->follower;

@@ -138,7 +138,7 @@ static int run_mesh(const shell *shell, int mesh, const char *element, int strid
 
 int main(int argc, char **argv)
 {
-    static const char *const elements[] = {"source", "corrected"};
+    static const char *const elements[] = {"published", "improved"};
     const int full = argc > 1 && strcmp(argv[1], "full") == 0;
     const clock_t began = clock();
     const double limit = full ? most_seconds : most_seconds_reduced;

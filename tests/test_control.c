@@ -584,7 +584,7 @@ static void plate(const testdata *d, double limit, unsigned active, double error
 
 static void known_plate(void **state)
 {
-    (void)state; /* law: the plate of the source with 25 patches has the active limits and shape errors found by another program */
+    (void)state; /* law: the published plate with 25 patches has the active limits and shape errors found by another program */
     FILE *file = fopen("tests/data/table7.txt", "r");
     testdata d;
     assert_non_null(file);

@@ -252,7 +252,7 @@ static void test_capacitance(void **state)
 }
 
 /*
- * Law: in a package the corrected element lets each ply thicken by itself, s33 = 0: an electrode on one half of a free plate
+ * Law: in a package the improved element lets each ply thicken by itself, s33 = 0: an electrode on one half of a free plate
  * of thickness 2 t holds A/t (eps - 2 d31^2 (E/(1 - nu))/8) a volt, eps at constant stress, by the theory of thin plates.
  */
 static void test_capacitance_in_a_package(void **state)
@@ -369,8 +369,8 @@ static void test_linear_limit(void **state)
     (void)state;
     scene_run linear, small, large;
     solve_run(&linear, "bimorph-sensor", "mesh.theta1.elements=20");
-    bend_far(&small, SOURCE, "-1e-6", "");
-    bend_far(&large, SOURCE, "-0.05", "");
+    bend_far(&small, PUBLISHED, "-1e-6", "");
+    bend_far(&large, PUBLISHED, "-0.05", "");
     const double tip = scene_run_value(&linear, 0);
     for (int k = 1; k < 6; k++)
         assert_near("volts", scene_run_value(&small, k) / -1e-6, scene_run_value(&linear, k) / tip, 1e-6);
@@ -433,7 +433,7 @@ static double energy_at(const analysis *a)
 static void test_energy_at_a_shape(void **state)
 {
     (void)state;
-    static const char *const element[2] = {SOURCE, CORRECTED};
+    static const char *const element[2] = {PUBLISHED, IMPROVED};
     for (int e = 0; e < 2; e++) {
         scene_run r;
         double work = 0;

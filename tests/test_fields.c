@@ -13,7 +13,7 @@
 /* ---- three-dimensional references ------------------------------------- */
 
 /*
- * Deflections of the middle under 100 sin V or 1 sin Pa by a three-dimensional solution, and what the source's element has of them
+ * Deflections of the middle under 100 sin V or 1 sin Pa by a three-dimensional solution, and what the published element has of them
  * on 64 elements a half.
  */
 static const struct { double slender, volt, volt_ratio, pressure, pressure_ratio; } bending[4] = {
@@ -68,7 +68,7 @@ static void test_three_dimensional(void **state)
         for (int by_volt = 0; by_volt < 2; by_volt++) {
             const double exact = by_volt ? bending[i].volt : bending[i].pressure;
             const double known = by_volt ? bending[i].volt_ratio : bending[i].pressure_ratio;
-            const double got = bent_middle(SOURCE, bending[i].slender, PVDF, 40e-6, by_volt) / exact;
+            const double got = bent_middle(PUBLISHED, bending[i].slender, PVDF, 40e-6, by_volt) / exact;
             if (!(fabs(got - known) < (i < 2 ? 6e-4 : 1e-4))) /* the reference's digits */
                 fail_msg("L/h = %g %s: %.5f, known %.4f", bending[i].slender, by_volt ? "volts" : "pressure", got, known);
         }
@@ -76,7 +76,7 @@ static void test_three_dimensional(void **state)
 
 /*
  * Deflections under 0.25 mm of ceramic instead of the film, d31 = d32 = 254e-12 and d33 = 0 or 594e-12, by the three-dimensional
- * solution, and what the corrected element has of them, by a program of its own.
+ * solution, and what the improved element has of them, by a program of its own.
  */
 static const struct { double slender, exact[2], ratio; } ceramic[4] = {
     {10, {-9.218062605e-07, -9.216049189e-07}, .83576},
@@ -87,7 +87,7 @@ static const struct { double slender, exact[2], ratio; } ceramic[4] = {
 
 /*
  * Law: a ply that may thicken freely bends the shell by its d31 alone: with given stresses condensed on s33 = 0 in each ply, d33
- * changes as little as in three dimensions, and thin shells are right. The source's element is 6 % too far with it.
+ * changes as little as in three dimensions, and thin shells are right. The published element is 6 % too far with it.
  */
 static void test_thickening_ply(void **state)
 {
@@ -102,13 +102,13 @@ static void test_thickening_ply(void **state)
             assert_true(fabs(ratio[0] - ceramic[i].ratio) < 2e-4);
             assert_true(fabs(ratio[1] - ratio[0]) < 2.5e-4);
         }
-    const double thick = bent_middle(SOURCE, 100, film[1], 0.25e-3, 1) / ceramic[3].exact[1];
+    const double thick = bent_middle(PUBLISHED, 100, film[1], 0.25e-3, 1) / ceramic[3].exact[1];
     assert_true(fabs(thick - 1.0610) < 2e-4);
 }
 
 /* ---- curved actuators ------------------------------------------------- */
 
-#define LOCAL_METRIC "element={preset: source, metric: on};"
+#define LOCAL_METRIC "element={preset: published, metric: on};"
 
 #define ACTUATED ONE_LAYER "sensors=[];actuators=[{name: v, drives: [{patches: up}], applied: 100}];"
 
@@ -136,7 +136,7 @@ static double sector_turn(const char *element, const char *driven, int size, dou
 static void test_curved_actuator(void **state)
 {
     (void)state;
-    static const char *const changes[3] = {CORRECTED, CORRECTED "unknowns=6;", LOCAL_METRIC};
+    static const char *const changes[3] = {IMPROVED, IMPROVED "unknowns=6;", LOCAL_METRIC};
     double tip;
     for (int e = 0; e < 3; e++)
         assert_near("opening", 2 * sector_turn(changes[e], ACTUATED, 128, &tip) - sector_turn(changes[e], ACTUATED, 64, &tip),
@@ -232,8 +232,8 @@ static void test_bimetal(void **state)
 {
     (void)state;
     const double bow[4] = {0, 0, -bimetal_curvature(1e-3), 0};
-    /* e33 linear through the package cannot follow the plies: the source's element needs nu = 0 for it. */
-    static const char *const changes[3] = {SOURCE STEEL "materials.a.nu=0;materials.b.nu=0;", CORRECTED STEEL, CORRECTED STEEL "unknowns=6;"};
+    /* e33 linear through the package cannot follow the plies: the published element needs nu = 0 for it. */
+    static const char *const changes[3] = {PUBLISHED STEEL "materials.a.nu=0;materials.b.nu=0;", IMPROVED STEEL, IMPROVED STEEL "unknowns=6;"};
     for (int e = 0; e < 3; e++) {
         scene_run r;
         solve_run(&r, PLATE, with(changes[e], "layers=[{material: a, thickness: 0.4e-3}, {material: b, thickness: 0.6e-3}];"

@@ -218,7 +218,7 @@ static void pressure_on_a_flat_patch_is_its_area(void **state)
     rig_close(g);
 }
 
-/* The source's weights: a pressure on one corner gives 4, 2, 1, 2 parts of 36 to it, its neighbours, the opposite corner. */
+/* The published weights: a pressure on one corner gives 4, 2, 1, 2 parts of 36 to it, its neighbours, the opposite corner. */
 static void pressure_is_shared_with_consistent_weights(void **state)
 {
     (void)state;

@@ -130,13 +130,13 @@ static void report(const char *element, double thickness, const outcome *o)
  * Law: with (mean, difference/h) unknowns the condition grows with (L/h)^2 and the error with it;
  * a device that says ok is right, whatever the thickness, and one that cannot be says so.
  */
-static void test_stability_source(void **state)
+static void test_stability_published(void **state)
 {
     (void)state;
     static const double thickness[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}, known[] = {0, 1.1e5, 7e6, 6e8, 1e11};
     for (int i = 0; i < 5; i++) {
-        const outcome o = thin_plate("source", thickness[i]);
-        report("source", thickness[i], &o);
+        const outcome o = thin_plate("published", thickness[i]);
+        report("published", thickness[i], &o);
         if (known[i] > 0)
             assert_true(o.condition > known[i] / 2 && o.condition < 6 * known[i]);
         if (o.condition * EPS < 0.3)
@@ -150,14 +150,14 @@ static void test_stability_source(void **state)
     }
 }
 
-/* Law: the corrected element's condition does not depend on the thickness of a plate, so float serves thin plates. */
-static void test_stability_corrected(void **state)
+/* Law: the improved element's condition does not depend on the thickness of a plate, so float serves thin plates. */
+static void test_stability_improved(void **state)
 {
     (void)state;
     double first = 0;
     for (double thickness = 1e-2; thickness > 0.5e-5; thickness /= 10) {
-        const outcome o = thin_plate("corrected", thickness);
-        report("corrected", thickness, &o);
+        const outcome o = thin_plate("improved", thickness);
+        report("improved", thickness, &o);
         first = first > 0 ? first : o.condition;
         assert_true(o.condition > first / 2 && o.condition < 2 * first);
         assert_true(o.plain == PZS_OK && o.plain_error < o.condition * EPS);
@@ -419,7 +419,7 @@ static void test_open_electrodes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stability_source), cmocka_unit_test(test_stability_corrected), cmocka_unit_test(test_influence),
+        cmocka_unit_test(test_stability_published), cmocka_unit_test(test_stability_improved), cmocka_unit_test(test_influence),
         cmocka_unit_test(test_stiffness_factor), cmocka_unit_test(test_held_unknown),        cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_load_on_held_unknown), cmocka_unit_test(test_load_scaling), cmocka_unit_test(test_unsound_tables),
         cmocka_unit_test(test_indices_out_of_range), cmocka_unit_test(test_open_electrodes),

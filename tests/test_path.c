@@ -20,7 +20,7 @@ static void test_pressed_arc(void **state)
         const double side = acos(-1.0) / 2 / n, exact = 1e-4 * 1e8 / 2 / (2.1e7 / (12 * 0.91));
         char changes[512];
         scene_run r;
-        snprintf(changes, sizeof changes, CORRECTED "equilibrium.change=1e-9;mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: clamped}, "
+        snprintf(changes, sizeof changes, IMPROVED "equilibrium.change=1e-9;mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: clamped}, "
                  "{at: nodes, fix: u2}];loads=[{face: inner, pressure: 1e-4, follower: normal}]", n);
         solve_run(&r, "ring-follower", changes);
         assert_true(fabs(scene_run_value(&r, 1) / exact - 1) < side * side / 10 + 1e-4);
@@ -38,10 +38,10 @@ static void test_uneven_ring_inflates_evenly(void **state)
         {"[0, 0.05, 0.1, 0.2, 0.25, 0.4, 0.5, 0.6, 0.7, 0.8, 1, 1.1, 1.3, 1.4, pi/2]", 0.2},
     };
     static const char *const way[] = {
-        CORRECTED "loads=[{face: middle, pressure: 0.01, follower: normal}]",
-        CORRECTED "loads=[{face: middle, pressure: 0.01}]",
-        CORRECTED "kinematics=linear;loads=[{face: middle, pressure: 0.01}]",
-        SOURCE "kinematics=linear;loads=[{face: middle, pressure: 0.01}]",
+        IMPROVED "loads=[{face: middle, pressure: 0.01, follower: normal}]",
+        IMPROVED "loads=[{face: middle, pressure: 0.01}]",
+        IMPROVED "kinematics=linear;loads=[{face: middle, pressure: 0.01}]",
+        PUBLISHED "kinematics=linear;loads=[{face: middle, pressure: 0.01}]",
     };
     for (size_t i = 0; i < COUNT(mesh) * COUNT(way); i++) {
         const double side = mesh[i / COUNT(way)].side;
@@ -57,16 +57,16 @@ static void test_uneven_ring_inflates_evenly(void **state)
 
 /* ---- the way does not matter, and what one step may miss -------------- */
 
-/* Law: 1, 2, 5 and 10 load steps end in one state, stable, where the corrected element is used. */
+/* Law: 1, 2, 5 and 10 load steps end in one state, stable, where the improved element is used. */
 static void test_steps_agree(void **state)
 {
     (void)state;
     static const char *const steps[] = {"2", "5", "10"};
     scene_run one;
-    solve_run(&one, "annular-plate", CORRECTED MESH(4, 8) "equilibrium={change: 1e-8};");
+    solve_run(&one, "annular-plate", IMPROVED MESH(4, 8) "equilibrium={change: 1e-8};");
     for (size_t i = 0; i < COUNT(steps); i++) {
         char changes[256];
-        snprintf(changes, sizeof changes, CORRECTED MESH(4, 8) "equilibrium={change: 1e-8, steps: %s}", steps[i]);
+        snprintf(changes, sizeof changes, IMPROVED MESH(4, 8) "equilibrium={change: 1e-8, steps: %s}", steps[i]);
         scene_run r;
         solve_run(&r, "annular-plate", changes);
         assert_int_equal(path_of(&r)->negative, 0);
@@ -86,10 +86,10 @@ static void test_astray_meshes(void **state)
     static const char *const mesh[] = {MESH(4, 16), MESH(8, 16), MESH(32, 16)};
     for (size_t i = 0; i < COUNT(mesh); i++) {
         char changes[256];
-        snprintf(changes, sizeof changes, SOURCE "%sequilibrium={systems: 1000, change: 1e-7}", mesh[i]);
+        snprintf(changes, sizeof changes, PUBLISHED "%sequilibrium={systems: 1000, change: 1e-7}", mesh[i]);
         scene_run mixed;
         solve_run(&mixed, "annular-plate", changes);
-        snprintf(changes, sizeof changes, SOURCE "%sequilibrium={systems: 1000, change: 1e-7, mixed: 0}", mesh[i]);
+        snprintf(changes, sizeof changes, PUBLISHED "%sequilibrium={systems: 1000, change: 1e-7, mixed: 0}", mesh[i]);
         scene_run plain;
         solve_run(&plain, "annular-plate", changes);
         print_message("annular plate %s: mixed %u steps %u systems, plain %u steps %u systems\n", mesh[i], path_of(&mixed)->steps_taken,
@@ -107,9 +107,9 @@ static void test_mixed_beats_plain(void **state)
 {
     (void)state;
     scene_run mixed;
-    solve_run(&mixed, "hemisphere", SOURCE MESH(4, 4));
+    solve_run(&mixed, "hemisphere", PUBLISHED MESH(4, 4));
     scene_run plain;
-    solve_run(&plain, "hemisphere", SOURCE MESH(4, 4) "equilibrium={mixed: 0}");
+    solve_run(&plain, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={mixed: 0}");
     assert_int_equal(path_of(&mixed)->steps_taken, 1);
     assert_true(path_of(&plain)->steps_taken > 1);
     assert_true(path_of(&plain)->systems > path_of(&mixed)->systems);
@@ -141,11 +141,11 @@ static double energy(const scene_run *r, const double *u, int linear)
     return sum;
 }
 
-/* Law: a corrected shell follows a finite turn of one edge as a rigid body, without strain energy. */
+/* Law: an improved shell follows a finite turn of one edge as a rigid body, without strain energy. */
 static void test_rigid_motion(void **state)
 {
     (void)state;
-    static const char *const element[] = {CORRECTED, METRIC_OFF};
+    static const char *const element[] = {IMPROVED, METRIC_OFF};
     for (size_t k = 0; k < COUNT(element); k++) {
         scene_run r;
         solve_run(&r, "tests/scenes/rigid.yaml", element[k]);
@@ -169,7 +169,7 @@ static void test_rigid_motion_of_the_source(void **state)
     double cost[2];
     for (int k = 0; k < 2; k++) {
         char changes[128];
-        snprintf(changes, sizeof changes, SOURCE "mesh.theta1.elements=%d;mesh.theta2.elements=%d", 8 << k, 8 << k);
+        snprintf(changes, sizeof changes, PUBLISHED "mesh.theta1.elements=%d;mesh.theta2.elements=%d", 8 << k, 8 << k);
         scene_run r;
         solve_run(&r, "tests/scenes/rigid.yaml", changes);
         cost[k] = energy(&r, r.u, 0);
@@ -198,7 +198,7 @@ static void internal_force(const scene_run *r, const double *u, double *f)
 static void test_prescribed_and_reaction(void **state)
 {
     (void)state;
-    static const char *const element[] = {SOURCE, CORRECTED};
+    static const char *const element[] = {PUBLISHED, IMPROVED};
     for (size_t k = 0; k < COUNT(element); k++) {
         char changes[256];
         char mesh[128];
@@ -228,14 +228,14 @@ static void test_prescribed_and_reaction(void **state)
 
 /* ---- contact ---------------------------------------------------------- */
 
-/* Law: the corrected element passes the whole force on to the base (the half of a ring's, a quarter of a cylinder's). */
+/* Law: the improved element passes the whole force on to the base (the half of a ring's, a quarter of a cylinder's). */
 static void test_contact_resultant(void **state)
 {
     (void)state;
     static const struct { const char *scene, *changes; int output; double force; } cases[] = {
-        {"ring-contact", CORRECTED MESH(30, 1), 1, -88.5 * 2.1e7 / (120 * 1e4) / 2},
+        {"ring-contact", IMPROVED MESH(30, 1), 1, -88.5 * 2.1e7 / (120 * 1e4) / 2},
         {"ring-contact", METRIC_OFF MESH(30, 1) BASE_100, 1, -88.5 * 2.1e7 / (120 * 1e4) / 2},
-        {"cylinder-contact", CORRECTED "equilibrium={change: 1e-6};", 2, -87.5 * 2.1e7 * 200 / (120 * .91 * 1e4) / 4},
+        {"cylinder-contact", IMPROVED "equilibrium={change: 1e-6};", 2, -87.5 * 2.1e7 * 200 / (120 * .91 * 1e4) / 4},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         scene_run r;
@@ -251,7 +251,7 @@ static void test_contact_resultant(void **state)
 static void test_contact_stiffness(void **state)
 {
     (void)state;
-    static const char *const element[] = {SOURCE, CORRECTED};
+    static const char *const element[] = {PUBLISHED, IMPROVED};
     static const char *const stiffness[] = {"1e-3", "1e-2", "0.1", "1", "100", "1e3", "1e4"};
     for (size_t e = 0; e < COUNT(element); e++) {
         char changes[256];
@@ -276,11 +276,11 @@ static void test_contact_stiffness_of_rubber(void **state)
     (void)state;
     static const char *const stiffness[] = {"1e-3", "0.1", "1", "10", "1e3"};
     scene_run hundred;
-    solve_run(&hundred, "torus-contact", SOURCE MESH(24, 18) "equilibrium={change: 1e-8};");
+    solve_run(&hundred, "torus-contact", PUBLISHED MESH(24, 18) "equilibrium={change: 1e-8};");
     for (size_t k = 0; k < COUNT(stiffness); k++) {
         char changes[256];
         scene_run r;
-        snprintf(changes, sizeof changes, SOURCE MESH(24, 18) "equilibrium={change: 1e-8};contact.stiffness=%s", stiffness[k]);
+        snprintf(changes, sizeof changes, PUBLISHED MESH(24, 18) "equilibrium={change: 1e-8};contact.stiffness=%s", stiffness[k]);
         solve_run(&r, "torus-contact", changes);
         assert_int_equal(path_of(&r)->steps_taken, 1);
         assert_true(apart(r.u, hundred.u, dof_of(&r)) < 1e-6);
@@ -295,11 +295,11 @@ static void test_body_by_formula(void **state)
     (void)state;
     static const char *const formula[] = {"sqrt((x-200.5)^2+y^2)-100", "(x-200.5)^2+y^2-1e4", "1e-6*((x-200.5)^2+y^2)^2-1e2"};
     scene_run body;
-    solve_run(&body, "ring-contact", CORRECTED "equilibrium.change=1e-8;" BASE_100);
+    solve_run(&body, "ring-contact", IMPROVED "equilibrium.change=1e-8;" BASE_100);
     for (size_t i = 0; i < COUNT(formula); i++) {
         char changes[256];
         scene_run r;
-        snprintf(changes, sizeof changes, CORRECTED "equilibrium.change=1e-8;contact.body={type: psi, value: %s}", formula[i]);
+        snprintf(changes, sizeof changes, IMPROVED "equilibrium.change=1e-8;contact.body={type: psi, value: %s}", formula[i]);
         solve_run(&r, "ring-contact", changes);
         assert_true(apart(r.u, body.u, dof_of(&r)) < 1e-6);
         scene_run_close(&r);
@@ -349,7 +349,7 @@ static double tip_of_strip(const char *element, int half_turns, const char *nu)
 }
 
 /*
- * Law: the corrected strip rolls up to half and full circles alike for every nu, in one load step; the source's element is
+ * Law: the improved strip rolls up to half and full circles alike for every nu, in one load step; the published element is
  * stiff in thickness where its normal has turned.
  */
 static void test_thickness_locking(void **state)
@@ -357,20 +357,20 @@ static void test_thickness_locking(void **state)
     (void)state;
     static const char *const nu[] = {"0.3", "0.45", "0.499"};
     for (int half_turns = 1; half_turns <= 2; half_turns++) {
-        const double want = tip_of_strip(CORRECTED, half_turns, "0");
-        assert_true(fabs(tip_of_strip(SOURCE, half_turns, "0") / want - 1) < 1e-4);
+        const double want = tip_of_strip(IMPROVED, half_turns, "0");
+        assert_true(fabs(tip_of_strip(PUBLISHED, half_turns, "0") / want - 1) < 1e-4);
         for (size_t i = 0; i < COUNT(nu); i++)
-            assert_true(fabs(tip_of_strip(CORRECTED, half_turns, nu[i]) / want - 1) < 1e-4);
-        assert_true(fabs(tip_of_strip(SOURCE, half_turns, "0.3") / want - 1) > 3e-3);
+            assert_true(fabs(tip_of_strip(IMPROVED, half_turns, nu[i]) / want - 1) < 1e-4);
+        assert_true(fabs(tip_of_strip(PUBLISHED, half_turns, "0.3") / want - 1) > 3e-3);
     }
-    assert_true(fabs(tip_of_strip(SOURCE, 2, "0.45") / tip_of_strip(CORRECTED, 2, "0") - 1) > 0.05);
+    assert_true(fabs(tip_of_strip(PUBLISHED, 2, "0.45") / tip_of_strip(IMPROVED, 2, "0") - 1) > 0.05);
 }
 
 /* Law: at rest the force of an input's given resultants is its column of the linear structure. */
 static void test_given_force_at_rest(void **state)
 {
     (void)state;
-    static const char *const element[] = {SOURCE, CORRECTED, CORRECTED "unknowns=6;"};
+    static const char *const element[] = {PUBLISHED, IMPROVED, IMPROVED "unknowns=6;"};
     for (size_t k = 0; k < COUNT(element); k++) {
         char changes[128];
         scene_run r;
@@ -435,13 +435,13 @@ typedef struct influence_case {
 #define TIGHT "equilibrium={change: 1e-12};"
 
 static const influence_case influences[] = {
-    {"roll-up", SOURCE PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {temperature: 100}];"
+    {"roll-up", PUBLISHED PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {temperature: 100}];"
      "materials.piezo={E: 1e6, nu: 0.3, d31: 1e-6, d32: 1e-6, alpha: 1e-5}", 2e-3},
-    {"roll-up", CORRECTED PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {temperature: 100}];"
+    {"roll-up", IMPROVED PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {temperature: 100}];"
      "materials.piezo={E: 1e6, nu: 0.3, d31: 1e-6, d32: 1e-6, alpha: 1e-5}", 2e-3},
-    {"tests/scenes/strip.yaml", CORRECTED PLACES TIGHT "loads.0.u3=0.5;supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 mean, value: 5}]",
+    {"tests/scenes/strip.yaml", IMPROVED PLACES TIGHT "loads.0.u3=0.5;supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 mean, value: 5}]",
      2e-3},
-    {"ring-contact", CORRECTED PLACES "equilibrium.change=1e-12;" BASE_100 "contact.move=[-1, 0, 0]", 1e-3},
+    {"ring-contact", IMPROVED PLACES "equilibrium.change=1e-12;" BASE_100 "contact.move=[-1, 0, 0]", 1e-3},
 };
 
 /*
@@ -493,14 +493,14 @@ static void test_influence_of_prescribed(void **state)
  * both kinds of pressure, open electrodes; an arc that the pressure opens.
  */
 static const influence_case followers[] = {
-    {"roll-up", SOURCE PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {face: inner, pressure: 0.2, follower: normal}]", 5e-4},
-    {"roll-up", CORRECTED PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {face: inner, pressure: 0.2, follower: normal}]", 5e-4},
-    {"roll-up", CORRECTED PLACES TIGHT HALF_TURN "loads=[{face: outer, pressure: -0.2, follower: pressure}]", 5e-4},
-    {"tests/scenes/strip.yaml", CORRECTED PLACES TIGHT "loads=[{face: inner, pressure: 0.5, follower: normal}];"
+    {"roll-up", PUBLISHED PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {face: inner, pressure: 0.2, follower: normal}]", 5e-4},
+    {"roll-up", IMPROVED PLACES TIGHT HALF_TURN "loads=[{line: theta1+, u3: 0.02}, {face: inner, pressure: 0.2, follower: normal}]", 5e-4},
+    {"roll-up", IMPROVED PLACES TIGHT HALF_TURN "loads=[{face: outer, pressure: -0.2, follower: pressure}]", 5e-4},
+    {"tests/scenes/strip.yaml", IMPROVED PLACES TIGHT "loads=[{face: inner, pressure: 0.5, follower: normal}];"
      "supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 mean, value: 2}]", 2e-3},
-    {"ring-follower", CORRECTED PLACES TIGHT "supports=[{edge: theta1-, fix: clamped}, {at: nodes, fix: u2}];"
+    {"ring-follower", IMPROVED PLACES TIGHT "supports=[{edge: theta1-, fix: clamped}, {at: nodes, fix: u2}];"
      "loads=[{line: theta1+, u3: 1}, {face: inner, pressure: 2, follower: normal}]", 2e-3},
-    {"bimorph-sensor", CORRECTED PLACES TIGHT "kinematics=nonlinear;supports=[{edge: theta1-, fix: clamped}];"
+    {"bimorph-sensor", IMPROVED PLACES TIGHT "kinematics=nonlinear;supports=[{edge: theta1-, fix: clamped}];"
      "loads=[{line: theta1+, u3: 1}, {face: inner, pressure: 200, follower: normal}]", 2e-3},
 };
 
@@ -522,7 +522,7 @@ static void test_influence_at_rest(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(&r, "plate-50-patches", CORRECTED "kinematics=nonlinear");
+    open_run(&r, "plate-50-patches", IMPROVED "kinematics=nonlinear");
     const pzs_structure *s = &r.analysis.design.structure;
     const size_t size = (size_t)s->output.count * s->input.count;
     double *linear = calloc(size, sizeof *linear), *here = calloc(size, sizeof *here), *none = calloc(s->input.count, sizeof *none);

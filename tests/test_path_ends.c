@@ -15,20 +15,20 @@ static void test_budget(void **state)
 {
     (void)state;
     scene_run short_run, whole;
-    open_run(&short_run, "hemisphere", SOURCE MESH(4, 4) "equilibrium={systems: 5}");
+    open_run(&short_run, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={systems: 5}");
     assert_int_equal(scene_run_solve(&short_run), -1);
     assert_int_equal(short_run.analysis.status, PZS_E_SYSTEMS);
     assert_int_equal(path_of(&short_run)->systems, 5);
     assert_true(path_of(&short_run)->factor == 0 && largest(short_run.u, dof_of(&short_run)) == 0);
     scene_run_close(&short_run);
 
-    open_run(&short_run, "hemisphere", SOURCE MESH(4, 4) "equilibrium={systems: 20, steps: 5, change: 1e-8}");
+    open_run(&short_run, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={systems: 20, steps: 5, change: 1e-8}");
     assert_int_equal(scene_run_solve(&short_run), -1);
     assert_int_equal(short_run.analysis.status, PZS_E_SYSTEMS);
     assert_int_equal(path_of(&short_run)->systems, 20);
     const double factor = path_of(&short_run)->factor;
     assert_true(factor > 0 && factor < 1);
-    open_run(&whole, "hemisphere", SOURCE MESH(4, 4) "equilibrium={change: 1e-8}");
+    open_run(&whole, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={change: 1e-8}");
     for (uint32_t j = 0; j < whole.analysis.design.structure.input.count; j++)
         whole.analysis.path.full[j] *= factor;
     assert_int_equal(scene_run_solve(&whole), 0);
@@ -77,7 +77,7 @@ static const double euler = 2.0561675835602830;
 static void open_column(scene_run *r, int n, double times)
 {
     char changes[256];
-    snprintf(changes, sizeof changes, CORRECTED "mesh.theta1.elements=%d;materials.m={E: 1e6, nu: 0};"
+    snprintf(changes, sizeof changes, IMPROVED "mesh.theta1.elements=%d;materials.m={E: 1e6, nu: 0};"
              "loads=[{line: theta1+, u1: %.17g}, {line: theta1+, u3: 1}]", n, -times * euler);
     open_run(r, "tests/scenes/strip.yaml", changes);
 }
@@ -132,7 +132,7 @@ static void test_snap_through(void **state)
         for (int steps = 1; steps <= 10; steps += 9) {
             char changes[128];
             scene_run r;
-            snprintf(changes, sizeof changes, SOURCE "loads.0.u3=%s;equilibrium={steps: %d}", load[i], steps);
+            snprintf(changes, sizeof changes, PUBLISHED "loads.0.u3=%s;equilibrium={steps: %d}", load[i], steps);
             open_run(&r, "tests/scenes/cap.yaml", changes);
             scene_run_solve(&r);
             check_end(&r, changes);
@@ -145,7 +145,7 @@ static void test_limit_point(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(&r, "ring-contact", SOURCE "equilibrium={change: 1e-6, systems: 800}");
+    open_run(&r, "ring-contact", PUBLISHED "equilibrium={change: 1e-6, systems: 800}");
     r.analysis.path.full[0] = r.analysis.path.full[1] = 2;
     assert_int_equal(scene_run_solve(&r), -1);
     assert_int_equal(r.analysis.status, PZS_E_LIMIT);
@@ -159,7 +159,7 @@ static void test_no_load(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(&r, "hemisphere", SOURCE MESH(4, 4));
+    open_run(&r, "hemisphere", PUBLISHED MESH(4, 4));
     memset(r.analysis.path.full, 0, r.analysis.design.structure.input.count * sizeof(double));
     assert_int_equal(scene_run_solve(&r), 0);
     assert_int_equal(r.analysis.status, PZS_OK);
@@ -194,7 +194,7 @@ static void test_nan_amounts(void **state)
     (void)state;
     static const double bad[] = {(double)NAN, HUGE_VAL, -HUGE_VAL};
     scene_run r;
-    solve_run(&r, "hemisphere", SOURCE MESH(4, 4));
+    solve_run(&r, "hemisphere", PUBLISHED MESH(4, 4));
     for (size_t k = 0; k < COUNT(bad); k++) {
         double amount[2] = {1, bad[k]};
         assert_int_equal(pzs_equilibrium(path_of(&r), amount), PZS_E_NONFINITE);
@@ -252,7 +252,7 @@ static void test_small_increments(void **state)
     for (size_t i = 0; i < COUNT(points); i++) {
         char changes[256];
         scene_run r;
-        snprintf(changes, sizeof changes, SOURCE "mesh.theta1.elements=6;mesh.theta2={points: %s};", points[i]);
+        snprintf(changes, sizeof changes, PUBLISHED "mesh.theta1.elements=6;mesh.theta2={points: %s};", points[i]);
         solve_run(&r, "hemisphere", changes);
         assert_true(path_of(&r)->residual <= 1);
         scene_run_close(&r);

@@ -123,16 +123,18 @@ typedef struct shell_case {
     "loads=[{point: {theta1: pi/2, theta2: 0}, u3: -" #force "}, {point: {theta1: pi/2, theta2: pi/2}, u3: " #force "}]"}}
 #define ROLL_UP(element, n) {"roll-up", {"element=" element, "mesh.theta1.elements=" #n}}
 #define ANNULAR(element, n1, n2) {"annular-plate", {"element=" element, "mesh.theta1.elements=" #n1, "mesh.theta2.elements=" #n2}}
+/* At its 2.2, near the limit load, a change of load moves the cap 5.5 times as much: roundings too. */
+#define CAP(element) {"tests/scenes/cap.yaml", {"element=" element, "loads.0.u3=-2.0/4"}}
 #define STRIP "tests/scenes/strip.yaml"
 
 /* ---- what float does -------------------------------------------------- */
 
 static const shell_case good[] = {
-    HEMISPHERE("source", 4), HEMISPHERE("source", 8), HEMISPHERE("corrected", 4), ROLL_UP("source", 10), ROLL_UP("corrected", 10),
-    {"hyperboloid", {"element=source", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
-    {"hyperboloid", {"element=corrected", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
-    {STRIP, {"element=source"}}, {STRIP, {"element=corrected"}},
-    {"tests/scenes/cap.yaml", {"element=source"}}, {"tests/scenes/cap.yaml", {"element=corrected"}},
+    HEMISPHERE("published", 4), HEMISPHERE("published", 8), HEMISPHERE("improved", 4), ROLL_UP("published", 10), ROLL_UP("improved", 10),
+    {"hyperboloid", {"element=published", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
+    {"hyperboloid", {"element=improved", "mesh.theta1.elements=8", "mesh.theta2.elements=8"}},
+    {STRIP, {"element=published"}}, {STRIP, {"element=improved"}},
+    CAP("published"), CAP("improved"),
 };
 
 /*
@@ -151,12 +153,12 @@ static void test_well_conditioned(void **state)
 }
 
 static const shell_case hard[] = {
-    HEMISPHERE("corrected", 8), HEMISPHERE("source", 16), HEMISPHERE("corrected", 16), ROLL_UP("source", 40), ROLL_UP("corrected", 40),
-    ANNULAR("source", 2, 4), ANNULAR("source", 6, 12), ANNULAR("corrected", 2, 4), ANNULAR("corrected", 6, 12),
-    {STRIP, {"element=source", "layers.0.thickness=0.01", "loads.0.u3=0.0025"}},
-    {STRIP, {"element=corrected", "layers.0.thickness=0.01", "loads.0.u3=0.0025"}},
-    THIN_HEMISPHERE("source", 0.02, 25), THIN_HEMISPHERE("source", 0.01, 3.125), THIN_HEMISPHERE("source", 0.005, 0.390625),
-    THIN_HEMISPHERE("corrected", 0.02, 25), THIN_HEMISPHERE("corrected", 0.01, 3.125), THIN_HEMISPHERE("corrected", 0.005, 0.390625),
+    HEMISPHERE("improved", 8), HEMISPHERE("published", 16), HEMISPHERE("improved", 16), ROLL_UP("published", 40), ROLL_UP("improved", 40),
+    ANNULAR("published", 2, 4), ANNULAR("published", 6, 12), ANNULAR("improved", 2, 4), ANNULAR("improved", 6, 12),
+    {STRIP, {"element=published", "layers.0.thickness=0.01", "loads.0.u3=0.0025"}},
+    {STRIP, {"element=improved", "layers.0.thickness=0.01", "loads.0.u3=0.0025"}},
+    THIN_HEMISPHERE("published", 0.02, 25), THIN_HEMISPHERE("published", 0.01, 3.125), THIN_HEMISPHERE("published", 0.005, 0.390625),
+    THIN_HEMISPHERE("improved", 0.02, 25), THIN_HEMISPHERE("improved", 0.01, 3.125), THIN_HEMISPHERE("improved", 0.005, 0.390625),
 };
 
 /* Law: beyond, a shape that is called an equilibrium is one, to ten times the change that the step was to settle to; others are named. */

@@ -136,9 +136,9 @@ static const bad_line bad_lines[] = {
     {1, "name: t\nequilibrium: {systems: 0}", ":2:24: 'systems: 0' must be from 1 to 1000000"},
     {1, "name: t\nequilibrium: {systems: 1000001}", ":2:24: 'systems: 1000001' must be from 1 to 1000000"},
     {1, "name: t\nequilibrium: {systems: x}", ":2:24: 'systems: x' varies over the surface"},
-    {1, "name: t\nelement: sauce", ":2:10: 'element: sauce' is not known; did you mean 'source'?"},
+    {1, "name: t\nelement: publish", ":2:10: 'element: publish' is not known; did you mean 'published'?"},
     {1, "name: t\nelement: {rho: -1}", ":2:16: 'rho: -1' must not be below 0"},
-    {1, "name: t\nelement: source\nunknowns: 6", ":3:11: 'unknowns: 6' needs lin33"},
+    {1, "name: t\nelement: published\nunknowns: 6", ":3:11: 'unknowns: 6' needs lin33"},
     {1, "name: t\nunknowns: 5", ":2:11: 'unknowns: 5' is not known; known: 7, 6"},
     {1, "name: t\nreference: 1", "'reference: 1' lies above the outer face at 0.002"},
     /* YAML */
@@ -228,7 +228,9 @@ static const bad_line bad_lines[] = {
     /* materials and layers */
     {4, "materials: {steel: {E: 2, nu: 0}, pzt: {E: 1, nu: 0, d31: 1, permittivity: -1}}", "'permittivity: -1' must not be below 0"},
     {4, "materials: {steel: {E: 2, nu: 0}, pzt: {E: 1, nu: 0, d31: 1, pyroelectric: [1]}}", "'pyroelectric' must be a single value"},
-    {2, "surface: {type: plate}\nelement: {preset: best}", ":3:19: 'preset: best' is not known; known: corrected, source"},
+    {1, "name: t\nelement: corrected", ":2:10: 'element: corrected' is now called 'improved'"},
+    {2, "surface: {type: plate}\nelement: {preset: source}", ":3:19: 'preset: source' is now called 'published'"},
+    {2, "surface: {type: plate}\nelement: {preset: best}", ":3:19: 'preset: best' is not known; known: improved, published"},
     {4, "materials: {steel: {E: 200e9, nu: 0.5}, pzt: {E: 60e9, nu: 0.3}}", ":4:35: 'nu: 0.5' of steel leaves no positive definite stiffness"},
     {4, "materials: {steel: {E: 200e9}, pzt: {E: 60e9, nu: 0.3}}", ":4:20: 'nu' is missing in steel"},
     {4, "materials: {steel: {E: 0, nu: 0}, pzt: {E: 60e9, nu: 0.3}}", ":4:24: 'E: 0' must be above 0"},
@@ -506,7 +508,7 @@ static void test_changes(void **state)
     static const char *const set[] = {
         "mesh.theta2={from: 0, to: 2, elements: 8, grading: 4}", "layers.top.thickness=2e-3", "layers.0.angle=45", "materials.pzt.nu=1/4",
         "limits.effort={relative: 0.5}", "limits.each=[{actuator: v_2_1, hold: 5}, {actuator: v, voltage: [-1, 1]}]",
-        "supports.1={at: nodes, fix: [u2]}", "element=source", "actuators.v.applied=3", "loads=[{weight: {axis: z, gravity: -9.81}}]"};
+        "supports.1={at: nodes, fix: [u2]}", "element=published", "actuators.v.applied=3", "loads=[{weight: {axis: z, gravity: -9.81}}]"};
     scene plain, s;
     (void)state;
     write_base(0, "");
@@ -520,7 +522,7 @@ static void test_changes(void **state)
     assert_true(s.limits.each_count == 2 && s.limits.each[0].first == 1 && s.limits.each[0].lower == 5 && s.limits.each[1].count == 2);
     assert_true(s.supports == 2 && s.element.exact_area == 0 && s.actuator[0].applied == 3);
     assert_true(s.load[0].type == LOAD_WEIGHT && s.load[0].component == COMPONENT_Z);
-    assert_true(plain.element.exact_area == 1 && plain.element.rho == 0.1 && isinf(plain.limits.slew) && plain.reference_is_middle);
+    assert_true(plain.element.exact_area == 1 && plain.element.rho == 0.09 && isinf(plain.limits.slew) && plain.reference_is_middle);
     scene_free(&plain);
     scene_free(&s);
 }

@@ -38,7 +38,7 @@ static const ladder ladders[2] = {
      {{{3, 15}, 0}, {{5, 20}, 0}, {{8, 16}, 0}},
      {{{4, 30}, 0}, {{5, 20}, 1}}}};
 
-static const char *const elements[2] = {"source", "corrected"};
+static const char *const elements[2] = {"published", "improved"};
 
 /* Times in milliseconds; end: displacements of A and B. */
 typedef struct run {

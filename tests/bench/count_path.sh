@@ -55,12 +55,12 @@ row() {
     count system '--collect-atstart=no --toggle-collect=pzs_equilibrium'
 }
 
-row hemisphere source 16 16
+row hemisphere published 16 16
 echo 'The meshes that reach 2 % and .5 % of the converged answer first'
-row hemisphere corrected 12 8
-row annular-plate corrected 2 16
-row hemisphere corrected 16 10
+row hemisphere improved 12 8
+row annular-plate improved 2 16
+row hemisphere improved 16 10
 count process ''
-row annular-plate corrected 5 18 mesh.theta1.centre=1.4 mesh.theta2.grading=4
+row annular-plate improved 5 18 mesh.theta1.centre=1.4 mesh.theta2.grading=4
 count process ''
 [ $# -lt 2 ] || sed -n 's/^cost equilibrium loads.* system=\([0-9]*\).*/hemisphere 4x4 on a Cortex-M7 under QEMU, double: one Newton system \1 instructions/p' "$2"

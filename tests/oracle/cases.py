@@ -2,15 +2,16 @@
 
 Common to all: point loads are split half on each face (a force on the mean unknown),
 distributed loads are consistent and split half on each face unless said otherwise,
-`preset` is shellref.SOURCE or CORRECTED or a variation, displacements are of the
+`preset` is shellref.PUBLISHED or IMPROVED or a variation, displacements are of the
 middle surface (u3M = mean u3 + h * seventh unknown).
 """
 
 import numpy as np
 from scipy.linalg import expm
 
+import revolution
 from model import Model
-from shellref import Plate, Section, cylinder, isotropic, ply, ply_stiffness, ply_turn, sphere
+from shellref import PUBLISHED, SURFACES, Plate, Section, cylinder, isotropic, ply, ply_stiffness, ply_turn, sphere
 
 GRAPHITE = ply([25, 1, 1, 0.5, 0.5, 0.2, 0.25, 0.25, 0.25])     # E_T = 1
 
@@ -406,3 +407,75 @@ def film_strip_ratios(n, preset, unknowns, span, film):
     load = m.distributed(lambda t1, t2, triad: np.array([0, 0, np.sin(np.pi * t1 / length)]), 0.5)
     u = m.solve(np.column_stack([volts, load]))
     return m.middle(u, m.node(-1, 0)) / film_strip_3d(span, film)
+
+
+# ---------------------------------------------------------------- thin shells of revolution
+
+def quarter_of_revolution(surface, t1, harmonic, angles, supports, h, preset):
+    """Model over t1 x angles, E = 1, nu = .3, for a load cos(harmonic t2).
+
+    supports: words of the theta1 ends.  theta2-: symmetric; theta2+: symmetric, or simple where
+    cos is 0 there.
+    """
+    m = Model(surface, t1, angles, Section([(h, 0, isotropic(1.0, 0.3))]), preset, 7, ring)
+    support = dict(symmetric=m.symmetric, simple=m.simple, clamped=m.clamped, free=lambda edge: None)
+    for edge, word in zip(("theta1-", "theta1+"), supports):
+        support[word](edge)
+    m.symmetric("theta2-")
+    odd = abs(np.cos(harmonic * angles[-1])) < 0.5
+    support["simple" if odd else "symmetric"]("theta2+")
+    return m
+
+
+def thin_shell(n, preset, name, h):
+    """Compliance of a case of revolution.py, a quarter of the circle, n x n.
+
+    Pressure cos(harmonic t2) along e3 on the middle surface, bilinear between its values at the
+    nodes as vectors, weights area/36 [4 2 1 2]; displacements refined by Model.solve_thin.
+    """
+    surface, numbers, span, harmonic, supports = revolution.CASES[name]
+    m = quarter_of_revolution(SURFACES[surface](*numbers), np.linspace(*span, n + 1), harmonic,
+                              np.linspace(0, np.pi / 2, n + 1), supports, h, preset)
+    load = m.distributed(lambda t1, t2, triad: np.array([0, 0, np.cos(harmonic * t2)]))
+    return load @ m.solve_thin(load, 4)[0]
+
+
+def axial_wave(length):
+    """Function t -> amplitudes [3] along e1 e2 e3 of a radial pressure cos(pi t/(2 length))."""
+    return lambda t: np.array([0, 0, np.cos(np.pi * t / 2 / length)])
+
+
+def smooth_pressure(meshes, preset, h):
+    """Cylinder R = 1 of length 2 between diaphragms, pressure cos(pi x/2) cos 2 t2; w / exact.
+
+    Eighth, n x n for n of `meshes`, theta1 axial from midspan; w at midspan and t2 = 0.  The
+    pressure acts by components, as on the published element: radial nodal values are
+    interpolated, not vectors.
+    """
+    surface, supports, pressure = cylinder(1.0), ("symmetric", "simple"), axial_wave(1.0)
+    exact = revolution.Harmonic(surface, (0.0, 1.0), h, 2, supports, pressure).q[2]
+    ratios = []
+    for n in meshes:
+        args = (surface, np.linspace(0, 1, n + 1), 2, np.linspace(0, np.pi / 2, n + 1), supports, h)
+        load = quarter_of_revolution(*args, PUBLISHED).distributed(
+            lambda t1, t2, triad: pressure(t1) * np.cos(2 * t2))
+        m = quarter_of_revolution(*args, preset)
+        ratios.append(m.middle(m.solve_thin(load, 4)[0], m.node(0, 0)) / exact)
+    return ratios
+
+
+def inextensional_wave(elements, half_waves, preset, harmonic=20, h=1e-7):
+    """Compliance / exact of a wave cos(harmonic t2) on a cylinder with diaphragms, R = 1.
+
+    `half_waves` of it over `elements` elements around, so the phase of an element is
+    pi half_waves/elements; 32 elements over a half length pi/2.  The circumferential strain and
+    the shear are small: the membrane energy is that of e11.
+    """
+    length = np.pi / 2
+    pressure, supports = axial_wave(length), ("symmetric", "simple")
+    angles = np.linspace(0, half_waves * np.pi / harmonic, elements + 1)
+    m = quarter_of_revolution(cylinder(1.0), np.linspace(0, length, 33), harmonic, angles, supports,
+                              h, preset)
+    load = m.distributed(lambda t1, t2, triad: pressure(t1) * np.cos(harmonic * t2))
+    exact = revolution.Harmonic(cylinder(1.0), (0.0, length), h, harmonic, supports, pressure)
+    return load @ m.solve_thin(load, 4)[0] / (exact.compliance * angles[-1] / 2)
