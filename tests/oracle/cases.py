@@ -2,7 +2,7 @@
 
 Common to all: point loads are split half on each face (a force on the mean unknown),
 distributed loads are consistent and split half on each face unless said otherwise,
-`preset` is shellref.SOURCE or CORRECTED or a variation, displacements are of the
+`preset` is shellref.PUBLISHED or IMPROVED or a variation, displacements are of the
 middle surface (u3M = mean u3 + h * seventh unknown).
 """
 

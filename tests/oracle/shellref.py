@@ -1,8 +1,11 @@
 """Reference four-node shell element in numpy, written from the theory alone.
 
-The source is S. V. Plotnikova's 2013 dissertation on geometrically exact shell
-elements.  Nothing here shares code with the library: every array is formed
-densely, straight from its formula.
+Two elements.  PUBLISHED is GEX7P4 of S. V. Plotnikova's 2013 dissertation on geometrically
+exact shell elements.  IMPROVED keeps its strains, modes and unknowns and changes the tables:
+Cartesian differences, the warp of the middle surface in the membrane shear, bending bubbles in
+the transverse shear compliance, modes by stresses.  Elements lie on lines of curvature.
+Nothing here shares code with the library: every array is formed densely, straight from its
+formula.
 
 Unknowns of a node (7), in this order, h = z+ - z- the package thickness:
     u1, u2, u3 means of the two faces; (u+ - u-)/h of 1, 2, 3; (u3M - mean u3)/h.
@@ -14,16 +17,23 @@ Voigt order of plies: 11, 22, 33, 23, 13, 12.
 
 import numpy as np
 
-SOURCE = dict(kinematics="local", tau=0.0, rho=0.0, hr=False, lin33=False,
-              metric=False, area="centre", free33=False)
-CORRECTED = dict(kinematics="cartesian", tau=1.0, rho=0.1, hr=True, lin33=True,
-                 metric=True, area="exact", free33=True)
+# tau: share of the warp of the middle surface in the mean of 12 of mode 00.
+# rho: share of the bending bubble in the transverse shear compliance.
+# torsion: twist of the antisymmetric bubble of modes 01 and 10 (the constant c of its law).
+# hr: modes 01, 10, 11 by stresses.   lin33: linear part of e33 eliminated.
+# metric: lengths and areas at depth z.   free33: given stresses condensed on s33 = 0 in a ply.
+PUBLISHED = dict(kinematics="local", tau=0.0, rho=0.0, torsion=0.0, hr=False, lin33=False,
+                 metric=False, area="centre", free33=False)
+IMPROVED = dict(kinematics="cartesian", tau=1.0, rho=0.09, torsion=0.6, hr=True, lin33=True,
+                metric=True, area="exact", free33=True)
 
 XI = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 NEIGHBOUR = np.array([[1, 0, 3, 2], [3, 2, 1, 0]])      # [direction][corner]
 MODAL = np.array([np.ones(4), XI[:, 1], XI[:, 0], XI[:, 0] * XI[:, 1]]) / 4
 WEIGHT = np.array([1, 1 / 3, 1 / 3, 1 / 9])
 KEPT = [list(range(10)), [0, 1, 4, 5, 8], [2, 3, 4, 5, 9], [4, 5]]
+# Rows (mode, strain) of the warp after 12d^00: 13^01 23^10 13^00 23^00 11d^00 11d^01 22d^00 22d^10.
+WARP_ROWS = [(1, 8), (2, 9), (0, 8), (0, 9), (0, 1), (1, 1), (0, 3), (2, 3)]
 LOAD = np.array([[4, 2, 1, 2], [2, 4, 2, 1], [1, 2, 4, 2], [2, 1, 2, 4]]) / 36
 
 
@@ -179,6 +189,22 @@ def ply_turn(angle):
     return turn
 
 
+def covariant_map(base):
+    """T [6][6]: covariant strains (Voigt) in the base vectors, columns of base [3][3], of a
+    Cartesian strain e: base^T e base, shears doubled.
+    """
+    pairs = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+    out = np.zeros((6, 6))
+    for j, (a, b) in enumerate(pairs):
+        strain = np.zeros((3, 3))
+        strain[a, b] += 0.5
+        strain[b, a] += 0.5
+        covariant = base.T @ strain @ base
+        for i, (p, q) in enumerate(pairs):
+            out[i, j] = covariant[p, q] * (1 if p == q else 2)
+    return out
+
+
 class Section:
     """Stiffness and given resultants through the thickness.
 
@@ -192,19 +218,28 @@ class Section:
         self.zlow = -self.h / 2 if zlow is None else zlow
         self.zhigh = self.zlow + self.h
 
+    def base(self, k, options):
+        """J(0) and dJ/dz [3][3], columns = base vectors at depth z in the material frame.
+
+        Lines of curvature k [2]: J(z) = diag(1 + k1 z, 1 + k2 z, 1); without metric J = I.
+        """
+        k1, k2 = k if options["metric"] else (0.0, 0.0)
+        return np.eye(3), np.diag([k1, k2, 0.0])
+
     def integrate(self, k, options):
         """D [10][10], given resultants per volt of each layer [n][10], per kelvin [10].
 
-        D = integral N^T (C_ab c1 c2/(s_a s_b)) N dz and H0 = integral N^T s0 c1 c2/s_a dz
-        with s = (c1^2, c2^2, 1, c2, c1, c1 c2), c_a = 1 + k_a z; all 1 without metric.
-        Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n, with the metric times
-        field_share; kelvin -C alpha; with free33 condensed on s33 = 0 in each ply, whose mean free
-        strain along the normal, -s0_33/C_33, the mean of e33 then holds.
+        With M(z) = T(J(z))^-1 N(z) the Cartesian strains at depth z and w = det J(z)/det J(0):
+        D = integral M^T C M w dz,  H0 = integral M^T s0 w dz.
+        Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n, with the metric
+        times field_share; kelvin -C alpha; with free33 condensed on s33 = 0 in each ply, whose
+        mean free strain along the normal, -s0_33/C_33, the mean of e33 then holds.
         """
         dmat = np.zeros((10, 10))
         volt = np.zeros((len(self.layers), 10))
         kelvin = np.zeros(10)
         thick_volt, thick_kelvin = np.zeros(len(self.layers)), 0.0
+        start, slope_of_base = self.base(k, options)
         gauss, weights = np.polynomial.legendre.leggauss(10)
         low = self.zlow
         for n, (thick, angle, material) in enumerate(self.layers):
@@ -222,14 +257,13 @@ class Section:
                     given_kelvin = given_kelvin - slope * given_kelvin[2]
                 for x, w in zip(gauss, weights):
                     z = low + thick * (1 + x) / 2
-                    c1, c2 = (1 + k * z) if options["metric"] else (1.0, 1.0)
-                    scale = np.array([c1 * c1, c2 * c2, 1, c2, c1, c1 * c2])
-                    dz = w * thick / 2 * c1 * c2
-                    shape = self.shape(z)
-                    dmat += shape.T @ (stiff / np.outer(scale, scale)) @ shape * dz
-                    volt[n] += shape.T @ (given_volt / scale) * dz * (
+                    base = start + z * slope_of_base
+                    shape = np.linalg.inv(covariant_map(base)) @ self.shape(z)
+                    dz = w * thick / 2 * np.linalg.det(base) / np.linalg.det(start)
+                    dmat += shape.T @ stiff @ shape * dz
+                    volt[n] += shape.T @ given_volt * dz * (
                         field_share(k, low, thick, z) if options["metric"] else 1)
-                    kelvin += shape.T @ (given_kelvin / scale) * dz
+                    kelvin += shape.T @ given_kelvin * dz
             low += thick
         return dmat, volt + np.outer(thick_volt, dmat[:, 4]), kelvin + thick_kelvin * dmat[:, 4]
 
@@ -268,7 +302,7 @@ class GivenSection:
         return self.dmat, np.zeros((0, 10)), np.zeros(10)
 
 
-# ---------------------------------------------------------------- options of the corrected element
+# ---------------------------------------------------------------- options of the improved element
 
 def uncouple33(dmat, givens):
     """lin33: statically eliminate the linear part l of e33 from the other nine.
@@ -284,35 +318,67 @@ def uncouple33(dmat, givens):
 
 
 def bending_flexibility(dmat, h):
-    """Smaller curvature per moment of the two directions, from D condensed on 33."""
+    """(f, ft): curvature per moment, the smaller of 11 and 22, and twist per twisting moment.
+
+    From S, the inverse of D's in-plane 6x6 with 33 relaxed:
+    f = min(S_11d,11d, S_22d,22d)/h^2, ft = S_12d,12d/h^2.
+    """
     plane, thick = [0, 1, 2, 3, 6, 7], [4, 5]
     cond = dmat[np.ix_(plane, plane)] - dmat[np.ix_(plane, thick)] @ np.linalg.solve(
         dmat[np.ix_(thick, thick)], dmat[np.ix_(thick, plane)])
     flex = np.linalg.inv(cond)
-    return min(flex[1, 1], flex[3, 3]) / h**2
+    return min(flex[1, 1], flex[3, 3]) / h**2, flex[5, 5] / h**2
+
+
+def bubble_compliance(chords, flexibility, options):
+    """Compliance [4][2] that the bending bubbles add to the shears 13, 23 of each mode.
+
+    Mode 00: rho f L_a^2/12.  In modes 01 (13) and 10 (23) the bubble is antisymmetric across
+    the element and must twist as well: divided by 1 + c (f/ft)(L1/L2)^2, 1 + c (f/ft)(L2/L1)^2.
+    Mode 11 has no shears.
+    """
+    bend, twist = flexibility
+    plain = options["rho"] * bend * np.square(chords) / 12
+    aspect = (chords[0] / chords[1])**2
+    twisting = 1 + options["torsion"] * bend / twist * np.array([aspect, 1 / aspect])
+    return np.array([plain, plain / twisting, plain / twisting, [0.0, 0.0]])
 
 
 def modal_stiffness(dmat, chords, flexibility, options):
     """D^m [4][10][10], zero outside the kept strains of each mode.
 
-    Q^T D Q, or with hr [Q^T D^-1 Q]^-1; then rho f L_a^2/12 added to the compliance
-    of the shears 13 (modes 00, 01) and 23 (modes 00, 10).
+    Q^T D Q, or with hr [Q^T D^-1 Q]^-1 in modes 01, 10, 11; then bubble_compliance is added to
+    the compliance of the mode.
     """
     out = np.zeros((4, 10, 10))
+    bubbles = bubble_compliance(chords, flexibility, options)
     for m, kept in enumerate(KEPT):
         block = dmat[np.ix_(kept, kept)]
         if options["hr"] and m > 0:
             block = np.linalg.inv(np.linalg.inv(dmat)[np.ix_(kept, kept)])
-        if options["rho"]:
-            shears = [s for s in (8, 9) if s in kept]
-            if shears:
-                flex = np.linalg.inv(block)
-                for s in shears:
-                    i = kept.index(s)
-                    flex[i, i] += options["rho"] * flexibility * chords[s - 8]**2 / 12
-                block = np.linalg.inv(flex)
+        shears = [s for s in (8, 9) if s in kept]
+        if options["rho"] and shears:
+            flex = np.linalg.inv(block)
+            for s in shears:
+                i = kept.index(s)
+                flex[i, i] += bubbles[m, s - 8]
+            block = np.linalg.inv(flex)
         out[m][np.ix_(kept, kept)] = block
     return out
+
+
+def warp_coefficients(linear, unknowns):
+    """c [8] of the rows WARP_ROWS, and the director unknowns left, relative to those of 12d^00.
+
+    linear [4][10][n]: linear strains by plain modes.  12d^00 - sum c_k row_k contains none of
+    the eight tangential director unknowns (components 1, 2 of (u+ - u-)/h of the four nodes):
+    A c = y with A[:, k] = d row_k/dt, y = d 12d^00/dt.
+    """
+    directors = [unknowns * r + i for r in range(4) for i in (3, 4)]
+    rows = np.array([linear[m, k][directors] for m, k in WARP_ROWS]).T
+    twist = linear[0, 7][directors]
+    c = np.linalg.pinv(rows) @ twist
+    return c, np.abs(twist - rows @ c).max() / np.abs(twist).max()
 
 
 # ---------------------------------------------------------------- element
@@ -347,10 +413,11 @@ class Element:
     """
 
     def __init__(self, surface, cell, section, options, unknowns=7):
-        """options: SOURCE, CORRECTED or a variation; unknowns 7, or 6 (needs lin33).
+        """options: PUBLISHED, IMPROVED or a variation; unknowns 7, or 6 (needs lin33).
 
-        Twist (mode 00): 12m += tau (L1^2 k1 + L2^2 k2)/(12 h) 12d, L1 = |x2 + x3 - x1 - x4|/2 and
-        L2 = |x3 + x4 - x1 - x2|/2 of the corners, k at the parameter centre.
+        chords [2]: L1 = |x2 + x3 - x1 - x4|/2, L2 = |x3 + x4 - x1 - x2|/2 of the corners.
+        warp [9]: shares of 12d^00 and of WARP_ROWS in the mean of 12 of mode 00,
+        tw (1, -c) with tw = tau (L1^2 k1 + L2^2 k2)/(12 h), k at the parameter centre.
         """
         self.h, self.unknowns, self.size = section.h, unknowns, 4 * unknowns
         t1a, t1b, t2a, t2b = cell
@@ -361,8 +428,8 @@ class Element:
         _, _, lame, k, _ = self.centre
         self.params = params = np.array([t1b - t1a, t2b - t2a])
         x = [c[0] for c in self.corners]
-        chords = [np.linalg.norm(x[1] + x[2] - x[0] - x[3]) / 2,
-                  np.linalg.norm(x[2] + x[3] - x[0] - x[1]) / 2]
+        self.chords = chords = np.array([np.linalg.norm(x[1] + x[2] - x[0] - x[3]) / 2,
+                                         np.linalg.norm(x[2] + x[3] - x[0] - x[1]) / 2])
         self.cartesian = options["kinematics"] == "cartesian"
         self.area = surface.area(cell) if options["area"] == "exact" else lame.prod() * params.prod()
         self.weights = self.area * WEIGHT
@@ -378,9 +445,18 @@ class Element:
         nodal = [self.corner_strains(r, params, faces) for r in range(4)]
         self.B = np.einsum("mr,rki->mki", MODAL, np.array([n[0] for n in nodal]))
         self.Q = np.einsum("mr,rkij->mkij", MODAL, np.array([n[1] for n in nodal]))
-        twist = options["tau"] * (chords[0]**2 * k[0] + chords[1]**2 * k[1]) / (12 * self.h)
-        self.B[0, 6] += twist * self.B[0, 7]
-        self.Q[0, 6] += twist * self.Q[0, 7]
+        self.warp = np.zeros(9)
+        if options["tau"]:
+            twist = options["tau"] * (chords**2 @ k) / (12 * self.h)
+            self.warp_c, self.director_left = warp_coefficients(self.B, unknowns)
+            self.warp = twist * np.append(1.0, -self.warp_c)
+            self.add_warp()
+
+    def add_warp(self):
+        """12m^00 += sum of warp times 12d^00 and WARP_ROWS, in the linear and quadratic parts."""
+        for share, (m, k) in zip(self.warp, [(0, 7), *WARP_ROWS]):
+            self.B[0, 6] += share * self.B[m, k]
+            self.Q[0, 6] += share * self.Q[m, k]
 
     def coupling(self, r, a, params, faces):
         """S, T [3][3] with lam_a = S u_r + T u_r', and g_a at both faces [2][3].
@@ -472,19 +548,33 @@ class Element:
         """Nodal force at rest of a given resultant [10] (mode 00): -area B00^T H0."""
         return -self.area * self.B[0].T @ given
 
-    def load(self, vectors, where=0.5):
+    def load(self, vectors, where=0.5, weights=LOAD):
         """Consistent nodal force [n] of a distributed load.
 
         vectors [4][3]: force per reference area at the corners, components in their
-        own triads; where: +.5 on the outer face, -.5 on the inner face, 0 split half on each.
+        own triads; where: +.5 on the outer face, -.5 on the inner face, 0 split half on each;
+        weights [4][4]: integral of N_r N_s over the element, divided by its area.
         """
         out = np.zeros((4, self.unknowns))
         for r in range(4):
             for s in range(4):
                 turn = self.triads[r].T @ self.triads[s] if self.cartesian else np.eye(3)
-                out[r, :3] += self.area * LOAD[r, s] * turn @ vectors[s]
+                out[r, :3] += self.area * weights[r, s] * turn @ vectors[s]
             out[r, 3:6] = where * self.h * out[r, :3]
         return out.ravel()
+
+    def skew_weights(self):
+        """integral of N_r N_s j [4][4] over the area, j ~ 1 + alpha1 xi2 + alpha2 xi1.
+
+        alpha [2]: [g_a.g_b] alpha = [g_a.g_h] with g_a = sum xi_a X/4, g_h = sum xi1 xi2 X/4.
+        The widths of the element's ends differ; LOAD is the case alpha = 0.
+        """
+        x = np.array([c[0] for c in self.corners])
+        sides, across = XI.T @ x / 4, XI[:, 0] * XI[:, 1] @ x / 4
+        alpha = np.linalg.solve(sides @ sides.T, sides @ across)
+        even = [(1 + np.outer(XI[:, a], XI[:, a]) / 3) / 2 for a in (0, 1)]
+        odd = [(XI[:, [a]] + XI[:, a]) / 6 for a in (0, 1)]
+        return (even[0] * even[1] + alpha[0] * even[0] * odd[1] + alpha[1] * odd[0] * even[1]) / 4
 
 
 def rigid_motion(surface, corners, section, rotation, shift, unknowns=7):

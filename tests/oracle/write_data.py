@@ -11,7 +11,7 @@ import os
 import numpy as np
 
 import textdata
-from shellref import (CORRECTED, SOURCE, SURFACES, Element, GivenSection, Section,
+from shellref import (IMPROVED, PUBLISHED, SURFACES, Element, GivenSection, Section,
                       face_map, isotropic, ply, rigid_motion, strain_map)
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
@@ -29,7 +29,7 @@ Keys with n = 4 x unknowns (7 or 6 a node), corners (-,-) (+,-) (+,+) (-,+):
                               (plate: theta1 = x; polar: theta1 = r; cylinder: theta1 axial, theta2
                               around; ring: theta1 around, theta2 axial; cone: theta1 = distance from
                               the apex; sphere: theta1 = angle from the pole; e3 outward or +z)
-    word element              source | corrected;   array unknowns 1 1
+    word element              improved | published;   array unknowns 1 1
     array cell 1 4            t1a t1b t2a t2b
     array layers L 17         from z-: thickness, angle (degrees, theta1 towards theta2), E1 E2 E3 G12 G13
                               G23 nu12 nu13 nu23, d31 d32 d33, alpha1 alpha2 alpha3 (ply axes)
@@ -41,15 +41,21 @@ Keys with n = 4 x unknowns (7 or 6 a node), corners (-,-) (+,-) (+,+) (-,+):
                               metric counts, falling as 1/(c1 c2), V between the layer's faces)
     array kelvin n 1          nodal force at rest per kelvin
     array pressure n 1        nodal force of a unit pressure along +e3 on the outer face, per reference area, weights
-                              area/36 [4 2 1 2]; source by components, corrected as vectors E_r^T E_s e3
+                              area/36 [4 2 1 2]; published by components, improved as vectors E_r E_s^T e3
+    array pressure_skew n 1   improved only: the same with the weights area x integral of N_r N_s j,
+                              j ~ 1 + alpha1 xi2 + alpha2 xi1, alpha of the corners
+    array warp 1 9            improved only: shares in 12m of mode 00 of the plain modes 12d^00 13^01 23^10
+                              13^00 23^00 11d^00 11d^01 22d^00 22d^10
     array K 1 n(n+1)/2        stiffness at rest, lower triangle row by row
     array U n 1               a displacement;  array energy 1 1, array force n 1: strain energy and internal
                               force there;  array tangent 1 n(n+1)/2
 Unknowns of a node: mean u1 u2 u3; (u+ - u-)/h of 1 2 3; (u3M - mean u3)/h.
-The source's element: components in turning triads, area at the centre, given stresses as they are.
-The corrected one: Cartesian differences, twist 1, shear flexibility .1, modes by stresses, linear
-e33 uncoupled, metric through the thickness, exact area, given stresses condensed on s33 = 0 in each ply.
-Cases source-witness-1 ... 10 were computed by another program: no layers, D given in the strains above
+The published element: components in turning triads, area at the centre, given stresses as they are.
+The improved element: Cartesian differences, warp of the middle surface in the membrane shear (tau 1),
+bubbles in the shear compliance (rho .09, c .6), modes 01, 10, 11 by stresses, linear part of e33
+eliminated, metric through the thickness, exact area, given stresses condensed on s33 = 0 in each ply;
+transverse shear of laminates uniform through the thickness.
+Cases published-witness-1 ... 10 were computed by another program: no layers, D given in the strains above
 (array D), and per node (array nodes 4 x 6) A1 A2 k1 k2 B1 B2; their tangent, force and energy at U.
 """
 
@@ -74,7 +80,7 @@ CELLS = {
     "sphere": ((1.5,), (0.6, 1.1, 0.2, 0.8)),
 }
 
-PRESETS = [("source", SOURCE, 7), ("corrected", CORRECTED, 7), ("corrected", CORRECTED, 6)]
+PRESETS = [("published", PUBLISHED, 7), ("improved", IMPROVED, 7), ("improved", IMPROVED, 6)]
 
 
 def lower(matrix):
@@ -116,6 +122,10 @@ def element_case(rng, name, layup, word, preset, unknowns):
                   pressure=el.load(np.tile([0.0, 0, 1], (4, 1)))[:, None],
                   K=lower(el.stiffness()), U=u[:, None], energy=[[el.energy(u)]],
                   force=el.force(u)[:, None], tangent=lower(el.tangent(u)))
+    if el.cartesian:
+        normal = np.tile([0.0, 0, 1], (4, 1))
+        arrays.update(pressure_skew=el.load(normal, weights=el.skew_weights())[:, None],
+                      warp=el.warp[None])
     return f"{name}-{layup}-{word}-{unknowns}", dict(surface=name, element=word), arrays
 
 
@@ -131,7 +141,7 @@ def witness_case(name, words, arrays):
     out["energy"] = arrays["energy"]
     out["force"] = p.T @ arrays["force"]
     out["tangent"] = lower(p.T @ arrays["K"] @ p)
-    return f"source-{name}", dict(surface=words["surface"], element="source"), out
+    return f"published-{name}", dict(surface=words["surface"], element="published"), out
 
 
 def witness_element(words, arrays):
@@ -139,7 +149,7 @@ def witness_element(words, arrays):
     zlow, zhigh = arrays["z"][0]
     t = strain_map()
     section = GivenSection(zlow, zhigh, t.T @ arrays["D"] @ t)
-    return Element(SURFACES[words["surface"]](*arrays["surface"][0]), arrays["cell"][0], section, SOURCE)
+    return Element(SURFACES[words["surface"]](*arrays["surface"][0]), arrays["cell"][0], section, PUBLISHED)
 
 
 def blocks():

@@ -11,14 +11,14 @@ import nonlinear_cases as nc
 import textdata
 from contact import contact_newton
 from newton import external, newton
-from shellref import CORRECTED, SOURCE
+from shellref import IMPROVED, PUBLISHED
 from write_data import DATA
 
 HELP = """\
 Converged states of nonlinear shells, iterated until the increment is 1e-10 of the displacement.
 
 Format as elements.txt.  Unknowns of a node: mean u1 u2 u3; (u+ - u-)/h of 1 2 3; (u3M - mean u3)/h.
-    word element              source | corrected (preset with metric)
+    word element              improved | published
     array mesh 1 2            elements along theta1, theta2
     array u nodes 7           node = i n2 + j, theta2 fastest
     array good 1 1            change of u, relative to its largest displacement, by one more system
@@ -37,8 +37,8 @@ Cases:
     ring-follower             theta1 the angle 0..90 degrees, theta2 axial 0..1, R 100, h 1, E 2.1e7, nu .3; theta1 edges
                               symmetric; u2 = 0; pressure -p0 (1 - cos 2 theta1) along the normal on the inner face,
                               p0 = 3 E h^3/(12 (1 - nu^2) R^3); word pressure unit (size per reference area, normal of
-                              the outer face) or true (per deformed area of the inner face); nodal values; source:
-                              consistent weights; corrected: lumped (follower.py); symmetrised load stiffness; outputs
+                              the outer face) or true (per deformed area of the inner face); nodal values; published:
+                              consistent weights; improved: lumped (follower.py); symmetrised load stiffness; outputs
                               u3M/R at 0, -u3M/R at 90 degrees
     ring-contact              half ring theta1 0..180, theta2 axial 0..1, same R h E nu; theta1 edges symmetric, u2 = 0 on
                               theta2- (faces); force along e3 -P/4 at both nodes of 180, P = 88.5 E/(120 R^2); outer face
@@ -99,7 +99,7 @@ def block(name, make, eps, element, mesh, words, quiet):
 def blocks(quiet=False):
     """All cases of nonlinear.txt."""
     out = []
-    for word, preset in (("source", SOURCE), ("corrected", CORRECTED)):
+    for word, preset in (("published", PUBLISHED), ("improved", IMPROVED)):
         def add(name, case, eps, mesh, **words):
             out.append(block(f"{name}-{word}", case, eps, word, mesh, words, quiet))
         add("hemisphere-4x4", lambda: nc.hemisphere(4, preset), 1e-4, (4, 4))
