@@ -134,7 +134,7 @@ check-long: setup-test
 # ---- data made by programs of this project -------------------------------
 
 oracle:
-	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py
+	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py
 
 tables: $(B)/pzs
 	$(B)/pzs tables plate-50-patches --set limits.slew=20 --level control --prefix demo -o firmware_demo/tables/plate_control.h

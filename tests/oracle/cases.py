@@ -9,8 +9,9 @@ middle surface (u3M = mean u3 + h * seventh unknown).
 import numpy as np
 from scipy.linalg import expm
 
+import revolution
 from model import Model
-from shellref import Plate, Section, cylinder, isotropic, ply, ply_stiffness, ply_turn, sphere
+from shellref import PUBLISHED, SURFACES, Plate, Section, cylinder, isotropic, ply, ply_stiffness, ply_turn, sphere
 
 GRAPHITE = ply([25, 1, 1, 0.5, 0.5, 0.2, 0.25, 0.25, 0.25])     # E_T = 1
 
@@ -406,3 +407,78 @@ def film_strip_ratios(n, preset, unknowns, span, film):
     load = m.distributed(lambda t1, t2, triad: np.array([0, 0, np.sin(np.pi * t1 / length)]), 0.5)
     u = m.solve(np.column_stack([volts, load]))
     return m.middle(u, m.node(-1, 0)) / film_strip_3d(span, film)
+
+
+# ---------------------------------------------------------------- thin shells of revolution
+
+def quarter_of_revolution(surface, t1, harmonic, angles, supports, h, preset):
+    """Model over t1 x angles, E = 1, nu = .3, for a load cos(harmonic t2).
+
+    supports: words of the theta1 ends.  theta2-: symmetric; theta2+: symmetric, or simple where
+    cos is 0 there.
+    """
+    m = Model(surface, t1, angles, Section([(h, 0, isotropic(1.0, 0.3))]), preset, 7, ring)
+    support = dict(symmetric=m.symmetric, simple=m.simple, clamped=m.clamped, free=lambda edge: None)
+    for edge, word in zip(("theta1-", "theta1+"), supports):
+        support[word](edge)
+    m.symmetric("theta2-")
+    odd = abs(np.cos(harmonic * angles[-1])) < 0.5
+    support["simple" if odd else "symmetric"]("theta2+")
+    return m
+
+
+def thin_shell(n, preset, name, h):
+    """Compliance of a case of revolution.py, a quarter of the circle, n x n.
+
+    Pressure cos(harmonic t2) along e3 on the middle surface, bilinear between its values at the
+    nodes as vectors, weights area/36 [4 2 1 2]; displacements refined by Model.solve_thin.
+    """
+    surface, numbers, span, harmonic, supports = revolution.CASES[name]
+    m = quarter_of_revolution(SURFACES[surface](*numbers), np.linspace(*span, n + 1), harmonic,
+                              np.linspace(0, np.pi / 2, n + 1), supports, h, preset)
+    load = m.distributed(lambda t1, t2, triad: np.array([0, 0, np.cos(harmonic * t2)]))
+    return load @ m.solve_thin(load, 4)[0]
+
+
+def smooth_pressure(n, preset, h):
+    """Cylinder R = 1 of length 2 between diaphragms, pressure cos(pi x/2) cos 2 t2; w / exact.
+
+    Eighth, n x n, theta1 axial from midspan; w at midspan and t2 = 0.  The pressure acts by
+    components: the nodal values of the radial pressure are interpolated, not the vectors.
+    """
+    args = (cylinder(1.0), np.linspace(0, 1, n + 1), 2, np.linspace(0, np.pi / 2, n + 1),
+            ("symmetric", "simple"), h)
+    exact = revolution.Harmonic(args[0], (0.0, 1.0), h, 2, args[4], axial_wave).q[2]
+    m = quarter_of_revolution(*args, preset)
+    u = m.solve_thin(load_by_components(args, 2, axial_wave), 4)[0]
+    return m.middle(u, m.node(0, 0)) / exact
+
+
+def axial_wave(t):
+    """Radial pressure cos(pi t/2): amplitudes along e1 e2 e3."""
+    return np.array([0, 0, np.cos(np.pi * t / 2)])
+
+
+def load_by_components(args, harmonic, pressure):
+    """Load of pressure(t1) cos(harmonic t2) by components, the published element's load."""
+    m = quarter_of_revolution(*args, PUBLISHED)
+    return m.distributed(lambda t1, t2, triad: pressure(t1) * np.cos(harmonic * t2))
+
+
+def inextensional_wave(elements, half_waves, preset, harmonic=20, h=1e-7):
+    """Compliance / exact of a wave cos(harmonic t2) on a cylinder with diaphragms, R = 1.
+
+    `half_waves` of it over `elements` elements around, so the phase of an element is
+    pi half_waves/elements; 32 elements over a half length pi/2, pressure by components.  The
+    circumferential strain and the shear are small: the membrane energy is that of e11.
+    """
+    length = np.pi / 2
+
+    def pressure(t):
+        return np.array([0, 0, np.cos(np.pi * t / 2 / length)])
+    args = (cylinder(1.0), np.linspace(0, length, 33), harmonic,
+            np.linspace(0, half_waves * np.pi / harmonic, elements + 1), ("symmetric", "simple"), h)
+    load = load_by_components(args, harmonic, pressure)
+    u = quarter_of_revolution(*args, preset).solve_thin(load, 4)[0]
+    exact = revolution.Harmonic(args[0], (0.0, length), h, harmonic, args[4], pressure).compliance
+    return load @ u / (exact * half_waves * np.pi / harmonic / 2)

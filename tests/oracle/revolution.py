@@ -25,9 +25,24 @@ import numpy as np
 from scipy.sparse import bmat, coo_matrix, diags
 from scipy.sparse.linalg import splu
 
-CLAMPED = (0, 1, 2, 3, 4)
-DIAPHRAGM = (1, 2, 4)
-FREE = ()
+from shellref import SURFACES
+
+# Constrained components of (u, v, w, b1, b2) at an end, by the words of the scenes.
+SUPPORTS = dict(clamped=(0, 1, 2, 3, 4), simple=(1, 2, 4), symmetric=(0, 3), free=())
+
+# Thin cases: surface and its numbers, t1 start and end, harmonic, supports of the two ends.
+# E = 1, nu = .3, pressure cos(n a) along e3; the radius is 1, so h = h/R.
+CASES = {
+    "cylinder-simple-1": ("cylinder", (1.0,), (0.0, 1.0), 1, ("symmetric", "simple")),
+    "cylinder-simple-2": ("cylinder", (1.0,), (0.0, 1.0), 2, ("symmetric", "simple")),
+    "cylinder-simple-3": ("cylinder", (1.0,), (0.0, 1.0), 3, ("symmetric", "simple")),
+    "cylinder-clamped-2": ("cylinder", (1.0,), (0.0, 1.0), 2, ("symmetric", "clamped")),
+    "cylinder-free-2": ("cylinder", (1.0,), (0.0, 1.0), 2, ("symmetric", "free")),
+    "cap-clamped-2": ("sphere", (1.0,), (np.pi / 18, np.pi / 3), 2, ("clamped", "clamped")),
+    "hyperboloid-clamped-2": ("hyperboloid", (1.0, 1.0), (0.0, 1.0), 2, ("symmetric", "clamped")),
+    "hyperboloid-free-2": ("hyperboloid", (1.0, 1.0), (0.0, 1.0), 2, ("symmetric", "free")),
+}
+THICKNESSES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
 
 
 def strain_rows(lame, radius, slope, k, n):
@@ -99,15 +114,15 @@ class Harmonic:
 
     def __init__(self, surface, span, h, n, supports, load, material=(1.0, 0.3), degree=12,
                  refine=1):
-        """surface: shellref.Revolution; span (t start, t end); supports: constrained q of each end.
+        """surface: shellref.Revolution; span (t start, t end); supports: words of the two ends.
 
         load(t) -> [3] amplitudes of the force per area along e1 (cos), e2 (sin), e3 (cos);
         material (E, nu); degree of the polynomials; refine: parts of each graded interval.
         Afterwards compliance = integral of load . displacement r A1 dt, with the factor
         integral of cos^2 na over the angle left to the caller.
         """
-        width = np.sqrt(h) / np.sqrt(max(abs(c) for c in surface.at(span[0], 0)[3]))
-        width /= surface.at(span[0], 0)[2][0]
+        _, _, lame, k, _ = surface.at(span[0], 0.0)
+        width = np.sqrt(h / np.abs(k).max()) / lame[0]
         breaks = graded_mesh(*span, min(width, (span[1] - span[0]) / 4))
         breaks = np.interp(np.arange(refine * (len(breaks) - 1) + 1) / refine,
                            np.arange(len(breaks)), breaks)
@@ -119,7 +134,7 @@ class Harmonic:
             rows, soft = self.element(e, breaks[e], breaks[e + 1])
             blocks.append(rows)
             flexibility += soft
-        fixed = [*supports[0], *(self.size - 5 + c for c in supports[1])]
+        fixed = [*SUPPORTS[supports[0]], *(self.size - 5 + c for c in SUPPORTS[supports[1]])]
         self.free = np.setdiff1d(np.arange(self.size), fixed)
         self.solve(blocks, flexibility)
 
@@ -168,3 +183,15 @@ class Harmonic:
         return coo_matrix((np.array(blocks).ravel(),
                            ((start + row.ravel()).ravel(), (start + col.ravel()).ravel())),
                           shape=(8 * count, 8 * count))
+
+
+def compliance(name, h, degree=12, refine=1):
+    """Work of the pressure cos(n a) on its displacement, a case over a quarter of the circle.
+
+    The mean of cos^2 and sin^2 over 0 to 90 degrees is 1/2 for every harmonic.
+    """
+    surface, numbers, span, n, supports = CASES[name]
+    pressure = np.array([0.0, 0.0, 1.0])
+    solution = Harmonic(SURFACES[surface](*numbers), span, h, n, supports, lambda t: pressure,
+                        degree=degree, refine=refine)
+    return np.pi / 4 * solution.compliance
