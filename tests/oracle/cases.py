@@ -440,45 +440,42 @@ def thin_shell(n, preset, name, h):
     return load @ m.solve_thin(load, 4)[0]
 
 
-def smooth_pressure(n, preset, h):
+def axial_wave(length):
+    """Function t -> amplitudes [3] along e1 e2 e3 of a radial pressure cos(pi t/(2 length))."""
+    return lambda t: np.array([0, 0, np.cos(np.pi * t / 2 / length)])
+
+
+def smooth_pressure(meshes, preset, h):
     """Cylinder R = 1 of length 2 between diaphragms, pressure cos(pi x/2) cos 2 t2; w / exact.
 
-    Eighth, n x n, theta1 axial from midspan; w at midspan and t2 = 0.  The pressure acts by
-    components: the nodal values of the radial pressure are interpolated, not the vectors.
+    Eighth, n x n for n of `meshes`, theta1 axial from midspan; w at midspan and t2 = 0.  The
+    pressure acts by components, as on the published element: radial nodal values are
+    interpolated, not vectors.
     """
-    args = (cylinder(1.0), np.linspace(0, 1, n + 1), 2, np.linspace(0, np.pi / 2, n + 1),
-            ("symmetric", "simple"), h)
-    exact = revolution.Harmonic(args[0], (0.0, 1.0), h, 2, args[4], axial_wave).q[2]
-    m = quarter_of_revolution(*args, preset)
-    u = m.solve_thin(load_by_components(args, 2, axial_wave), 4)[0]
-    return m.middle(u, m.node(0, 0)) / exact
-
-
-def axial_wave(t):
-    """Radial pressure cos(pi t/2): amplitudes along e1 e2 e3."""
-    return np.array([0, 0, np.cos(np.pi * t / 2)])
-
-
-def load_by_components(args, harmonic, pressure):
-    """Load of pressure(t1) cos(harmonic t2) by components, the published element's load."""
-    m = quarter_of_revolution(*args, PUBLISHED)
-    return m.distributed(lambda t1, t2, triad: pressure(t1) * np.cos(harmonic * t2))
+    surface, supports, pressure = cylinder(1.0), ("symmetric", "simple"), axial_wave(1.0)
+    exact = revolution.Harmonic(surface, (0.0, 1.0), h, 2, supports, pressure).q[2]
+    ratios = []
+    for n in meshes:
+        args = (surface, np.linspace(0, 1, n + 1), 2, np.linspace(0, np.pi / 2, n + 1), supports, h)
+        load = quarter_of_revolution(*args, PUBLISHED).distributed(
+            lambda t1, t2, triad: pressure(t1) * np.cos(2 * t2))
+        m = quarter_of_revolution(*args, preset)
+        ratios.append(m.middle(m.solve_thin(load, 4)[0], m.node(0, 0)) / exact)
+    return ratios
 
 
 def inextensional_wave(elements, half_waves, preset, harmonic=20, h=1e-7):
     """Compliance / exact of a wave cos(harmonic t2) on a cylinder with diaphragms, R = 1.
 
     `half_waves` of it over `elements` elements around, so the phase of an element is
-    pi half_waves/elements; 32 elements over a half length pi/2, pressure by components.  The
-    circumferential strain and the shear are small: the membrane energy is that of e11.
+    pi half_waves/elements; 32 elements over a half length pi/2.  The circumferential strain and
+    the shear are small: the membrane energy is that of e11.
     """
     length = np.pi / 2
-
-    def pressure(t):
-        return np.array([0, 0, np.cos(np.pi * t / 2 / length)])
-    args = (cylinder(1.0), np.linspace(0, length, 33), harmonic,
-            np.linspace(0, half_waves * np.pi / harmonic, elements + 1), ("symmetric", "simple"), h)
-    load = load_by_components(args, harmonic, pressure)
-    u = quarter_of_revolution(*args, preset).solve_thin(load, 4)[0]
-    exact = revolution.Harmonic(args[0], (0.0, length), h, harmonic, args[4], pressure).compliance
-    return load @ u / (exact * half_waves * np.pi / harmonic / 2)
+    pressure, supports = axial_wave(length), ("symmetric", "simple")
+    angles = np.linspace(0, half_waves * np.pi / harmonic, elements + 1)
+    m = quarter_of_revolution(cylinder(1.0), np.linspace(0, length, 33), harmonic, angles, supports,
+                              h, preset)
+    load = m.distributed(lambda t1, t2, triad: pressure(t1) * np.cos(harmonic * t2))
+    exact = revolution.Harmonic(cylinder(1.0), (0.0, length), h, harmonic, supports, pressure)
+    return load @ m.solve_thin(load, 4)[0] / (exact.compliance * angles[-1] / 2)

@@ -193,16 +193,10 @@ def covariant_map(base):
     """T [6][6]: covariant strains (Voigt) in the base vectors, columns of base [3][3], of a
     Cartesian strain e: base^T e base, shears doubled.
     """
-    pairs = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
-    out = np.zeros((6, 6))
-    for j, (a, b) in enumerate(pairs):
-        strain = np.zeros((3, 3))
-        strain[a, b] += 0.5
-        strain[b, a] += 0.5
-        covariant = base.T @ strain @ base
-        for i, (p, q) in enumerate(pairs):
-            out[i, j] = covariant[p, q] * (1 if p == q else 2)
-    return out
+    a, b = np.array([[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]])
+    same, crossed = base[a][:, a] * base[b][:, b], base[a][:, b] * base[b][:, a]
+    doubled = np.array([1, 1, 1, 2, 2, 2])
+    return doubled[:, None] * (same + crossed).T / 2
 
 
 class Section:

@@ -129,6 +129,12 @@ def element_case(rng, name, layup, word, preset, unknowns):
     return f"{name}-{layup}-{word}-{unknowns}", dict(surface=name, element=word), arrays
 
 
+def witnesses(prefix):
+    """Cases of witness.txt whose names start with `prefix`."""
+    path = os.path.join(DATA, "witness.txt")
+    return [block for block in textdata.read(path) if block[0].startswith(prefix)]
+
+
 def witness_case(name, words, arrays):
     """The other program's element, turned from face unknowns to the unknowns of this file."""
     zlow, zhigh = arrays["z"][0]
@@ -157,7 +163,7 @@ def blocks():
     rng = np.random.default_rng(7)
     return [element_case(rng, name, layup, *preset)
             for name in CELLS for layup in LAYUPS for preset in PRESETS] + [
-        witness_case(*block) for block in textdata.read(os.path.join(DATA, "witness.txt"))]
+        witness_case(*block) for block in witnesses("witness")]
 
 
 if __name__ == "__main__":
