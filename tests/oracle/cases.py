@@ -11,7 +11,8 @@ from scipy.linalg import expm
 
 import revolution
 from model import Model
-from shellref import PUBLISHED, SURFACES, Plate, Section, cylinder, isotropic, ply, ply_stiffness, ply_turn, sphere
+from shellref import (PUBLISHED, SURFACES, Plate, Section, cylinder, isotropic, ply,
+                      ply_stiffness, ply_turn, sphere)
 
 GRAPHITE = ply([25, 1, 1, 0.5, 0.5, 0.2, 0.25, 0.25, 0.25])     # E_T = 1
 
@@ -418,7 +419,8 @@ def quarter_of_revolution(surface, t1, harmonic, angles, supports, h, preset):
     cos is 0 there.
     """
     m = Model(surface, t1, angles, Section([(h, 0, isotropic(1.0, 0.3))]), preset, 7, ring)
-    support = dict(symmetric=m.symmetric, simple=m.simple, clamped=m.clamped, free=lambda edge: None)
+    support = dict(symmetric=m.symmetric, simple=m.simple, clamped=m.clamped,
+                   free=lambda edge: None)
     for edge, word in zip(("theta1-", "theta1+"), supports):
         support[word](edge)
     m.symmetric("theta2-")

@@ -14,9 +14,10 @@ import textdata
 import write_data
 from model import Model
 from shellref import (IMPROVED, KEPT, PUBLISHED, SURFACES, WARP_ROWS, XI, Element, Plate, Ring,
-                      Section, cylinder, face_map, field_share, isotropic, ply, rigid_motion, strain_map)
+                      Section, cylinder, face_map, field_share, isotropic, ply, rigid_motion,
+                      strain_map)
 
-# The bubble of the former element: rho .1, the same in modes 01 and 10; known rows of plates use it.
+# The bubble of the former element, the same in modes 01 and 10; known rows of plates use it.
 FORMER_BUBBLE = {**IMPROVED, "rho": 0.1, "torsion": 0.0}
 PRESETS = [(PUBLISHED, 7), (IMPROVED, 7), (IMPROVED, 6)]
 CHECKS = []
@@ -100,8 +101,10 @@ def improved_witness(words, a):
     thick, angle, *constants = a["layers"][0]
     layers = [(thick, angle, ply(constants[:9]))]
     if words["surface"] == "oblique":
-        return Element(Oblique(a["corners"]), (0, 1, 0, 1), ObliqueSection(layers, a["base"]), IMPROVED)
-    return Element(SURFACES[words["surface"]](*a["surface"][0]), a["cell"][0], Section(layers), IMPROVED)
+        section = ObliqueSection(layers, a["base"])
+        return Element(Oblique(a["corners"]), (0, 1, 0, 1), section, IMPROVED)
+    surface = SURFACES[words["surface"]](*a["surface"][0])
+    return Element(surface, a["cell"][0], Section(layers), IMPROVED)
 
 
 @check
@@ -272,7 +275,7 @@ def warp_on_rectangles_is_two_h_over_the_sides():
 
 @check
 def inextensional_waves_follow_the_law_of_tau():
-    """r = (1 - 2/3 s^2)(4 s^2/p^2)^2/(1 - 2/3 tau s^2)^2 with s = sin(p/2), p the phase of an element.
+    """r = (1 - 2/3 s^2)(4 s^2/p^2)^2/(1 - 2/3 tau s^2)^2, s = sin(p/2), p the phase of an element.
 
     A wave of phase pi has zero displacement along the circle at all nodes and cos^2 = 1: twice r.
     Allowed: half the square of the axial phase pi/64, and angle^2/6 by which interpolated loads
@@ -287,7 +290,8 @@ def inextensional_waves_follow_the_law_of_tau():
             law *= 2
         got = cases.inextensional_wave(elements_around, half_waves, {**IMPROVED, "tau": tau})
         bound = (np.pi / 64)**2 / 2 + (phase / 20)**2 / 6
-        yield f"{half_waves} half waves, {elements_around} elements, tau {tau}", abs(got - law), bound
+        what = f"{half_waves} half waves, {elements_around} elements, tau {tau}"
+        yield what, abs(got - law), bound
 
 
 # ---------------------------------------------------------------- thin shells
@@ -340,7 +344,8 @@ def thin_shells_do_not_lock_and_are_not_too_soft():
     stored = {name: a for name, _, a in textdata.read(os.path.join(write_data.DATA, "thin.txt"))}
     for case in revolution.CASES:
         a = stored[f"{case}-1e-06"]
-        ratios = [cases.thin_shell(n, IMPROVED, case, 1e-6) / a["compliance"][0, 0] for n in (4, 8, 16)]
+        ratios = [cases.thin_shell(n, IMPROVED, case, 1e-6) / a["compliance"][0, 0]
+                  for n in (4, 8, 16)]
         yield f"{case} stored", np.abs(ratios - a["improved"][:, 1]).max(), 1e-6
         for n, ratio, known in zip((4, 8, 16), ratios, THIN.get(case, ())):
             yield f"{case} {n}", abs(ratio - known), 6e-4
@@ -463,13 +468,14 @@ def shell_and_plate_rows():
         bound = 6e-4 if function is cases.clamped_plate and preset is PUBLISHED else 6e-5
         for n, ratio in zip((4, 8, 16, 32), wanted):
             yield f"{what} {n}", np.abs(np.subtract(function(n, preset, **more), ratio)).max(), bound
-    for function in (cases.scordelis_lo, cases.pinched_cylinder, cases.hemisphere, cases.clamped_plate):
+    for function in (cases.scordelis_lo, cases.pinched_cylinder, cases.hemisphere,
+                     cases.clamped_plate):
         pair = [np.array(function(4, IMPROVED, k)) for k in (6, 7)]
         yield f"{function.__name__} 6 = 7", np.abs(pair[0] - pair[1]).max(), 1e-7
 
 
 def error_ratio(improved, published):
-    """(1 + improved)/(1 + published) of errors printed in percent, and its rounding: (value, bound)."""
+    """(value, rounding) of (1 + improved)/(1 + published), errors printed in percent."""
     numbers, bound = [], 0.0
     for text in (improved, published):
         numbers.append(1 + float(text) / 100)

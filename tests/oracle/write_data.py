@@ -44,17 +44,17 @@ Keys with n = 4 x unknowns (7 or 6 a node), corners (-,-) (+,-) (+,+) (-,+):
                               area/36 [4 2 1 2]; published by components, improved as vectors E_r E_s^T e3
     array pressure_skew n 1   improved only: the same with the weights area x integral of N_r N_s j,
                               j ~ 1 + alpha1 xi2 + alpha2 xi1, alpha of the corners
-    array warp 1 9            improved only: shares in 12m of mode 00 of the plain modes 12d^00 13^01 23^10
-                              13^00 23^00 11d^00 11d^01 22d^00 22d^10
+    array warp 1 9            improved only: shares in 12m of mode 00 of the plain modes 12d^00 13^01
+                              23^10 13^00 23^00 11d^00 11d^01 22d^00 22d^10
     array K 1 n(n+1)/2        stiffness at rest, lower triangle row by row
     array U n 1               a displacement;  array energy 1 1, array force n 1: strain energy and internal
                               force there;  array tangent 1 n(n+1)/2
 Unknowns of a node: mean u1 u2 u3; (u+ - u-)/h of 1 2 3; (u3M - mean u3)/h.
 The published element: components in turning triads, area at the centre, given stresses as they are.
-The improved element: Cartesian differences, warp of the middle surface in the membrane shear (tau 1),
-bubbles in the shear compliance (rho .09, c .6), modes 01, 10, 11 by stresses, linear part of e33
-eliminated, metric through the thickness, exact area, given stresses condensed on s33 = 0 in each ply;
-transverse shear of laminates uniform through the thickness.
+The improved element: Cartesian differences, warp of the middle surface in the membrane shear
+(tau 1), bubbles in the shear compliance (rho .09, c .6), modes 01, 10, 11 by stresses, linear part of e33
+eliminated, metric through the thickness, exact area, given stresses condensed on s33 = 0 in
+each ply; transverse shear of laminates uniform through the thickness.
 Cases published-witness-1 ... 10 were computed by another program: no layers, D given in the strains above
 (array D), and per node (array nodes 4 x 6) A1 A2 k1 k2 B1 B2; their tangent, force and energy at U.
 """
