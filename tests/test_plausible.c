@@ -161,11 +161,11 @@ static void test_point_resolution(void **state)
     warnings_of("pinched-cylinder", "mesh.theta2.elements=7", &p);
     assert_null(find_rule(&p, "resolution"));
     solve_run(&r, "pinched-cylinder",
-              "element=corrected;mesh.theta1.elements=4;mesh.theta2.elements=4");
+              "element=improved;mesh.theta1.elements=4;mesh.theta2.elements=4");
     assert_true(scene_run_value(&r, 0) / -1.8248e-5 < 0.75);
     scene_run_close(&r);
     solve_run(&r, "pinched-cylinder",
-              "element=corrected;mesh.theta1.elements=8;mesh.theta2.elements=8");
+              "element=improved;mesh.theta1.elements=8;mesh.theta2.elements=8");
     assert_true(scene_run_value(&r, 0) / -1.8248e-5 > 0.75);
     scene_run_close(&r);
 }

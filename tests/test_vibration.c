@@ -95,7 +95,7 @@ static void test_translation(void **state)
          "up}];compare=[];",
          patches / 4 + laminate},
         {"thick sphere", "hemisphere",
-         "element=corrected;materials.shell.density=2;layers.0.thickness=4;",
+         "element=improved;materials.shell.density=2;layers.0.thickness=4;",
          ball * 2 * (4 + 4 * 4 * 4 / (12.0 * 10 * 10))},
     };
     (void)state;
