@@ -97,7 +97,8 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
 
 int analysis_ended_early(const analysis *a)
 {
-    return a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT || a->status == PZS_E_SYSTEMS;
+    return a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT
+        || a->status == PZS_E_PENETRATION || a->status == PZS_E_SYSTEMS;
 }
 
 /* What the nonlinear path met, in words; only errors fail. */

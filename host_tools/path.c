@@ -177,6 +177,7 @@ static void build_body(path *p, double size)
     body->own = from->value;
     body->gap = from->type == BODY_PLANE ? pzs_gap_plane : from->type == BODY_CYLINDER ? pzs_gap_cylinder
               : from->type == BODY_SPHERE ? pzs_gap_sphere : psi_gap;
+    body->crc = pzs_body_crc(body);
 }
 
 static pzs_status build_contact(path *p, uint16_t input)

@@ -10,9 +10,9 @@
 /* ---- bodies ------------------------------------------------------------- */
 
 #define ASLANT {(pzs_real)(2.0 / 7), (pzs_real)(3.0 / 7), (pzs_real)(6.0 / 7)}
-static const pzs_body plane = {pzs_gap_plane, {1, 2, 3}, ASLANT, 0, NULL};
-static const pzs_body cylinder = {pzs_gap_cylinder, {1, 2, 3}, ASLANT, 2, NULL};
-static const pzs_body sphere = {pzs_gap_sphere, {1, 2, 3}, {0, 0, 0}, 2, NULL};
+static const pzs_body plane = {pzs_gap_plane, {1, 2, 3}, ASLANT, 0, NULL, 0};
+static const pzs_body cylinder = {pzs_gap_cylinder, {1, 2, 3}, ASLANT, 2, NULL, 0};
+static const pzs_body sphere = {pzs_gap_sphere, {1, 2, 3}, {0, 0, 0}, 2, NULL, 0};
 
 /* Distance by its definition. */
 static double gap_in_double(const pzs_body *body, const pzs_real x[3])
@@ -110,7 +110,7 @@ static rig *ring_open(fixing *support)
     return thin_ring_open(support, 0.1);
 }
 
-static const pzs_body ground = {pzs_gap_plane, {0, 0, (pzs_real)-1.05}, {0, 0, 1}, 0, NULL};
+static const pzs_body ground = {pzs_gap_plane, {0, 0, (pzs_real)-1.05}, {0, 0, 1}, 0, NULL, 0};
 
 static pzs_status settle(rig *g, double load, double move)
 {
@@ -163,14 +163,14 @@ static void contact_tangent_is_the_derivative_of_its_force(void **state)
     (void)state;
     const double step = cbrt(EPS), motion[3] = {0.3, -0.5, 0.8};
     for (int trial = 0; trial < 50; trial++) {
-        pzs_body ball = {pzs_gap_sphere, {(pzs_real)uniform(), (pzs_real)uniform(), -2}, {0, 0, 0}, 1, NULL};
+        const pzs_body ball = {pzs_gap_sphere, {(pzs_real)uniform(), (pzs_real)uniform(), -2}, {0, 0, 0}, 1, NULL, 0};
         rig *g = ring_open(nothing);
         pzs_real f[2][7 * MOST_NODES];
         const int n = trial % g->nodes;
         attach_contact(g, &ball, motion);
         set_random(g, 0.3);
         g->path.amount[1] = (pzs_real)0.1;
-        ball.radius += (pzs_real)gap_of(g, n);
+        g->body.radius += (pzs_real)gap_of(g, n);
         g->contact.touching[n] = 1;
         g->contact.pressure[n] = 1;
         g->contact.stiffness = (pzs_real)0.1;
@@ -221,7 +221,7 @@ static void answer_does_not_depend_on_the_stiffness(void **state)
     (void)state;
     const double kappa[4] = {10, IS_FLOAT ? 1 : 1e-3, 1, 1e4};
     const double h = IS_FLOAT ? 0.1 : 0.01, load = 5e-2 * h * h * h, area = 0.3;
-    const pzs_body base = {pzs_gap_plane, {0, 0, (pzs_real)(-1 - h / 2)}, {0, 0, 1}, 0, NULL};
+    const pzs_body base = {pzs_gap_plane, {0, 0, (pzs_real)(-1 - h / 2)}, {0, 0, 1}, 0, NULL, 0};
     pzs_real u[7 * MOST_NODES], pressure[MOST_NODES];
     for (int k = 0; k < 4; k++) {
         rig *g = thin_ring_open(ring_support, h);
@@ -345,7 +345,7 @@ static void rest_forgets_the_contact(void **state)
 static void penetrating_body_is_pushed_out(void **state)
 {
     (void)state;
-    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.6, (pzs_real)0.15, (pzs_real)(0.05 + 0.98)}, {0, 0, 0}, 1, NULL};
+    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.6, (pzs_real)0.15, (pzs_real)(0.05 + 0.98)}, {0, 0, 0}, 1, NULL, 0};
     rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.1, 0, strip_support, 6);
     attach_contact(g, &ball, down);
     assert_int_equal(settle(g, 0, 0), PZS_OK);
@@ -362,7 +362,7 @@ static void penetrating_body_is_pushed_out(void **state)
 static void face_that_looks_away_is_left_alone(void **state)
 {
     (void)state;
-    const pzs_body below = {pzs_gap_plane, {0, 0, (pzs_real)0.2}, {0, 0, 1}, 0, NULL};
+    const pzs_body below = {pzs_gap_plane, {0, 0, (pzs_real)0.2}, {0, 0, 1}, 0, NULL, 0};
     rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.1, 0, strip_support, 6);
     attach_contact(g, &below, still);
     assert_int_equal(settle(g, 1e-6, 0), PZS_OK);
@@ -374,7 +374,7 @@ static void face_that_looks_away_is_left_alone(void **state)
 static void centre_on_a_node_stays_finite(void **state)
 {
     (void)state;
-    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.6, 0, (pzs_real)0.05}, {0, 0, 0}, (pzs_real)0.15, NULL};
+    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.6, 0, (pzs_real)0.05}, {0, 0, 0}, (pzs_real)0.15, NULL, 0};
     rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.1, 0, strip_support, 6);
     attach_contact(g, &ball, down);
     settle(g, 1e-5, 0);
@@ -391,7 +391,7 @@ static void influence_in_contact_is_the_change_of_the_equilibrium(void **state)
     (void)state;
     if (IS_FLOAT)
         return; /* differences of equilibria need the digits */
-    const pzs_body drum = {pzs_gap_cylinder, {0, 0, (pzs_real)(-1.05 - 3)}, {0, 1, 0}, 3, NULL};
+    const pzs_body drum = {pzs_gap_cylinder, {0, 0, (pzs_real)(-1.05 - 3)}, {0, 1, 0}, 3, NULL, 0};
     rig *g = ring_open(held_ring_support);
     attach_contact(g, &drum, up);
     g->path.change = (pzs_real)1e-10;
@@ -426,19 +426,19 @@ static void contact_tables_out_of_range_are_refused(void **state)
     bad[3].area = NULL;
     for (int i = 0; i < 4; i++) {
         bad[i].crc = i < 3 ? contact_crc(&bad[i], &g->structure) : 0;
-        assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &bad[i], &ground, g->contact_work, bytes),
+        assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &bad[i], &g->body, g->contact_work, bytes),
                          PZS_E_ARGUMENT);
     }
-    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, bytes - 1),
+    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work, bytes - 1),
                      PZS_E_WORKSPACE);
     assert_int_equal(g->path.where, bytes);
-    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, bytes), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work, bytes), PZS_E_ARGUMENT);
     rig_close(g);
 }
 
 static pzs_status attach_face(rig *g)
 {
-    return pzs_attach_contact(&g->path, &g->contact, &g->face, &ground, g->contact_work, PZS_CONTACT_BYTES(g->nodes));
+    return pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work, PZS_CONTACT_BYTES(g->nodes));
 }
 
 static void every_bit_of_contact_tables_counts(void **state)
@@ -491,7 +491,7 @@ static void loose_shell_without_hold_is_told(void **state)
     (void)state;
     const double gap[5] = {0.01, 5, 0, 0, 0}, load[5] = {3e-5, 3e-5, 0, -3e-5, 3e-5};
     for (int i = 0; i < (IS_FLOAT ? 4 : 5); i++) {
-        const pzs_body away = {pzs_gap_plane, {0, 0, (pzs_real)(-1.05 - gap[i])}, {0, 0, 1}, 0, NULL};
+        const pzs_body away = {pzs_gap_plane, {0, 0, (pzs_real)(-1.05 - gap[i])}, {0, 0, 1}, 0, NULL, 0};
         rig *g = ring_open(i < 4 ? ring_support : ring_unsupported);
         attach_contact(g, &away, still);
         assert_int_equal(g->contact.loose, 1);
