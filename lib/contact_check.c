@@ -129,6 +129,7 @@ static pzs_real bend_along(const nearby *at, const pzs_real d[3])
 /* How and where the body penetrates an element, as in pzs_contact. how 0: it does not. */
 typedef struct finding {
     uint8_t how;
+    int is_behind; /* on a part of the shell that faces away from the body, which another part carries */
     uint16_t node;
     pzs_real spot[3], depth;
 } finding;
@@ -328,13 +329,22 @@ static void search_facet(facet *f)
     }
 }
 
-/* Does an element look away from the body, so that none of its nodes can touch? */
-static int looks_away(const pzs_contact *c, const uint16_t *node)
+/* Does the face that may touch look away from the body, in the middle of a facet, now and at the last equilibrium? */
+static int looks_away(const facet *f)
 {
-    pzs_real facing = 0;
-    for (unsigned r = 0; r < SHELL_NODES; r++)
-        facing += c->facing[node[r]];
-    return facing >= 0;
+    for (int k = 0; k < 2; k++) {
+        const pzs_real(*x)[3] = f->corner[k];
+        const pzs_real d[3] = {x[2][0] - x[0][0], x[2][1] - x[0][1], x[2][2] - x[0][2]};
+        const pzs_real e[3] = {x[3][0] - x[1][0], x[3][1] - x[1][1], x[3][2] - x[1][2]};
+        pzs_real middle[3], normal[3], up[3];
+        place_in(x, (pzs_real)0.5, (pzs_real)0.5, middle);
+        gap_at(f->contact, middle, normal);
+        face_cross(d, e, up);
+        const pzs_real facing = dot(up, normal);
+        if ((f->contact->face->face == 0 ? -facing : facing) < 0)
+            return 0;
+    }
+    return 1;
 }
 
 static finding element_fault(pzs_contact *c, const pzs_path *path, uint32_t e, pzs_real z)
@@ -348,6 +358,7 @@ static finding element_fault(pzs_contact *c, const pzs_path *path, uint32_t e, p
     search_facet(&f);
     if (f.found.node != PZS_FIXED)
         f.found.node = node[f.found.node];
+    f.found.is_behind = f.found.how && c->nodes > 0 && f.found.how != PZS_PASSED && looks_away(&f);
     return f.found;
 }
 
@@ -366,15 +377,15 @@ pzs_status contact_check(pzs_contact *c, const pzs_path *path)
     const pzs_structure *s = path->model->structure;
     pzs_status status = PZS_OK;
     c->sag = 0;
+    c->depth = 0;
     c->entered = 0;
     for (uint32_t i = 0; i < 2 * (uint32_t)s->elements && !PZS_IS_ERROR(status); i++) {
         const uint32_t e = i % s->elements;
         const uint8_t side = i < s->elements ? c->face->face : 1 - c->face->face;
         const finding found = element_fault(c, path, e, face_height(s, side));
-        const int is_behind = c->nodes > 0 && found.how != PZS_PASSED && looks_away(c, s->element[e]);
-        if (!found.how || (is_behind && status == PZS_W_BEHIND && found.depth <= c->depth))
+        if (!found.how || (found.is_behind && status == PZS_W_BEHIND && found.depth <= c->depth))
             continue;
-        status = is_behind ? PZS_W_BEHIND : PZS_E_PENETRATION;
+        status = found.is_behind ? PZS_W_BEHIND : PZS_E_PENETRATION;
         report(c, &found, e, side);
     }
     return status;
