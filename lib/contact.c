@@ -180,7 +180,9 @@ static int belongs(const pzs_contact *c, const pzs_path *path, uint16_t node)
         return 0;
     const pzs_real gap = place_of(c, path, node).gap, closed = contact_closed(c);
     const pzs_real least = gap < 0 && gap >= -closed ? 0 : gap;
-    return c->touching[node] ? c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * least : gap < -closed;
+    if (!c->touching[node])
+        return gap < -closed;
+    return c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * least;
 }
 
 /* The node of smallest gap that may touch, or -1. */
@@ -443,7 +445,8 @@ static int adrift(const pzs_option *option, const pzs_path *path)
 
 static const struct pzs_option_calls calls = {
     .choices_in_range = choices_in_range, .prepare = prepare, .add = add, .solved = solved, .settled = settled,
-    .unsettled = PZS_E_CONTACT, .refuses = refuses, .longest = longest, .adrift = adrift, .keep = keep, .restore = restore, .rest = rest, .unit = unit,
+    .unsettled = PZS_E_CONTACT, .refuses = refuses, .longest = longest, .adrift = adrift,
+    .keep = keep, .restore = restore, .rest = rest, .unit = unit,
 };
 
 /* ---- attach ------------------------------------------------------------- */
@@ -466,7 +469,8 @@ uint32_t pzs_body_crc(const pzs_body *body)
     return ~guard_crc(crc, &body->radius, sizeof body->radius);
 }
 
-/* Is a body one that its gap function can take? *where = index of a number that is none: point, axis, radius. */
+/* Is a body one that its gap function can take? *where = index of a number that is none: point,
+ * axis, radius. */
 static pzs_status check_body(const pzs_body *body, int32_t *where)
 {
     const int has_axis = body->gap == pzs_gap_plane || body->gap == pzs_gap_cylinder;

@@ -39,8 +39,9 @@ static pzs_real motion_of(const pzs_contact *c, const pzs_path *path, const pzs_
  *   amount [inputs]   in
  *   x      [count][3] out
  */
-static void find_places(const pzs_contact *c, const pzs_path *path, const uint16_t *node, unsigned count, pzs_real z,
-                        const pzs_real *u, const pzs_real *amount, pzs_real (*x)[3])
+static void find_places(const pzs_contact *c, const pzs_path *path, const uint16_t *node,
+                        unsigned count, pzs_real z, const pzs_real *u, const pzs_real *amount,
+                        pzs_real (*x)[3])
 {
     const pzs_contact_face *f = c->face;
     const pzs_real up = z - face_height(path->model->structure, f->face);
@@ -50,8 +51,8 @@ static void find_places(const pzs_contact *c, const pzs_path *path, const uint16
         const pzs_real(*triad)[3] = f->triad[node[r]];
         const pzs_real w[3] = {x[r][0], x[r][1], x[r][2] + up};
         for (int i = 0; i < 3; i++)
-            x[r][i] = f->place[node[r]][i] - moved * f->motion[i] + w[0] * triad[0][i] + w[1] * triad[1][i]
-                    + w[2] * triad[2][i];
+            x[r][i] = f->place[node[r]][i] - moved * f->motion[i] + w[0] * triad[0][i]
+                      + w[1] * triad[1][i] + w[2] * triad[2][i];
     }
 }
 
@@ -73,7 +74,8 @@ pzs_real contact_reach(const pzs_contact *c, const pzs_structure *s)
 
 typedef struct nearby {
     pzs_real gap, normal[3];
-    pzs_real bend[3][3]; /* second derivatives along the surface; the largest curvature stands in for that across it */
+    pzs_real bend[3][3]; /* second derivatives along the surface; the largest curvature stands in
+                            for that across it */
     pzs_real radius;     /* smallest radius of curvature of the body; 0: flat */
 } nearby;
 
@@ -96,7 +98,8 @@ static pzs_real largest_curvature(const pzs_real h[3][3])
     return (trace + (apart2 > 0 ? PZS_SQRT(apart2) : 0)) / 2;
 }
 
-/* Distances grow by 1 with each unit of the gap, and so do their radii: the body's own is 1/curvature - gap. */
+/* Distances grow by 1 with each unit of the gap, and so do their radii: the body's own is
+ * 1/curvature - gap. */
 static nearby body_at(const pzs_contact *c, const pzs_real x[3])
 {
     nearby at;
@@ -108,7 +111,7 @@ static nearby body_at(const pzs_contact *c, const pzs_real x[3])
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             at.bend[i][j] = h[i][j] - at.normal[i] * left[j] - left[i] * at.normal[j]
-                          + across * at.normal[i] * at.normal[j];
+                            + across * at.normal[i] * at.normal[j];
     const pzs_real curvature = largest_curvature((const pzs_real(*)[3])at.bend);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -129,26 +132,29 @@ static pzs_real bend_along(const nearby *at, const pzs_real d[3])
 /* How and where the body penetrates an element, as in pzs_contact. how 0: it does not. */
 typedef struct finding {
     uint8_t how;
-    int is_behind; /* on a part of the shell that faces away from the body, which another part carries */
+    int is_behind; /* on a part of the shell that faces away from the body, which another part
+                      carries */
     uint16_t node;
     pzs_real spot[3], depth;
 } finding;
 
-/* A facet between the corners of an element, at the last equilibrium and now, and what is found on it. */
+/* A facet between the corners of an element, at the last equilibrium and now, and what is found
+ * on it. */
 typedef struct facet {
     pzs_contact *contact;
     pzs_real corner[2][4][3];
-    int on_the_way;      /* search the way of its points, not only where they are */
-    int supported;       /* one of its corners is in contact */
+    int on_the_way; /* search the way of its points, not only where they are */
+    int supported;  /* one of its corners is in contact */
     finding found;
-    pzs_real slope[2];   /* of the least gap of a point with a, b, at the last one visited */
+    pzs_real slope[2]; /* of the least gap of a point with a, b, at the last one visited */
 } facet;
 
 /* Place at a, b in 0 ... 1. */
 static void place_in(const pzs_real corner[4][3], pzs_real a, pzs_real b, pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)
-        x[i] = (1 - b) * ((1 - a) * corner[0][i] + a * corner[1][i]) + b * ((1 - a) * corner[3][i] + a * corner[2][i]);
+        x[i] = (1 - b) * ((1 - a) * corner[0][i] + a * corner[1][i])
+               + b * ((1 - a) * corner[3][i] + a * corner[2][i]);
 }
 
 static pzs_real mix(pzs_real t, pzs_real x, pzs_real y)
@@ -167,13 +173,15 @@ static void find_slopes(facet *f, pzs_real a, pzs_real b, pzs_real t, const pzs_
 }
 
 /*
- * How deep a point between nodes that are outside may lie in the body. A facet whose corners touch a body of radius R
- * sags into it by the sum of its weights times |corner - point|^2 / (2 R): (length)^2 / (8 R) in the middle of a side.
- * This error of the mesh is allowed twice, as the gap of a formula may exceed the distance, and up to R/5: a facet
- * with diagonals of R sags by R (1 - sqrt(3/4)). A body smaller than the diagonals may only enter next to a node that it
- * touches: elsewhere nothing holds it back.
+ * How deep a point between nodes that are outside may lie in the body. A facet whose corners touch
+ * a body of radius R sags into it by the sum of its weights times |corner - point|^2 / (2 R):
+ * (length)^2 / (8 R) in the middle of a side. This error of the mesh is allowed twice, as the gap
+ * of a formula may exceed the distance, and up to R/5: a facet with diagonals of R sags by R (1 -
+ * sqrt(3/4)). A body smaller than the diagonals may only enter next to a node that it touches:
+ * elsewhere nothing holds it back.
  */
-static pzs_real allowed(const facet *f, pzs_real a, pzs_real b, const pzs_real x[3], const nearby *at)
+static pzs_real allowed(const facet *f, pzs_real a, pzs_real b, const pzs_real x[3],
+                        const nearby *at)
 {
     const pzs_real weight[4] = {(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b};
     const pzs_real(*corner)[3] = f->corner[1];
@@ -216,10 +224,11 @@ static int is_inside(facet *f, pzs_real a, pzs_real b)
 }
 
 /*
- * Has a point come from before the body to behind it, through the body? The normal of the least gap on the way into
- * `normal`; returns the time, 0 to 1, or -1: it has.
+ * Has a point come from before the body to behind it, through the body? The normal of the least gap
+ * on the way into `normal`; returns the time, 0 to 1, or -1: it has.
  */
-static pzs_real follow(const pzs_contact *c, const pzs_real from[3], const pzs_real to[3], pzs_real normal[3])
+static pzs_real follow(const pzs_contact *c, const pzs_real from[3], const pzs_real to[3],
+                       pzs_real normal[3])
 {
     const pzs_real d[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
     const pzs_real closed = 2 * contact_closed(c);
@@ -234,7 +243,8 @@ static pzs_real follow(const pzs_contact *c, const pzs_real from[3], const pzs_r
         return 1;
     for (int i = 0; i < WAY_HALVINGS; i++) {
         const pzs_real middle = (low + high) / 2;
-        const pzs_real x[3] = {from[0] + middle * d[0], from[1] + middle * d[1], from[2] + middle * d[2]};
+        const pzs_real x[3] = {from[0] + middle * d[0], from[1] + middle * d[1],
+                               from[2] + middle * d[2]};
         if (gap_at(c, x, normal) < -closed && passes)
             return -1;
         if (dot(normal, d) > 0)
@@ -280,7 +290,8 @@ static int search_line(facet *f, pzs_real a)
     return 0;
 }
 
-/* The least of the least gaps on its lines: on a flat facet the least of all, as both are convex. */
+/* The least of the least gaps on its lines: on a flat facet the least of all, as both are
+ * convex. */
 static int search(facet *f)
 {
     pzs_real low = 0, high = 1;
@@ -296,7 +307,8 @@ static int search(facet *f)
     return 0;
 }
 
-/* Has the body, at every time of the way, been behind its tangent plane next to the middle of the facet at time k? */
+/* Has the body, at every time of the way, been behind its tangent plane next to the middle of
+ * the facet at time k? */
 static int is_apart(const facet *f, int k)
 {
     pzs_real x[3], n[3];
@@ -329,7 +341,8 @@ static void search_facet(facet *f)
     }
 }
 
-/* Does the face that may touch look away from the body, in the middle of a facet, now and at the last equilibrium? */
+/* Does the face that may touch look away from the body, in the middle of a facet, now and at the
+ * last equilibrium? */
 static int looks_away(const facet *f)
 {
     for (int k = 0; k < 2; k++) {
@@ -362,14 +375,17 @@ static finding element_fault(pzs_contact *c, const pzs_path *path, uint32_t e, p
     return f.found;
 }
 
-static void report(pzs_contact *c, const finding *found, uint32_t e, uint8_t side)
+static void report(pzs_contact *c, const pzs_path *path, const finding *found, uint32_t e,
+                   uint8_t side)
 {
+    const pzs_real moved = motion_of(c, path, path->amount);
     c->entered = found->how;
     c->side = side;
     c->element = (uint16_t)e;
     c->node = found->node;
     c->depth = found->depth;
-    memcpy(c->spot, found->spot, sizeof c->spot);
+    for (int i = 0; i < 3; i++)
+        c->spot[i] = found->spot[i] + moved * c->face->motion[i];
 }
 
 pzs_status contact_check(pzs_contact *c, const pzs_path *path)
@@ -386,15 +402,17 @@ pzs_status contact_check(pzs_contact *c, const pzs_path *path)
         if (!found.how || (found.is_behind && status == PZS_W_BEHIND && found.depth <= c->depth))
             continue;
         status = found.is_behind ? PZS_W_BEHIND : PZS_E_PENETRATION;
-        report(c, &found, e, side);
+        report(c, path, &found, e, side);
     }
     return status;
 }
 
 /* ---- length of a load step ---------------------------------------------- */
 
-/* Part of the body's way d, from 0 to 1, after which it is as near to x as `near`: gaps fall by at most |d|. */
-static pzs_real free_part(const pzs_contact *c, const pzs_real x[3], const pzs_real d[3], pzs_real near)
+/* Part of the body's way d, from 0 to 1, after which it is as near to x as `near`: gaps fall by
+ * at most |d|. */
+static pzs_real free_part(const pzs_contact *c, const pzs_real x[3], const pzs_real d[3],
+                          pzs_real near)
 {
     const pzs_real length = PZS_SQRT(dot(d, d));
     pzs_real part = 0;

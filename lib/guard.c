@@ -92,7 +92,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_HELD: return "no usable measurement or target: volts held";
     case PZS_W_ELECTRODE: return "an electrode does not follow its amplifier: it is held";
     case PZS_W_UNSTABLE: return "an equilibrium with negative pivots: not a stable shape";
-    case PZS_W_BEHIND: return "a part of the shell that faces away from the body of the contact lies in it";
+    case PZS_W_BEHIND: return "a part of the shell that faces away from the body lies in it";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables damaged";

@@ -427,7 +427,8 @@ static void restore(pzs_path *path)
             o->call->restore(o, path);
 }
 
-/* Do all options let the settled shape stand? Otherwise path->refused is the error of the first that does not. */
+/* Do all options let the settled shape stand? Otherwise path->refused is the error of the first
+ * that does not. */
 static int is_accepted(pzs_path *path)
 {
     path->warned = 0;
@@ -484,15 +485,18 @@ static pzs_real longest_part(const pzs_path *path, const pzs_real *amount)
     return part;
 }
 
-/* The way to the amounts in equal units: the whole, what is done, the next load step, the longest one. */
+/* The way to the amounts in equal units: the whole, what is done, the next load step, the
+ * longest one. */
 typedef struct way {
     uint32_t whole, done, stride, longest;
 } way;
 
-/* Divide the units further, until a load step by `part` of what is left can be halved as often as the first one. */
+/* Divide the units further, until a load step by `part` of what is left can be halved as often
+ * as the first one. */
 static void refine(way *w, pzs_real part)
 {
-    while (part * (pzs_real)(w->whole - w->done) < (pzs_real)(1u << MOST_CUTS) && w->whole < 1u << 30) {
+    const pzs_real enough = (pzs_real)(1u << MOST_CUTS);
+    while (part * (pzs_real)(w->whole - w->done) < enough && w->whole < 1u << 30) {
         w->whole *= 2;
         w->done *= 2;
         w->stride *= 2;
@@ -515,8 +519,8 @@ static uint32_t next_stride(const pzs_path *path, way *w, const pzs_real *amount
 }
 
 /*
- * All load steps: in units of 1/(steps 2^MOST_CUTS) of the way or less, so that the end is met exactly. A step that does
- * not settle is halved; one that does is doubled, up to the first size.
+ * All load steps: in units of 1/(steps 2^MOST_CUTS) of the way or less, so that the end is met
+ * exactly. A step that does not settle is halved; one that does is doubled, up to the first size.
  */
 static pzs_status follow(pzs_path *path, const pzs_real *amount)
 {
@@ -580,7 +584,8 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
         path->stage = PATH_SETTLED;
         path->model->stage = STAGE_AT_SHAPE;
     }
-    return fail(path, status, path->refused && status == (pzs_status)path->refused ? path->refused_at : -1);
+    const int is_refused = PZS_IS_ERROR(status) && status == (pzs_status)path->refused;
+    return fail(path, status, is_refused ? path->refused_at : -1);
 }
 
 #endif

@@ -240,7 +240,8 @@ static inline void attach_follower(rig *g, int load_face, int normal_face, int t
     assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &g->follower), PZS_OK);
 }
 
-/* Contact of the outer face below (a cylinder) or above (a plate); input 1 moves the body, of which g->body is a copy. */
+/* Contact of the outer face below (a cylinder) or above (a plate); input 1 moves the body, of
+ * which g->body is a copy. */
 static inline pzs_status try_contact(rig *g, const pzs_body *body, const double motion[3])
 {
     pzs_contact_face *f = &g->face;

@@ -163,7 +163,8 @@ static void contact_tangent_is_the_derivative_of_its_force(void **state)
     (void)state;
     const double step = cbrt(EPS), motion[3] = {0.3, -0.5, 0.8};
     for (int trial = 0; trial < 50; trial++) {
-        const pzs_body ball = {pzs_gap_sphere, {(pzs_real)uniform(), (pzs_real)uniform(), -2}, {0, 0, 0}, 1, NULL, 0};
+        const pzs_real at[2] = {(pzs_real)uniform(), (pzs_real)uniform()};
+        const pzs_body ball = {pzs_gap_sphere, {at[0], at[1], -2}, {0, 0, 0}, 1, NULL, 0};
         rig *g = ring_open(nothing);
         pzs_real f[2][7 * MOST_NODES];
         const int n = trial % g->nodes;
@@ -358,7 +359,8 @@ static void penetrating_body_is_pushed_out(void **state)
     rig_close(g);
 }
 
-/* A shell whose face looks away from the body that it lies in is not an equilibrium in contact: the body came from behind. */
+/* A shell whose face looks away from the body that it lies in is not an equilibrium in contact:
+ * the body came from behind. */
 static void face_that_looks_away_is_refused(void **state)
 {
     (void)state;
@@ -529,16 +531,19 @@ static void find_place(const rig *g, int n, int side, double x[3])
 {
     const double z = side ? g->h / 2 : -g->h / 2;
     for (int i = 0; i < 3; i++) {
-        x[i] = g->x[n][i] + z * g->e[n][2][i] - (double)g->path.amount[1] * (double)g->face.motion[i];
+        x[i] =
+            g->x[n][i] + z * g->e[n][2][i] - (double)g->path.amount[1] * (double)g->face.motion[i];
         for (int k = 0; k < 3; k++)
             for (int part = 0; part < 2; part++) {
                 const uint16_t dof = g->node_dof[n][3 * part + k];
-                x[i] += dof == PZS_FIXED ? 0 : (part ? z : 1) * (double)g->path.u[dof] * g->e[n][k][i];
+                x[i] +=
+                    dof == PZS_FIXED ? 0 : (part ? z : 1) * (double)g->path.u[dof] * g->e[n][k][i];
             }
     }
 }
 
-/* Least gap of a fine grid of points on every element of both faces, and how many of the outer face are straight above the body. */
+/* Least gap of a fine grid of points on every element of both faces, and how many of the outer
+ * face are straight above the body. */
 static double least_gap(const rig *g, int *above)
 {
     double least = HUGE_VAL;
@@ -562,8 +567,8 @@ static double least_gap(const rig *g, int *above)
     return least;
 }
 
-/* What must hold after a body came down onto the plate: it is still above it, in it by at most the sag of a facet, and an end
- * before the full way is named. */
+/* What must hold after a body came down onto the plate: it is still above it, in it by at most the
+ * sag of a facet, and an end before the full way is named. */
 static void assert_not_passed(const rig *g, pzs_status status, double sag)
 {
     int above;
@@ -575,15 +580,22 @@ static void assert_not_passed(const rig *g, pzs_status status, double sag)
         assert_true(g->contact.nodes > 0 && g->contact.force[2] < 0);
 }
 
-/* Bodies of every size, on nodes and between them, that one load step would carry to the far side of the plate. */
+/* Bodies of every size, on nodes and between them, that one load step would carry to the far
+ * side of the plate. */
 static void no_body_jumps_through_a_plate(void **state)
 {
     (void)state;
-    const double size[4] = {0.4, 0.1, 0.03, 0.004}, place[3][2] = {{0.4, 0.4}, {0.45, 0.45}, {0.43, 0.38}};
+    const double size[4] = {0.4, 0.1, 0.03, 0.004},
+                 place[3][2] = {{0.4, 0.4}, {0.45, 0.45}, {0.43, 0.38}};
     for (int trial = 0; trial < 4 * 3 * 2 * 2; trial++) {
-        const double radius = size[trial % 4], *at = place[trial / 4 % 3], move = trial / 12 % 2 ? 300 : 0.1 + 4 * radius;
+        const double radius = size[trial % 4], *at = place[trial / 4 % 3],
+                     move = trial / 12 % 2 ? 300 : 0.1 + 4 * radius;
         const pzs_body body = {trial < 24 ? pzs_gap_sphere : pzs_gap_cylinder,
-            {(pzs_real)at[0], (pzs_real)at[1], (pzs_real)(0.1 + radius)}, {0, trial < 24 ? 0 : 1, 0}, (pzs_real)radius, NULL, 0};
+                               {(pzs_real)at[0], (pzs_real)at[1], (pzs_real)(0.1 + radius)},
+                               {0, trial < 24 ? 0 : 1, 0},
+                               (pzs_real)radius,
+                               NULL,
+                               0};
         rig *g = plate_open();
         attach_contact(g, &body, down);
         const pzs_status status = settle(g, 0, move);
@@ -594,11 +606,14 @@ static void no_body_jumps_through_a_plate(void **state)
     }
 }
 
-/* A small ball over the middle of an element, between its nodes: refused with the element and the place, just above it. */
+/* A small ball over the middle of an element, between its nodes: refused with the element and
+ * the place, just above it. */
 static void small_ball_between_nodes_is_refused(void **state)
 {
     (void)state;
-    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.36, (pzs_real)0.55, (pzs_real)0.05}, {0, 0, 0}, (pzs_real)0.01, NULL, 0};
+    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.36, (pzs_real)0.55, (pzs_real)0.05},
+                           {0, 0, 0},      (pzs_real)0.01,
+                           NULL,           0};
     rig *g = plate_open();
     attach_contact(g, &ball, down);
     assert_int_equal(settle(g, 0, 0.035), PZS_E_PENETRATION);
@@ -608,8 +623,11 @@ static void small_ball_between_nodes_is_refused(void **state)
     assert_int_equal(g->contact.node, PZS_FIXED);
     assert_int_equal(g->contact.side, 1);
     assert_int_equal(g->contact.nodes, 0);
-    assert_true(fabs((double)g->contact.spot[0] - 0.36) < 0.01 && fabs((double)g->contact.spot[1] - 0.55) < 0.01);
-    assert_true(fabs((double)g->path.factor * 0.035 - 0.03) < 0.035 / 32); /* it touches after 0.03 */
+    assert_true(fabs((double)g->contact.spot[0] - 0.36) < 0.01
+                && fabs((double)g->contact.spot[1] - 0.55) < 0.01
+                && fabs((double)g->contact.spot[2] - 0.01) < 1e-5);
+    assert_true(fabs((double)g->path.factor * 0.035 - 0.03)
+                < 0.035 / 32); /* it touches after 0.03 */
     for (int d = 0; d < g->dof; d++)
         assert_true(g->path.u[d] == 0);
     rig_close(g);
@@ -622,8 +640,10 @@ static void body_on_the_wrong_side_is_refused(void **state)
     const double radius[3] = {0.3, 0.05, 0.01};
     for (int trial = 0; trial < 9; trial++) {
         const double r = radius[trial % 3], z[3] = {-0.02 - r, 0.005, 0.0};
-        const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.43, (pzs_real)0.38, (pzs_real)z[trial / 3]}, {0, 0, 0}, (pzs_real)r,
-            NULL, 0};
+        const pzs_body ball = {
+            pzs_gap_sphere, {(pzs_real)0.43, (pzs_real)0.38, (pzs_real)z[trial / 3]},
+            {0, 0, 0},      (pzs_real)r,
+            NULL,           0};
         rig *g = plate_open();
         attach_contact(g, &ball, up);
         const pzs_status status = settle(g, 0, trial < 3 ? 1 : 0);
@@ -634,14 +654,17 @@ static void body_on_the_wrong_side_is_refused(void **state)
         if (trial < 3) {
             int above;
             assert_int_equal(g->contact.side, 0);
-            assert_true(g->path.factor > 0 && least_gap(g, &above) > -(r > 0.15 ? 0.02 / (4 * r) : 1e-3 * r));
+            assert_true(g->path.factor > 0
+                        && least_gap(g, &above) > -(r > 0.15 ? 0.02 / (4 * r) : 1e-3 * r));
         }
         rig_close(g);
     }
 }
 
-/* psi / |grad psi| of an ellipsoid, and of a slab, in whose curvature its thickness does not show. */
-static pzs_real gap_ellipsoid(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3])
+/* psi / |grad psi| of an ellipsoid, and of a slab, in whose curvature its thickness does not
+ * show. */
+static pzs_real gap_ellipsoid(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+                              pzs_real hessian[3][3])
 {
     const pzs_real *axis = body->own;
     pzs_real psi = -1, slope = 0;
@@ -663,10 +686,14 @@ static pzs_real gap_ellipsoid(const pzs_body *body, const pzs_real x[3], pzs_rea
 static void no_body_by_formula_jumps_through_a_plate(void **state)
 {
     (void)state;
-    const pzs_real axis[4][3] = {{(pzs_real)0.3, (pzs_real)0.2, (pzs_real)0.1}, {(pzs_real)0.05, (pzs_real)0.1, (pzs_real)0.02},
-        {1000, 1000, (pzs_real)0.01}, {(pzs_real)0.02, 1000, (pzs_real)0.02}};
+    const pzs_real axis[4][3] = {{(pzs_real)0.3, (pzs_real)0.2, (pzs_real)0.1},
+                                 {(pzs_real)0.05, (pzs_real)0.1, (pzs_real)0.02},
+                                 {1000, 1000, (pzs_real)0.01},
+                                 {(pzs_real)0.02, 1000, (pzs_real)0.02}};
     for (int k = 0; k < 4; k++) {
-        const pzs_body body = {gap_ellipsoid, {(pzs_real)0.43, (pzs_real)0.38, (pzs_real)0.3}, {0, 0, 0}, 0, axis[k], 0};
+        const pzs_body body = {gap_ellipsoid, {(pzs_real)0.43, (pzs_real)0.38, (pzs_real)0.3},
+                               {0, 0, 0},     0,
+                               axis[k],       0};
         rig *g = plate_open();
         attach_contact(g, &body, down);
         const pzs_status status = settle(g, 0, 3);
@@ -676,18 +703,25 @@ static void no_body_by_formula_jumps_through_a_plate(void **state)
     }
 }
 
-/* The shell that moves, past a body that stays: a strip lifted through a bar above it by its load. */
+/* The shell that moves, past a body that stays: a strip lifted through a bar above it by its
+ * load. */
 static void no_shell_jumps_through_a_body(void **state)
 {
     (void)state;
     const double radius[3] = {0.05, 0.02, 0.002}, load = -0.003;
     for (int trial = 0; trial < 6; trial++) {
         const double r = radius[trial % 3], x = trial < 3 ? 0.6 : 0.55;
-        const pzs_body bar = {pzs_gap_cylinder, {(pzs_real)x, 0, (pzs_real)(0.06 + r)}, {0, 1, 0}, (pzs_real)r, NULL, 0};
+        const pzs_body bar = {pzs_gap_cylinder,
+                              {(pzs_real)x, 0, (pzs_real)(0.06 + r)},
+                              {0, 1, 0},
+                              (pzs_real)r,
+                              NULL,
+                              0};
         rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.05, 0, strip_support, 6);
         rig *alone = rig_open(12, 1, 0, 0.1, 0.3, 0.05, 0, strip_support, 6);
         assert_false(PZS_IS_ERROR(settle(alone, load, 0)));
-        assert_true(alone->path.u[alone->output_dof[0]] > (pzs_real)0.25); /* it would move well past the bar */
+        assert_true(alone->path.u[alone->output_dof[0]]
+                    > (pzs_real)0.25); /* it would move well past the bar */
         attach_contact(g, &bar, still);
         const pzs_status status = settle(g, load, 0);
         assert_not_passed(g, status, r / 5);
@@ -696,13 +730,16 @@ static void no_shell_jumps_through_a_body(void **state)
     }
 }
 
-/* A body that never touches is free to move however far, in a few load steps, and the shell feels nothing. */
+/* A body that never touches is free to move however far, in a few load steps, and the shell
+ * feels nothing. */
 static void body_that_never_touches_is_let_go(void **state)
 {
     (void)state;
     const double to[4][3] = {{100, 0, 0}, {0, 0, 1}, {-1e4, 1e4, 0}, {0, 0.05, 0}};
     for (int k = 0; k < 4; k++) {
-        const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.4, (pzs_real)0.4, (pzs_real)0.14}, {0, 0, 0}, (pzs_real)0.02, NULL, 0};
+        const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.4, (pzs_real)0.4, (pzs_real)0.14},
+                               {0, 0, 0},      (pzs_real)0.02,
+                               NULL,           0};
         rig *g = plate_open();
         attach_contact(g, &ball, to[k]);
         assert_int_equal(settle(g, 1e-6, 1), PZS_OK);
@@ -713,11 +750,13 @@ static void body_that_never_touches_is_let_go(void **state)
     }
 }
 
-/* Steps are added where the body comes near, within the budget, and counted; pressed gently, it ends in contact. */
+/* Steps are added where the body comes near, within the budget, and counted; pressed gently, it
+ * ends in contact. */
 static void body_that_moves_far_gets_load_steps(void **state)
 {
     (void)state;
-    const pzs_body ball = {pzs_gap_sphere, {(pzs_real)0.4, (pzs_real)0.4, 10}, {0, 0, 0}, (pzs_real)0.05, NULL, 0};
+    const pzs_body ball = {
+        pzs_gap_sphere, {(pzs_real)0.4, (pzs_real)0.4, 10}, {0, 0, 0}, (pzs_real)0.05, NULL, 0};
     for (int trial = 0; trial < 2; trial++) {
         rig *g = plate_open();
         attach_contact(g, &ball, down);
@@ -726,7 +765,8 @@ static void body_that_moves_far_gets_load_steps(void **state)
         assert_int_equal(status, trial ? PZS_E_SYSTEMS : PZS_OK);
         assert_true(g->path.systems <= g->path.systems_allowed);
         if (!trial) {
-            assert_true(g->path.steps_short >= 1 && g->path.steps_taken > 1 && g->path.steps_taken < 10);
+            assert_true(g->path.steps_short >= 1 && g->path.steps_taken > 1
+                        && g->path.steps_taken < 10);
             assert_complementary(g);
             assert_not_passed(g, status, 0.01);
         }
@@ -766,7 +806,8 @@ static void body_out_of_range_is_refused(void **state)
 }
 
 /* A gap function that returns no number is no gap: nothing is called an equilibrium. */
-static pzs_real gap_nan(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3])
+static pzs_real gap_nan(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+                        pzs_real hessian[3][3])
 {
     const pzs_real gap = pzs_gap_plane(body, x, normal, hessian);
     return x[0] > (pzs_real)0.35 && x[0] < (pzs_real)0.45 ? (pzs_real)NAN : gap;
@@ -784,7 +825,8 @@ static void gap_that_is_no_number_is_refused(void **state)
 
 static pzs_status attach_body(rig *g)
 {
-    return pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work, PZS_CONTACT_BYTES(g->nodes));
+    return pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work,
+                              PZS_CONTACT_BYTES(g->nodes));
 }
 
 static void every_bit_of_a_body_counts(void **state)
@@ -793,7 +835,9 @@ static void every_bit_of_a_body_counts(void **state)
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
     g->path.option = NULL;
-    assert_bits_count(g, g->body.point, sizeof g->body.point + sizeof g->body.axis + sizeof g->body.radius, attach_body);
+    assert_bits_count(g, g->body.point,
+                      sizeof g->body.point + sizeof g->body.axis + sizeof g->body.radius,
+                      attach_body);
     assert_bits_count(g, &g->body.crc, sizeof g->body.crc, attach_body);
     assert_int_equal(attach_body(g), PZS_OK);
     rig_close(g);

@@ -149,12 +149,14 @@ static const row tori[] = {
     {"torus-contact", SOURCE COARSE TORUS_DEAD ROAD, {-16.9101, -3975.009}, {0}, 5e-4, 1e-3, 1, 7, SOME},
 };
 
-/* A ring whose top has moved by more than its diameter has come through its own bottom, onto the body behind it. */
+/* A ring whose top has moved by more than its diameter has come through its own bottom, onto the
+ * body behind it. */
 static pzs_status expected_status(const row *t, const scene_run *r)
 {
     if (t->negative)
         return PZS_W_UNSTABLE;
-    return strcmp(t->scene, "ring-contact") == 0 && scene_run_value(r, 0) < -200 ? PZS_W_BEHIND : PZS_OK;
+    const int is_ring = strcmp(t->scene, "ring-contact") == 0;
+    return is_ring && scene_run_value(r, 0) < -200 ? PZS_W_BEHIND : PZS_OK;
 }
 
 /* Print a row, what is off as errors; returns whether anything is. */
