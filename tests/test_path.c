@@ -256,7 +256,7 @@ static void test_contact_sag(void **state)
         const double length = acos(-1.0) * 100 / elements;
         char changes[64];
         scene_run r;
-        snprintf(changes, sizeof changes, SOURCE "mesh.theta1.elements=%d;", elements);
+        snprintf(changes, sizeof changes, PUBLISHED "mesh.theta1.elements=%d;", elements);
         solve_run(&r, "ring-contact", changes);
         assert_true(fabs(r.analysis.path.contact.sag / (length * length / 8000) - 1) < 5e-3);
         assert_int_equal(r.analysis.path.contact.entered, 0);
