@@ -136,6 +136,7 @@ static const struct {
     {"estimate.readings.noise", OF_READING},
     {"estimate.volts", VOLTAGE},
     {"estimate.loads|tolerance", PURE},
+    {"target.free", PURE},
     {"dynamics.damping|modes", PURE},
     {"dynamics.mass_per_area", AREA_DENSITY},
     {"simulate.ticks|seed", PURE},
