@@ -94,6 +94,30 @@ run 0 solve bimorph-sensor && grep -q '^  s_1_1 *open *2.923510e+02' "$dir/out" 
 run 0 solve crawley-lazarus --report "$dir/c.html" && grep -q 'Along lines' "$dir/c.html"; check 'curves along lines' $?
 run 0 solve clamped-plate --set element=corrected --set materials.plate.nu=0.49; check '--set changes the scene' $?
 
+# Outputs at several nodes or electrodes: every value comes out, and each is that of an output at its node alone
+several='outputs=[{name: all, contact: pressure, at: nodes}, {name: edge, contact: pressure, edge: theta2-}, {name: nodes, contact: nodes},
+    {name: part, contact: pressure, at: {theta1: [0.5, 0.7]}}, {name: u, u3: outer, edge: theta2-}, {name: one, contact: pressure, at: {theta1: pi/5, theta2: 0}}]'
+run 0 solve ring-contact --set "$several" --json && json "(lambda o, p:
+    len(o['all']) == 62 and len(o['edge']) == 31 and len(o['part']) == 4 and sum(v != 0 for v in o['all']) == o['nodes'] > 0 and
+    [e['value'] for e in p['all']] == o['all'] and sorted(p['u'][0]) == ['theta1', 'theta2', 'value', 'x', 'y', 'z'] and
+    p['edge'] == [e for e in p['all'] if e['theta2'] == 0] and p['part'] == [e for e in p['all'] if .5 <= e['theta1'] <= .7] and
+    o['one'] == [e['value'] for e in p['edge'] if abs(e['theta1']-3.14159265/5) < 1e-6][0] == max(o['all']) > 0 and
+    all(abs(e['x']**2 + e['y']**2 - 1e4) < 1e-9 and e['z'] == e['theta2'] for e in p['all']))(j['outputs'], j['output_places'])"
+check 'contact pressures of an edge, a region and all nodes in JSON' $?
+run 0 solve ring-contact --set "$several" --report "$dir/several.html" && [ "$(awk '/ theta1 .* all$/ {on = 1; next} /^  [a-z]/ {on = 0} on' "$dir/out" | wc -l)" -eq 62 ] &&
+    grep -q '^ *6.283185e-01  0.000000e+00   8.090170e+01  5.877853e+01  0.000000e+00 * 1.039' "$dir/out" &&
+    [ "$(grep -c '^<tr><th scope="row"></th><td>' "$dir/several.html")" -eq $((62 + 31 + 4 + 31)) ]
+check 'the same as a table with the coordinates of the nodes, in text and in the report' $?
+run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}, {name: Q, charge: s}]' --json && json "
+    [e['electrode'] for e in j['output_places']['V']] == list(j['electrodes']) and len(j['outputs']['V']) == len(j['outputs']['Q']) == 5 and
+    [e['value'] for e in j['output_places']['V']] == j['outputs']['V'] == [e['volts'] for e in j['electrodes'].values()]" &&
+    run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}]' && [ "$(grep -c '^    s_[1-5]_1  *[0-9.e+]*$' "$dir/out")" -eq 5 ]
+check 'the voltages of several electrodes under their names' $?
+run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: theta1+}' --json && json "
+    len(j['results'][1]['outputs']['rim']) == 11 and [e['value'] for e in j['output_places']['rim']] == j['outputs']['rim'] and j['outputs'] == j['results'][1]['outputs']" &&
+    run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: theta1+}' && [ "$(awk '/ theta1 .* rim$/ {on = 1; next} /^$/ {on = 0} on' "$dir/out" | wc -l)" -eq 11 ]
+check 'shape: an output of an edge has all its nodes' $?
+
 run 0 tables plate-50-patches --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
 check 'the same scene gives the same tables' $?
 run 2 tables plate-50-patches && says '-o FILE'; check 'tables without -o' $?
@@ -191,6 +215,8 @@ loads: [{face: outer, pressure: 1}]
 outputs: [{name: a, u3: middle, at: {theta1: 2, theta2: 0}}, {name: b, u3: middle, at: {theta1: 2, theta2: 2*pi}}]
 EOT
 run 0 solve "$dir/tube.yaml" --json && json "j['outputs']['a']==j['outputs']['b'] and j['nodes']==80"; check 'a closed tube is closed' $?
+run 0 solve "$dir/tube.yaml" --set 'outputs.1={name: b, u3: middle, at: {theta1: [2, 2], theta2: [2*pi, 2*pi]}}' --json && json "j['outputs']['a']==j['outputs']['b']"
+check 'a region on the seam holds the nodes of the seam' $?
 run 0 solve "$dir/tube.yaml" --set 'supports.1={edge: theta2+, fix: clamped}' --json && json "j['outputs']['a']==0"; check 'a support on the seam holds from either side' $?
 run 2 solve "$dir/tube.yaml" --set mesh.theta2.elements=2 && says 'at least 3'; check 'two elements around are refused' $?
 run 0 tables plate-50-patches --set 'limits.voltage=[-133.3, 133.3]' --set limits.slew=0.1 --prefix a -o "$dir/a.h"
