@@ -42,6 +42,9 @@ const char *const options_help =
     "  pzs simulate plate-few-sensors --device mps2-an386\n"
     "  pzs simulate plate-closed-loop --set simulate.plant.d=0.5 --set simulate.ticks=300 --device netduinoplus2\n"
     "\n"
+    "The solver residual and the solver error estimate of `pzs solve` are those of the linear solve. The discretisation error\n"
+    "is not in them: solve on a second, finer mesh and compare.\n"
+    "\n"
     "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.\n";
 
 /* ---- command line ----------------------------------------------------- */

@@ -78,6 +78,11 @@ for k in 'scordelis-lo' 'hemisphere'; do
     run 0 solve $k --json && json "not [k for k in '$common steps systems iterations residual negative_pivots outputs seconds'.split() if k not in j] and all(j['seconds'][k]>=0 for k in 'assemble factor solve total'.split()) and all(type(v) is float for v in j['outputs'].values())"
     check "keys of solve --json: $k" $?
 done
+run 0 solve scordelis-lo --json && json "0 < j['solver_residual'] < 1e-6 and 0 < j['solver_error_estimate'] < 1e-6 and 'error' not in j" &&
+    run 0 solve scordelis-lo --report "$dir/r.html" && grep -q '^  linear solve: solver residual .*, solver error estimate .* in the energy norm' "$dir/out" &&
+    grep -q '^  discretisation error: not part of these figures; compare with a finer mesh' "$dir/out" && grep -q 'Solver residual' "$dir/r.html" && grep -q 'Solver error estimate' "$dir/r.html" &&
+    run 0 solve hemisphere && grep -q 'solver residual .* of the load$' "$dir/out" && grep -q '^  discretisation error: not part' "$dir/out"
+check 'errors of the solver are called so, and the discretisation error is said to be missing' $?
 run 0 check plate-50-patches && grep -q '^  control  *[0-9]' "$dir/out" && grep -q '^  linear  *[0-9]' "$dir/out"; check 'check tells what each image needs' $?
 run 0 check plate-50-patches --json && json "j['images']['control']['flash']['double']==8*(121*25+25*25+2*121+4*25) and j['images']['linear']['ram']['double']>2*j['images']['linear']['ram']['float']-4000"; check 'check --json' $?
 run 0 shape plate-50-patches --limit 200 --limit 100 --json && json "abs(j['results'][0]['shape_error']-.05538)<1e-5"; check 'shape without limits .05538' $?
