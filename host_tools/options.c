@@ -40,7 +40,7 @@ const char *const options_help =
     "  pzs tables plate-50-patches --level linear --prefix plate -o plate.h\n"
     "  pzs simulate plate-closed-loop --report loop.html --csv loop.csv\n"
     "  pzs simulate plate-few-sensors --device mps2-an386\n"
-    "  pzs simulate plate-closed-loop --set simulate.plant.d=0.5 --set simulate.ticks=300 --device netduinoplus2\n"
+    "  pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --device netduinoplus2\n"
     "\n"
     "The solver residual and the solver error estimate of `pzs solve` are those of the linear solve. The discretisation error\n"
     "is not in them: solve on a second, finer mesh and compare.\n"
