@@ -1,6 +1,5 @@
 /* pzs: host simulation and precomputation. One executable, a function per subcommand. */
 #define _POSIX_C_SOURCE 200809L
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include "estimator.h"
+#include "help.h"
+#include "manual.h"
 #include "options.h"
 #include "print.h"
 #include "print_simulate.h"
@@ -25,10 +26,24 @@ static int complain(const char *error, int code)
 
 /* ---- scenes ----------------------------------------------------------- */
 
+/* No such shipped scene: say which one may have been meant. */
+static int no_scene(const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    shipped_suggest(&near, name);
+    fprintf(stderr, "pzs: no shipped scene '%s'%s; see pzs list; a file needs its ending, as %s.yaml\n", name,
+            suggest_text(&near, text), name);
+    return OPTIONS_WRONG;
+}
+
 static int open_scene(const options *o, scene *s)
 {
     char path[OPTIONS_PATH], error[SCENE_ERROR];
-    options_scene_path(o->scene, path);
+    struct stat there;
+    shipped_path(o->scene, path);
+    if (shipped_is_name(o->scene) && stat(path, &there) != 0)
+        return no_scene(o->scene);
     return scene_read(s, path, o->set, o->sets, error) == 0 ? 0 : complain(error, OPTIONS_WRONG);
 }
 
@@ -357,13 +372,6 @@ static int command_check(const options *o, analysis *a)
     return 0;
 }
 
-/* Entries of the scene folder that are scenes. */
-static int is_scene(const struct dirent *entry)
-{
-    const size_t length = strlen(entry->d_name), ending = strlen(".yaml");
-    return length > ending && strcmp(entry->d_name + length - ending, ".yaml") == 0;
-}
-
 /* Name and purpose in at most 100 columns, cut after a word. */
 static void list_line(const char *name, const char *about)
 {
@@ -378,14 +386,13 @@ static void list_line(const char *name, const char *about)
     printf("%.*s%s\n", end, about, end < length ? "..." : "");
 }
 
-static int list_scene(const char *file)
+static int list_scene(void *context, const char *name)
 {
-    char name[SCENE_NAME];
-    snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - strlen(".yaml")), file);
     const options o = {.scene = name};
     scene s;
+    (void)context;
     if (open_scene(&o, &s))
-        return OPTIONS_WRONG;
+        return 1;
     list_line(s.name, s.about ? s.about : "");
     scene_free(&s);
     return 0;
@@ -393,46 +400,88 @@ static int list_scene(const char *file)
 
 static int command_list(void)
 {
-    struct dirent **entry;
-    const int count = scandir(options_folder(), &entry, is_scene, alphasort);
-    int status = count < 0 ? options_refuse("cannot read the folder of scenes", options_folder()) : 0;
-    for (int i = 0; i < count; i++) {
-        status |= list_scene(entry[i]->d_name);
-        free(entry[i]);
-    }
-    if (count >= 0)
-        free(entry);
-    return status;
+    const int failed = shipped_each(list_scene, NULL);
+    if (failed < 0)
+        return options_refuse("cannot read the folder of scenes", shipped_folder());
+    return failed ? OPTIONS_WRONG : 0;
 }
 
-static int run_command(int argc, char **argv)
+/* ---- commands --------------------------------------------------------- */
+
+static int print_help(const options *o)
 {
-    static const struct {
-        const char *name;
-        command *run;
-    } commands[] = {{"solve", command_solve}, {"shape", command_shape}, {"tables", command_tables}, {"check", command_check},
-                    {"simulate", command_simulate}};
-    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-        fputs(options_help, argc < 2 ? stderr : stdout);
-        return argc < 2 ? OPTIONS_WRONG : 0;
-    }
-    if (strcmp(argv[1], "list") == 0)
+    if (o->word)
+        help_command(stdout, command_find(o->word));
+    else
+        help_all(stdout);
+    return 0;
+}
+
+static int run_command(command_id id, const options *o)
+{
+    switch (id) {
+    case COMMAND_LIST:
         return command_list();
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        if (strcmp(argv[1], commands[i].name) == 0) {
-            options o;
-            for (int k = 2; k < argc; k++)
-                if (strcmp(argv[k], "--help") == 0)
-                    return fputs(options_help, stdout) < 0;
-            const int wrong = options_read(&o, argc, argv);
-            return wrong ? wrong : run_on_scene(&o, commands[i].run);
-        }
-    return options_refuse("unknown command", argv[1]);
+    case COMMAND_CHECK:
+        return run_on_scene(o, command_check);
+    case COMMAND_SOLVE:
+        return run_on_scene(o, command_solve);
+    case COMMAND_SHAPE:
+        return run_on_scene(o, command_shape);
+    case COMMAND_TABLES:
+        return run_on_scene(o, command_tables);
+    case COMMAND_SIMULATE:
+        return run_on_scene(o, command_simulate);
+    case COMMAND_COMPLETION:
+        manual_completion(stdout);
+        return 0;
+    case COMMAND_MAN:
+        manual_page(stdout);
+        return 0;
+    case COMMAND_HELP:
+        return print_help(o);
+    case COMMANDS:
+        break;
+    }
+    return OPTIONS_WRONG;
+}
+
+static int asks_for(option_id option, int argc, char **argv, int from)
+{
+    for (int i = from; i < argc; i++)
+        if (option_find(argv[i]) == option)
+            return 1;
+    return 0;
+}
+
+static int run_line(int argc, char **argv)
+{
+    options o;
+    if (argc < 2) {
+        help_all(stderr);
+        return OPTIONS_WRONG;
+    }
+    const option_id alone = option_find(argv[1]);
+    const command_id id = command_find(argv[1]);
+    if (alone == OPTION_VERSION)
+        return printf("pzs %s\n", PZS_VERSION) < 0;
+    if (alone == OPTION_HELP) {
+        help_all(stdout);
+        return 0;
+    }
+    if (id == COMMANDS)
+        return options_unknown_command(argv[1]);
+    if (asks_for(OPTION_HELP, argc, argv, 2)) {
+        help_command(stdout, id);
+        return 0;
+    }
+    const int wrong = options_read(&o, id, argc, argv);
+    return wrong ? wrong : run_command(id, &o);
 }
 
 int main(int argc, char **argv)
 {
-    const int status = run_command(argc, argv);
+    const int status = run_line(argc, argv);
     if (fflush(stdout) == 0 && !ferror(stdout))
         return status;
     perror("pzs: standard output");

@@ -64,6 +64,38 @@ bad() {
 run 0 --help && grep -q 'Examples:' "$dir/out"; check '--help teaches by example' $?
 run 2; check 'no arguments: usage, exit code 2' $?
 run 2 sovle plate-50-patches && says "unknown command 'sovle'"; check 'unknown command' $?
+run 2 sovle plate-50-patches && says "did you mean 'solve'"; check 'a command mistyped' $?
+run 2 solve plate-50-patches --reprot x.html && says "did you mean '--report'"; check 'an option mistyped' $?
+run 2 solve plate-50-patchs && says "did you mean 'plate-50-patches'"; check 'a scene mistyped' $?
+run 2 tables hemisphere -o "$dir/t.h" --level liner && says "control, linear or nonlinear, not 'liner' (did you mean 'linear'?)"; check 'a choice mistyped' $?
+run 2 solve xyzzy && says 'xyzzy' && ! says 'did you mean'; check 'a scene that is near none' $?
+run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?
+run 2 list plate-50-patches && says 'takes no argument'; check 'a command without argument' $?
+run 0 --version && [ "$(cat "$dir/out")" = "pzs $(sed -n 's/^#define PZS_VERSION "\(.*\)"/\1/p' include/pzs.h)" ]; check '--version' $?
+"$PZS" --help >"$dir/all" && run 0 -h && cmp -s "$dir/out" "$dir/all" && run 0 help && cmp -s "$dir/out" "$dir/all"; check '-h and help are --help' $?
+[ "$(awk 'length > 110' "$dir/all" | wc -l)" -eq 0 ]; check 'the help fits a terminal' $?
+commands=$(sed -n 's/^  pzs \([a-z]*\) .*/\1/p' "$dir/all" | sort -u)
+for c in $commands; do
+    run 0 help "$c" && cp "$dir/out" "$dir/one" && run 0 "$c" --help && cmp -s "$dir/out" "$dir/one" && run 0 "$c" x -h && cmp -s "$dir/out" "$dir/one" &&
+        grep -q "^usage: pzs $c" "$dir/one" && grep -q '^Examples:' "$dir/one" && grep -q "^  pzs $c" "$dir/one"
+    check "help of $c" $?
+done
+run 0 help tables && grep -q '^  --level' "$dir/out" && ! grep -q -e '--csv' "$dir/out"; check 'the help of a command has its options alone' $?
+run 2 help solv && says "did you mean 'solve'"; check 'help of a command mistyped' $?
+"$PZS" man >"$dir/pzs.1"; { ! command -v groff >/dev/null || [ -z "$(groff -man -ww -z "$dir/pzs.1" 2>&1)" ]; } &&
+    [ -z "$(for c in $commands; do grep -q "^.fB$c.fR" "$dir/pzs.1" || echo "$c"; done)" ] && [ "$(grep -c '^.fB' "$dir/pzs.1")" -eq $(($(echo "$commands" | wc -w) + $(grep -c '^  -' "$dir/all"))) ]
+check 'the manual page has every command and option' $?
+# complete WORD...: what bash offers for the last word
+complete() {
+    bash -c '. "$1"; shift; COMP_WORDS=(pzs "$@"); COMP_CWORD=$#; _pzs; echo "${COMPREPLY[*]}"' sh "$dir/pzs.bash" "$@"
+}
+if command -v bash >/dev/null; then
+    "$PZS" completion >"$dir/pzs.bash" && ln -sf "$(realpath "$PZS")" "$dir/pzs" && PATH="$dir:$PATH" && : >"$dir/a.html" &&
+        [ "$(complete so)" = solve ] && [ "$(complete solve --rep)" = --report ] && [ "$(complete tables x --level no)" = nonlinear ] &&
+        [ "$(complete shape plate-50)" = plate-50-patches ] && [ "$(complete help ch)" = check ] && [ "$(complete solve x --csv)" = '' ] &&
+        [ "$(complete solve x --report "$dir/a.h")" = "$dir/a.html" ]
+    check 'bash completes commands, options, choices, scenes and files' $?
+fi
 run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
 run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?

@@ -1,0 +1,131 @@
+/* The tables of commands and options (commands.h). */
+#include "commands.h"
+#include <string.h>
+
+#define BIT(command) (1u << (command))
+#define ON_SCENE (BIT(COMMAND_CHECK) | BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE))
+
+const char *const command_title = "shape control of piezoelectric shells: host simulation and precomputation";
+
+static const char *const shells[] = {"bash", NULL};
+static const char *const images[] = {"control", "linear", "nonlinear", NULL};
+static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500", "host-32", "host-64", NULL};
+
+const command_entry command_table[COMMANDS] = {
+    [COMMAND_LIST] = {
+        "list", "", ARGUMENT_NONE, NULL, "the scenes shipped, a line each",
+        "Name and purpose of each shipped scene. A name of this list is accepted wherever a command takes a SCENE.",
+        {"pzs list", NULL}},
+    [COMMAND_CHECK] = {
+        "check", "SCENE", ARGUMENT_SCENE, NULL, "read a scene and say what is wrong with it",
+        "Reads the scene, builds its mesh and factors its stiffness. The first mistake is reported with file, line and "
+        "column. A valid scene is answered with the size of its mesh, its condition and what each image needs of a device: "
+        "tables in flash, workspace in RAM, stack.",
+        {"pzs check plate-50-patches", NULL}},
+    [COMMAND_SOLVE] = {
+        "solve", "SCENE", ARGUMENT_SCENE, NULL, "displacement under the scene's loads and applied voltages",
+        "Displacement under the loads and applied voltages of the scene, and the values of its outputs. An output at several "
+        "nodes is a table with a row for each node, one of several electrodes a row for each electrode. The solver residual "
+        "and the solver error estimate are those of the linear solve; the discretisation error is not in them: solve on a "
+        "second, finer mesh and compare.",
+        {"pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8",
+         "pzs solve hemisphere --report hemisphere.html --vtu hemisphere.vtu", NULL}},
+    [COMMAND_SHAPE] = {
+        "shape", "SCENE", ARGUMENT_SCENE, NULL, "voltages that bring the shape to the scene's target, and its error",
+        "Voltages that bring the structure closest to the target of the scene: without limits, within the limits, and for "
+        "comparison without limits and then clipped. The shape error is the relative RMS error over the target nodes. The "
+        "discretisation error of the mesh is not in it.",
+        {"pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html", NULL}},
+    [COMMAND_TABLES] = {
+        "tables", "SCENE -o FILE.h", ARGUMENT_SCENE, NULL, "C tables for a firmware",
+        "Writes a C header with the tables of the scene for the library on a device. The image says how much of the "
+        "computation the device does itself.",
+        {"pzs tables plate-50-patches --level linear --prefix plate -o plate.h",
+         "pzs tables plate-closed-loop --prefix loop -o .", NULL}},
+    [COMMAND_SIMULATE] = {
+        "simulate", "SCENE", ARGUMENT_SCENE, NULL, "the controller in closed loop with a plant that differs from the model",
+        "Runs the controller in closed loop with a plant that differs from its model in stiffness, piezoelectric constants "
+        "and hysteresis, with noise, faults and events as the scene's simulate section says, and clamping for comparison.",
+        {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
+         "pzs simulate plate-few-sensors --device mps2-an386",
+         "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --device netduinoplus2", NULL}},
+    [COMMAND_COMPLETION] = {
+        "completion", "[SHELL]", ARGUMENT_CHOICE, shells, "completion of these commands for a shell (bash)",
+        "Writes a script that completes commands, options, scenes and files. Without SHELL: for bash. Load it with "
+        "`. ./pzs.bash`, or install it as share/bash-completion/completions/pzs.",
+        {"pzs completion > pzs.bash", NULL}},
+    [COMMAND_MAN] = {
+        "man", "", ARGUMENT_NONE, NULL, "the manual page, in roff",
+        "Writes the manual page in roff on standard output; `man -l pzs.1` shows it.",
+        {"pzs man > pzs.1", NULL}},
+    [COMMAND_HELP] = {
+        "help", "[COMMAND]", ARGUMENT_COMMAND, NULL, "this help, or that of one command",
+        "Usage, options and examples of one command; without COMMAND a line for each.",
+        {"pzs help shape", NULL}}};
+
+const option_entry option_table[OPTIONS] = {
+    [OPTION_SET] = {
+        "--set", NULL, "KEY=VALUE", ARGUMENT_TEXT, NULL, ON_SCENE,
+        "change the scene: --set mesh.theta1.elements=16 --set element=corrected; list items by number from 0 or by name"},
+    [OPTION_LIMIT] = {
+        "--limit", NULL, "V", ARGUMENT_TEXT, NULL, BIT(COMMAND_SHAPE),
+        "voltage limit instead of the scene's; repeat it for a comparison"},
+    [OPTION_JSON] = {
+        "--json", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_CHECK) | BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
+        "numbers for machines on standard output"},
+    [OPTION_REPORT] = {
+        "--report", NULL, "FILE.html", ARGUMENT_FILE, NULL, BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
+        "pictures and tables in one page"},
+    [OPTION_VTU] = {
+        "--vtu", NULL, "FILE.vtu", ARGUMENT_FILE, NULL, BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE),
+        "deformed shape for ParaView"},
+    [OPTION_CSV] = {
+        "--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
+        "a line a tick: tick, time (s), error of the shape over the scene's target, active (voltages at a limit), passes of "
+        "the optimiser, status (pzs_status of the tick), lost (1: the controller did not run), missed (by the estimate of "
+        "the shape), then the voltages that each amplifier gives"},
+    [OPTION_DEVICE] = {
+        "--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
+        "the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the controller; every bit compared with "
+        "the same C here. host-32, host-64: that C alone"},
+    [OPTION_LEVEL] = {
+        "--level", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
+        "control (influence matrix), linear (element matrices) or nonlinear (and the equilibrium solver at large rotation; "
+        "the scene needs kinematics: nonlinear); default control"},
+    [OPTION_PREFIX] = {
+        "--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
+        "start of every name; default the scene's name"},
+    [OPTION_OUTPUT] = {
+        "-o", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_TABLES), "output file, or a folder for it"},
+    [OPTION_HELP] = {
+        "--help", "-h", "", ARGUMENT_NONE, NULL, BIT(COMMANDS) - 1u, "this help; behind a command that of the command"},
+    [OPTION_VERSION] = {
+        "--version", NULL, "", ARGUMENT_NONE, NULL, 0, "version of pzs and of its library"}};
+
+const char *const command_notes[] = {
+    "The solver residual and the solver error estimate of `pzs solve` are those of the linear solve. The discretisation "
+    "error is not in them: solve on a second, finer mesh and compare.",
+    "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.", NULL};
+
+int command_takes(command_id command, option_id option)
+{
+    return (option_table[option].commands & BIT(command)) != 0;
+}
+
+command_id command_find(const char *name)
+{
+    int k = 0;
+    while (k < COMMANDS && strcmp(command_table[k].name, name) != 0)
+        k++;
+    return (command_id)k;
+}
+
+option_id option_find(const char *name)
+{
+    for (int k = 0; k < OPTIONS; k++) {
+        const char *other = option_table[k].other;
+        if (strcmp(option_table[k].name, name) == 0 || (other && strcmp(other, name) == 0))
+            return (option_id)k;
+    }
+    return OPTIONS;
+}
