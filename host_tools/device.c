@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include "interrupt.h"
 
 enum { TICK, HOLD, RELEASE, WATCH, ESTIMATE, QUANTISE, KNOW }; /* orders */
 enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };
@@ -63,7 +64,10 @@ static int run(const char *const *argument)
 {
     int status = -1;
     const int process = begin(argument, NULL, NULL);
-    if (process < 0 || waitpid((pid_t)process, &status, 0) < 0)
+    interrupt_child(process > 0 ? process : 0);
+    const int ended = process < 0 ? -1 : (int)waitpid((pid_t)process, &status, 0);
+    interrupt_child(0);
+    if (ended < 0)
         return -1;
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
 }
@@ -74,8 +78,10 @@ int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR])
 {
     const char *base = getenv("TMPDIR");
     const int length = snprintf(folder, DEVICE_PATH, "%s/pzs-loop-XXXXXX", base && *base ? base : "/tmp");
-    if (length < DEVICE_PATH && mkdtemp(folder))
+    if (length < DEVICE_PATH && mkdtemp(folder)) {
+        interrupt_folder(folder);
         return 0;
+    }
     snprintf(error, DEVICE_ERROR, "cannot make a folder for the firmware: %.200s; set TMPDIR to one that can be written",
              folder);
     folder[0] = '\0';
@@ -111,6 +117,7 @@ void device_remove(const char *folder)
     enum { MOST_OPEN = 16 };
     if (folder[0])
         (void)nftw(folder, remove_entry, MOST_OPEN, FTW_DEPTH | FTW_PHYS);
+    interrupt_folder(NULL);
 }
 
 /* ---- frames ----------------------------------------------------------- */
@@ -180,6 +187,8 @@ static int receive(const device *d, void *to, size_t bytes)
         struct pollfd wait = {d->from, POLLIN, 0};
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
+        if (ready < 0 && errno == EINTR)
+            continue; /* by the timer of progress.h */
         const ssize_t n = ready > 0 ? read(d->from, at, bytes) : 0;
         if (ready == 0)
             errno = ETIMEDOUT;

@@ -1,18 +1,19 @@
 /* pzs: host simulation and precomputation. One executable, a function per subcommand. */
 #define _POSIX_C_SOURCE 200809L
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #include "estimator.h"
 #include "help.h"
+#include "interrupt.h"
 #include "manual.h"
 #include "options.h"
+#include "outfile.h"
 #include "print.h"
 #include "print_simulate.h"
+#include "progress.h"
 #include "report.h"
 #include "report_simulate.h"
 #include "voltages.h"
@@ -20,6 +21,7 @@
 /* Tell what went wrong. Returns code. */
 static int complain(const char *error, int code)
 {
+    progress_stop();
     fprintf(stderr, "pzs: %s\n", error);
     return code;
 }
@@ -76,6 +78,8 @@ static int run_on_scene(const options *o, command *run)
     int status = open_scene(o, &s);
     if (status)
         return status;
+    progress_start();
+    progress_stage("assembling and factoring");
     if (analysis_prepare(&a, &s, error) == 0 && check_sensors(&a, error) == 0)
         status = run(o, &a);
     else
@@ -85,61 +89,14 @@ static int run_on_scene(const options *o, command *run)
     return status;
 }
 
-/* ---- files ------------------------------------------------------------ */
-
-/* Files are written under a temporary name and take their own only when complete. */
-typedef struct output_file {
-    FILE *file;
-    char temporary[OPTIONS_PATH]; /* empty where the path is a device or a pipe, which is written to directly */
-    const char *path;
-} output_file;
-
-static int file_failed(const char *path)
-{
-    fprintf(stderr, "pzs: cannot write %s: %s\n", path, strerror(errno));
-    return 1;
-}
-
-static int output_begin(output_file *f, const char *path)
-{
-    struct stat there;
-    const int direct = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
-    f->path = path;
-    f->temporary[0] = '\0';
-    if (!direct && snprintf(f->temporary, sizeof f->temporary, "%s.part", path) >= OPTIONS_PATH)
-        return options_refuse("path too long", path);
-    f->file = fopen(direct ? path : f->temporary, "w");
-    return f->file ? 0 : file_failed(path);
-}
-
-static int output_end(output_file *f, int failed)
-{
-    failed |= ferror(f->file);
-    failed |= fclose(f->file) != 0;
-    if (!failed && (!f->temporary[0] || rename(f->temporary, f->path) == 0))
-        return 0;
-    const int status = file_failed(f->path);
-    if (f->temporary[0])
-        remove(f->temporary);
-    return status;
-}
-
-/* A file whose contents never came together. */
-static void output_drop(output_file *f)
-{
-    fclose(f->file);
-    if (f->temporary[0])
-        remove(f->temporary);
-}
-
 /* ---- solve ------------------------------------------------------------ */
 
 static int write_vtu(const analysis *a, const double *u, const char *path)
 {
     const mesh *m = &a->design.mesh;
     double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector);
-    output_file f;
-    const int status = vector ? output_begin(&f, path) : complain("out of memory", 1);
+    outfile f;
+    const int status = vector ? outfile_begin(&f, path) : complain("out of memory", 1);
     if (status) {
         free(vector);
         return status;
@@ -148,23 +105,24 @@ static int write_vtu(const analysis *a, const double *u, const char *path)
     const report_field field = {"displacement", vector};
     const int failed = report_vtu(f.file, m, &field, 1);
     free(vector);
-    return output_end(&f, failed);
+    return outfile_end(&f, failed);
 }
 
 static int solved(const options *o, analysis *a, const double *u)
 {
     const pzs_structure *s = &a->design.structure;
     double *value = calloc((size_t)s->output.count + 1, sizeof *value);
-    output_file f;
+    outfile f;
     int status = 0;
     if (!value)
         return complain("out of memory", 1);
     pzs_observe(s, u, value);
+    progress_stop();
     (o->as_json ? print_solve_json : print_solve)(a, value);
     if (o->vtu)
         status = write_vtu(a, u, o->vtu);
-    if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
-        status = output_end(&f, report_solve(f.file, a, u, value));
+    if (o->report && status == 0 && (status = outfile_begin(&f, o->report)) == 0)
+        status = outfile_end(&f, report_solve(f.file, a, u, value));
     free(value);
     return status;
 }
@@ -173,6 +131,8 @@ static int command_solve(const options *o, analysis *a)
 {
     char error[SCENE_ERROR] = "out of memory";
     double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
+    progress_stage(a->nonlinear ? "equilibrium" : "solving");
+    progress_solves(a->nonlinear ? &a->path.run.systems : NULL);
     const int failed = u && analysis_solve(a, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
     const int status = u && (!failed || a->nonlinear) ? solved(o, a, u) : 0;
@@ -208,17 +168,21 @@ static int shape_results(shape_run *run, const options *o, char *error)
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
         return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
+    progress_stage("voltages");
     if (shape_before(run, error) < 0 || voltages_optimum(a, HUGE_VAL, &run->volts[run->count++], error) < 0)
         return -1;
-    for (int i = 0; i < limits; i++)
+    for (int i = 0; i < limits; i++) {
+        progress_count(i, limits);
         if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0
             || (a->nonlinear && voltages_linear(a, limit[i], &run->volts[run->count++], error) < 0)
             || voltages_clipped(a, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
+    }
     run->compared = run->count;
     for (int i = 0; i < s->compares; i++)
         if (voltages_given(a, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
             return -1;
+    progress_stage("modes of the target");
     return modes_run(&run->modes, a, limit, limits, error);
 }
 
@@ -226,16 +190,18 @@ static int command_shape(const options *o, analysis *a)
 {
     shape_run run;
     char error[SCENE_ERROR];
-    output_file f;
+    outfile f;
     int status = 0;
     memset(&run, 0, sizeof run);
     run.analysis = a;
     a->nonlinear = a->design.scene->kinematics != KINEMATICS_LINEAR;
+    progress_stage("influence matrix");
     if (analysis_influence(a, error) == 0 && shape_results(&run, o, error) == 0) {
+        progress_stop();
         (o->as_json ? print_shape_json : print_shape)(&run);
         status = o->vtu ? write_vtu(a, run.volts[1].u, o->vtu) : 0;
-        if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_shape(f.file, a, run.volts, run.count, &run.modes));
+        if (o->report && status == 0 && (status = outfile_begin(&f, o->report)) == 0)
+            status = outfile_end(&f, report_shape(f.file, a, run.volts, run.count, &run.modes));
     } else {
         status = complain(error, failed_code(a));
     }
@@ -253,14 +219,14 @@ static int command_shape(const options *o, analysis *a)
 static int run_simulation(simulation *run, const options *o, simulate_record *record)
 {
     char error[SCENE_ERROR];
-    output_file csv = {NULL, "", NULL};
-    const int status = o->csv ? output_begin(&csv, o->csv) : 0;
+    outfile csv = {NULL, NULL, "", -1};
+    const int status = o->csv ? outfile_begin(&csv, o->csv) : 0;
     if (status)
         return status;
-    if (print_run(run, record, csv.file, isatty(2), error) == 0)
-        return o->csv ? output_end(&csv, 0) : 0;
+    if (print_run(run, record, csv.file, error) == 0)
+        return o->csv ? outfile_end(&csv, 0) : 0;
     if (o->csv)
-        output_drop(&csv);
+        outfile_drop(&csv);
     return complain(error, 1);
 }
 
@@ -269,13 +235,14 @@ static int command_simulate(const options *o, analysis *a)
     const scene *s = a->design.scene;
     simulation run;
     simulate_record record;
-    output_file f;
+    outfile f;
     char error[SCENE_ERROR];
     int status = 0;
     memset(&run, 0, sizeof run);
     memset(&record, 0, sizeof record);
     if (!s->simulate.given)
         scene_fault(s, s->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
+    progress_stage("tables of the controller");
     if (!s->simulate.given || analysis_influence(a, error) < 0 || simulate_open(&run, a, error) < 0) {
         status = complain(error, OPTIONS_WRONG);
     } else if (o->device && simulate_device(&run, o->device, error) < 0) {
@@ -283,9 +250,10 @@ static int command_simulate(const options *o, analysis *a)
     } else if (record_open(&record, &run) < 0) {
         status = options_refuse("out of memory for", o->scene);
     } else if ((status = run_simulation(&run, o, &record)) == 0) {
+        progress_stop();
         (o->as_json ? print_simulation_json : print_simulation)(&run);
-        if (o->report && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_simulate(f.file, &run, &record));
+        if (o->report && (status = outfile_begin(&f, o->report)) == 0)
+            status = outfile_end(&f, report_simulate(f.file, &run, &record));
         status |= run.count[LAW_CONTROLLER].beyond > 0 || run.count[LAW_CONTROLLER].not_finite > 0
                || (run.board && run.board->twin && simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].same);
     }
@@ -349,15 +317,17 @@ static void print_tables(const options *o, const analysis *a, const char *path)
 
 static int command_tables(const options *o, analysis *a)
 {
-    output_file f;
+    outfile f;
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
+    progress_stage("tables");
     if (prepare_tables(a, o->image, error) < 0)
         return complain(error, failed_code(a));
     table_prefix(o, a->design.scene, prefix);
-    int status = output_begin(&f, table_path(o, prefix, path));
+    int status = outfile_begin(&f, table_path(o, prefix, path));
     if (status == 0)
-        status = output_end(&f, tables_write(f.file, a, o->image, prefix, &size));
+        status = outfile_end(&f, tables_write(f.file, a, o->image, prefix, &size));
+    progress_stop();
     if (status == 0)
         print_tables(o, a, path);
     return status;
@@ -366,8 +336,10 @@ static int command_tables(const options *o, analysis *a)
 static int command_check(const options *o, analysis *a)
 {
     char error[SCENE_ERROR];
+    progress_stage("influence matrix");
     if (a->design.scene->target.given && analysis_influence(a, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    progress_stop();
     (o->as_json ? print_check_json : print_check)(a);
     return 0;
 }
@@ -481,7 +453,9 @@ static int run_line(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    interrupt_install();
     const int status = run_line(argc, argv);
+    progress_stop();
     if (fflush(stdout) == 0 && !ferror(stdout))
         return status;
     perror("pzs: standard output");
