@@ -7,6 +7,7 @@
 
 const char *const command_title = "shape control of piezoelectric shells: host simulation and precomputation";
 
+static const char *const starts[] = {"plate", "mirror", "panel", "measured", NULL};
 static const char *const shells[] = {"bash", NULL};
 static const char *const images[] = {"control", "linear", "nonlinear", NULL};
 static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500", "host-32", "host-64", NULL};
@@ -49,6 +50,12 @@ const command_entry command_table[COMMANDS] = {
         {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
          "pzs simulate plate-few-sensors --device mps2-an386",
          "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --device netduinoplus2", NULL}},
+    [COMMAND_NEW] = {
+        "new", "[plate|mirror|panel]", ARGUMENT_CHOICE, starts, "a commented scene to start from, on standard output",
+        "Writes a commented scene to start from: a plate with patches on both faces (the one without an argument), a "
+        "deformable mirror in polar coordinates, or a curved composite panel under pressure. Scenes from measured influence "
+        "matrices (measured) come with a later release.",
+        {"pzs new mirror > new.yaml", NULL}},
     [COMMAND_COMPLETION] = {
         "completion", "[SHELL]", ARGUMENT_CHOICE, shells, "completion of these commands for a shell (bash)",
         "Writes a script that completes commands, options, scenes and files. Without SHELL: for bash. Load it with "

@@ -2,7 +2,7 @@
 #include "help.h"
 #include <string.h>
 
-enum { COLUMNS = 100, OPTION_COLUMN = 22, COMMAND_COLUMN = 26 };
+enum { COLUMNS = 100, OPTION_COLUMN = 22, COMMAND_COLUMN = 30 };
 
 /* Length of the longest start of text that ends with a word and has at most `room` characters; at least one word. */
 static int line_length(const char *text, int room)

@@ -16,6 +16,7 @@
 #include "progress.h"
 #include "report.h"
 #include "report_simulate.h"
+#include "templates.h"
 #include "voltages.h"
 
 /* Tell what went wrong. Returns code. */
@@ -378,6 +379,15 @@ static int command_list(void)
     return failed ? OPTIONS_WRONG : 0;
 }
 
+static int command_new(const options *o)
+{
+    const char *text = templates_text(o->word ? o->word : templates_name[0]);
+    if (!text)
+        return options_refuse("scenes from measured influence matrices come with a later release; write plate, mirror or panel, not",
+                              o->word);
+    return fputs(text, stdout) < 0;
+}
+
 /* ---- commands --------------------------------------------------------- */
 
 static int print_help(const options *o)
@@ -404,6 +414,8 @@ static int run_command(command_id id, const options *o)
         return run_on_scene(o, command_tables);
     case COMMAND_SIMULATE:
         return run_on_scene(o, command_simulate);
+    case COMMAND_NEW:
+        return command_new(o);
     case COMMAND_COMPLETION:
         manual_completion(stdout);
         return 0;

@@ -160,7 +160,7 @@ static int take_word(options *o, const char *word)
     if (o->word)
         return options_refuse("one argument at a time; unexpected", word);
     if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, word))
-        return wrong_choice(entry->argument, entry->choices, word);
+        return wrong_choice("the argument", entry->choices, word);
     if (entry->kind == ARGUMENT_COMMAND && command_find(word) == COMMANDS)
         return options_unknown_command(word);
     if (entry->kind == ARGUMENT_SCENE)

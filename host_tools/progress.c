@@ -37,11 +37,12 @@ static void put_number(text *line, long value)
     put(line, digits + at);
 }
 
+/* Whole seconds since the start. */
 static long seconds(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return (long)(now.tv_sec - began.tv_sec);
+    return (long)(now.tv_sec - began.tv_sec) - (now.tv_nsec < began.tv_nsec);
 }
 
 static void show(text *line)

@@ -96,6 +96,15 @@ if command -v bash >/dev/null; then
         [ "$(complete solve x --report "$dir/a.h")" = "$dir/a.html" ]
     check 'bash completes commands, options, choices, scenes and files' $?
 fi
+# Starting scenes: every choice of the help is a valid scene whose shape is found, with comments, not too long
+for kind in $("$PZS" help new | sed -n 's/^usage: pzs new \[\([^]]*\)\].*/\1/p' | tr '|' ' '); do
+    "$PZS" new "$kind" >"$dir/$kind.yaml" && run 0 check "$dir/$kind.yaml" && run 0 shape "$dir/$kind.yaml" --json && json "j['scene'] == '$kind' and 0 < j['shape_error'] < .1" &&
+        run 0 solve "$dir/$kind.yaml" && [ "$(wc -l <"$dir/$kind.yaml")" -le 56 ] && [ "$(grep -c '#' "$dir/$kind.yaml")" -ge 12 ] && [ "$(awk 'length > 100' "$dir/$kind.yaml" | wc -l)" -eq 0 ]
+    check "new $kind" $?
+done
+run 0 new && cmp -s "$dir/out" "$dir/plate.yaml"; check 'new without an argument is a plate' $?
+run 2 new measured && says 'come with a later release' && [ ! -s "$dir/out" ]; check 'new measured is refused by name' $?
+run 2 new mirrow && says "did you mean 'mirror'"; check 'new of a mistyped scene' $?
 run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
 run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
