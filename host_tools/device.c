@@ -12,11 +12,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "interrupt.h"
+#include "shipped.h"
 
 enum { TICK, HOLD, RELEASE, WATCH, ESTIMATE, QUANTISE, KNOW }; /* orders */
 enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };
-
-#define SOURCES SCENE_FOLDER "/../.."       /* the project's */
 
 static const device_board boards[] = {
     {"netduinoplus2", "netduinoplus2", 32, "host-32"}, {"mps2-an386", "mps2-an386", 32, "host-32"},
@@ -91,7 +90,8 @@ int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR])
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR])
 {
     char b[DEVICE_PATH + 16], tables[DEVICE_PATH + 16], image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
-    const char *const argument[] = {"make", "-s", "-j2", "--no-print-directory", "-C", SOURCES, b, tables, image,
+    const char *const sources = shipped_sources();
+    const char *const argument[] = {"make", "-s", "-j2", "--no-print-directory", "-C", sources, b, tables, image,
                                     board->twin ? twin : NULL, NULL};
     snprintf(b, sizeof b, "B=%s", folder);
     snprintf(tables, sizeof tables, "LOOP=%s/loop.h", folder);
@@ -99,8 +99,8 @@ int device_build(const device_board *board, const char *folder, char error[DEVIC
     snprintf(twin, sizeof twin, "%s/firmware/%s-loop", folder, board->twin ? board->twin : "");
     if (run(argument) == 0)
         return 0;
-    snprintf(error, DEVICE_ERROR, "the firmware of %s could not be built from %.200s; it takes make, gcc%s", board->name,
-             SOURCES, board->machine ? " and arm-none-eabi-gcc" : "");
+    snprintf(error, DEVICE_ERROR, "the firmware of %s could not be built from %.200s; it takes make, gcc%s; PZS_SOURCES "
+             "names the folder of the sources", board->name, sources, board->machine ? " and arm-none-eabi-gcc" : "");
     return -1;
 }
 

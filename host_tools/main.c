@@ -375,7 +375,7 @@ static int command_list(void)
 {
     const int failed = shipped_each(list_scene, NULL);
     if (failed < 0)
-        return options_refuse("cannot read the folder of scenes", shipped_folder());
+        return options_refuse("PZS_SCENES names the folder of scenes; cannot read", shipped_folder());
     return failed ? OPTIONS_WRONG : 0;
 }
 

@@ -109,7 +109,7 @@ void manual_page(FILE *file)
     fputs(".SH NOTES\n", file);
     for (int k = 0; command_notes[k]; k++)
         paragraph(file, command_notes[k]);
-    fputs(".SH ENVIRONMENT\n.TP\n.B PZS_SCENES\nFolder of the shipped scenes.\n.TP\n.B TMPDIR\n"
+    fputs(".SH ENVIRONMENT\n.TP\n.B PZS_SCENES\nFolder of the shipped scenes.\n.TP\n.B PZS_SOURCES\nFolder of the sources, for simulate \\-\\-device.\n.TP\n.B TMPDIR\n"
           "Folder for the firmware that simulate \\-\\-device builds; default /tmp.\n", file);
 }
 

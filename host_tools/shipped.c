@@ -5,13 +5,49 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static const char ending[] = ".yaml";
 
+/* path = the folder above that of this program, then `inside`. Returns whether it exists. */
+static int beside_program(const char *inside, char path[SHIPPED_PATH])
+{
+    char program[SHIPPED_PATH];
+    struct stat there;
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length <= 0)
+        return 0;
+    program[length] = '\0';
+    for (int up = 0; up < 2; up++) {
+        char *slash = strrchr(program, '/');
+        if (!slash)
+            return 0;
+        *slash = '\0';
+    }
+    return snprintf(path, SHIPPED_PATH, "%s/%s", program, inside) < SHIPPED_PATH && stat(path, &there) == 0;
+}
+
 const char *shipped_folder(void)
 {
+    static char path[SHIPPED_PATH];
     const char *folder = getenv("PZS_SCENES");
-    return folder ? folder : SCENE_FOLDER;
+    if (folder && *folder)
+        return folder;
+    if (beside_program("share/piezoshape/scenes", path) || beside_program(SCENE_PLACE, path))
+        return path;
+    return SCENE_FOLDER;
+}
+
+const char *shipped_sources(void)
+{
+    static char path[SHIPPED_PATH];
+    const char *folder = getenv("PZS_SOURCES");
+    if (folder && *folder)
+        return folder;
+    if (beside_program("firmware_demo/firmware.mk", path) && beside_program("", path))
+        return path;
+    return SOURCE_FOLDER;
 }
 
 static int is_scene_file(const char *name)

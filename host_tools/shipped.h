@@ -7,8 +7,15 @@
 /* Room for a path. */
 enum { SHIPPED_PATH = 4096 };
 
-/* Folder of the shipped scenes: beside the source of this build, or PZS_SCENES of the environment. */
+/*
+ * Folder of the shipped scenes, the first of: PZS_SCENES of the environment; share/piezoshape/scenes beside the folder of
+ * this program (installed); that of the clone around the build folder of this program; that of the clone at the time of
+ * the build. The text is valid until the next call.
+ */
 const char *shipped_folder(void);
+
+/* Folder of the sources, for the firmware: PZS_SOURCES of the environment, then as above. Valid until the next call. */
+const char *shipped_sources(void);
 
 /* The file of a scene: itself where `name` is a path or ends with .yaml, or that of a shipped one. */
 void shipped_path(const char *name, char path[SHIPPED_PATH]);
