@@ -89,10 +89,12 @@ int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR])
 
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR])
 {
-    char b[DEVICE_PATH + 16], tables[DEVICE_PATH + 16], image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
+    char place[DEVICE_PATH + 16], b[DEVICE_PATH + 16], tables[DEVICE_PATH + 16], image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
     const char *const sources = shipped_sources();
-    const char *const argument[] = {"make", "-s", "-j2", "--no-print-directory", "-C", sources, b, tables, image,
+    /* Temporary files of the compilers lie in the folder too and go with it. */
+    const char *const argument[] = {"env", place, "make", "-s", "-j2", "--no-print-directory", "-C", sources, b, tables, image,
                                     board->twin ? twin : NULL, NULL};
+    snprintf(place, sizeof place, "TMPDIR=%s", folder);
     snprintf(b, sizeof b, "B=%s", folder);
     snprintf(tables, sizeof tables, "LOOP=%s/loop.h", folder);
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, board->name);

@@ -143,12 +143,12 @@ static int command_solve(const options *o, analysis *a)
 
 /* ---- shape ------------------------------------------------------------ */
 
-/* The scene without any volts. */
+/* The scene without any voltages. */
 static int shape_before(shape_run *run, char *error)
 {
     const design *d = &run->analysis->design;
     double *none = calloc((size_t)d->amplifiers, sizeof *none);
-    const int failed = none ? voltages_given(run->analysis, "no volts", none, &run->before, error)
+    const int failed = none ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
                             : scene_fault(d->scene, d->scene->limits.at, error, "out of memory");
     free(none);
     return failed;
@@ -168,7 +168,7 @@ static int shape_results(shape_run *run, const options *o, char *error)
     const size_t most = 1 + 3 * (size_t)limits + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
-        return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
+        return scene_fault(s, s->limits.at, error, "%zu sets of voltages do not fit into memory", most);
     progress_stage("voltages");
     if (shape_before(run, error) < 0 || voltages_optimum(a, HUGE_VAL, &run->volts[run->count++], error) < 0)
         return -1;

@@ -270,7 +270,7 @@ static double rounded_volt(double volt)
 /* Volts of each actuator as its grid lies on the surface: theta1 down, theta2 across. */
 static void print_volts(const scene *s, const voltages *v)
 {
-    printf("\n  %s, volts:\n", v->name);
+    printf("\n  %s, voltages:\n", v->name);
     for (int k = 0; k < s->actuators; k++) {
         const scene_actuator *actuator = &s->actuator[k];
         const int *grid = actuator->grid, is_grid = grid[0] * grid[1] > 1;
@@ -309,7 +309,7 @@ static void print_choice(const shape_run *run)
     const double tolerance = run->analysis->design.scene->tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n", best->relinearised,
            best->relinearised == 1 ? "" : "s", best->systems);
-    printf("the linear model's volts cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
+    printf("the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
            100 * tolerance, strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
                                                                                  : "needs the nonlinear image");
 }
@@ -373,7 +373,7 @@ void print_shape(const shape_run *run)
     const design *d = &a->design;
     print_head(a, "at rest");
     printf("  influence of %d amplifiers on %d target nodes, largest solver residual %.1e\n\n", d->amplifiers, d->targets, a->model.residual);
-    printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
+    printf("  %-26s %-16s %12s %7s %12s %10s\n", "voltages", "limits (V)", "shape error", "active", "largest (V)", "KKT");
     for (int i = 0; i < run->count; i++) {
         const voltages *v = &run->volts[i];
         char limits[32];
@@ -401,7 +401,7 @@ void print_shape(const shape_run *run)
     if (a->nonlinear)
         print_choice(run);
     print_modes(d->scene, &run->modes);
-    printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
+    printf("\nshape error %.3f%% of the target with every voltage inside its limit (%s)\n", 100 * best->error, limits);
 }
 
 /* The displacements that the scene asks for, under one set of voltages. */
