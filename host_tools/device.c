@@ -31,13 +31,15 @@ const device_board *device_find(const char *name)
 
 /* ---- programs --------------------------------------------------------- */
 
-/* Start a program, with its standard input and output in pipes where asked. Returns its process, or -1. */
+/* Start a program: with its standard input and output in pipes, or with neither and as leader of a process group. Returns its process, or -1. */
 static int begin(const char *const *argument, int *to, int *from)
 {
     int in[2] = {-1, -1}, out[2] = {-1, -1};
     if (to && (pipe(in) != 0 || pipe(out) != 0))
         return -1;
     const pid_t process = fork();
+    if (process >= 0 && !to)
+        setpgid(process, process); /* in both: whoever comes first */
     if (process == 0) {
         if (to) {
             dup2(in[0], 0);
@@ -63,9 +65,9 @@ static int run(const char *const *argument)
 {
     int status = -1;
     const int process = begin(argument, NULL, NULL);
-    interrupt_child(process > 0 ? process : 0);
+    interrupt_group(process > 0 ? process : 0);
     const int ended = process < 0 ? -1 : (int)waitpid((pid_t)process, &status, 0);
-    interrupt_child(0);
+    interrupt_group(0);
     if (ended < 0)
         return -1;
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;

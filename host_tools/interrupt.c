@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/types.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 static struct {
@@ -13,7 +14,7 @@ static struct {
     volatile sig_atomic_t used;
 } file[INTERRUPT_FILES];
 static char folder[INTERRUPT_PATH];
-static volatile sig_atomic_t folder_used, child;
+static volatile sig_atomic_t folder_used, group;
 
 static void remove_folder(void)
 {
@@ -26,15 +27,24 @@ static void remove_folder(void)
         waitpid(process, NULL, 0);
 }
 
+/* A program may have started others, which outlive it for a moment and write: wait until the group is empty. */
+static void end_group(void)
+{
+    enum { TRIES = 200 };
+    const struct timespec moment = {0, 10000000};
+    kill(-(pid_t)group, SIGTERM);
+    waitpid((pid_t)group, NULL, 0);
+    for (int again = 0; again < TRIES && kill(-(pid_t)group, 0) == 0; again++)
+        nanosleep(&moment, NULL);
+}
+
 static void clean_up(int signal_number)
 {
     for (int k = 0; k < INTERRUPT_FILES; k++)
         if (file[k].used)
             unlink(file[k].path);
-    if (child > 0) {
-        kill((pid_t)child, SIGTERM);
-        waitpid((pid_t)child, NULL, 0);
-    }
+    if (group > 0)
+        end_group();
     if (folder_used)
         remove_folder();
     signal(signal_number, SIG_DFL);
@@ -82,7 +92,7 @@ void interrupt_folder(const char *path)
     folder_used = 1;
 }
 
-void interrupt_child(int process)
+void interrupt_group(int process)
 {
-    child = process;
+    group = process;
 }

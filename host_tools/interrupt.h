@@ -18,7 +18,7 @@ void interrupt_forget_file(int slot);
 /* Remove a folder with all its contents; NULL: none. */
 void interrupt_folder(const char *path);
 
-/* End a program that was started; 0: none. */
-void interrupt_child(int process);
+/* End a program that was started as the leader of a process group, with all of its group; 0: none. */
+void interrupt_group(int process);
 
 #endif
