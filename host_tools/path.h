@@ -43,7 +43,8 @@ void path_return(path *p, const void *state);
 /*
  * Value of an output of contact.
  *   output in  its contact is not CONTACT_NONE
+ *   node   in  of a contact pressure; not read for the others
  */
-double path_contact_output(const path *p, const scene_output *output);
+double path_contact_output(const path *p, const scene_output *output, int node);
 
 #endif
