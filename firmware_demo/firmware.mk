@@ -15,7 +15,7 @@ FW_SECONDS ?= 120
 
 F := $(B)/firmware
 FW_LIB_NONLINEAR := $(patsubst lib/%.c,%,$(wildcard lib/*.c))
-FW_LIB := $(filter-out shell_at nonlinear influence_at face follower contact electric,$(FW_LIB_NONLINEAR))
+FW_LIB := $(filter-out shell_at nonlinear influence_at face follower contact contact_check electric,$(FW_LIB_NONLINEAR))
 FW_INCLUDE := -Iinclude -Ilib -Ifirmware_demo -Ifirmware_demo/tables
 FW_FLAGS := -std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off \
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror -pedantic $(FW_INCLUDE)

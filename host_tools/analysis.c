@@ -97,7 +97,8 @@ int analysis_prepare(analysis *a, const scene *s, char *error)
 
 int analysis_ended_early(const analysis *a)
 {
-    return a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT || a->status == PZS_E_SYSTEMS;
+    return a->status == PZS_E_DIVERGED || a->status == PZS_E_LIMIT || a->status == PZS_E_CONTACT
+        || a->status == PZS_E_PENETRATION || a->status == PZS_E_SYSTEMS;
 }
 
 /* What the nonlinear path met, in words; only errors fail. */
@@ -107,6 +108,13 @@ static int explain_path(const analysis *a, char *error)
     const scene *s = a->design.scene;
     if (!PZS_IS_ERROR(a->status))
         return 0;
+    if (a->status == PZS_E_PENETRATION) {
+        char where[SCENE_ERROR];
+        path_penetration(&a->path, a->status, where);
+        return scene_fault(s, s->contact.at, error,
+                           "%s: %s (reached %.4g of the load in %u linear solves)",
+                           pzs_status_text(a->status), where, run->factor, run->systems);
+    }
     if (analysis_ended_early(a))
         return scene_fault(s, s->equilibrium.at.line ? s->equilibrium.at : s->at_surface, error, "%s: reached %.4g of the load in %u systems, %u load step%s; "
                            "the last equilibrium has %u negative pivots",

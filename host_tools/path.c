@@ -1,6 +1,7 @@
 /* Tables of the nonlinear path and a path on them (path.h). */
 #include "path.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "electrode.h"
@@ -177,6 +178,7 @@ static void build_body(path *p, double size)
     body->own = from->value;
     body->gap = from->type == BODY_PLANE ? pzs_gap_plane : from->type == BODY_CYLINDER ? pzs_gap_cylinder
               : from->type == BODY_SPHERE ? pzs_gap_sphere : psi_gap;
+    body->crc = pzs_body_crc(body);
 }
 
 static pzs_status build_contact(path *p, uint16_t input)
@@ -230,6 +232,48 @@ double path_contact_output(const path *p, const scene_output *output, int node)
         break;
     }
     return (double)NAN;
+}
+
+/* What to do about a penetration. */
+static const char *penetration_cure(const pzs_contact *c, pzs_status status)
+{
+    if (status == PZS_W_BEHIND)
+        return "the shell has passed through itself, or both of its faces would touch";
+    if (c->side != c->face->face)
+        return "it comes from behind: let contact.face be the face that it meets, or move the body";
+    if (c->entered == PZS_BETWEEN)
+        return "refine the mesh there, or enlarge the body";
+    if (c->entered == PZS_PASSED)
+        return "raise equilibrium.steps, or refine the mesh there";
+    return "the node is held or faces away: start the body clear of the shell";
+}
+
+void path_penetration(const path *p, pzs_status status, char *text)
+{
+    const mesh *m = &p->design->mesh;
+    const pzs_contact *c = &p->contact;
+    const char *face = c->side ? "outer" : "inner";
+    char unit[SCENE_NAME + 1];
+    const uint16_t *corner = m->element[c->element];
+    const double *low = m->theta[corner[0]], *high = m->theta[corner[2]];
+    char what[SCENE_NAME + 128];
+    const char *length_unit = p->design->scene->unit_length;
+    snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
+    if (c->entered == PZS_PASSED)
+        snprintf(what, sizeof what, "it passes through the %s face in one load step", face);
+    else if (c->entered == PZS_BETWEEN)
+        snprintf(what, sizeof what, "between the nodes, %.3g%s deep in the %s face", c->depth, unit,
+                 face);
+    else
+        snprintf(what, sizeof what, "%.3g%s deep at node %u of the %s face", c->depth, unit,
+                 c->node, face);
+    const int length = snprintf(text, SCENE_ERROR,
+                                "element %u (theta1 = %.4g to %.4g, theta2 = %.4g to %.4g), "
+                                "at (%.4g, %.4g, %.4g): %s; %s",
+                                c->element, low[0], high[0], low[1], high[1], c->spot[0],
+                                c->spot[1], c->spot[2], what, penetration_cure(c, status));
+    if (length >= SCENE_ERROR)
+        memcpy(&text[SCENE_ERROR - 4], "...", 4);
 }
 
 /* ---- coming back ------------------------------------------------------ */

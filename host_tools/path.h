@@ -47,4 +47,12 @@ void path_return(path *p, const void *state);
  */
 double path_contact_output(const path *p, const scene_output *output, int node);
 
+/*
+ * Where and how the body of the contact lies in the shell, and the cure, as the last load step that
+ * was refused or warned of found it.
+ *   status in   PZS_E_PENETRATION or PZS_W_BEHIND
+ *   text   out  [SCENE_ERROR]
+ */
+void path_penetration(const path *p, pzs_status status, char *text);
+
 #endif

@@ -162,11 +162,35 @@ void print_check_json(const analysis *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
-static void print_path(const pzs_path *run)
+/* What is to be known of a contact: load steps added for its body, how far facets sag, a warning
+ * of the last step. */
+static void print_contact(const analysis *a)
 {
+    const pzs_path *run = &a->path.run;
+    const char *unit = a->design.scene->unit_length;
+    const char *space = *unit ? " " : "";
+    char where[SCENE_ERROR];
+    if (!a->design.scene->contact.given)
+        return;
+    if (run->steps_short > 0)
+        printf("  contact: the body moves far for its size; %u load step%s shortened for it\n",
+               run->steps_short, run->steps_short == 1 ? "" : "s");
+    printf("  contact: the body is at most %.3g%s%s deep between nodes (the sag of elements)\n",
+           a->path.contact.sag, space, unit);
+    if (a->status != PZS_W_BEHIND)
+        return;
+    path_penetration(&a->path, a->status, where);
+    printf("  WARNING: %s: %s\n", pzs_status_text(a->status), where);
+}
+
+static void print_path(const analysis *a)
+{
+    const pzs_path *run = &a->path.run;
     printf("  %u load step%s, %u linear systems, %s (%u negative pivots)\n", run->steps_taken, run->steps_taken == 1 ? "" : "s",
            run->systems, run->negative ? "UNSTABLE" : "stable", run->negative);
-    printf("  settled to %.0e of the displacement (equilibrium.change), solver residual %.1e of the load\n", run->change, run->residual);
+    printf("  settled to %.0e of the displacement (equilibrium.change), solver residual %.1e of the load\n",
+           run->change, run->residual);
+    print_contact(a);
 }
 
 /* What the solver's own checks leave out. */
@@ -182,7 +206,7 @@ void print_solve(analysis *a, const double *value)
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n", a->cost, a->design.scene->tolerance,
                a->nonlinear ? "nonlinear is needed" : "linear is enough");
     if (a->nonlinear)
-        print_path(&a->path.run);
+        print_path(a);
     else
         printf("  linear solve: solver residual %.1e, solver error estimate %.1e in the energy norm, %d refinements\n", a->model.residual,
                a->model.error, a->model.passes);
@@ -198,6 +222,7 @@ static void json_path(json *j, const analysis *a)
     json_string(j, "status", pzs_status_text(a->status));
     json_number(j, "load_factor", run->factor);
     json_number(j, "steps", run->steps_taken);
+    json_number(j, "steps_shortened", run->steps_short);
     json_number(j, "systems", run->systems);
     json_number(j, "iterations", (double)run->systems - run->steps_taken);
     json_number(j, "residual", run->residual);

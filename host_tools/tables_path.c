@@ -79,6 +79,14 @@ static void write_followers(emitter *w, const path *p)
     fputs(p->followers > 0 ? "};\n\n" : "\n", w->file);
 }
 
+/* CRC of a body, reals rounded to float. */
+static uint32_t body_crc_32(const pzs_body *body)
+{
+    uint32_t crc = emit_crc_reals(GUARD_CRC_START, body->point, 3);
+    crc = emit_crc_reals(crc, body->axis, 3);
+    return ~emit_crc_reals(crc, &body->radius, 1);
+}
+
 /* The face that may touch, and the body; a body given by a formula wants a distance function of the firmware's own. */
 static void write_contact(emitter *w, const path *p)
 {
@@ -109,8 +117,12 @@ static void write_contact(emitter *w, const path *p)
     emit_vector(w, p->body.point);
     fputs(", ", w->file);
     emit_vector(w, p->body.axis);
-    fprintf(w->file, ", PZS_R(%.17g), NULL,\n};\n#define %s_CONTACT_BYTES PZS_CONTACT_BYTES(%zu)\n"
-            "#define %s_CONTACT_STIFFNESS PZS_R(%.17g)\n\n", p->body.radius, w->upper, nodes, w->upper, p->contact.stiffness);
+    fprintf(w->file, ", PZS_R(%.17g), NULL, PZS_BY_BITS(0x%08xu, 0x%08xu),\n};\n", p->body.radius,
+            (unsigned)body_crc_32(&p->body), (unsigned)p->body.crc);
+    fprintf(w->file,
+            "#define %s_CONTACT_BYTES PZS_CONTACT_BYTES(%zu)\n"
+            "#define %s_CONTACT_STIFFNESS PZS_R(%.17g)\n\n",
+            w->upper, nodes, w->upper, p->contact.stiffness);
 }
 
 /* Sizes and choices of the path, and what the host found with them. */

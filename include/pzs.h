@@ -78,6 +78,9 @@ typedef enum pzs_status {
     PZS_W_SENSOR,    /* measurement `where` is not finite or frozen: its last disturbance is kept */
     PZS_W_HELD,      /* no usable measurement or target: the last safe volts are held */
     PZS_W_ELECTRODE, /* electrode `where` does not follow its amplifier: it is held from now on */
+    PZS_W_BEHIND,    /* an equilibrium in contact, but a part of the shell that faces away from the
+                        body lies in it at contact->spot: the shell has passed through itself, or
+                        both of its faces would touch */
     PZS_W_UNSTABLE,  /* an equilibrium with negative pivots: the structure will not stay there by itself */
 
     /* Errors: outputs untouched. */
@@ -98,6 +101,9 @@ typedef enum pzs_status {
     PZS_E_LIMIT,     /* the same, and the tangent loses its sign there: a limit or branching point is near */
     PZS_E_CONTACT,   /* the same, and the nodes in contact kept changing; or a shell that its supports leave loose
                         does not touch the body from the start, is not pressed onto it, or slides away on it */
+    PZS_E_PENETRATION, /* the same: beyond it the body of a contact enters element `where` at a node,
+                        or between its nodes (refine the mesh there or enlarge the body), or passes
+                        through it; contact->entered says which, contact->side from which side */
     PZS_E_SYSTEMS    /* budget of linear systems spent */
 } pzs_status;
 
@@ -362,12 +368,16 @@ typedef struct pzs_path {
 
     uint32_t systems;            /* linear systems solved in the last call */
     uint32_t steps_taken;        /* load steps that settled */
+    uint32_t steps_short;        /* of them: shortened as the body of a contact moves far */
     uint32_t negative;           /* negative pivots of the tangent at u: 0 is a stable shape */
     pzs_real factor;             /* part of the way from the shape before to the amounts asked for: 1 is all */
     pzs_real residual;           /* |force imbalance| / |applied force| at u, scaled rows */
     pzs_real quiet;              /* last increment over the step's displacement */
     uint16_t iteration;          /* systems before the present one in its load step */
     int32_t where;               /* index that goes with the last status, or -1 */
+    int32_t refused_at;          /* index that goes with refused */
+    uint8_t refused;             /* error by which an option refused the last load step, or 0 */
+    uint8_t warned;              /* its warning of the last settled load step, or 0 */
     uint8_t open;                /* error of an option that had not settled when the last step ended, or 0 */
     uint8_t balanced;            /* 1: residual at most 1, or by rounding alone */
     uint8_t stage;
@@ -396,9 +406,10 @@ void pzs_path_rest(pzs_path *path);
  * Newton's method with independent resultants H [P 17-22]: K(u, H) du = f - L(u)'H, where H is not that of u but was
  * extrapolated along the last du, H + D (L du), and is that of u at the end.
  *   amount [inputs] in
- * Work is bounded by systems_allowed. Warnings: UNSTABLE. Errors: ARGUMENT (also a choice out of range, of an option's,
- * too), STAGE, NONFINITE (where = input); DIVERGED, LIMIT, CONTACT, SYSTEMS: path->u is the last equilibrium, at
- * path->factor.
+ * Work is bounded by systems_allowed. Warnings: BEHIND (also where it is unstable), UNSTABLE.
+ * Errors: ARGUMENT (also a choice out of range, of an option's, too), STAGE, NONFINITE (where =
+ * input); DIVERGED, LIMIT, CONTACT, PENETRATION (where = element), SYSTEMS: path->u is the last
+ * equilibrium, at path->factor.
  */
 pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount);
 
@@ -481,9 +492,13 @@ typedef struct pzs_body {
     pzs_real (*gap)(const struct pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
     pzs_real point[3];        /* on the plane, on the axis, centre (m) */
     pzs_real axis[3];         /* unit normal of the plane (outward), unit axis of the cylinder */
-    pzs_real radius;          /* (m) */
+    pzs_real radius;          /* of cylinder and sphere, > 0 (m) */
     const void *own;          /* for a gap function of the caller's */
+    uint32_t crc;             /* over point, axis and radius: pzs_body_crc */
 } pzs_body;
+
+/* What body->crc must be. */
+uint32_t pzs_body_crc(const pzs_body *body);
 
 /* Distance, normal and hessian of the bodies there are: outside of a plane, a cylinder without end, a sphere. */
 pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real x[3], pzs_real normal[3], pzs_real hessian[3][3]);
@@ -503,6 +518,9 @@ typedef struct pzs_contact_face {
     const pzs_real *area;     /* [nodes] quarter areas of the elements at the node (m2) */
 } pzs_contact_face;
 
+/* Values of contact->entered: how the body penetrates the shell. */
+enum { PZS_AT_NODE = 1, PZS_BETWEEN, PZS_PASSED };
+
 typedef struct pzs_contact {
     pzs_option option;
     const pzs_contact_face *face;
@@ -520,6 +538,18 @@ typedef struct pzs_contact {
     uint8_t warm;             /* the load step began with the nodes of the last equilibrium alone */
     uint8_t loose;            /* the supports alone do not hold the shell */
     uint8_t adrift;           /* at the last system nothing touched the body, or was pressed onto it */
+
+    pzs_real sag;             /* depth that was allowed between nodes in the last load step (m) */
+    uint8_t entered;          /* why the last load step was refused or warned of, or 0. PZS_AT_NODE:
+                                 `node` lies in the body, which cannot push it out; PZS_BETWEEN: so
+                                 does `element`, between its nodes; PZS_PASSED: the body passed
+                                 through it */
+    uint8_t side;             /* the face that it enters: 0 inner, 1 outer; other than face->face:
+                                 from behind */
+    uint16_t element, node;   /* element, and node or PZS_FIXED */
+    pzs_real spot[3];         /* place of the deepest point found (m) */
+    pzs_real depth;           /* of that point in the body (m); 0 where it has passed */
+    pzs_real reach;           /* half of the longest diagonal of an element (m) */
 } pzs_contact;
 
 /* Bytes of workspace for a contact. */
@@ -531,7 +561,28 @@ typedef struct pzs_contact {
  * hold what was found; settled, that is every gap open or closed to within 1e-8 of size (in float: of rounding),
  * no pressure negative, none across a gap. Influence at a shape in contact sees the body as stiff as kappa has grown (a
  * ring of R/h = 10: off by 3e-8).
- * Errors: ARGUMENT (also attached already, an index out of range), FORMAT, CRC, WORKSPACE (path->where = bytes needed).
+ *
+ * After each load step the shape is checked against the body. A load step that fails is halved, and
+ * in the end refused with PZS_E_PENETRATION:
+ *  - Nodes. Every node of both faces lies outside the body, to within twice the closed gap.
+ *  - Between the nodes. The least gap of each element is found by bisection of its slope, to 1/512
+ *    of a side. A facet whose nodes touch a body of radius R sags into it by (length)^2 / (8 R),
+ *    which is an error of the mesh: twice the sag of its corners is allowed, at most R/5.
+ *    contact->sag is the largest found. A body that is smaller than the diagonals of an element may
+ *    enter it only if one of its nodes is in contact.
+ *  - The way. No point of an element has come from the front of the body to behind it, through it:
+ *    the straight way of every point relative to the body since the last equilibrium is searched
+ *    likewise.
+ *  - The length of the load step. The body moves freely until it is nearer to a node than half of
+ *    the longest diagonal of an element; from there by at most half of its smallest radius of
+ *    curvature, or of the face's size if that is smaller. Load steps are added for it;
+ *    path->steps_short counts.
+ * The search is exact for flat elements and convex bodies. Not found: a tip that enters by less
+ * than (side/512)^2 / (2 R); a second least gap of a strongly warped element; a body inside the
+ * thickness that touches neither face; a body that is not convex.
+ * Errors: ARGUMENT (also attached already, an index out of range, an axis whose length is not 1, a
+ * radius not above 0), FORMAT, CRC (also of the body), NONFINITE (path->where = index in point,
+ * axis, radius of the body), WORKSPACE (path->where = bytes needed).
  */
 pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_contact_face *face, const pzs_body *body,
                               void *work, size_t bytes);

@@ -5,6 +5,7 @@
  * stiffness e. A node in contact carries  f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)  with the p that the last
  * system predicted, and each solve predicts  p <- p - e (g + n . d).  At the end g = 0, so the answer is free of e.
  */
+#include "contact_check.h"
 #include "face.h"
 #include "guard.h"
 #include "model.h"
@@ -20,6 +21,9 @@
 #define FIRM ((pzs_real)100)
 /* While a warm step moves by more than this part of its way, its nodes stay as they were. */
 #define QUIET ((pzs_real)0.2)
+
+/* Squares of unit vectors are 1 to within this. */
+#define UNIT ((pzs_real)1e-5)
 
 enum { NO_MOTION = 0xFFFF }; /* as input of a face: the body stays */
 
@@ -144,13 +148,6 @@ static pzs_real against(const pzs_contact *c, const pzs_path *path, uint16_t nod
 
 /* ---- which nodes ------------------------------------------------------ */
 
-/* Gaps of this size are closed. */
-static pzs_real closed(const pzs_contact *c)
-{
-    const pzs_real rounding = 32 * PZS_EPSILON;
-    return c->face->size * (rounding > (pzs_real)1e-8 ? rounding : (pzs_real)1e-8);
-}
-
 /* facing = normal of the deformed face, out of the shell, times that of the body, summed over the elements of a node. */
 static void find_facing(pzs_contact *c, const pzs_path *path)
 {
@@ -181,8 +178,11 @@ static int belongs(const pzs_contact *c, const pzs_path *path, uint16_t node)
 {
     if (!may_touch(c, path, node))
         return 0;
-    const pzs_real gap = place_of(c, path, node).gap, least = gap < 0 && gap >= -closed(c) ? 0 : gap;
-    return c->touching[node] ? c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * least : gap < -closed(c);
+    const pzs_real gap = place_of(c, path, node).gap, closed = contact_closed(c);
+    const pzs_real least = gap < 0 && gap >= -closed ? 0 : gap;
+    if (!c->touching[node])
+        return gap < -closed;
+    return c->pressure[node] > WEIGHING * own_stiffness(c, path, node) * least;
 }
 
 /* The node of smallest gap that may touch, or -1. */
@@ -208,8 +208,9 @@ static void begin(pzs_contact *c, const pzs_path *path)
     uint32_t given = 0, added = 0;
     for (uint16_t n = 0; n < nodes; n++)
         given += c->touching[n];
+    const pzs_real most = given > 0 ? -contact_closed(c) : contact_closed(c);
     for (uint16_t n = 0; n < nodes; n++)
-        if (!c->touching[n] && may_touch(c, path, n) && place_of(c, path, n).gap <= (given > 0 ? -closed(c) : closed(c))) {
+        if (!c->touching[n] && may_touch(c, path, n) && place_of(c, path, n).gap <= most) {
             c->touching[n] = 1;
             added++;
         }
@@ -255,12 +256,26 @@ static int settled(pzs_option *option, pzs_path *path)
     if (c->changed)
         return 0;
     find_facing(c, path);
+    const pzs_real closed = contact_closed(c);
     for (uint16_t n = 0; n < path->model->structure->nodes; n++) {
         const pzs_real gap = c->touching[n] ? place_of(c, path, n).gap : 0;
-        if (gap > closed(c) || gap < -closed(c) || belongs(c, path, n) != c->touching[n])
+        if (gap > closed || gap < -closed || belongs(c, path, n) != c->touching[n])
             return 0;
     }
     return 1;
+}
+
+static pzs_status refuses(pzs_option *option, pzs_path *path)
+{
+    pzs_contact *c = contact_of(option);
+    const pzs_status status = contact_check(c, path);
+    path->refused_at = c->element;
+    return status;
+}
+
+static pzs_real longest(pzs_option *option, const pzs_path *path, const pzs_real *amount)
+{
+    return contact_longest(contact_of(option), path, amount);
 }
 
 /* ---- forces ----------------------------------------------------------- */
@@ -353,6 +368,9 @@ static void rest(pzs_option *option, pzs_path *path)
     memset(c->touching, 0, path->model->structure->nodes);
     memset(c->force, 0, sizeof c->force);
     c->nodes = 0;
+    c->entered = 0;
+    c->sag = 0;
+    c->depth = 0;
     keep(option, path);
 }
 
@@ -427,7 +445,8 @@ static int adrift(const pzs_option *option, const pzs_path *path)
 
 static const struct pzs_option_calls calls = {
     .choices_in_range = choices_in_range, .prepare = prepare, .add = add, .solved = solved, .settled = settled,
-    .unsettled = PZS_E_CONTACT, .adrift = adrift, .keep = keep, .restore = restore, .rest = rest, .unit = unit,
+    .unsettled = PZS_E_CONTACT, .refuses = refuses, .longest = longest, .adrift = adrift,
+    .keep = keep, .restore = restore, .rest = rest, .unit = unit,
 };
 
 /* ---- attach ------------------------------------------------------------- */
@@ -443,6 +462,34 @@ uint32_t contact_crc(const pzs_contact_face *f, const pzs_structure *s)
     return ~guard_crc(crc, f->area, s->nodes * sizeof *f->area);
 }
 
+uint32_t pzs_body_crc(const pzs_body *body)
+{
+    uint32_t crc = guard_crc(GUARD_CRC_START, body->point, sizeof body->point);
+    crc = guard_crc(crc, body->axis, sizeof body->axis);
+    return ~guard_crc(crc, &body->radius, sizeof body->radius);
+}
+
+/* Is a body one that its gap function can take? *where = index of a number that is none: point,
+ * axis, radius. */
+static pzs_status check_body(const pzs_body *body, int32_t *where)
+{
+    const int has_axis = body->gap == pzs_gap_plane || body->gap == pzs_gap_cylinder;
+    const int has_radius = body->gap == pzs_gap_cylinder || body->gap == pzs_gap_sphere;
+    const pzs_real off = dot(body->axis, body->axis) - 1;
+    pzs_real number[7] = {0};
+    if (body->crc != pzs_body_crc(body))
+        return PZS_E_CRC;
+    memcpy(number, body->point, sizeof body->point);
+    memcpy(number + 3, body->axis, sizeof body->axis);
+    number[6] = body->radius;
+    *where = guard_nonfinite(number, 7);
+    if (*where >= 0)
+        return PZS_E_NONFINITE;
+    if (has_radius && !(body->radius > 0))
+        return PZS_E_ARGUMENT;
+    return has_axis && !(PZS_ABS(off) <= UNIT) ? PZS_E_ARGUMENT : PZS_OK;
+}
+
 static pzs_status check(const pzs_contact_face *f, const pzs_structure *s)
 {
     if (!f->place || !f->triad || !f->area)
@@ -451,6 +498,8 @@ static pzs_status check(const pzs_contact_face *f, const pzs_structure *s)
         return PZS_E_FORMAT;
     if (contact_crc(f, s) != f->crc)
         return PZS_E_CRC;
+    if (guard_nonfinite(f->motion, 3) >= 0 || guard_nonfinite(&f->size, 1) >= 0)
+        return PZS_E_ARGUMENT;
     return f->face <= 1 && f->size > 0 && (f->input < s->input.count || f->input == NO_MOTION) ? PZS_OK : PZS_E_ARGUMENT;
 }
 
@@ -459,7 +508,9 @@ pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_co
 {
     if (!path || !path->model || !contact || !face || !body || !body->gap || !work)
         return PZS_E_ARGUMENT;
-    const pzs_status status = check(face, path->model->structure);
+    pzs_status status = check(face, path->model->structure);
+    if (status == PZS_OK)
+        status = check_body(body, &path->where);
     if (status != PZS_OK)
         return status;
     const uint16_t nodes = path->model->structure->nodes;
@@ -479,6 +530,8 @@ pzs_status pzs_attach_contact(pzs_path *path, pzs_contact *contact, const pzs_co
     contact->touching = (uint8_t *)(contact->facing + nodes);
     contact->kept_touching = contact->touching + nodes;
     contact->stiffness = 10;
+    contact->node = PZS_FIXED;
+    contact->reach = contact_reach(contact, path->model->structure);
     contact->loose = (uint8_t)is_loose(contact, path);
     rest(&contact->option, path);
     nonlinear_attach(path, &contact->option, &calls);

@@ -92,6 +92,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_HELD: return "no usable measurement or target: volts held";
     case PZS_W_ELECTRODE: return "an electrode does not follow its amplifier: it is held";
     case PZS_W_UNSTABLE: return "an equilibrium with negative pivots: not a stable shape";
+    case PZS_W_BEHIND: return "a part of the shell that faces away from the body lies in it";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables damaged";
@@ -106,6 +107,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_DIVERGED: return "no equilibrium found beyond the last one";
     case PZS_E_LIMIT: return "a limit or branching point is near";
     case PZS_E_CONTACT: return "contact kept changing; a loose shell must touch the body from the start, pressed";
+    case PZS_E_PENETRATION: return "the body of the contact enters the shell";
     case PZS_E_SYSTEMS: return "budget of linear systems spent";
     default: return "unknown status";
     }

@@ -427,6 +427,23 @@ static void restore(pzs_path *path)
             o->call->restore(o, path);
 }
 
+/* Do all options let the settled shape stand? Otherwise path->refused is the error of the first
+ * that does not. */
+static int is_accepted(pzs_path *path)
+{
+    path->warned = 0;
+    for (pzs_option *o = path->option; o; o = o->next) {
+        const pzs_status status = o->call->refuses ? o->call->refuses(o, path) : PZS_OK;
+        if (PZS_IS_ERROR(status)) {
+            path->refused = (uint8_t)status;
+            return 0;
+        }
+        if (status != PZS_OK)
+            path->warned = (uint8_t)status;
+    }
+    return 1;
+}
+
 /* One load step towards the amounts, by `part` of the way that is left. Returns whether it settled; only then it is kept. */
 static int step(pzs_path *path, const pzs_real *amount, pzs_real part)
 {
@@ -434,7 +451,8 @@ static int step(pzs_path *path, const pzs_real *amount, pzs_real part)
     for (uint32_t j = 0; j < inputs; j++)
         path->amount[j] = part < 1 ? path->kept_amount[j] + part * (amount[j] - path->kept_amount[j]) : amount[j];
     nonlinear_set_given(path);
-    if (!settle(path))
+    path->refused = 0;
+    if (!settle(path) || !is_accepted(path))
         return 0;
     keep(path);
     path->steps_taken++;
@@ -444,6 +462,8 @@ static int step(pzs_path *path, const pzs_real *amount, pzs_real part)
 /* Why a step did not settle, by the state it ended with; negative: pivots of the last equilibrium. */
 static pzs_status reason(const pzs_path *path, uint32_t negative)
 {
+    if (path->refused)
+        return (pzs_status)path->refused;
     for (const pzs_option *o = path->option; o; o = o->next)
         if (o->call->adrift && o->call->adrift(o, path))
             return PZS_E_CONTACT;
@@ -454,29 +474,80 @@ static pzs_status reason(const pzs_path *path, uint32_t negative)
     return path->where >= 0 || path->negative != negative ? PZS_E_LIMIT : PZS_E_DIVERGED;
 }
 
+/* Largest part of the way to the amounts that all options let a load step take. */
+static pzs_real longest_part(const pzs_path *path, const pzs_real *amount)
+{
+    pzs_real part = 1;
+    for (pzs_option *o = path->option; o; o = o->next) {
+        const pzs_real most = o->call->longest ? o->call->longest(o, path, amount) : 1;
+        part = most < part ? most : part;
+    }
+    return part;
+}
+
+/* The way to the amounts in equal units: the whole, what is done, the next load step, the
+ * longest one. */
+typedef struct way {
+    uint32_t whole, done, stride, longest;
+} way;
+
+/* Divide the units further, until a load step by `part` of what is left can be halved as often
+ * as the first one. */
+static void refine(way *w, pzs_real part)
+{
+    const pzs_real enough = (pzs_real)(1u << MOST_CUTS);
+    while (part * (pzs_real)(w->whole - w->done) < enough && w->whole < 1u << 30) {
+        w->whole *= 2;
+        w->done *= 2;
+        w->stride *= 2;
+        w->longest *= 2;
+    }
+}
+
+/* Units of the next load step, 0 if the options allow none; *is_short = they shorten it. */
+static uint32_t next_stride(const pzs_path *path, way *w, const pzs_real *amount, int *is_short)
+{
+    const pzs_real part = longest_part(path, amount);
+    if (part < 1)
+        refine(w, part);
+    const uint32_t left = w->whole - w->done, take = w->stride < left ? w->stride : left;
+    const pzs_real most = part * (pzs_real)left;
+    *is_short = part < 1 && (pzs_real)take > most;
+    if (*is_short)
+        w->stride = (uint32_t)most;
+    return *is_short ? w->stride : take;
+}
+
 /*
- * All load steps: in units of 1/(steps 2^MOST_CUTS) of the way, so that the end is met exactly. A step that does not
- * settle is halved; one that does is doubled, up to the first size.
+ * All load steps: in units of 1/(steps 2^MOST_CUTS) of the way or less, so that the end is met
+ * exactly. A step that does not settle is halved; one that does is doubled, up to the first size.
  */
 static pzs_status follow(pzs_path *path, const pzs_real *amount)
 {
-    const uint32_t whole = (uint32_t)path->steps << MOST_CUTS;
-    uint32_t done = 0, stride = 1u << MOST_CUTS, negative = path->negative;
-    while (done < whole) {
-        const uint32_t take = stride < whole - done ? stride : whole - done;
-        if (step(path, amount, (pzs_real)take / (pzs_real)(whole - done))) {
-            done += take;
-            stride = stride < 1u << MOST_CUTS ? 2 * stride : stride;
+    const uint32_t first = 1u << MOST_CUTS;
+    way w = {(uint32_t)path->steps << MOST_CUTS, 0, first, first};
+    uint32_t negative = path->negative;
+    while (w.done < w.whole) {
+        int is_short;
+        const uint32_t take = next_stride(path, &w, amount, &is_short);
+        if (take == 0)
+            return PZS_E_SYSTEMS;
+        if (step(path, amount, (pzs_real)take / (pzs_real)(w.whole - w.done))) {
+            w.done += take;
+            w.stride = w.stride < w.longest ? 2 * w.stride : w.stride;
             negative = path->negative;
-            path->factor = (pzs_real)done / (pzs_real)whole;
+            path->factor = (pzs_real)w.done / (pzs_real)w.whole;
+            path->steps_short += (uint32_t)is_short;
             continue;
         }
         const pzs_status why = reason(path, negative);
         restore(path);
-        if (stride == 1 || path->systems >= path->systems_allowed)
+        if (w.stride == 1 || path->systems >= path->systems_allowed)
             return why;
-        stride /= 2;
+        w.stride /= 2;
     }
+    if (path->warned)
+        return (pzs_status)path->warned;
     return path->negative > 0 ? PZS_W_UNSTABLE : PZS_OK;
 }
 
@@ -502,6 +573,10 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
         return fail(path, PZS_E_NONFINITE, bad);
     path->systems = 0;
     path->steps_taken = 0;
+    path->steps_short = 0;
+    path->refused = 0;
+    path->warned = 0;
+    path->refused_at = -1;
     path->factor = 0;
     path->stage = PATH_READY;
     const pzs_status status = follow(path, amount);
@@ -509,7 +584,8 @@ pzs_status pzs_equilibrium(pzs_path *path, const pzs_real *amount)
         path->stage = PATH_SETTLED;
         path->model->stage = STAGE_AT_SHAPE;
     }
-    return fail(path, status, -1);
+    const int is_refused = PZS_IS_ERROR(status) && status == (pzs_status)path->refused;
+    return fail(path, status, is_refused ? path->refused_at : -1);
 }
 
 #endif

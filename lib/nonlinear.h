@@ -23,6 +23,12 @@ struct pzs_option_calls {
     /* Is nothing left to change at path->u? And the error of a path that ends because something always was. */
     int (*settled)(pzs_option *option, pzs_path *path);
     pzs_status unsettled;
+    /* A load step has settled: PZS_OK, a warning, or the error that its shape cannot stand with
+     * (sets path->refused_at). */
+    pzs_status (*refuses)(pzs_option *option, pzs_path *path);
+    /* Largest part, above 0 and at most 1, of the way to the amounts that the next load step may
+     * take. */
+    pzs_real (*longest)(pzs_option *option, const pzs_path *path, const pzs_real *amount);
     /* A load step was given up, in the state it ended with: was it because the option does not hold the shell up? */
     int (*adrift)(const pzs_option *option, const pzs_path *path);
     /* Remember the present state; go back to it; forget both: the shell is at rest. */

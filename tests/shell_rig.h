@@ -47,6 +47,7 @@ typedef struct rig {
     void *model_work, *path_work, *contact_work;
     pzs_real place[MOST_NODES][3], triad[MOST_NODES][3][3], area[MOST_NODES];
     pzs_contact_face face;
+    pzs_body body;
     pzs_contact contact;
     pzs_real corner_area[1][4], lean[1][4][2], pressure[MOST_NODES];
     pzs_follower follower;
@@ -239,8 +240,9 @@ static inline void attach_follower(rig *g, int load_face, int normal_face, int t
     assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &g->follower), PZS_OK);
 }
 
-/* Contact of the outer face below (a cylinder) or above (a plate); input 1 moves the body. */
-static inline void attach_contact(rig *g, const pzs_body *body, const double motion[3])
+/* Contact of the outer face below (a cylinder) or above (a plate); input 1 moves the body, of
+ * which g->body is a copy. */
+static inline pzs_status try_contact(rig *g, const pzs_body *body, const double motion[3])
 {
     pzs_contact_face *f = &g->face;
     const size_t bytes = PZS_CONTACT_BYTES(g->nodes);
@@ -265,7 +267,14 @@ static inline void attach_contact(rig *g, const pzs_body *body, const double mot
     f->crc = contact_crc(f, &g->structure);
     if (!g->contact_work)
         g->contact_work = malloc(bytes);
-    assert_int_equal(pzs_attach_contact(&g->path, &g->contact, f, body, g->contact_work, bytes), PZS_OK);
+    g->body = *body;
+    g->body.crc = pzs_body_crc(body);
+    return pzs_attach_contact(&g->path, &g->contact, f, &g->body, g->contact_work, bytes);
+}
+
+static inline void attach_contact(rig *g, const pzs_body *body, const double motion[3])
+{
+    assert_int_equal(try_contact(g, body, motion), PZS_OK);
 }
 
 static inline void set_random(rig *g, double size)

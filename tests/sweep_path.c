@@ -12,7 +12,7 @@
 #include <unistd.h>
 #include "scene_run.h"
 
-enum { MESHES = 10, FEW = 5, LEVELS = 20, STATUSES = 5 };
+enum { MESHES = 10, FEW = 5, LEVELS = 20, STATUSES = 6 };
 
 /*
  * Balance of a settled equilibrium, path.residual: |imbalance| / |applied force|, rows scaled to unit diagonal at rest. Where

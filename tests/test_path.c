@@ -247,6 +247,23 @@ static void test_contact_resultant(void **state)
     }
 }
 
+/* Law: facets that lie on a drum sag into it by (length)^2 / (8 R), which is a quarter on twice
+ * the elements. */
+static void test_contact_sag(void **state)
+{
+    (void)state;
+    for (int elements = 30; elements <= 60; elements += 30) {
+        const double length = acos(-1.0) * 100 / elements;
+        char changes[64];
+        scene_run r;
+        snprintf(changes, sizeof changes, PUBLISHED "mesh.theta1.elements=%d;", elements);
+        solve_run(&r, "ring-contact", changes);
+        assert_true(fabs(r.analysis.path.contact.sag / (length * length / 8000) - 1) < 5e-3);
+        assert_int_equal(r.analysis.path.contact.entered, 0);
+        scene_run_close(&r);
+    }
+}
+
 /* Law: the state does not depend on the stiffness of contact. */
 static void test_contact_stiffness(void **state)
 {
@@ -546,7 +563,7 @@ int main(void)
         cmocka_unit_test(test_steps_agree), cmocka_unit_test(test_astray_meshes),
         cmocka_unit_test(test_mixed_beats_plain), cmocka_unit_test(test_rigid_motion),
         cmocka_unit_test(test_rigid_motion_of_the_source), cmocka_unit_test(test_prescribed_and_reaction),
-        cmocka_unit_test(test_contact_resultant), cmocka_unit_test(test_contact_stiffness),
+        cmocka_unit_test(test_contact_resultant), cmocka_unit_test(test_contact_sag), cmocka_unit_test(test_contact_stiffness),
         cmocka_unit_test(test_contact_stiffness_of_rubber), cmocka_unit_test(test_body_by_formula), cmocka_unit_test(test_auto),
         cmocka_unit_test(test_thickness_locking), cmocka_unit_test(test_given_force_at_rest),
         cmocka_unit_test(test_influence), cmocka_unit_test(test_influence_of_prescribed),

@@ -50,7 +50,8 @@ static void check_end(scene_run *r, const char *what)
     const pzs_status status = r->analysis.status;
     print_message("%s: %s, factor %.4g, %u systems, %u steps, %u negative\n", what, pzs_status_text(status), path->factor, path->systems,
                   path->steps_taken, path->negative);
-    assert_true(status == PZS_OK || status == PZS_W_UNSTABLE || (status >= PZS_E_DIVERGED && status <= PZS_E_SYSTEMS));
+    assert_true(status == PZS_OK || status == PZS_W_UNSTABLE || status == PZS_W_BEHIND
+                || (status >= PZS_E_DIVERGED && status <= PZS_E_SYSTEMS));
     assert_true(path->systems <= path->systems_allowed && path->factor >= 0 && path->factor <= 1);
     assert_true((path->factor < 1) == PZS_IS_ERROR(status));
     double *u = calloc(n, sizeof *u), *amount = calloc(r->analysis.design.structure.input.count, sizeof *amount);

@@ -149,6 +149,16 @@ static const row tori[] = {
     {"torus-contact", PUBLISHED COARSE TORUS_DEAD ROAD, {-16.9101, -3975.009}, {0}, 5e-4, 1e-3, 1, 7, SOME},
 };
 
+/* A ring whose top has moved by more than its diameter has come through its own bottom, onto the
+ * body behind it. */
+static pzs_status expected_status(const row *t, const scene_run *r)
+{
+    if (t->negative)
+        return PZS_W_UNSTABLE;
+    const int is_ring = strcmp(t->scene, "ring-contact") == 0;
+    return is_ring && scene_run_value(r, 0) < -200 ? PZS_W_BEHIND : PZS_OK;
+}
+
 /* Print a row, what is off as errors; returns whether anything is. */
 static int row_fails(const row *t)
 {
@@ -158,7 +168,7 @@ static int row_fails(const row *t)
     const int failed = scene_run_solve(&r) < 0;
     int wrong = failed || path->steps_taken != t->steps || path->systems > t->systems;
     wrong = wrong || (t->negative == SOME ? path->negative == 0 : path->negative != t->negative);
-    wrong = wrong || r.analysis.status != (t->negative ? PZS_W_UNSTABLE : PZS_OK);
+    wrong = wrong || r.analysis.status != expected_status(t, &r);
     print_message("%-16s %u steps, %3u systems:", t->scene, path->steps_taken, path->systems);
     for (int k = 0; k < 3 && t->expected[k] != 0; k++) {
         const double unit = t->unit[k] != 0 ? t->unit[k] : 1, got = scene_run_value(&r, k) / unit;

@@ -10,7 +10,7 @@ cat >"$scratch/floors" <<'EOF'
 3 lib/boxls lib/boxls_tableau lib/shell lib/shell_corner lib/shell_at
 4 lib/sense lib/model
 5 lib/control lib/nonlinear lib/face lib/electrode
-6 lib/amplifier lib/estimate lib/faults lib/influence_at lib/follower lib/contact lib/electric
+6 lib/amplifier lib/estimate lib/faults lib/influence_at lib/follower lib/contact lib/contact_check lib/electric
 7 host_tools/ firmware_demo/ tests/
 EOF
 

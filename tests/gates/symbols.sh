@@ -70,7 +70,7 @@ images() {
     for image in $linear $nonlinear; do echo "${B:-build}/firmware/$image.elf"; done |
         xargs "${MAKE:-make}" --no-print-directory -s "B=${B:-build}" >"$scratch/found" 2>&1 || { tap 1 'images build'; return 0; }
     defined path nonlinear influence_at shell_at
-    defined options face follower contact electric
+    defined options face follower contact contact_check electric
     for image in $linear; do
         echo "$(holds "$image" path) of the path, $(holds "$image" options) of its options" >"$scratch/found"
         [ "$(holds "$image" path)" -eq 0 ] && [ "$(holds "$image" options)" -eq 0 ]
