@@ -1,7 +1,11 @@
 # piezoshape. `make demo` and `make test` do all of their set-up; `make help` lists the rest.
 
 B := build
+ifeq ($(origin CC),default)
 CC := gcc
+endif
+PREFIX ?= /usr/local
+SCENES := host_tools/scenes
 PYTHON := /usr/bin/python3
 WARN := -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Werror
 DEPEND := -MMD -MP
@@ -11,12 +15,15 @@ LIB := $(sort $(wildcard lib/*.c))
 HOST := $(sort $(filter-out host_tools/main.c,$(wildcard host_tools/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all demo test bench check-long hard oracle tables setup-demo setup-test setup-bench unit san clean help
+.PHONY: all install uninstall demo test bench check-long hard oracle tables setup-demo setup-test setup-bench unit \
+    san clean help
 all: $(B)/pzs
 
 help:
 	@echo 'make demo        shape a real plate with 25 pairs of piezo patches; pictures in $(B)/'
 	@echo 'make test        every test: unit, oracle, command line, sanitizers, gates, firmware under QEMU'
+	@echo 'make install [PREFIX=/usr/local] [DESTDIR=...]: pzs, library, headers, scenes, manual;  make uninstall'
+	@echo 'CC, CFLAGS, LDFLAGS and B (build folder) are honoured: make CC=clang CFLAGS=-g B=/tmp/piezoshape'
 	@echo 'make bench       speed against OpenBLAS, DAQP, Kratos and CalculiX, and speed against error'
 	@echo 'make bench-peers the last of these on all meshes and several times;  bench-linalg, bench-step, bench-path ...: one alone'
 	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
@@ -27,11 +34,13 @@ help:
 
 # ---- libraries: one folder per variant -----------------------------------
 
+FOLDERS := -DSCENE_PLACE='"$(SCENES)"' -DSCENE_FOLDER='"$(CURDIR)/$(SCENES)"' -DSOURCE_FOLDER='"$(CURDIR)"'
+
 # variant: name, flags
 define variant
 $(B)/$(1)/%.o: %.c
 	@mkdir -p $$(@D)
-	$$(CC) $$(WARN) $$(DEPEND) $(2) -DPZS_NONLINEAR=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $$(INCLUDE) -c $$< -o $$@
+	$$(CC) $$(WARN) $$(DEPEND) $(2) -DPZS_NONLINEAR=1 $$(FOLDERS) $$(INCLUDE) $$(CFLAGS) -c $$< -o $$@
 $(B)/$(1)/libpiezoshape.a: $$(LIB:%.c=$(B)/$(1)/%.o)
 	rm -f $$@ && ar rcs $$@ $$^
 $(B)/$(1)/host.a: $$(HOST:%.c=$(B)/$(1)/%.o)
@@ -46,7 +55,7 @@ $(eval $(call variant,san64,$(SANITIZE) -DPZS_REAL_BITS=64))
 $(eval $(call variant,san32,$(SANITIZE) -DPZS_REAL_BITS=32))
 
 $(B)/pzs: $(B)/64/host_tools/main.o $(B)/64/host.a $(B)/64/libpiezoshape.a
-	$(CC) $^ -lyaml -lm -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ -lyaml -lm -o $@
 
 # The host tools in double as one object that shows only its bridge, so that a float program can hold both precisions.
 $(B)/%/bridge64.o: $(B)/64/tests/bridge.o $(B)/64/host.a $(B)/64/libpiezoshape.a
@@ -67,6 +76,44 @@ demo: setup-demo
 test: setup-test
 	@sh tests/run.sh
 
+# ---- installation --------------------------------------------------------
+
+# PREFIX: where it is used; DESTDIR: put before PREFIX by who makes a package. The library in double is libpiezoshape, that
+# in float libpiezoshape32; their pkg-config files give the choices that they were compiled with.
+TO = $(DESTDIR)$(PREFIX)
+VERSION = $(shell sed -n 's/^.define PZS_VERSION "\(.*\)"/\1/p' include/pzs.h)
+INSTALL ?= install
+
+# pkg_config: suffix of the library's name, bits
+define pkg_config
+	@printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include/piezoshape' 'libdir=$${prefix}/lib' '' \
+	    'Name: piezoshape$(1)' 'Description: shape control of piezoelectric shells, $(2) bit reals' 'Version: $(VERSION)' \
+	    'Cflags: -I$${includedir} -DPZS_REAL_BITS=$(2) -DPZS_NONLINEAR=1' 'Libs: -L$${libdir} -lpiezoshape$(1) -lm' \
+	    >'$(TO)/lib/pkgconfig/piezoshape$(1).pc'
+endef
+
+install: $(B)/pzs $(B)/64/libpiezoshape.a $(B)/32/libpiezoshape.a
+	$(INSTALL) -d '$(TO)/bin' '$(TO)/include/piezoshape' '$(TO)/lib/pkgconfig' '$(TO)/share/piezoshape/scenes' \
+	    '$(TO)/share/man/man1' '$(TO)/share/bash-completion/completions'
+	$(INSTALL) -m 755 $(B)/pzs '$(TO)/bin/pzs'
+	$(INSTALL) -m 644 include/pzs.h include/pzs_config.h '$(TO)/include/piezoshape'
+	$(INSTALL) -m 644 $(B)/64/libpiezoshape.a '$(TO)/lib/libpiezoshape.a'
+	$(INSTALL) -m 644 $(B)/32/libpiezoshape.a '$(TO)/lib/libpiezoshape32.a'
+	$(call pkg_config,,64)
+	$(call pkg_config,32,32)
+	$(INSTALL) -m 644 $(SCENES)/*.yaml $(SCENES)/scene.schema.json '$(TO)/share/piezoshape/scenes'
+	$(B)/pzs man >'$(TO)/share/man/man1/pzs.1'
+	$(B)/pzs completion >'$(TO)/share/bash-completion/completions/pzs'
+
+uninstall:
+	rm -f '$(TO)/bin/pzs' '$(TO)/lib/libpiezoshape.a' '$(TO)/lib/libpiezoshape32.a' '$(TO)/lib/pkgconfig/piezoshape.pc' \
+	    '$(TO)/lib/pkgconfig/piezoshape32.pc' '$(TO)/share/man/man1/pzs.1' '$(TO)/share/bash-completion/completions/pzs' \
+	    '$(TO)/include/piezoshape/pzs.h' '$(TO)/include/piezoshape/pzs_config.h'
+	for file in $(notdir $(wildcard $(SCENES)/*.yaml)) scene.schema.json; do \
+	    rm -f '$(TO)/share/piezoshape/scenes'/$$file; done
+	for folder in include/piezoshape share/piezoshape/scenes share/piezoshape; do \
+	    [ ! -d '$(TO)'/$$folder ] || rmdir '$(TO)'/$$folder 2>/dev/null || echo "kept $$folder: other files in it"; done
+
 # ---- unit tests ----------------------------------------------------------
 
 # program: name, variant, sources beside the library, libraries
@@ -74,7 +121,7 @@ define program
 UNIT_$(2) += $(B)/test/$(1)-$(2)
 $(B)/test/$(1)-$(2): $(B)/$(2)/tests/test_$(1).o $(3) $(B)/$(2)/libpiezoshape.a
 	@mkdir -p $$(@D)
-	$$(CC) $(if $(filter san%,$(2)),-fsanitize=address$(comma)undefined) $$^ -lcmocka -lyaml -lm -o $$@
+	$$(CC) $$(CFLAGS) $$(LDFLAGS) $(if $(filter san%,$(2)),-fsanitize=address$(comma)undefined) $$^ -lcmocka -lyaml -lm -o $$@
 endef
 comma := ,
 for_variants = $(foreach v,$(2),$(eval $(call program,$(1),$(v),$(3:@%=$(B)/$(v)/%))))
@@ -89,6 +136,7 @@ $(call for_variants,estimator,64 san64,@tests/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)
+$(call for_variants,suggest,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,simulate,64 san64,@tests/scene_run.o @host.a)
@@ -113,7 +161,7 @@ $(B)/test/sweep-64: $(B)/64/tests/sweep_path.o $(B)/64/tests/scene_run.o $(B)/64
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
 $(B)/pzs-san: $(B)/san64/host_tools/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
-	$(CC) -fsanitize=address,undefined $^ -lyaml -lm -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) -fsanitize=address,undefined $^ -lyaml -lm -o $@
 
 # Thin shells of revolution, every thickness and mesh: prints compliance over reference, case x h/R x mesh.
 hard: $(B)/64/host.a $(B)/64/libpiezoshape.a

@@ -124,9 +124,26 @@ static int explain_path(const analysis *a, char *error)
 
 int analysis_outputs(const analysis *a, int k)
 {
-    const int rows = a->design.named_first[k + 1] - a->design.named_first[k];
+    const int places = a->design.place_first[k + 1] - a->design.place_first[k];
     const scene_output *output = &a->design.scene->output[k];
-    return output->electric != ELECTRIC_NONE ? output->count : rows > 0 ? rows : 1;
+    if (output->electric != ELECTRIC_NONE)
+        return output->count;
+    return places > 0 ? places : 1; /* the whole contact has no place and one value */
+}
+
+int analysis_output_node(const analysis *a, int k, int i)
+{
+    const int entry = a->design.place_first[k] + i;
+    return entry < a->design.place_first[k + 1] ? a->design.place_node[entry] : -1;
+}
+
+void analysis_output_electrode(const analysis *a, int k, int i, char name[SCENE_LABEL])
+{
+    const scene_output *output = &a->design.scene->output[k];
+    if (output->of_sensor)
+        scene_sensor_name(a->design.scene, output->first + i, name);
+    else
+        scene_amplifier_name(a->design.scene, output->first + i, name);
 }
 
 double analysis_output(const analysis *a, int k, int i, const double *value)
@@ -136,7 +153,9 @@ double analysis_output(const analysis *a, int k, int i, const double *value)
         const int input = electrodes_input(&a->design, output, i);
         return output->electric == ELECTRIC_VOLTAGE ? a->amount[input] : a->charge[electrodes_of(&a->design, input)];
     }
-    return output->contact == CONTACT_NONE ? value[a->design.named_first[k] + i] : path_contact_output(&a->path, output);
+    if (output->contact == CONTACT_NONE)
+        return value[a->design.named_first[k] + i];
+    return path_contact_output(&a->path, output, analysis_output_node(a, k, i));
 }
 
 pzs_status analysis_electrodes(analysis *a, const double *amount)

@@ -64,6 +64,10 @@ int analysis_ended_early(const analysis *a);
 double analysis_output(const analysis *a, int k, int i, const double *value);
 /* Its number of values. */
 int analysis_outputs(const analysis *a, int k);
+/* Mesh node of its i-th value; -1 for electrodes and for the force and the number of nodes of the whole contact. */
+int analysis_output_node(const analysis *a, int k, int i);
+/* Name of the electrode of its i-th value; the output is a voltage or a charge. */
+void analysis_output_electrode(const analysis *a, int k, int i, char name[SCENE_LABEL]);
 
 /* Charge per volt of electrode k itself: the shell held, or free as its supports leave it and no other electrode with volts. */
 double analysis_capacitance(const analysis *a, int k, int is_free);

@@ -169,18 +169,43 @@ static int build_targets(design *d, builder *rows, double *dense, int *node, cha
     return 0;
 }
 
+/* An output of displacements or of contact pressures has a place; one of electrodes or of the whole contact has none. */
+static int has_place(const scene_output *output)
+{
+    return output->electric == ELECTRIC_NONE && (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
+}
+
+/* Nodes of the named outputs. node [nodes] is used as room. */
+static int build_places(design *d, int *node)
+{
+    int entries = 0;
+    d->place_first = calloc((size_t)d->scene->outputs + 1, sizeof *d->place_first);
+    if (!d->place_first)
+        return -1;
+    for (int k = 0; k < d->scene->outputs; k++) {
+        const scene_output *output = &d->scene->output[k];
+        d->place_first[k] = entries;
+        entries += has_place(output) ? mesh_select(&d->mesh, &output->where, node) : 0;
+    }
+    d->place_first[d->scene->outputs] = entries;
+    d->place_node = calloc((size_t)entries + 1, sizeof *d->place_node);
+    for (int k = 0; d->place_node && k < d->scene->outputs; k++)
+        if (has_place(&d->scene->output[k]))
+            mesh_select(&d->mesh, &d->scene->output[k].where, d->place_node + d->place_first[k]);
+    return d->place_node ? 0 : -1;
+}
+
 static int build_named(design *d, builder *rows, double *dense, int *node, char *error)
 {
     d->named_first = calloc((size_t)d->scene->outputs + 1, sizeof *d->named_first);
-    if (!d->named_first)
+    if (!d->named_first || build_places(d, node) < 0)
         return scene_fault(d->scene, d->scene->at_surface, error, "outputs do not fit into memory");
     for (int k = 0; k < d->scene->outputs; k++) {
         const scene_output *output = &d->scene->output[k];
         const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
-        const int count = moves ? mesh_select(&d->mesh, &output->where, node) : 0;
         d->named_first[k] = (int)rows->rows;
-        for (int i = 0; i < count; i++)
-            append_output(&d->mesh, output, node[i], rows, dense);
+        for (int i = d->place_first[k]; moves && i < d->place_first[k + 1]; i++)
+            append_output(&d->mesh, output, d->place_node[i], rows, dense);
     }
     d->named_first[d->scene->outputs] = (int)rows->rows;
     return 0;
@@ -543,6 +568,8 @@ void design_free(design *d)
     electrodes_free(d);
     free(d->target_node);
     free(d->named_first);
+    free(d->place_first);
+    free(d->place_node);
     free(d->target);
     free(d->wanted);
     free(d->weight);

@@ -39,6 +39,8 @@ typedef struct design {
     int targets;             /* the first outputs */
     int *target_node;        /* [targets] node of each */
     int *named_first;        /* [scene outputs + 1] first row of each named output */
+    int *place_first;        /* [scene outputs + 1] first entry of each named output in place_node */
+    int *place_node;         /* nodes of the named outputs; an output without a place has none */
     double *target;          /* [targets] wanted displacement, the free functions of the target
                                 taken out */
     double *wanted;          /* [targets] the same less the displacement under the scene's loads: what the volts must do */

@@ -11,11 +11,11 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include "interrupt.h"
+#include "shipped.h"
 
 enum { TICK, HOLD, RELEASE, WATCH, ESTIMATE, QUANTISE, KNOW }; /* orders */
 enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };
-
-#define SOURCES SCENE_FOLDER "/../.."       /* the project's */
 
 static const device_board boards[] = {
     {"netduinoplus2", "netduinoplus2", 32, "host-32"}, {"mps2-an386", "mps2-an386", 32, "host-32"},
@@ -31,13 +31,15 @@ const device_board *device_find(const char *name)
 
 /* ---- programs --------------------------------------------------------- */
 
-/* Start a program, with its standard input and output in pipes where asked. Returns its process, or -1. */
+/* Start a program: with its standard input and output in pipes, or with neither and as leader of a process group. Returns its process, or -1. */
 static int begin(const char *const *argument, int *to, int *from)
 {
     int in[2] = {-1, -1}, out[2] = {-1, -1};
     if (to && (pipe(in) != 0 || pipe(out) != 0))
         return -1;
     const pid_t process = fork();
+    if (process >= 0 && !to)
+        setpgid(process, process); /* in both: whoever comes first */
     if (process == 0) {
         if (to) {
             dup2(in[0], 0);
@@ -63,7 +65,10 @@ static int run(const char *const *argument)
 {
     int status = -1;
     const int process = begin(argument, NULL, NULL);
-    if (process < 0 || waitpid((pid_t)process, &status, 0) < 0)
+    interrupt_group(process > 0 ? process : 0);
+    const int ended = process < 0 ? -1 : (int)waitpid((pid_t)process, &status, 0);
+    interrupt_group(0);
+    if (ended < 0)
         return -1;
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
 }
@@ -74,8 +79,10 @@ int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR])
 {
     const char *base = getenv("TMPDIR");
     const int length = snprintf(folder, DEVICE_PATH, "%s/pzs-loop-XXXXXX", base && *base ? base : "/tmp");
-    if (length < DEVICE_PATH && mkdtemp(folder))
+    if (length < DEVICE_PATH && mkdtemp(folder)) {
+        interrupt_folder(folder);
         return 0;
+    }
     snprintf(error, DEVICE_ERROR, "cannot make a folder for the firmware: %.200s; set TMPDIR to one that can be written",
              folder);
     folder[0] = '\0';
@@ -84,17 +91,20 @@ int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR])
 
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR])
 {
-    char b[DEVICE_PATH + 16], tables[DEVICE_PATH + 16], image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
-    const char *const argument[] = {"make", "-s", "-j2", "--no-print-directory", "-C", SOURCES, b, tables, image,
+    char place[DEVICE_PATH + 16], b[DEVICE_PATH + 16], tables[DEVICE_PATH + 16], image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
+    const char *const sources = shipped_sources();
+    /* Temporary files of the compilers lie in the folder too and go with it. */
+    const char *const argument[] = {"env", place, "make", "-s", "-j2", "--no-print-directory", "-C", sources, b, tables, image,
                                     board->twin ? twin : NULL, NULL};
+    snprintf(place, sizeof place, "TMPDIR=%s", folder);
     snprintf(b, sizeof b, "B=%s", folder);
     snprintf(tables, sizeof tables, "LOOP=%s/loop.h", folder);
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, board->name);
     snprintf(twin, sizeof twin, "%s/firmware/%s-loop", folder, board->twin ? board->twin : "");
     if (run(argument) == 0)
         return 0;
-    snprintf(error, DEVICE_ERROR, "the firmware of %s could not be built from %.200s; it takes make, gcc%s", board->name,
-             SOURCES, board->machine ? " and arm-none-eabi-gcc" : "");
+    snprintf(error, DEVICE_ERROR, "the firmware of %s could not be built from %.200s; it takes make, gcc%s; PZS_SOURCES "
+             "names the folder of the sources", board->name, sources, board->machine ? " and arm-none-eabi-gcc" : "");
     return -1;
 }
 
@@ -111,6 +121,7 @@ void device_remove(const char *folder)
     enum { MOST_OPEN = 16 };
     if (folder[0])
         (void)nftw(folder, remove_entry, MOST_OPEN, FTW_DEPTH | FTW_PHYS);
+    interrupt_folder(NULL);
 }
 
 /* ---- frames ----------------------------------------------------------- */
@@ -180,6 +191,8 @@ static int receive(const device *d, void *to, size_t bytes)
         struct pollfd wait = {d->from, POLLIN, 0};
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
+        if (ready < 0 && errno == EINTR)
+            continue; /* by the timer of progress.h */
         const ssize_t n = ready > 0 ? read(d->from, at, bytes) : 0;
         if (ready == 0)
             errno = ETIMEDOUT;

@@ -1,36 +1,53 @@
 /* pzs: host simulation and precomputation. One executable, a function per subcommand. */
 #define _POSIX_C_SOURCE 200809L
-#include <dirent.h>
-#include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #include "estimator.h"
+#include "help.h"
+#include "interrupt.h"
+#include "manual.h"
 #include "mass.h"
 #include "options.h"
+#include "outfile.h"
 #include "print.h"
 #include "print_simulate.h"
 #include "print_vibration.h"
+#include "progress.h"
 #include "report.h"
 #include "report_simulate.h"
+#include "templates.h"
 #include "voltages.h"
 
 /* Tell what went wrong. Returns code. */
 static int complain(const char *error, int code)
 {
+    progress_stop();
     fprintf(stderr, "pzs: %s\n", error);
     return code;
 }
 
 /* ---- scenes ----------------------------------------------------------- */
 
+/* No such shipped scene: say which one may have been meant. */
+static int no_scene(const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    shipped_suggest(&near, name);
+    fprintf(stderr, "pzs: no shipped scene '%s'%s; see pzs list; a file needs its ending, as %s.yaml\n", name,
+            suggest_text(&near, text), name);
+    return OPTIONS_WRONG;
+}
+
 static int open_scene(const options *o, scene *s)
 {
     char path[OPTIONS_PATH], error[SCENE_ERROR];
-    options_scene_path(o->scene, path);
+    struct stat there;
+    shipped_path(o->scene, path);
+    if (shipped_is_name(o->scene) && stat(path, &there) != 0)
+        return no_scene(o->scene);
     return scene_read(s, path, o->set, o->sets, error) == 0 ? 0 : complain(error, OPTIONS_WRONG);
 }
 
@@ -73,6 +90,8 @@ static int run_on_scene(const options *o, command *run)
     int status = open_scene(o, &s);
     if (status)
         return status;
+    progress_start();
+    progress_stage("assembling and factoring");
     if (analysis_prepare(&a, &s, error) == 0 && check_sensors(&a, error) == 0)
         status = run_with_warnings(o, &a, run);
     else
@@ -82,61 +101,14 @@ static int run_on_scene(const options *o, command *run)
     return status;
 }
 
-/* ---- files ------------------------------------------------------------ */
-
-/* Files are written under a temporary name and take their own only when complete. */
-typedef struct output_file {
-    FILE *file;
-    char temporary[OPTIONS_PATH]; /* empty where the path is a device or a pipe, which is written to directly */
-    const char *path;
-} output_file;
-
-static int file_failed(const char *path)
-{
-    fprintf(stderr, "pzs: cannot write %s: %s\n", path, strerror(errno));
-    return 1;
-}
-
-static int output_begin(output_file *f, const char *path)
-{
-    struct stat there;
-    const int direct = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
-    f->path = path;
-    f->temporary[0] = '\0';
-    if (!direct && snprintf(f->temporary, sizeof f->temporary, "%s.part", path) >= OPTIONS_PATH)
-        return options_refuse("path too long", path);
-    f->file = fopen(direct ? path : f->temporary, "w");
-    return f->file ? 0 : file_failed(path);
-}
-
-static int output_end(output_file *f, int failed)
-{
-    failed |= ferror(f->file);
-    failed |= fclose(f->file) != 0;
-    if (!failed && (!f->temporary[0] || rename(f->temporary, f->path) == 0))
-        return 0;
-    const int status = file_failed(f->path);
-    if (f->temporary[0])
-        remove(f->temporary);
-    return status;
-}
-
-/* A file whose contents never came together. */
-static void output_drop(output_file *f)
-{
-    fclose(f->file);
-    if (f->temporary[0])
-        remove(f->temporary);
-}
-
 /* ---- solve ------------------------------------------------------------ */
 
 static int write_vtu(const analysis *a, const double *u, const char *path)
 {
     const mesh *m = &a->design.mesh;
     double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector);
-    output_file f;
-    const int status = vector ? output_begin(&f, path) : complain("out of memory", 1);
+    outfile f;
+    const int status = vector ? outfile_begin(&f, path) : complain("out of memory", 1);
     if (status) {
         free(vector);
         return status;
@@ -145,24 +117,25 @@ static int write_vtu(const analysis *a, const double *u, const char *path)
     const report_field field = {"displacement", vector};
     const int failed = report_vtu(f.file, m, &field, 1);
     free(vector);
-    return output_end(&f, failed);
+    return outfile_end(&f, failed);
 }
 
 static int solved(const options *o, analysis *a, const double *u)
 {
     const pzs_structure *s = &a->design.structure;
     double *value = calloc((size_t)s->output.count + 1, sizeof *value);
-    output_file f;
+    outfile f;
     int status = 0;
     if (!value)
         return complain("out of memory", 1);
     pzs_observe(s, u, value);
     plausible_result(&a->warnings, &a->design.mesh, u, !a->nonlinear, "the solution");
+    progress_stop();
     (o->as_json ? print_solve_json : print_solve)(a, value);
     if (o->vtu)
         status = write_vtu(a, u, o->vtu);
-    if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
-        status = output_end(&f, report_solve(f.file, a, u, value));
+    if (o->report && status == 0 && (status = outfile_begin(&f, o->report)) == 0)
+        status = outfile_end(&f, report_solve(f.file, a, u, value));
     free(value);
     return status;
 }
@@ -171,6 +144,8 @@ static int command_solve(const options *o, analysis *a)
 {
     char error[SCENE_ERROR] = "out of memory";
     double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
+    progress_stage(a->nonlinear ? "equilibrium" : "solving");
+    progress_solves(a->nonlinear ? &a->path.run.systems : NULL);
     const int failed = u && analysis_solve(a, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
     const int status = u && (!failed || a->nonlinear) ? solved(o, a, u) : 0;
@@ -180,12 +155,12 @@ static int command_solve(const options *o, analysis *a)
 
 /* ---- shape ------------------------------------------------------------ */
 
-/* The scene without any volts. */
+/* The scene without any voltages. */
 static int shape_before(shape_run *run, char *error)
 {
     const design *d = &run->analysis->design;
     double *none = calloc((size_t)d->amplifiers, sizeof *none);
-    const int failed = none ? voltages_given(run->analysis, "no volts", none, &run->before, error)
+    const int failed = none ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
                             : scene_fault(d->scene, d->scene->limits.at, error, "out of memory");
     free(none);
     return failed;
@@ -206,20 +181,25 @@ static int shape_results(shape_run *run, const options *o, char *error)
     const size_t most = 1 + 4 * (size_t)limits + (size_t)s->compares;
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
-        return scene_fault(s, s->limits.at, error, "%zu sets of volts do not fit into memory", most);
+        return scene_fault(s, s->limits.at, error, "%zu sets of voltages do not fit into memory",
+                           most);
+    progress_stage("voltages");
     if (shape_before(run, error) < 0
         || voltages_optimum(a, none, &run->volts[run->count++], error) < 0)
         return -1;
-    for (int i = 0; i < limits; i++)
+    for (int i = 0; i < limits; i++) {
+        progress_count(i, limits);
         if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0
             || (a->nonlinear && voltages_linear(a, limit[i], &run->volts[run->count++], error) < 0)
             || voltages_clipped(a, limit[i], &run->volts[run->count++], error) < 0
             || voltages_regularised(a, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
+    }
     run->compared = run->count;
     for (int i = 0; i < s->compares; i++)
         if (voltages_given(a, s->compare[i].name, s->compare[i].value, &run->volts[run->count++], error) < 0)
             return -1;
+    progress_stage("modes of the target");
     return modes_run(&run->modes, a, limit, limits, error);
 }
 
@@ -227,19 +207,21 @@ static int command_shape(const options *o, analysis *a)
 {
     shape_run run;
     char error[SCENE_ERROR];
-    output_file f;
+    outfile f;
     int status = 0;
     memset(&run, 0, sizeof run);
     run.analysis = a;
     a->nonlinear = a->design.scene->kinematics != KINEMATICS_LINEAR;
+    progress_stage("influence matrix");
     if (analysis_influence(a, error) == 0 && shape_results(&run, o, error) == 0) {
         const voltages *best = &run.volts[1];
         plausible_voltages(&a->warnings, a->design.scene, best->volt, best->name);
         plausible_result(&a->warnings, &a->design.mesh, best->u, !a->nonlinear, best->name);
+        progress_stop();
         (o->as_json ? print_shape_json : print_shape)(&run);
         status = o->vtu ? write_vtu(a, run.volts[1].u, o->vtu) : 0;
-        if (o->report && status == 0 && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_shape(f.file, a, run.volts, run.count, &run.modes));
+        if (o->report && status == 0 && (status = outfile_begin(&f, o->report)) == 0)
+            status = outfile_end(&f, report_shape(f.file, a, run.volts, run.count, &run.modes));
     } else {
         status = complain(error, failed_code(a));
     }
@@ -257,14 +239,14 @@ static int command_shape(const options *o, analysis *a)
 static int run_simulation(simulation *run, const options *o, simulate_record *record)
 {
     char error[SCENE_ERROR];
-    output_file csv = {NULL, "", NULL};
-    const int status = o->csv ? output_begin(&csv, o->csv) : 0;
+    outfile csv = {NULL, NULL, "", -1};
+    const int status = o->csv ? outfile_begin(&csv, o->csv) : 0;
     if (status)
         return status;
-    if (print_run(run, record, csv.file, isatty(2), error) == 0)
-        return o->csv ? output_end(&csv, 0) : 0;
+    if (print_run(run, record, csv.file, error) == 0)
+        return o->csv ? outfile_end(&csv, 0) : 0;
     if (o->csv)
-        output_drop(&csv);
+        outfile_drop(&csv);
     return complain(error, 1);
 }
 
@@ -284,17 +266,21 @@ static int command_simulate(const options *o, analysis *a)
     const scene *s = a->design.scene;
     simulation run;
     simulate_record record;
-    output_file f;
+    outfile f;
     char error[SCENE_ERROR];
     int status = 0;
     memset(&run, 0, sizeof run);
     memset(&record, 0, sizeof record);
     if (!s->simulate.given)
         scene_fault(s, s->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
-    if (s->simulate.given && analysis_influence(a, error) == 0)
+    progress_stage("influence matrix");
+    const int has_influence = s->simulate.given && analysis_influence(a, error) == 0;
+    progress_stage("stability of the loop");
+    if (has_influence)
         certificate_make(&a->certificate, a);
     a->quasi_static = 1;
-    if (!s->simulate.given || analysis_influence(a, error) < 0 || simulate_open(&run, a, error) < 0) {
+    progress_stage("tables of the controller");
+    if (!has_influence || simulate_open(&run, a, error) < 0) {
         status = complain(error, OPTIONS_WRONG);
     } else if (o->device && simulate_device(&run, o->device, error) < 0) {
         status = complain(error, 1);
@@ -302,9 +288,10 @@ static int command_simulate(const options *o, analysis *a)
         status = options_refuse("out of memory for", o->scene);
     } else if ((status = run_simulation(&run, o, &record)) == 0) {
         check_phases(&a->warnings, &run);
+        progress_stop();
         (o->as_json ? print_simulation_json : print_simulation)(&run);
-        if (o->report && (status = output_begin(&f, o->report)) == 0)
-            status = output_end(&f, report_simulate(f.file, &run, &record));
+        if (o->report && (status = outfile_begin(&f, o->report)) == 0)
+            status = outfile_end(&f, report_simulate(f.file, &run, &record));
         status |= run.count[LAW_CONTROLLER].beyond > 0 || run.count[LAW_CONTROLLER].not_finite > 0
                || (run.board && run.board->twin && simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].same);
     }
@@ -322,19 +309,36 @@ static int write_modes(const vibration *v, const mesh *m, const char *path)
     double *vector = calloc(length * count, sizeof *vector);
     report_field *field = calloc(count, sizeof *field);
     char (*name)[32] = calloc(count, sizeof *name);
-    output_file f;
-    int status = vector && field && name ? output_begin(&f, path) : complain("out of memory", 1);
+    outfile f;
+    int status = vector && field && name ? outfile_begin(&f, path) : complain("out of memory", 1);
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
             snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
             report_displacement(m, v->shape + i * (size_t)m->dof, vector + i * length);
             field[i] = (report_field){name[i], vector + i * length};
         }
-        status = output_end(&f, report_vtu(f.file, m, field, v->count));
+        status = outfile_end(&f, report_vtu(f.file, m, field, v->count));
     }
     free(vector);
     free(field);
     free(name);
+    return status;
+}
+
+/* Frequencies and mode shapes of a structure that is ready for them. Returns an exit code. */
+static int modes_of(const options *o, const design *d)
+{
+    enum { USUAL_NUMBER = 10 };
+    vibration v;
+    char error[SCENE_ERROR];
+    const int number = o->number ? o->number : USUAL_NUMBER;
+    progress_stage("natural frequencies");
+    if (vibration_solve(&v, d, number, MASS_LUMPED, error) < 0)
+        return complain(error, OPTIONS_WRONG);
+    progress_stop();
+    (o->as_json ? print_vibration_json : print_vibration)(d, &v);
+    const int status = o->vtu ? write_modes(&v, &d->mesh, o->vtu) : 0;
+    vibration_free(&v);
     return status;
 }
 
@@ -343,20 +347,16 @@ static int run_modes(const options *o)
 {
     scene s;
     design d;
-    vibration v;
     char error[SCENE_ERROR];
     int status = open_scene(o, &s);
     if (status)
         return status;
-    if (design_build(&d, &s, error) < 0) {
+    progress_start();
+    progress_stage("mesh and elements");
+    if (design_build(&d, &s, error) < 0)
         status = complain(error, OPTIONS_WRONG);
-    } else if (vibration_solve(&v, &d, o->number ? o->number : 10, MASS_LUMPED, error) < 0) {
-        status = complain(error, OPTIONS_WRONG);
-    } else {
-        (o->as_json ? print_vibration_json : print_vibration)(&d, &v);
-        status = o->vtu ? write_modes(&v, &d.mesh, o->vtu) : 0;
-        vibration_free(&v);
-    }
+    else
+        status = modes_of(o, &d);
     design_free(&d);
     scene_free(&s);
     return status;
@@ -442,16 +442,18 @@ static void print_tables(const options *o, const analysis *a, const char *path)
 
 static int command_tables(const options *o, analysis *a)
 {
-    output_file f;
+    outfile f;
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
     a->quasi_static = o->quasi_static;
+    progress_stage("tables");
     if (prepare_tables(a, o->image, error) < 0)
         return complain(error, failed_code(a));
     table_prefix(o, a->design.scene, prefix);
-    int status = output_begin(&f, table_path(o, prefix, path));
+    int status = outfile_begin(&f, table_path(o, prefix, path));
     if (status == 0)
-        status = output_end(&f, tables_write(f.file, a, o->image, prefix, &size));
+        status = outfile_end(&f, tables_write(f.file, a, o->image, prefix, &size));
+    progress_stop();
     if (status == 0)
         print_tables(o, a, path);
     return status;
@@ -460,18 +462,14 @@ static int command_tables(const options *o, analysis *a)
 static int command_check(const options *o, analysis *a)
 {
     char error[SCENE_ERROR];
+    progress_stage("influence matrix");
     if (a->design.scene->target.given && analysis_influence(a, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    progress_stage("stability of the loop");
     certificate_make(&a->certificate, a);
+    progress_stop();
     (o->as_json ? print_check_json : print_check)(a);
     return 0;
-}
-
-/* Entries of the scene folder that are scenes. */
-static int is_scene(const struct dirent *entry)
-{
-    const size_t length = strlen(entry->d_name), ending = strlen(".yaml");
-    return length > ending && strcmp(entry->d_name + length - ending, ".yaml") == 0;
 }
 
 /* Name and purpose in at most 100 columns, cut after a word. */
@@ -488,14 +486,13 @@ static void list_line(const char *name, const char *about)
     printf("%.*s%s\n", end, about, end < length ? "..." : "");
 }
 
-static int list_scene(const char *file)
+static int list_scene(void *context, const char *name)
 {
-    char name[SCENE_NAME];
-    snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - strlen(".yaml")), file);
     const options o = {.scene = name};
     scene s;
+    (void)context;
     if (open_scene(&o, &s))
-        return OPTIONS_WRONG;
+        return 1;
     list_line(s.name, s.about ? s.about : "");
     scene_free(&s);
     return 0;
@@ -503,51 +500,103 @@ static int list_scene(const char *file)
 
 static int command_list(void)
 {
-    struct dirent **entry;
-    const int count = scandir(options_folder(), &entry, is_scene, alphasort);
-    int status = count < 0 ? options_refuse("cannot read the folder of scenes", options_folder()) : 0;
-    for (int i = 0; i < count; i++) {
-        status |= list_scene(entry[i]->d_name);
-        free(entry[i]);
-    }
-    if (count >= 0)
-        free(entry);
-    return status;
+    const int failed = shipped_each(list_scene, NULL);
+    if (failed < 0)
+        return options_refuse("PZS_SCENES names the folder of scenes; cannot read", shipped_folder());
+    return failed ? OPTIONS_WRONG : 0;
 }
 
-static int run_command(int argc, char **argv)
+static int command_new(const options *o)
 {
-    static const struct {
-        const char *name;
-        command *run;
-    } commands[] = {{"solve", command_solve}, {"shape", command_shape}, {"tables", command_tables}, {"check", command_check},
-                    {"simulate", command_simulate}};
-    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-        fputs(options_help, argc < 2 ? stderr : stdout);
-        return argc < 2 ? OPTIONS_WRONG : 0;
-    }
-    if (strcmp(argv[1], "list") == 0)
+    const char *text = templates_text(o->word ? o->word : templates_name[0]);
+    if (!text)
+        return options_refuse("scenes from measured influence matrices come with a later release; write plate, mirror or panel, not",
+                              o->word);
+    return fputs(text, stdout) < 0;
+}
+
+/* ---- commands --------------------------------------------------------- */
+
+static int print_help(const options *o)
+{
+    if (o->word)
+        help_command(stdout, command_find(o->word));
+    else
+        help_all(stdout);
+    return 0;
+}
+
+static int run_command(command_id id, const options *o)
+{
+    switch (id) {
+    case COMMAND_LIST:
         return command_list();
-    if (strcmp(argv[1], "modes") == 0) {
-        options o;
-        const int wrong = options_read(&o, argc, argv);
-        return wrong ? wrong : run_modes(&o);
+    case COMMAND_CHECK:
+        return run_on_scene(o, command_check);
+    case COMMAND_SOLVE:
+        return run_on_scene(o, command_solve);
+    case COMMAND_SHAPE:
+        return run_on_scene(o, command_shape);
+    case COMMAND_MODES:
+        return run_modes(o);
+    case COMMAND_TABLES:
+        return run_on_scene(o, command_tables);
+    case COMMAND_SIMULATE:
+        return run_on_scene(o, command_simulate);
+    case COMMAND_NEW:
+        return command_new(o);
+    case COMMAND_COMPLETION:
+        manual_completion(stdout);
+        return 0;
+    case COMMAND_MAN:
+        manual_page(stdout);
+        return 0;
+    case COMMAND_HELP:
+        return print_help(o);
+    case COMMANDS:
+        break;
     }
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        if (strcmp(argv[1], commands[i].name) == 0) {
-            options o;
-            for (int k = 2; k < argc; k++)
-                if (strcmp(argv[k], "--help") == 0)
-                    return fputs(options_help, stdout) < 0;
-            const int wrong = options_read(&o, argc, argv);
-            return wrong ? wrong : run_on_scene(&o, commands[i].run);
-        }
-    return options_refuse("unknown command", argv[1]);
+    return OPTIONS_WRONG;
+}
+
+static int asks_for(option_id option, int argc, char **argv, int from)
+{
+    for (int i = from; i < argc; i++)
+        if (option_find(argv[i]) == option)
+            return 1;
+    return 0;
+}
+
+static int run_line(int argc, char **argv)
+{
+    options o;
+    if (argc < 2) {
+        help_all(stderr);
+        return OPTIONS_WRONG;
+    }
+    const option_id alone = option_find(argv[1]);
+    const command_id id = command_find(argv[1]);
+    if (alone == OPTION_VERSION)
+        return printf("pzs %s\n", PZS_VERSION) < 0;
+    if (alone == OPTION_HELP) {
+        help_all(stdout);
+        return 0;
+    }
+    if (id == COMMANDS)
+        return options_unknown_command(argv[1]);
+    if (asks_for(OPTION_HELP, argc, argv, 2)) {
+        help_command(stdout, id);
+        return 0;
+    }
+    const int wrong = options_read(&o, id, argc, argv);
+    return wrong ? wrong : run_command(id, &o);
 }
 
 int main(int argc, char **argv)
 {
-    const int status = run_command(argc, argv);
+    interrupt_install();
+    const int status = run_line(argc, argv);
+    progress_stop();
     if (fflush(stdout) == 0 && !ferror(stdout))
         return status;
     perror("pzs: standard output");

@@ -64,10 +64,23 @@ static void place_nodes(mesh *m)
     }
 }
 
-static int in_region(const scene *s, const scene_where *where, int i, int j)
+static int in_span(const double span[2], double theta)
 {
-    const double t1 = s->line[0].point[i], t2 = s->line[1].point[j];
-    return t1 >= where->span[0][0] && t1 <= where->span[0][1] && t2 >= where->span[1][0] && t2 <= where->span[1][1];
+    return theta >= span[0] && theta <= span[1];
+}
+
+/* Does mesh line i of a direction lie in a region's span? The first line of a closed direction is its last one too. */
+static int line_in_region(const mesh *m, const scene_where *where, int direction, int i)
+{
+    const scene_line *line = &m->scene->line[direction];
+    const double *span = where->span[direction];
+    const int is_seam = i == 0 && m->lines[direction] == line->elements;
+    return in_span(span, line->point[i]) || (is_seam && in_span(span, line->point[line->elements]));
+}
+
+static int in_region(const mesh *m, const scene_where *where, int i, int j)
+{
+    return line_in_region(m, where, 0, i) && line_in_region(m, where, 1, j);
 }
 
 int mesh_select(const mesh *m, const scene_where *where, int *node)
@@ -76,7 +89,7 @@ int mesh_select(const mesh *m, const scene_where *where, int *node)
     for (int i = 0; i < m->lines[0]; i++)
         for (int j = 0; j < m->lines[1]; j++) {
             const int chosen = where->type == WHERE_NODES
-                || (where->type == WHERE_REGION && in_region(m->scene, where, i, j))
+                || (where->type == WHERE_REGION && in_region(m, where, i, j))
                 || (where->type == WHERE_POINT && mesh_node(m, where->node[0], where->node[1]) == mesh_node(m, i, j))
                 || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_MINUS && i == 0)
                 || (where->type == WHERE_EDGE && where->edge == EDGE_THETA1_PLUS && i == m->scene->line[0].elements % m->lines[0])

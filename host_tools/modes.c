@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "progress.h"
 
 /* Without limits, once for all of them. */
 static int run_unlimited(analysis *a, mode *m, char *error)
@@ -77,8 +78,10 @@ int modes_run(modes *m, analysis *a, const common_limits *limit, int limits, cha
         memcpy(kept + n, d->wanted, n * sizeof *kept);
         for (size_t i = 0; i < n; i++)
             kept[2 * n + i] = kept[i] - kept[n + i];
-        for (; !failed && m->count < (int)count; m->count++)
+        for (; !failed && m->count < (int)count; m->count++) {
+            progress_count(m->count, (int)count);
             failed = run_mode(m, m->count, a, kept + 2 * n, limit, error);
+        }
         memcpy(d->target, kept, n * sizeof *kept);
         memcpy(d->wanted, kept + n, n * sizeof *kept);
     }

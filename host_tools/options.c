@@ -9,67 +9,77 @@
 #include <string.h>
 #include <sys/stat.h>
 
-const char *const options_help =
-    "pzs - shape control of piezoelectric shells: host simulation and precomputation\n"
-    "\n"
-    "  pzs list                         the scenes shipped, a line each\n"
-    "  pzs check  SCENE                 read a scene and say what is wrong with it\n"
-    "  pzs solve  SCENE                 displacement under the scene's loads and applied volts\n"
-    "  pzs shape  SCENE                 volts that bring the shape to the scene's target, and its error\n"
-    "  pzs modes  SCENE                 natural frequencies: the vibration that the control loop has no model of\n"
-    "  pzs tables SCENE -o FILE.h       C tables for a firmware\n"
-    "  pzs simulate SCENE               the controller in closed loop with a structure it does not quite know\n"
-    "\n"
-    "SCENE is a file, or the name of a shipped scene. Options:\n"
-    "  --set KEY=VALUE    change the scene: --set mesh.theta1.elements=16 --set element=improved\n"
-    "  --limit V          shape: common voltage limits -V .. V instead of limits.voltage of the scene;\n"
-    "  --limit LO,HI      an amplifier's own limits and held voltage (limits.each) and depolarisation\n"
-    "                     field (field_limit) apply besides, so that the narrowest limit always wins;\n"
-    "                     repeat it for a comparison\n"
-    "  --json             numbers for machines on standard output\n"
-    "  --strict           warnings on implausible numbers end with exit code 1\n"
-    "  --report FILE.html pictures and tables in one page\n"
-    "  --vtu FILE.vtu     deformed shape for ParaView; modes: the mode shapes\n"
-    "  --number N         modes: how many, 1 to 200; default 10\n"
-    "  --csv FILE.csv     simulate: a line a tick: tick, time (s), error of the shape over the scene's target, active\n"
-    "                     (volts at a limit), passes of the optimiser, status (pzs_status of the tick), lost (1: the\n"
-    "                     controller did not run), missed (by the estimate of the shape), then the volts that each\n"
-    "                     amplifier gives\n"
-    "  --device BOARD     simulate: the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the\n"
-    "                     controller; every bit compared with the same C here. host-32, host-64: that C alone\n"
-    "  --level IMAGE      tables: control (influence matrix), linear (element matrices) or nonlinear (and the path\n"
-    "                     at large rotation; the scene needs kinematics: nonlinear); default control\n"
-    "  --quasi-static     tables: also where vibration makes the control loop unstable at the scene's rate; the header\n"
-    "                     then says so and defines PREFIX_QUASI_STATIC\n"
-    "  --prefix NAME      tables: start of every name; default the scene's name\n"
-    "  -o FILE            tables: output file, or a folder for it\n"
-    "\n"
-    "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the\n"
-    "limits. Regularised, then clipped: the same with the one parameter that leaves the smallest\n"
-    "error of the linear model, chosen knowing the answer.\n"
-    "\n"
-    "Shape error: weighted RMS misfit over the RMS of the target. Target nodes on constrained dof,\n"
-    "which cannot move, do not count; shape reports them where they are not as wanted, and the error\n"
-    "with them. target.free: functions that are taken out of target and error (piston, tip, tilt, or\n"
-    "formulas).\n"
-    "\n"
-    "Examples:\n"
-    "  pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8\n"
-    "  pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html\n"
-    "  pzs tables plate-50-patches --level linear --prefix plate -o plate.h\n"
-    "  pzs simulate plate-closed-loop --report loop.html --csv loop.csv\n"
-    "  pzs simulate plate-few-sensors --device mps2-an386\n"
-    "  pzs simulate plate-closed-loop --set simulate.plant.d=0.5 --set simulate.ticks=300 --device netduinoplus2\n"
-    "\n"
-    "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.\n";
-
-/* ---- command line ----------------------------------------------------- */
+/* ---- messages --------------------------------------------------------- */
 
 int options_refuse(const char *what, const char *value)
 {
     fprintf(stderr, "pzs: %s '%s'; see pzs --help\n", what, value);
     return OPTIONS_WRONG;
 }
+
+int options_unknown_command(const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, name);
+    for (int k = 0; k < COMMANDS; k++)
+        suggest_consider(&near, command_table[k].name);
+    fprintf(stderr, "pzs: unknown command '%s'%s; see pzs --help\n", name, suggest_text(&near, text));
+    return OPTIONS_WRONG;
+}
+
+static int unknown_option(command_id command, const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, name);
+    for (int k = 0; k < OPTIONS; k++)
+        if (command_takes(command, (option_id)k))
+            suggest_consider(&near, option_table[k].name);
+    fprintf(stderr, "pzs: unknown option '%s'%s; see pzs help %s\n", name, suggest_text(&near, text), command_table[command].name);
+    return OPTIONS_WRONG;
+}
+
+/* An option that a command does not know is refused: who gives it waits for what it makes. */
+static int foreign_option(command_id command, option_id option)
+{
+    const char *between = "";
+    fprintf(stderr, "pzs: %s belongs to ", option_table[option].name);
+    for (int k = 0; k < COMMANDS; k++)
+        if (command_takes((command_id)k, option)) {
+            fprintf(stderr, "%s%s", between, command_table[k].name);
+            between = ", ";
+        }
+    fprintf(stderr, "%s, not to %s; see pzs help %s\n", *between ? "" : "pzs itself", command_table[command].name,
+            command_table[command].name);
+    return OPTIONS_WRONG;
+}
+
+/* A word that is none of the choices of `name`. */
+static int wrong_choice(const char *name, const char *const *choices, const char *word)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, word);
+    fprintf(stderr, "pzs: %s is ", name);
+    for (int k = 0; choices[k]; k++) {
+        const char *between = choices[k + 1] ? ", " : " or ";
+        fprintf(stderr, "%s%s", k ? between : "", choices[k]);
+        suggest_consider(&near, choices[k]);
+    }
+    fprintf(stderr, ", not '%s'%s; see pzs --help\n", word, suggest_text(&near, text));
+    return OPTIONS_WRONG;
+}
+
+static int is_choice(const char *const *choices, const char *word)
+{
+    int k = 0;
+    while (choices[k] && strcmp(choices[k], word) != 0)
+        k++;
+    return choices[k] != NULL;
+}
+
+/* ---- parser ----------------------------------------------------------- */
 
 /* A finite number up to `stop`; end is where it stopped. Returns whether there is one. */
 static bool read_voltage(const char *text, char stop, double *voltage, char **end)
@@ -102,92 +112,146 @@ static int take_limit(options *o, const char *value)
     return 0;
 }
 
-/* Take one option with a value. Returns 0, or an exit code. */
-static int take_value(options *o, const char *name, const char *value)
+static int take_number(options *o, const char *value)
 {
-    if (strcmp(name, "--set") == 0) {
-        if (o->sets == MOST_SETS)
-            return options_refuse("too many changes at", value);
-        o->set[o->sets++] = value;
-    } else if (strcmp(name, "--limit") == 0) {
-        return take_limit(o, value);
-    } else if (strcmp(name, "--number") == 0) {
-        char *end;
-        const long number = strtol(value, &end, 10);
-        if (end == value || *end || number < 1 || number > 200)
-            return options_refuse("--number wants a whole number from 1 to 200, not", value);
-        o->number = (int)number;
-    } else if (strcmp(name, "--level") == 0) {
-        for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
-            o->image++;
-        if (o->image == TABLES_IMAGES)
-            return options_refuse("--level is control, linear or nonlinear, not", value);
-    } else if (strcmp(name, "--report") == 0) {
-        o->report = value;
-    } else if (strcmp(name, "--vtu") == 0) {
-        o->vtu = value;
-    } else if (strcmp(name, "--csv") == 0) {
-        o->csv = value;
-    } else if (strcmp(name, "--device") == 0) {
-        o->device = device_find(value);
-        if (!o->device)
-            return options_refuse("--device is netduinoplus2, mps2-an386, mps2-an500, host-32 or host-64, not", value);
-    } else if (strcmp(name, "--prefix") == 0) {
-        o->prefix = value;
-    } else if (strcmp(name, "-o") == 0) {
-        o->output = value;
-    } else {
-        return options_refuse("unknown option", name);
-    }
+    enum { MOST_MODES = 200 };
+    char *end;
+    const long number = strtol(value, &end, 10);
+    if (end == value || *end || number < 1 || number > MOST_MODES)
+        return options_refuse("--number wants a whole number from 1 to 200, not", value);
+    o->number = (int)number;
     return 0;
+}
+
+static int take_set(options *o, const char *value)
+{
+    if (o->sets == MOST_SETS)
+        return options_refuse("too many changes at", value);
+    o->set[o->sets++] = value;
+    return 0;
+}
+
+static int take_level(options *o, const char *value)
+{
+    for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
+        o->image++;
+    return 0;
+}
+
+static int take_file(const char **file, const char *value)
+{
+    *file = value;
+    return 0;
+}
+
+/* Take one option; value is NULL where it has none. Returns 0, or an exit code. */
+static int take_option(options *o, option_id option, const char *value)
+{
+    const option_entry *entry = &option_table[option];
+    if (!command_takes(o->command, option))
+        return foreign_option(o->command, option);
+    if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, value))
+        return wrong_choice(entry->name, entry->choices, value);
+    switch (option) {
+    case OPTION_SET:
+        return take_set(o, value);
+    case OPTION_LIMIT:
+        return take_limit(o, value);
+    case OPTION_NUMBER:
+        return take_number(o, value);
+    case OPTION_LEVEL:
+        return take_level(o, value);
+    case OPTION_JSON:
+        o->as_json = 1;
+        return 0;
+    case OPTION_STRICT:
+        o->is_strict = 1;
+        return 0;
+    case OPTION_QUASI_STATIC:
+        o->quasi_static = 1;
+        return 0;
+    case OPTION_REPORT:
+        return take_file(&o->report, value);
+    case OPTION_VTU:
+        return take_file(&o->vtu, value);
+    case OPTION_CSV:
+        return take_file(&o->csv, value);
+    case OPTION_PREFIX:
+        return take_file(&o->prefix, value);
+    case OPTION_OUTPUT:
+        return take_file(&o->output, value);
+    case OPTION_DEVICE:
+        o->device = device_find(value);
+        return 0;
+    case OPTION_HELP:
+    case OPTION_VERSION:
+    case OPTIONS:
+        break;
+    }
+    return unknown_option(o->command, entry->name);
+}
+
+/* Take a word that is no option. Returns 0, or an exit code. */
+static int take_word(options *o, const char *word)
+{
+    const command_entry *entry = &command_table[o->command];
+    if (entry->kind == ARGUMENT_NONE)
+        return options_refuse("this command takes no argument; unexpected", word);
+    if (entry->kind == ARGUMENT_SCENE && o->scene)
+        return options_refuse("one scene at a time; unexpected", word);
+    if (o->word)
+        return options_refuse("one argument at a time; unexpected", word);
+    if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, word))
+        return wrong_choice("the argument", entry->choices, word);
+    if (entry->kind == ARGUMENT_COMMAND && command_find(word) == COMMANDS)
+        return options_unknown_command(word);
+    if (entry->kind == ARGUMENT_SCENE)
+        o->scene = word;
+    else
+        o->word = word;
+    return 0;
+}
+
+/* The library's names start with pzs and PZS. */
+static int is_own_prefix(const char *prefix)
+{
+    return strlen(prefix) == 3 && tolower((unsigned char)prefix[0]) == 'p' && tolower((unsigned char)prefix[1]) == 'z'
+        && tolower((unsigned char)prefix[2]) == 's';
 }
 
 static int parse(options *o, int argc, char **argv)
 {
-    memset(o, 0, sizeof *o);
-    for (int i = 2; i < argc; i++) {
-        if (strcmp(argv[i], "--json") == 0) {
-            o->as_json = 1;
-        } else if (strcmp(argv[i], "--strict") == 0) {
-            o->is_strict = 1;
-        } else if (strcmp(argv[i], "--quasi-static") == 0) {
-            o->quasi_static = 1;
-        } else if (argv[i][0] != '-') {
-            if (o->scene)
-                return options_refuse("one scene at a time; unexpected", argv[i]);
-            o->scene = argv[i];
-        } else {
-            if (i + 1 == argc)
-                return options_refuse("unknown option, or a value is missing after", argv[i]);
-            const int wrong = take_value(o, argv[i], argv[i + 1]);
-            if (wrong)
-                return wrong;
-            i++;
-        }
+    int wrong = 0;
+    for (int i = 2; i < argc && !wrong; i++) {
+        const option_id option = option_find(argv[i]);
+        const int has_value = option < OPTIONS && option_table[option].kind != ARGUMENT_NONE;
+        if (argv[i][0] != '-')
+            wrong = take_word(o, argv[i]);
+        else if (option == OPTIONS)
+            wrong = unknown_option(o->command, argv[i]);
+        else if (has_value && i + 1 == argc)
+            wrong = options_refuse("a value is missing after", argv[i]);
+        else
+            wrong = take_option(o, option, has_value ? argv[i + 1] : NULL);
+        i += has_value;
     }
-    if (o->prefix && strlen(o->prefix) == 3 && tolower((unsigned char)o->prefix[0]) == 'p'
-        && tolower((unsigned char)o->prefix[1]) == 'z' && tolower((unsigned char)o->prefix[2]) == 's')
+    return wrong;
+}
+
+/* What a command cannot do without, and a prefix that the library has itself. */
+static int check_words(const options *o)
+{
+    const command_entry *entry = &command_table[o->command];
+    if (o->prefix && is_own_prefix(o->prefix))
         return options_refuse("the library's own names start with --prefix", o->prefix);
-    return o->scene ? 0 : options_refuse("name a scene for", argv[1]);
+    if (entry->kind == ARGUMENT_SCENE && !o->scene)
+        return options_refuse("name a scene for", entry->name);
+    if (o->command == COMMAND_TABLES && !o->output)
+        return options_refuse("say where to write with -o FILE for", entry->name);
+    return 0;
 }
 
-/* ---- scenes ----------------------------------------------------------- */
-
-const char *options_folder(void)
-{
-    const char *folder = getenv("PZS_SCENES");
-    return folder ? folder : SCENE_FOLDER;
-}
-
-void options_scene_path(const char *name, char path[OPTIONS_PATH])
-{
-    const size_t length = strlen(name);
-    const int is_file = strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".yaml") == 0);
-    if (is_file)
-        snprintf(path, OPTIONS_PATH, "%s", name);
-    else
-        snprintf(path, OPTIONS_PATH, "%s/%s.yaml", options_folder(), name);
-}
+/* ---- files ------------------------------------------------------------ */
 
 static int stat_folder(const char *path, struct stat *there)
 {
@@ -215,7 +279,7 @@ static int check_files(const options *o)
 {
     char scene_path[OPTIONS_PATH];
     const char *const file[5] = {scene_path, o->report, o->vtu, o->csv, o->output};
-    options_scene_path(o->scene, scene_path);
+    shipped_path(o->scene, scene_path);
     for (int i = 1; i < 5; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && same_file(file[i], file[j]))
@@ -223,30 +287,14 @@ static int check_files(const options *o)
     return 0;
 }
 
-/* An option that a command does not know is refused: who gives it waits for what it makes. */
-static int check_options(const options *o, const char *command)
+int options_read(options *o, command_id command, int argc, char **argv)
 {
-    const struct {
-        const char *name, *commands;
-        int given;
-    } option[] = {{"--limit", "shape", o->limits > 0}, {"--report", "solve, shape, simulate", o->report != NULL},
-                  {"--vtu", "solve, shape, modes", o->vtu != NULL}, {"--csv", "simulate", o->csv != NULL},
-                  {"--device", "simulate", o->device != NULL}, {"--prefix", "tables", o->prefix != NULL},
-                  {"--level", "tables", o->image != TABLES_CONTROL}, {"-o", "tables", o->output != NULL},
-                  {"--number", "modes", o->number > 0}, {"--quasi-static", "tables", o->quasi_static}};
-    for (size_t i = 0; i < sizeof option / sizeof *option; i++)
-        if (option[i].given && !strstr(option[i].commands, command)) {
-            fprintf(stderr, "pzs: %s belongs to %s, not to %s; see pzs --help\n", option[i].name, option[i].commands, command);
-            return OPTIONS_WRONG;
-        }
-    if (strcmp(command, "tables") == 0 && !o->output)
-        return options_refuse("say where to write with -o FILE for", command);
-    return 0;
-}
-
-int options_read(options *o, int argc, char **argv)
-{
+    memset(o, 0, sizeof *o);
+    o->command = command;
     int wrong = parse(o, argc, argv);
-    wrong = wrong ? wrong : check_options(o, argv[1]);
-    return wrong ? wrong : check_files(o);
+    if (!wrong)
+        wrong = check_words(o);
+    if (!wrong && o->scene)
+        wrong = check_files(o);
+    return wrong;
 }

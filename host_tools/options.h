@@ -1,15 +1,19 @@
-/* The command line of pzs: its words, its help, the files that it names. */
+/* The command line of pzs: its words, and the files that it names. */
 #ifndef OPTIONS_H
 #define OPTIONS_H
 
+#include "commands.h"
 #include "device.h"
+#include "shipped.h"
 #include "tables.h"
 
 /* OPTIONS_WRONG: exit code where the scene or the command line is wrong. */
-enum { OPTIONS_WRONG = 2, OPTIONS_PATH = 4096, MOST_SETS = 64, MOST_LIMITS = 16 };
+enum { OPTIONS_WRONG = 2, OPTIONS_PATH = SHIPPED_PATH, MOST_SETS = 64, MOST_LIMITS = 16 };
 
 typedef struct options {
-    const char *scene;
+    command_id command;
+    const char *scene;      /* of a command on a scene */
+    const char *word;       /* argument of another command, NULL where there is none */
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
     int sets, limits, as_json, is_strict;
@@ -20,18 +24,13 @@ typedef struct options {
     tables_image image;
 } options;
 
-extern const char *const options_help;
-
 /* Read the words after the command, argv[1]. Returns 0, or an exit code after saying what is wrong. */
-int options_read(options *o, int argc, char **argv);
+int options_read(options *o, command_id command, int argc, char **argv);
 
 /* Say what is wrong with a word of the command line. Returns OPTIONS_WRONG. */
 int options_refuse(const char *what, const char *value);
 
-/* Folder of the shipped scenes: beside the source of this build, or PZS_SCENES of the environment. */
-const char *options_folder(void);
-
-/* The file of a scene: itself, or that of a shipped one. */
-void options_scene_path(const char *name, char path[OPTIONS_PATH]);
+/* Say that a command is not known, and which one it may have been. Returns OPTIONS_WRONG. */
+int options_unknown_command(const char *name);
 
 #endif

@@ -217,7 +217,7 @@ static pzs_status build_contact(path *p, uint16_t input)
     return status;
 }
 
-double path_contact_output(const path *p, const scene_output *output)
+double path_contact_output(const path *p, const scene_output *output, int node)
 {
     switch (output->contact) {
     case CONTACT_X:
@@ -227,7 +227,7 @@ double path_contact_output(const path *p, const scene_output *output)
     case CONTACT_NODES:
         return p->contact.nodes;
     case CONTACT_PRESSURE:
-        return p->contact.pressure[mesh_node(&p->design->mesh, output->where.node[0], output->where.node[1])];
+        return p->contact.pressure[node];
     case CONTACT_NONE:
         break;
     }

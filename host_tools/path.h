@@ -43,8 +43,9 @@ void path_return(path *p, const void *state);
 /*
  * Value of an output of contact.
  *   output in  its contact is not CONTACT_NONE
+ *   node   in  of a contact pressure; not read for the others
  */
-double path_contact_output(const path *p, const scene_output *output);
+double path_contact_output(const path *p, const scene_output *output, int node);
 
 /*
  * Where and how the body of the contact lies in the shell, and the cure, as the last load step that

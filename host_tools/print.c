@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "model.h"
+#include "print_outputs.h"
 #include "print_vibration.h"
 #include "words.h"
 #include "tables.h"
@@ -161,36 +162,6 @@ void print_check_json(const analysis *a)
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* One line for an output at a point, or the least and the most of one on many nodes; electrodes one by one. */
-static void print_output(const analysis *a, int k, const double *value)
-{
-    const scene_output *output = &a->design.scene->output[k];
-    const int count = analysis_outputs(a, k);
-    char name[WORDS_UNIT], unit[WORDS_UNIT + 1];
-    words_unit(a->design.scene, words_of_output(output), name);
-    snprintf(unit, sizeof unit, "%s%s", *name ? " " : "", name);
-    double least = HUGE_VAL, most = -HUGE_VAL;
-    for (int i = 0; i < count; i++) {
-        least = fmin(least, analysis_output(a, k, i, value));
-        most = fmax(most, analysis_output(a, k, i, value));
-    }
-    if (count > 1 && output->electric != ELECTRIC_NONE) {
-        printf("  %-20s", output->name);
-        for (int i = 0; i < count; i++)
-            printf(" %.6e", analysis_output(a, k, i, value));
-        printf("%s\n", unit);
-        return;
-    }
-    if (count > 1) {
-        printf("  %-20s %16.9e .. %.9e%s on %d nodes\n", output->name, least, most, unit, count);
-        return;
-    }
-    printf("  %-20s %16.9e%s", output->name, most, unit);
-    if (isfinite(output->reference))
-        printf("   reference %.6e, ratio %.4f", output->reference, most / output->reference);
-    putchar('\n');
-}
-
 /* What is to be known of a contact: load steps added for its body, how far facets sag, a warning
  * of the last step. */
 static void print_contact(const analysis *a)
@@ -217,10 +188,15 @@ static void print_path(const analysis *a)
     const pzs_path *run = &a->path.run;
     printf("  %u load step%s, %u linear systems, %s (%u negative pivots)\n", run->steps_taken, run->steps_taken == 1 ? "" : "s",
            run->systems, run->negative ? "UNSTABLE" : "stable", run->negative);
-    printf("  settled to %.0e of the displacement (equilibrium.change), residual %.1e of the load\n",
+    printf("  settled to %.0e of the displacement (equilibrium.change), solver residual %.1e of the load\n",
            run->change, run->residual);
     print_contact(a);
-    putchar('\n');
+}
+
+/* What the solver's own checks leave out. */
+static void print_discretisation(void)
+{
+    puts("  discretisation error: not part of these figures; compare with a finer mesh, as --set mesh.theta1.elements=N\n");
 }
 
 void print_solve(analysis *a, const double *value)
@@ -232,7 +208,9 @@ void print_solve(analysis *a, const double *value)
     if (a->nonlinear)
         print_path(a);
     else
-        printf("  residual %.1e, estimated error %.1e in energy, %d passes\n\n", a->model.residual, a->model.error, a->model.passes);
+        printf("  linear solve: solver residual %.1e, solver error estimate %.1e in the energy norm, %d refinements\n", a->model.residual,
+               a->model.error, a->model.passes);
+    print_discretisation();
     for (int k = 0; k < a->design.scene->outputs; k++)
         print_output(a, k, value);
     print_electrodes(a);
@@ -248,6 +226,7 @@ static void json_path(json *j, const analysis *a)
     json_number(j, "systems", run->systems);
     json_number(j, "iterations", (double)run->systems - run->steps_taken);
     json_number(j, "residual", run->residual);
+    json_number(j, "solver_residual", run->residual);
     json_number(j, "negative_pivots", run->negative);
 }
 
@@ -259,8 +238,9 @@ static void json_linear(json *j, const analysis *a)
     json_number(j, "systems", 1);
     json_number(j, "iterations", a->model.passes);
     json_number(j, "residual", a->model.residual);
+    json_number(j, "solver_residual", a->model.residual);
     json_number(j, "negative_pivots", a->model.negative);
-    json_number(j, "error", a->model.error);
+    json_number(j, "solver_error_estimate", a->model.error);
 }
 
 /* On a nonlinear structure `solve` is the whole path; the stiffness at rest is assembled and factored before it. */
@@ -274,21 +254,6 @@ static void json_seconds(json *j, const analysis *a)
     json_close(j, '}');
 }
 
-/* An output under its name: a number, or an array of the numbers of its nodes. */
-static void json_output(json *j, const analysis *a, int k, const double *value)
-{
-    const int count = analysis_outputs(a, k);
-    if (count == 1) {
-        json_number(j, a->design.scene->output[k].name, analysis_output(a, k, 0, value));
-        return;
-    }
-    double *all = calloc((size_t)count, sizeof *all);
-    for (int i = 0; all && i < count; i++)
-        all[i] = analysis_output(a, k, i, value);
-    json_numbers(j, a->design.scene->output[k].name, all, all ? count : 0);
-    free(all);
-}
-
 void print_solve_json(analysis *a, const double *value)
 {
     const design *d = &a->design;
@@ -300,10 +265,8 @@ void print_solve_json(analysis *a, const double *value)
         json_number(&j, "cost_of_linear", a->cost);
     (a->nonlinear ? json_path : json_linear)(&j, a);
     json_seconds(&j, a);
-    json_open(&j, "outputs", '{');
-    for (int k = 0; k < d->scene->outputs; k++)
-        json_output(&j, a, k, value);
-    json_close(&j, '}');
+    print_outputs_json(&j, a, value, 0);
+    print_output_places_json(&j, a, value, 0);
     json_open(&j, "ratios", '{');
     for (int k = 0; k < d->scene->outputs; k++)
         if (isfinite(d->scene->output[k].reference))
@@ -341,7 +304,7 @@ static double rounded_volt(double volt)
 /* Volts of each actuator as its grid lies on the surface: theta1 down, theta2 across. */
 static void print_volts(const scene *s, const voltages *v)
 {
-    printf("\n  %s, volts:\n", v->name);
+    printf("\n  %s, voltages:\n", v->name);
     for (int k = 0; k < s->actuators; k++) {
         const scene_actuator *actuator = &s->actuator[k];
         const int *grid = actuator->grid, is_grid = grid[0] * grid[1] > 1;
@@ -380,7 +343,7 @@ static void print_choice(const shape_run *run)
     const double tolerance = run->analysis->design.scene->tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n", best->relinearised,
            best->relinearised == 1 ? "" : "s", best->systems);
-    printf("the linear model's volts cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
+    printf("the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware %s\n", 100 * cost_of_linear(run),
            100 * tolerance, strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
                                                                                  : "needs the nonlinear image");
 }
@@ -388,8 +351,7 @@ static void print_choice(const shape_run *run)
 /* Is output k a displacement of one node? */
 static int is_single(const analysis *a, int k)
 {
-    const scene_output *output = &a->design.scene->output[k];
-    return output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE && analysis_outputs(a, k) == 1;
+    return print_is_displacement(a, k) && analysis_outputs(a, k) == 1;
 }
 
 static double reached(const analysis *a, int k, const voltages *v)
@@ -447,13 +409,31 @@ static void print_target_rows(const design *d, const voltages *v)
         putchar('\n');
 }
 
+/* Outputs at several nodes under the optimum within the first limits; outputs that belong to `pzs solve` by name. */
+static void print_reached_nodes(const analysis *a, const voltages *best, double *value)
+{
+    const scene *s = a->design.scene;
+    int left = 0;
+    pzs_observe(&a->design.structure, best->u, value);
+    for (int k = 0; k < s->outputs; k++)
+        if (print_is_displacement(a, k) && analysis_outputs(a, k) > 1) {
+            printf("\n  displacement, %s, under \"%s\":\n", s->unit_length, best->name);
+            print_output_table(a, k, value);
+        }
+    for (int k = 0; k < s->outputs; k++)
+        if (!print_is_displacement(a, k))
+            printf("%s %s", left++ ? "," : "\n  outputs of contact and electrodes are printed by pzs solve:", s->output[k].name);
+    if (left)
+        putchar('\n');
+}
+
 void print_shape(const shape_run *run)
 {
     const analysis *a = run->analysis;
     const design *d = &a->design;
     print_head(a, "at rest");
-    printf("  influence of %d amplifiers on %d target nodes, worst residual %.1e\n\n", d->amplifiers, d->targets, a->model.residual);
-    printf("  %-26s %-16s %12s %7s %12s %10s\n", "volts", "limits (V)", "shape error", "active", "largest (V)", "KKT");
+    printf("  influence of %d amplifiers on %d target nodes, largest solver residual %.1e\n\n", d->amplifiers, d->targets, a->model.residual);
+    printf("  %-26s %-16s %12s %7s %12s %10s\n", "voltages", "limits (V)", "shape error", "active", "largest (V)", "KKT");
     for (int i = 0; i < run->count; i++) {
         const voltages *v = &run->volts[i];
         char limits[32];
@@ -472,6 +452,10 @@ void print_shape(const shape_run *run)
     print_narrower(&run->volts[1], d->amplifiers);
     print_target_rows(d, &run->volts[1]);
     print_reached(run);
+    double *value = calloc((size_t)d->structure.output.count + 1, sizeof *value);
+    if (value)
+        print_reached_nodes(a, &run->volts[1], value);
+    free(value);
     print_volts(d->scene, &run->volts[1]);
     for (int i = run->compared; i < run->count; i++)
         print_volts(d->scene, &run->volts[i]);
@@ -481,7 +465,19 @@ void print_shape(const shape_run *run)
     if (a->nonlinear)
         print_choice(run);
     print_modes(d->scene, &run->modes);
-    printf("\nshape error %.3f%% of the target with every volt inside its limit (%s)\n", 100 * best->error, limits);
+    printf("\nshape error %.3f%% of the target with every voltage inside its limit (%s)\n", 100 * best->error, limits);
+}
+
+/* The displacements that the scene asks for, under one set of voltages. */
+static void json_reached(json *j, const analysis *a, const voltages *v)
+{
+    double *value = calloc((size_t)a->design.structure.output.count + 1, sizeof *value);
+    if (!value)
+        return;
+    pzs_observe(&a->design.structure, v->u, value);
+    print_outputs_json(j, a, value, 1);
+    print_output_places_json(j, a, value, 1);
+    free(value);
 }
 
 static void json_voltages(json *j, const analysis *a, const voltages *v)
@@ -507,11 +503,7 @@ static void json_voltages(json *j, const analysis *a, const voltages *v)
         json_number(j, name, v->volt[k]);
     }
     json_close(j, '}');
-    json_open(j, "outputs", '{');
-    for (int k = 0; k < s->outputs; k++)
-        if (is_single(a, k))
-            json_number(j, s->output[k].name, reached(a, k, v));
-    json_close(j, '}');
+    json_reached(j, a, v);
 }
 
 /* The optimum within the first limits at the top, then every set of volts. */

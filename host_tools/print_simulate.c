@@ -2,6 +2,7 @@
 #include "print_simulate.h"
 #include "print.h"
 #include "print_vibration.h"
+#include "progress.h"
 #include "words.h"
 
 static const char *const law_name[LAWS] = {"controller", "clipped", "regularised"};
@@ -36,37 +37,34 @@ typedef struct onlookers {
     const scene *scene;
     simulate_record *record;
     FILE *csv;
-    int bar, shown; /* a terminal is there; percent on it */
     int estimates;
 } onlookers;
 
 static void look(void *context, const simulate_sample *sample)
 {
     onlookers *w = context;
-    const int percent = (int)(100.0 * (sample->tick + 1.0) / w->scene->simulate.ticks);
     record_tick(w->record, sample);
     if (w->csv && sample->law == LAW_CONTROLLER)
         print_csv_tick(w->csv, w->scene, w->estimates, sample);
-    if (!w->bar || percent == w->shown)
-        return;
-    w->shown = percent;
-    fprintf(stderr, "\r%-10s [%.*s%*s] %3d%%", law_name[sample->law], percent / 2, "##################################################",
-            50 - percent / 2, "", percent);
-    if (percent == 100)
-        fprintf(stderr, "\r%70s\r", "");
+    progress_count(sample->tick + 1, w->scene->simulate.ticks);
 }
 
-int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *error)
+int print_run(simulation *s, simulate_record *record, FILE *csv, char *error)
 {
-    onlookers w = {s->nominal->design.scene, record, csv, bar, -1, s->estimates};
+    onlookers w = {s->nominal->design.scene, record, csv, s->estimates};
     if (csv)
         print_csv_head(csv, w.scene, s->estimates);
-    const int failed = simulate_run(s, LAW_CONTROLLER, look, &w, error) < 0 || simulate_run(s, LAW_CLAMP, look, &w, error) < 0
-                    || simulate_run(s, LAW_REGULARISED, look, &w, error) < 0
-                    || simulate_optima(s, error) < 0;
-    if (failed && bar)
-        fputc('\n', stderr);
-    return failed ? -1 : 0;
+    progress_stage("simulating the controller");
+    if (simulate_run(s, LAW_CONTROLLER, look, &w, error) < 0)
+        return -1;
+    progress_stage("simulating clipped voltages");
+    if (simulate_run(s, LAW_CLAMP, look, &w, error) < 0)
+        return -1;
+    progress_stage("simulating regularised, then clipped voltages");
+    if (simulate_run(s, LAW_REGULARISED, look, &w, error) < 0)
+        return -1;
+    progress_stage("optimum of each phase");
+    return simulate_optima(s, error);
 }
 
 /* ---- text ------------------------------------------------------------- */

@@ -9,10 +9,9 @@
  * Run both laws, then find the optima.
  *   record  in/out  opened: takes every tick
  *   csv     in      takes the names, then a line for each tick of the controller's law; or NULL
- *   bar     in      how far it is, on standard error
  * Returns 0, or -1 with error filled.
  */
-int print_run(simulation *s, simulate_record *record, FILE *csv, int bar, char *error);
+int print_run(simulation *s, simulate_record *record, FILE *csv, char *error);
 
 /* Both on standard output, after that. */
 void print_simulation(const simulation *s);

@@ -85,6 +85,49 @@ static void write_outputs(FILE *file, const analysis *a, const double *output)
     html_table_end(file);
 }
 
+static void write_place(FILE *file, const analysis *a, int k, int i, double value)
+{
+    const mesh *m = &a->design.mesh;
+    const int node = analysis_output_node(a, k, i);
+    char name[SCENE_LABEL];
+    fputs("<tr><th scope=\"row\">", file);
+    if (node >= 0) {
+        const double row[5] = {m->theta[node][0], m->theta[node][1], m->point[node].x[0], m->point[node].x[1], m->point[node].x[2]};
+        for (int c = 0; c < 5; c++) {
+            fputs(c ? "</td><td>" : "</th><td>", file);
+            html_number(file, row[c]);
+        }
+    } else {
+        analysis_output_electrode(a, k, i, name);
+        html_text(file, name);
+        fputs("</th>", file);
+    }
+    fputs(node >= 0 ? "</td><td>" : "<td>", file);
+    html_number(file, value);
+    fputs("</td></tr>\n", file);
+}
+
+/* A table for each output with several values. */
+static void write_places(FILE *file, const analysis *a, const double *output)
+{
+    static const char nodes[] = "<th></th><th scope=\"col\">&theta;&#8321;</th><th scope=\"col\">&theta;&#8322;</th><th scope=\"col\">x</th>"
+                                "<th scope=\"col\">y</th><th scope=\"col\">z</th><th scope=\"col\">Value</th>";
+    static const char electrodes[] = "<th scope=\"col\">Electrode</th><th scope=\"col\">Value</th>";
+    for (int k = 0; k < a->design.scene->outputs; k++) {
+        const int count = analysis_outputs(a, k);
+        if (count == 1)
+            continue;
+        fputs("<details><summary>Values of ", file);
+        html_text(file, a->design.scene->output[k].name);
+        fprintf(file, ", %d</summary>\n", count);
+        html_table_begin(file, NULL, analysis_output_node(a, k, 0) >= 0 ? nodes : electrodes);
+        for (int i = 0; i < count; i++)
+            write_place(file, a, k, i, analysis_output(a, k, i, output));
+        html_table_end(file);
+        fputs("</details>\n", file);
+    }
+}
+
 /* ---- drawings --------------------------------------------------------- */
 
 /* Length of each vector. size [nodes] out. Returns the largest. */
@@ -203,6 +246,7 @@ static int write_solve(FILE *file, const analysis *a, const double *output, cons
     const int failed = draw_deformed(file, a, vector, size, sizes(&d->mesh, vector, size));
     fputs("<div>\n", file);
     write_outputs(file, a, output);
+    write_places(file, a, output);
     parts_conditions(file, d);
     parts_layers(file, d->scene);
     fputs("</div>\n</div>\n</section>\n", file);

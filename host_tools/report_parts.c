@@ -68,11 +68,11 @@ static void facts(FILE *file, const analysis *a, double residual, double error)
     html_quantity(file, m->laminate.h, s->unit_length);
     fact_end(file);
     fact_check(file, "Condition after scaling", a->model.condition);
-    fact_check(file, "Residual of forces", residual);
+    fact_check(file, "Solver residual", residual);
     if (a->nonlinear)
         path_facts(file, &a->path.run);
     else
-        fact_check(file, "Estimated error in energy", error);
+        fact_check(file, "Solver error estimate, energy norm; without the discretisation error", error);
     fact(file, "Scene");
     fprintf(file, "%08lx", (unsigned long)s->hash);
     fact_end(file);

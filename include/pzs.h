@@ -29,6 +29,9 @@
 #include <stdint.h>
 #include "pzs_config.h"
 
+/* Version of the library and of pzs. */
+#define PZS_VERSION "0.1.0"
+
 /* ---- numbers ---------------------------------------------------------- */
 
 #if PZS_REAL_BITS == 32

@@ -45,6 +45,8 @@ part oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
 part oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear.py'
 part scipy sh tests/oracle/boxls.sh
 part cli sh tests/cli.sh
+part examples sh tests/examples.sh
+part install sh tests/install.sh
 for gate in tests/gates/*.sh; do
     [ "$(basename "$gate")" = common.sh ] || part "gate-$(basename "$gate" .sh)" sh "$gate"
 done
