@@ -9,10 +9,10 @@ SCENES := host_tools/scenes
 PYTHON := /usr/bin/python3
 WARN := -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Werror
 DEPEND := -MMD -MP
-INCLUDE := -Iinclude -Ilib -Ihost_tools -Itests
+INCLUDE := -Iinclude
 
-LIB := $(sort $(wildcard lib/*.c))
-HOST := $(sort $(filter-out host_tools/main.c,$(wildcard host_tools/*.c)))
+LIB := $(sort $(wildcard lib/*/*.c))
+HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
 .PHONY: all install uninstall demo test bench check-long hard oracle tables setup-demo setup-test setup-bench unit \
@@ -28,7 +28,7 @@ help:
 	@echo 'make bench-peers the last of these on all meshes and several times;  bench-linalg, bench-step, bench-path ...: one alone'
 	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
 	@echo 'make size        flash, RAM and stack against the committed budget'
-	@echo 'make tables      regenerate the firmware tables;  make oracle: the test data'
+	@echo 'make tables      generate the tables of the firmware demonstrations;  make oracle: the test data'
 	@echo 'make hard        the improved element on thin shells, every thickness and mesh: a table'
 	@echo 'make check-long  the checks that take too long for make test'
 
@@ -54,11 +54,11 @@ $(eval $(call variant,64t16,-O2 -DPZS_REAL_BITS=64 -DPZS_TILE=16))
 $(eval $(call variant,san64,$(SANITIZE) -DPZS_REAL_BITS=64))
 $(eval $(call variant,san32,$(SANITIZE) -DPZS_REAL_BITS=32))
 
-$(B)/pzs: $(B)/64/host_tools/main.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/pzs: $(B)/64/host_tools/cli/main.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ -lyaml -lm -o $@
 
 # The host tools in double as one object that shows only its bridge, so that a float program can hold both precisions.
-$(B)/%/bridge64.o: $(B)/64/tests/bridge.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/%/bridge64.o: $(B)/64/tests/rigs/bridge.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	ld -r $< --whole-archive $(B)/64/host.a $(B)/64/libpiezoshape.a -o $@
 	objcopy -w --keep-global-symbol='bridge_*' $@
@@ -81,7 +81,7 @@ test: setup-test
 # PREFIX: where it is used; DESTDIR: put before PREFIX by who makes a package. The library in double is libpiezoshape, that
 # in float libpiezoshape32; their pkg-config files give the choices that they were compiled with.
 TO = $(DESTDIR)$(PREFIX)
-VERSION = $(shell sed -n 's/^.define PZS_VERSION "\(.*\)"/\1/p' include/pzs.h)
+VERSION = $(shell sed -n 's/^.define PZS_VERSION_TEXT "\(.*\)"/\1/p' include/pzs_version.h)
 INSTALL ?= install
 
 # pkg_config: suffix of the library's name, bits
@@ -96,7 +96,7 @@ install: $(B)/pzs $(B)/64/libpiezoshape.a $(B)/32/libpiezoshape.a
 	$(INSTALL) -d '$(TO)/bin' '$(TO)/include/piezoshape' '$(TO)/lib/pkgconfig' '$(TO)/share/piezoshape/scenes' \
 	    '$(TO)/share/man/man1' '$(TO)/share/bash-completion/completions'
 	$(INSTALL) -m 755 $(B)/pzs '$(TO)/bin/pzs'
-	$(INSTALL) -m 644 include/pzs.h include/pzs_config.h '$(TO)/include/piezoshape'
+	$(INSTALL) -m 644 include/*.h '$(TO)/include/piezoshape'
 	$(INSTALL) -m 644 $(B)/64/libpiezoshape.a '$(TO)/lib/libpiezoshape.a'
 	$(INSTALL) -m 644 $(B)/32/libpiezoshape.a '$(TO)/lib/libpiezoshape32.a'
 	$(call pkg_config,,64)
@@ -108,7 +108,7 @@ install: $(B)/pzs $(B)/64/libpiezoshape.a $(B)/32/libpiezoshape.a
 uninstall:
 	rm -f '$(TO)/bin/pzs' '$(TO)/lib/libpiezoshape.a' '$(TO)/lib/libpiezoshape32.a' '$(TO)/lib/pkgconfig/piezoshape.pc' \
 	    '$(TO)/lib/pkgconfig/piezoshape32.pc' '$(TO)/share/man/man1/pzs.1' '$(TO)/share/bash-completion/completions/pzs' \
-	    '$(TO)/include/piezoshape/pzs.h' '$(TO)/include/piezoshape/pzs_config.h'
+	    $(patsubst include/%,'$(TO)/include/piezoshape/%',$(wildcard include/*.h))
 	for file in $(notdir $(wildcard $(SCENES)/*.yaml)) scene.schema.json; do \
 	    rm -f '$(TO)/share/piezoshape/scenes'/$$file; done
 	for folder in include/piezoshape share/piezoshape/scenes share/piezoshape; do \
@@ -119,7 +119,7 @@ uninstall:
 # program: name, variant, sources beside the library, libraries
 define program
 UNIT_$(2) += $(B)/test/$(1)-$(2)
-$(B)/test/$(1)-$(2): $(B)/$(2)/tests/test_$(1).o $(3) $(B)/$(2)/libpiezoshape.a
+$(B)/test/$(1)-$(2): $(B)/$(2)/tests/unit/test_$(1).o $(3) $(B)/$(2)/libpiezoshape.a
 	@mkdir -p $$(@D)
 	$$(CC) $$(CFLAGS) $$(LDFLAGS) $(if $(filter san%,$(2)),-fsanitize=address$(comma)undefined) $$^ -lcmocka -lyaml -lm -o $$@
 endef
@@ -127,62 +127,62 @@ comma := ,
 for_variants = $(foreach v,$(2),$(eval $(call program,$(1),$(v),$(3:@%=$(B)/$(v)/%))))
 ALL := 64 32 32t8 64t16 san64 san32
 $(call for_variants,linalg,$(ALL),)
-$(call for_variants,control,64 32 san64 san32,@tests/testdata.o)
+$(call for_variants,control,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,step,$(ALL),)
 $(call for_variants,tick,64 32 san64 san32,)
-$(call for_variants,faults,64 32 san64 san32,@tests/testdata.o)
+$(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
-$(call for_variants,estimator,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,shell,64 san64,@tests/testdata.o @host.a)
+$(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)
 $(call for_variants,suggest,64 san64,@host.a)
-$(call for_variants,model,64 32 san64 san32,@tests/testdata.o @bridge64.o)
+$(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
-$(call for_variants,simulate,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,loop,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,cases,64,@tests/testdata.o @tests/scene_run.o @host.a)
-$(call for_variants,electric,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,fields,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,plausible,64,@tests/scene_run.o @host.a)
-$(call for_variants,vibration,64 san64,@tests/scene_run.o @host.a)
-$(call for_variants,targets,64,@tests/scene_run.o @host.a)
-$(call for_variants,thin,64,@tests/round_shell.o @tests/testdata.o @tests/scene_run.o @host.a)
-$(foreach t,path path_tables path_oracle,$(call for_variants,$(t),64,@tests/testdata.o @tests/scene_run.o @host.a))
-$(call for_variants,path_ends,64 san64,@tests/scene_run.o @host.a)
+$(call for_variants,simulate,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,loop,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,cases,64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
+$(call for_variants,electric,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,fields,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,plausible,64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,vibration,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,targets,64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,thin,64,@tests/rigs/round_shell.o @tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
+$(foreach t,path path_tables path_oracle,$(call for_variants,$(t),64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a))
+$(call for_variants,path_ends,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,path_precision,64 32,@bridge64.o)
 
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
-$(B)/test/sweep-64: $(B)/64/tests/sweep_path.o $(B)/64/tests/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ -lyaml -lm -o $@
 
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
-$(B)/pzs-san: $(B)/san64/host_tools/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
+$(B)/pzs-san: $(B)/san64/host_tools/cli/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
 	$(CC) $(CFLAGS) $(LDFLAGS) -fsanitize=address,undefined $^ -lyaml -lm -o $@
 
 # Thin shells of revolution, every thickness and mesh: prints compliance over reference, case x h/R x mesh.
 hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
-	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DHARD=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
-	    tests/test_thin.c tests/round_shell.c tests/testdata.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DHARD=1 $(FOLDERS) $(INCLUDE) \
+	    tests/unit/test_thin.c tests/rigs/round_shell.c tests/rigs/testdata.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 san unit
-	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
+	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
 	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
-	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/test_tick.c \
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/unit/test_tick.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
-	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/test_faults.c tests/testdata.c \
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_faults.c tests/rigs/testdata.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
-	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
-	    tests/test_simulate.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
+	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
 	    && $(B)/long-simulate
-	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 -DSCENE_FOLDER='"$(CURDIR)/host_tools/scenes"' $(INCLUDE) \
-	    tests/test_path_tables.c tests/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
+	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
 	    && $(B)/long-path
 	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
@@ -193,15 +193,6 @@ check-long: setup-test
 
 oracle:
 	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py
-
-tables: $(B)/pzs
-	$(B)/pzs tables plate-50-patches --set limits.slew=20 --level control --prefix demo -o firmware_demo/tables/plate_control.h
-	$(B)/pzs tables plate-50-patches --set limits.slew=20 --level linear --prefix demo -o firmware_demo/tables/plate_linear.h
-	$(B)/pzs tables plate-50-patches --set limits.slew=20 --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 \
-	    --level linear --prefix demo -o firmware_demo/tables/plate5_linear.h
-	$(B)/pzs tables plate-50-patches --set kinematics=nonlinear --level nonlinear --prefix demo -o firmware_demo/tables/plate_nonlinear.h
-	$(B)/pzs tables hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4 \
-	    --level nonlinear --prefix demo -o firmware_demo/tables/hemisphere4_nonlinear.h
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

@@ -14,9 +14,10 @@ QEMU ?= qemu-system-arm
 FW_SECONDS ?= 120
 
 F := $(B)/firmware
-FW_LIB_NONLINEAR := $(patsubst lib/%.c,%,$(wildcard lib/*.c))
-FW_LIB := $(filter-out shell_at nonlinear influence_at face follower contact contact_check electric,$(FW_LIB_NONLINEAR))
-FW_INCLUDE := -Iinclude -Ilib -Ifirmware_demo -Ifirmware_demo/tables
+FW_LIB_NONLINEAR := $(patsubst lib/%.c,%,$(wildcard lib/*/*.c))
+FW_LIB := $(filter-out nonlinear/%,$(FW_LIB_NONLINEAR))
+T := $(B)/tables
+FW_INCLUDE := -Iinclude -I$(T)
 FW_FLAGS := -std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off \
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror -pedantic $(FW_INCLUDE)
 
@@ -28,6 +29,23 @@ FW_CHOICE_32 := -DPZS_REAL_BITS=32
 FW_CHOICE_64 := -DPZS_REAL_BITS=64
 FW_CHOICE_32-nonlinear := $(FW_CHOICE_32) -DPZS_NONLINEAR=1
 FW_CHOICE_64-nonlinear := $(FW_CHOICE_64) -DPZS_NONLINEAR=1
+
+# fw_tables: name, arguments of `pzs tables`. A generated header; it is rewritten only when its text changes.
+define fw_tables
+$(T)/$(1).h: $(B)/pzs
+	@mkdir -p $$(@D)
+	$$< tables $(2) --prefix demo -o $$@.new >/dev/null
+	@if cmp -s $$@.new $$@; then rm $$@.new && touch $$@; else mv $$@.new $$@; fi
+FW_TABLES += $(T)/$(1).h
+endef
+FW_COARSE := --set mesh.theta1.elements=5 --set mesh.theta2.elements=5
+FW_HEMISPHERE := --set mesh.theta1.elements=4 --set mesh.theta2.elements=4
+$(eval $(call fw_tables,plate_control,plate-50-patches --set limits.slew=20 --level control))
+$(eval $(call fw_tables,plate_linear,plate-50-patches --set limits.slew=20 --level linear))
+$(eval $(call fw_tables,plate5_linear,plate-50-patches --set limits.slew=20 $(FW_COARSE) --level linear))
+$(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlinear --level nonlinear))
+$(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --level nonlinear))
+tables: $(FW_TABLES)
 
 # fw_library: processor or host, choice, compiler, archiver, flags, sources. One static library for each choice,
 # and the demonstration's own objects that are the same for all its images.
@@ -55,21 +73,21 @@ $(eval $(call fw_library,host,64-nonlinear,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_
 
 # fw_part: library, part (control, linear, loads or reshape), tables, compiler, flags. The object that holds the tables.
 define fw_part
-$(F)/$(1)/$(3).o: firmware_demo/demo_$(2).c
+$(F)/$(1)/$(3).o: firmware_demo/demos/demo_$(2).c $(T)/$(3).h
 	@mkdir -p $$(@D)
 	$(4) $(5) -O2 $(FW_FLAGS) -DDEMO_TABLES='"$(3).h"' -MMD -c $$< -o $$@
 endef
 
 # What each part stands on.
-FW_DEMO_control := main drill print
-FW_DEMO_linear := main drill print
-FW_DEMO_loads := demo_path drill print
-FW_DEMO_reshape := demo_path drill print
+FW_DEMO_control := demos/main demos/drill demos/print
+FW_DEMO_linear := demos/main demos/drill demos/print
+FW_DEMO_loads := demos/demo_path demos/drill demos/print
+FW_DEMO_reshape := demos/demo_path demos/drill demos/print
 
 # fw_host: choice, part, tables. The same program on the host.
 define fw_host
 $(call fw_part,host-$(1),$(2),$(3),$(FW_HOST_CC),$(FW_CHOICE_$(1)))
-$(F)/host-$(1)-$(3): $(FW_DEMO_$(2):%=$(F)/host-$(1)/demo/%.o) $(F)/host-$(1)/demo/board_host.o $(F)/host-$(1)/$(3).o $(F)/host-$(1)/libpzs.a
+$(F)/host-$(1)-$(3): $(FW_DEMO_$(2):%=$(F)/host-$(1)/demo/%.o) $(F)/host-$(1)/demo/boards/board_host.o $(F)/host-$(1)/$(3).o $(F)/host-$(1)/libpzs.a
 	$(FW_HOST_CC) $$^ -lm -o $$@
 $(F)/host-$(1)-$(3).out: $(F)/host-$(1)-$(3)
 	{ timeout $(FW_SECONDS) $$(abspath $$<); echo "exit $$$$?"; } > $$@
@@ -85,10 +103,10 @@ $(eval $(call fw_host,64-nonlinear,reshape,plate_nonlinear))
 # fw_image: name, QEMU machine, linker script, board file, -icount shift, processor, choice, part, tables, processor flags.
 define fw_image
 $(if $(filter $(6)-$(7)/$(9),$(FW_PARTS)),,$(call fw_part,$(6)-$(7),$(8),$(9),$(ARM_CC),$(10) $(FW_CHOICE_$(7))))
-$(F)/$(1).elf: $(F)/$(6)-$(7)/demo/start.o $(F)/$(6)-$(7)/demo/$(4).o $(FW_DEMO_$(8):%=$(F)/$(6)-$(7)/demo/%.o) \
+$(F)/$(1).elf: $(F)/$(6)-$(7)/demo/boards/start.o $(F)/$(6)-$(7)/demo/boards/$(4).o $(FW_DEMO_$(8):%=$(F)/$(6)-$(7)/demo/%.o) \
     $(F)/$(6)-$(7)/$(9).o $(F)/$(6)-$(7)/libpzs.a \
-    firmware_demo/$(3).ld firmware_demo/sections.ld
-	$(ARM_CC) $(10) -nostartfiles -Lfirmware_demo -Tfirmware_demo/$(3).ld -Wl,--gc-sections -Wl,-Map=$$(@:.elf=.map) \
+    firmware_demo/boards/$(3).ld firmware_demo/boards/sections.ld
+	$(ARM_CC) $(10) -nostartfiles -Lfirmware_demo/boards -Tfirmware_demo/boards/$(3).ld -Wl,--gc-sections -Wl,-Map=$$(@:.elf=.map) \
 	    $$(filter %.o %.a,$$^) -lm -o $$@
 $(F)/$(1).out: $(F)/$(1).elf
 	{ timeout $(FW_SECONDS) $(QEMU) -M $(2) -icount shift=$(5) -kernel $$< -nographic -monitor none -serial stdio \
@@ -109,17 +127,17 @@ $(eval $(call fw_image,mps2-an500-reshape,mps2-an500,mps2_an500,board_mps2,10,m7
 # For `pzs simulate --device`: the controller with the tables in LOOP, a header, and its plant at the other end of a stream.
 # fw_loop: name, processor or host, choice, objects of the board, compiler, flags of compiler and linker
 define fw_loop
-$(F)/$(1)-loop: firmware_demo/demo_loop.c $(FW_CONTROL:%=$(F)/$(2)-$(3)/%.o) $(4:%=$(F)/$(2)-$(3)/demo/%.o)
+$(F)/$(1)-loop: firmware_demo/demos/demo_loop.c $(FW_CONTROL:%=$(F)/$(2)-$(3)/%.o) $(4:%=$(F)/$(2)-$(3)/demo/%.o)
 	$(5) $(6) -O2 $(FW_CHOICE_$(3)) $(FW_FLAGS) -DDEMO_TABLES='"$(LOOP)"' -Wl,--gc-sections $$^ -lm -o $$@
 endef
-FW_CONTROL := $(filter-out model shell,$(FW_LIB)) # what stands between influence and volts
-FW_LINK := -nostartfiles -Lfirmware_demo -Tfirmware_demo
+FW_CONTROL := $(filter-out model/model model/shell,$(FW_LIB)) # what stands between influence and volts
+FW_LINK := -nostartfiles -Lfirmware_demo/boards -Tfirmware_demo/boards
 
-$(eval $(call fw_loop,host-32,host,32,board_host,$(FW_HOST_CC)))
-$(eval $(call fw_loop,host-64,host,64,board_host,$(FW_HOST_CC)))
-$(eval $(call fw_loop,netduinoplus2,m4,32,start,$(ARM_CC),$(FW_M4) $(FW_LINK)/netduinoplus2.ld))
-$(eval $(call fw_loop,mps2-an386,m4,32,start,$(ARM_CC),$(FW_M4) $(FW_LINK)/mps2_an386.ld))
-$(eval $(call fw_loop,mps2-an500,m7,64,start,$(ARM_CC),$(FW_M7) $(FW_LINK)/mps2_an500.ld))
+$(eval $(call fw_loop,host-32,host,32,boards/board_host,$(FW_HOST_CC)))
+$(eval $(call fw_loop,host-64,host,64,boards/board_host,$(FW_HOST_CC)))
+$(eval $(call fw_loop,netduinoplus2,m4,32,boards/start,$(ARM_CC),$(FW_M4) $(FW_LINK)/netduinoplus2.ld))
+$(eval $(call fw_loop,mps2-an386,m4,32,boards/start,$(ARM_CC),$(FW_M4) $(FW_LINK)/mps2_an386.ld))
+$(eval $(call fw_loop,mps2-an500,m7,64,boards/start,$(ARM_CC),$(FW_M7) $(FW_LINK)/mps2_an500.ld))
 
 FW_OUTPUTS := $(foreach pair,$(FW_PAIRS),$(patsubst %,$(F)/%.out,$(subst :, ,$(pair))))
 

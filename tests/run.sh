@@ -40,13 +40,13 @@ for program in "$B"/test/*; do
     case $program in *.d|*.o) continue ;; esac
     part "$(basename "$program")" "$program"
 done
-part tiles sh tests/tiles.sh
+part tiles sh tests/gates/tiles.sh
 part oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
 part oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear.py'
 part scipy sh tests/oracle/boxls.sh
-part cli sh tests/cli.sh
-part examples sh tests/examples.sh
-part install sh tests/install.sh
+part cli sh tests/cli/cli.sh
+part examples sh tests/cli/examples.sh
+part install sh tests/cli/install.sh
 for gate in tests/gates/*.sh; do
     [ "$(basename "$gate")" = common.sh ] || part "gate-$(basename "$gate" .sh)" sh "$gate"
 done

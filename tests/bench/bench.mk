@@ -8,10 +8,10 @@ BENCHES := bench-linalg bench-step bench-accuracy bench-path bench-count bench-d
 bench: setup-bench
 	@$(MAKE) --no-print-directory -s -k $(BENCHES) bench-peers PEERS=--quick
 
-$(B)/bench/linalg-64: tests/bench/bench_linalg.c lib/linalg.c
+$(B)/bench/linalg-64: tests/bench/bench_linalg.c lib/core/linalg.c
 	@mkdir -p $(@D)
 	$(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $^ -lopenblas -lm -o $@
-$(B)/bench/linalg-32: tests/bench/bench_linalg.c lib/linalg.c
+$(B)/bench/linalg-32: tests/bench/bench_linalg.c lib/core/linalg.c
 	@mkdir -p $(@D)
 	$(CC) $(FAST) -DPZS_REAL_BITS=32 -DPZS_TILE=16 $^ -lopenblas -lm -o $@
 bench-linalg: $(B)/bench/linalg-64 $(B)/bench/linalg-32
@@ -45,9 +45,9 @@ endef
 $(eval $(call bench_program,path,native,tests/bench/bench_path))
 $(eval $(call bench_program,avx2/run_path,avx2,tests/bench/run_path))
 $(eval $(call bench_program,native/run_path,native,tests/bench/run_path))
-$(eval $(call bench_program,native/pzs,native,host_tools/main))
+$(eval $(call bench_program,native/pzs,native,host_tools/cli/main))
 $(eval $(call bench_program,default/run_path,64,tests/bench/run_path))
-$(eval $(call bench_program,default/pzs,64,host_tools/main))
+$(eval $(call bench_program,default/pzs,64,host_tools/cli/main))
 
 bench-path: $(B)/bench/path
 	@echo 'Speed against error, nonlinear shells'
@@ -64,12 +64,12 @@ bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)
 	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \
 	    $(PYTHON) -B tests/bench/peers/compare.py $(B)/bench/peers.json && exit $$failed
 
-# bench_step holds lib/boxls.c and lib/control.c itself, to time the solver apart from the product B'e.
+# bench_step holds lib/control/boxls.c and lib/control/control.c itself, to time the solver apart from the product B'e.
 $(B)/daqp/libdaqp.a:
 	@CC='$(CC)' sh tests/bench/get_daqp.sh $(B)/daqp
 bench-step:
 	@$(MAKE) --no-print-directory -s $(B)/daqp/libdaqp.a; mkdir -p $(B)/bench
 	@if [ -f $(B)/daqp/libdaqp.a ]; then with='-DWITH_DAQP -I$(B)/daqp/include'; peer=$(B)/daqp/libdaqp.a; fi; \
-	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_step.c lib/guard.c $$peer -lm -o $(B)/bench/step
+	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_step.c lib/core/guard.c $$peer -lm -o $(B)/bench/step
 	@echo 'Warm voltage step against DAQP'
 	@$(B)/bench/step

@@ -7,12 +7,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "analysis.h"
+#include "../../host_tools/model/analysis.h"
 #include "clock.h"
 
 enum { RUNS = 5 };
 
-typedef struct timing { double build, factor, solve, ratio; int dof; } timing;
+typedef struct timing {
+    double build, factor, solve, ratio;
+    int dof;
+} timing;
 
 static timing measure(const char *name, const char *element, int n)
 {
@@ -36,7 +39,8 @@ static timing measure(const char *name, const char *element, int n)
         pzs_assemble(&a.model, NULL, NULL);
         pzs_factor(&a.model);
         const double factored = now();
-        double *u = calloc((size_t)a.design.mesh.dof, sizeof *u), *y = calloc(a.design.structure.output.count + 1u, sizeof *y);
+        double *u = calloc((size_t)a.design.mesh.dof, sizeof *u),
+               *y = calloc(a.design.structure.output.count + 1u, sizeof *y);
         if (!u || !y || analysis_solve(&a, u, error) < 0)
             exit(1);
         build[k] = built - begin;
@@ -58,23 +62,32 @@ static timing measure(const char *name, const char *element, int n)
 
 int main(void)
 {
-    static const struct { const char *name; double converged; } cases[] = {
-        {"scordelis-lo", .9958}, {"pinched-cylinder", 1.0118}, {"hemisphere-linear", 1.0064}, {"clamped-plate", 1.0067}};
+    static const struct {
+        const char *name;
+        double converged;
+    } cases[] = {{"scordelis-lo", .9958},
+                 {"pinched-cylinder", 1.0118},
+                 {"hemisphere-linear", 1.0064},
+                 {"clamped-plate", 1.0067}};
     static const char *const elements[] = {"published", "improved"};
-    printf("%-18s %-10s %4s %6s %9s %9s %12s %12s %12s\n", "case", "element", "n", "dof", "ratio", "error", "scene us", "factor us", "solve us");
+    printf("%-18s %-10s %4s %6s %9s %9s %12s %12s %12s\n", "case", "element", "n", "dof", "ratio",
+           "error", "scene us", "factor us", "solve us");
     for (int c = 0; c < 4; c++)
         for (int e = 0; e < 2; e++) {
             double last = 0;
             for (int n = 4; n <= 32; n *= 2) {
                 const timing t = measure(cases[c].name, elements[e], n);
-                printf("%-18s %-10s %4d %6d %9.4f %8.2f%% %12.0f %12.0f %12.0f\n", cases[c].name, elements[e], n, t.dof, t.ratio,
-                       100 * (t.ratio / cases[c].converged - 1), t.build, t.factor, t.solve);
+                printf("%-18s %-10s %4d %6d %9.4f %8.2f%% %12.0f %12.0f %12.0f\n", cases[c].name,
+                       elements[e], n, t.dof, t.ratio, 100 * (t.ratio / cases[c].converged - 1),
+                       t.build, t.factor, t.solve);
                 if (n == 16)
-                    printf("%-18s %-10s 8+16        %9.4f %8.2f%%   (4 u_16 - u_8)/3\n", cases[c].name, elements[e], (4 * t.ratio - last) / 3,
+                    printf("%-18s %-10s 8+16        %9.4f %8.2f%%   (4 u_16 - u_8)/3\n",
+                           cases[c].name, elements[e], (4 * t.ratio - last) / 3,
                            100 * ((4 * t.ratio - last) / 3 / cases[c].converged - 1));
                 last = t.ratio;
             }
         }
-    puts("(error against converged answers of this element family, good to .2 %; scene: reading, mesh, element matrices, first factor)");
+    puts(
+        "(error against converged answers of this element family, good to .2 %; scene: reading, mesh, element matrices, first factor)");
     return 0;
 }

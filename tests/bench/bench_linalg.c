@@ -2,7 +2,7 @@
  * Factor and solve of band matrices against OpenBLAS pbtrf and pbtrs, one thread each.
  *
  *   gcc -std=c99 -O3 -march=native -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8 \
- *       -Iinclude -Ilib tests/bench/bench_linalg.c lib/linalg.c -lopenblas -lm -o bench_linalg
+ *       -Iinclude tests/bench/bench_linalg.c lib/core/linalg.c -lopenblas -lm -o bench_linalg
  *
  * with -DPZS_REAL_BITS=32 -DPZS_TILE=16 for float (the quickest tiles with AVX-512).
  * Without -ffp-contract=fast the bits are those of every other target and the factor takes
@@ -13,13 +13,14 @@
  * solve follows its factor. --json prints one object a row.
  */
 #define _POSIX_C_SOURCE 200809L
+#include "pzs.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "clock.h"
-#include "linalg.h"
+#include "../../lib/core/linalg.h"
 
 #define PEER_FACTOR PZS_BY_BITS(spbtrf_, dpbtrf_)
 #define PEER_SOLVE PZS_BY_BITS(spbtrs_, dpbtrs_)
@@ -28,10 +29,10 @@
 
 void spbtrf_(const char *uplo, const int *n, const int *kd, float *ab, const int *ld, int *info);
 void dpbtrf_(const char *uplo, const int *n, const int *kd, double *ab, const int *ld, int *info);
-void spbtrs_(const char *uplo, const int *n, const int *kd, const int *count, const float *ab, const int *ld, float *b,
-             const int *ldb, int *info);
-void dpbtrs_(const char *uplo, const int *n, const int *kd, const int *count, const double *ab, const int *ld, double *b,
-             const int *ldb, int *info);
+void spbtrs_(const char *uplo, const int *n, const int *kd, const int *count, const float *ab,
+             const int *ld, float *b, const int *ldb, int *info);
+void dpbtrs_(const char *uplo, const int *n, const int *kd, const int *count, const double *ab,
+             const int *ld, double *b, const int *ldb, int *info);
 void openblas_set_num_threads(int threads);
 char *openblas_get_corename(void);
 
@@ -40,7 +41,8 @@ static const struct size {
     double factor_target; /* peer time over ours, at least */
 } sizes[SIZES] = {{175, 48, 1.8}, {434, 27, 1.8}, {847, 90, 1}, {2023, 132, 1}, {12691, 272, 1}};
 
-/* Medians of one size in microseconds, and the largest difference of both solutions over the largest entry. */
+/* Medians of one size in microseconds, and the largest difference of both solutions over the
+ * largest entry. */
 struct row {
     double factor, solve, peer_factor, peer_solve, difference;
     char core[32];
@@ -68,16 +70,17 @@ static pzs_real entry(int i, int j, int band)
 static pzs_envelope build(int n, int band)
 {
     uint16_t *first = calloc((size_t)n, sizeof *first);
-    pzs_envelope a = {(uint32_t)n, first, calloc((size_t)n / PZS_TILE + 2, sizeof(uint32_t)), NULL, reals((size_t)n)};
+    pzs_envelope a = {(uint32_t)n, first, calloc((size_t)n / PZS_TILE + 2, sizeof(uint32_t)), NULL,
+                      reals((size_t)n)};
 
     for (int i = 0; i < n; i++)
         first[i] = (uint16_t)(i > band ? i - band : 0);
-    a.value = reals(linalg_reals(first, a.n));
-    linalg_layout(&a);
-    linalg_clear(&a);
+    a.value = reals(pzs_linalg_reals(first, a.n));
+    pzs_linalg_layout(&a);
+    pzs_linalg_clear(&a);
     for (int i = 0; i < n; i++)
         for (int j = first[i]; j <= i; j++)
-            *linalg_entry(&a, (uint32_t)i, (uint32_t)j) = entry(i, j, band);
+            *pzs_linalg_entry(&a, (uint32_t)i, (uint32_t)j) = entry(i, j, band);
     return a;
 }
 
@@ -96,8 +99,9 @@ static struct row measure(int n, int band)
     const int turns = n < 1000 ? MOST_TURNS : n < 5000 ? 60 : 9, ld = band + 1, one = 1;
     const size_t peer_size = (size_t)n * (size_t)ld;
     pzs_envelope a = build(n, band);
-    const size_t size = linalg_reals(a.first, a.n);
-    pzs_real *a0 = reals(size), *ab = reals(peer_size), *ab0[2] = {reals(peer_size), reals(peer_size)};
+    const size_t size = pzs_linalg_reals(a.first, a.n);
+    pzs_real *a0 = reals(size), *ab = reals(peer_size),
+             *ab0[2] = {reals(peer_size), reals(peer_size)};
     pzs_real *x = reals((size_t)n), *y = reals((size_t)n);
     double difference = 0, largest = 0;
     struct row row;
@@ -112,10 +116,10 @@ static struct row measure(int n, int band)
             x[i] = (pzs_real)(i % 7 - 3);
         memcpy(a.value, a0, size * sizeof *a0);
         start = now();
-        linalg_factor(&a);
+        pzs_linalg_factor(&a);
         t[0][turn] = now() - start;
         start = now();
-        linalg_solve(&a, x);
+        pzs_linalg_solve(&a, x);
         t[1][turn] = now() - start;
         for (int lower = 0; lower < 2; lower++) {
             for (int i = 0; i < n; i++)
@@ -148,8 +152,8 @@ static int child(void)
     openblas_set_num_threads(1);
     for (int s = 0; s < SIZES; s++) {
         const struct row r = measure(sizes[s].n, sizes[s].band);
-        printf("%.17g %.17g %.17g %.17g %.17g %s\n", r.factor, r.solve, r.peer_factor, r.peer_solve, r.difference,
-               openblas_get_corename());
+        printf("%.17g %.17g %.17g %.17g %.17g %s\n", r.factor, r.solve, r.peer_factor, r.peer_solve,
+               r.difference, openblas_get_corename());
     }
     return 0;
 }
@@ -160,27 +164,31 @@ static void run(const char *program, const char *core, struct row *rows)
     char command[512];
     FILE *pipe;
 
-    snprintf(command, sizeof command, "%s%s %s --child", core[0] ? "OPENBLAS_CORETYPE=" : "", core, program);
+    snprintf(command, sizeof command, "%s%s %s --child", core[0] ? "OPENBLAS_CORETYPE=" : "", core,
+             program);
     pipe = popen(command, "r");
     for (int s = 0; s < SIZES; s++) {
         struct row *r = &rows[s];
-        if (!pipe || fscanf(pipe, "%lf %lf %lf %lf %lf %31s", &r->factor, &r->solve, &r->peer_factor, &r->peer_solve,
-                            &r->difference, r->core) != 6)
+        if (!pipe || fscanf(pipe, "%lf %lf %lf %lf %lf %31s", &r->factor, &r->solve,
+                            &r->peer_factor, &r->peer_solve, &r->difference, r->core) != 6)
             exit(2);
     }
     pclose(pipe);
 }
 
-static int show(int json, const char *what, const struct size *s, double ours, double peer, double target,
-                const struct row *r)
+static int show(int json, const char *what, const struct size *s, double ours, double peer,
+                double target, const struct row *r)
 {
     const double ratio = peer / ours;
 
-    printf(json ? "{\"task\":\"%s\",\"bits\":%d,\"tile\":%d,\"n\":%d,\"half_bandwidth\":%d,\"us\":%.2f,\"peer_us\":%.2f,"
-                  "\"ratio\":%.2f,\"target\":%.1f,\"pass\":%s,\"core\":\"%s\",\"difference\":%.1e}\n"
-                : "%-7s %4d %4d %7d %5d %11.2f %11.2f %7.2f %7.1f  %-5s %-9s %.1e\n",
-           what, PZS_REAL_BITS, PZS_TILE, s->n, s->band, ours, peer, ratio, target,
-           ratio >= target ? (json ? "true" : "pass") : (json ? "false" : "FAIL"), r->core, r->difference);
+    printf(
+        json
+            ? "{\"task\":\"%s\",\"bits\":%d,\"tile\":%d,\"n\":%d,\"half_bandwidth\":%d,\"us\":%.2f,\"peer_us\":%.2f,"
+              "\"ratio\":%.2f,\"target\":%.1f,\"pass\":%s,\"core\":\"%s\",\"difference\":%.1e}\n"
+            : "%-7s %4d %4d %7d %5d %11.2f %11.2f %7.2f %7.1f  %-5s %-9s %.1e\n",
+        what, PZS_REAL_BITS, PZS_TILE, s->n, s->band, ours, peer, ratio, target,
+        ratio >= target ? (json ? "true" : "pass") : (json ? "false" : "FAIL"), r->core,
+        r->difference);
     return ratio < target;
 }
 
@@ -195,11 +203,13 @@ int main(int argc, char **argv)
     run(argv[0], "", rows[0]);
     run(argv[0], "SkylakeX", rows[1]);
     if (!json)
-        printf("%-7s %4s %4s %7s %5s %11s %11s %7s %7s  %-5s %-9s %s\n", "task", "bits", "tile", "n", "band", "ours (us)",
-               "peer (us)", "ratio", "target", "", "peer core", "difference of solutions");
+        printf("%-7s %4s %4s %7s %5s %11s %11s %7s %7s  %-5s %-9s %s\n", "task", "bits", "tile",
+               "n", "band", "ours (us)", "peer (us)", "ratio", "target", "", "peer core",
+               "difference of solutions");
     for (int s = 0; s < SIZES; s++) {
         const struct row *f = &rows[rows[1][s].peer_factor < rows[0][s].peer_factor][s];
-        failed += show(json, "factor", &sizes[s], f->factor, f->peer_factor, sizes[s].factor_target, f);
+        failed +=
+            show(json, "factor", &sizes[s], f->factor, f->peer_factor, sizes[s].factor_target, f);
     }
     for (int s = 0; s < SIZES; s++) {
         const struct row *f = &rows[rows[1][s].peer_solve < rows[0][s].peer_solve][s];

@@ -2,37 +2,44 @@
  * One warm voltage step against DAQP, double, one thread.
  *
  *   sh tests/bench/get_daqp.sh build/daqp
- *   gcc -std=c99 -O3 -march=native -ffp-contract=fast -DPZS_TILE=8 -Iinclude -Ilib -DWITH_DAQP -Ibuild/daqp/include \
- *       tests/bench/bench_step.c lib/guard.c build/daqp/libdaqp.a -lm -o build/bench_step
+ *   gcc -std=c99 -O3 -march=native -ffp-contract=fast -DPZS_TILE=8 -Iinclude -DWITH_DAQP
+ * -Ibuild/daqp/include \ tests/bench/bench_step.c lib/core/guard.c build/daqp/libdaqp.a -lm -o
+ * build/bench_step
  *
  * Without WITH_DAQP only our side is measured. n inputs over a grid of m outputs, 200 frames of a
  * slowly moving target, run in a circle so that every start is warm; limits are chosen so
- * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2 e, product_sum_rows
- * of lib/product.c, included here), then solve; DAQP has its factor of H beforehand and keeps its
- * working set; of its two ways to start (with and without a look at the unlimited optimum) the faster counts, in each
- * column. Our side is one translation unit, DAQP a static library; no slew is in force. Each frame is timed in TURNS
- * circles, both sides in turn; its time is the median. Shown are the mean and the worst over the frames, from the error
- * to volts, and of the solver alone. Answers that differ, or a step that does not end, fail.  --json: one object a row.
+ * that on average 0, 5 or 15 of them are active. Both sides form B'e with the same routine (B'W^2
+ * e, pzs_product_sum_rows of lib/core/product.c, included here), then solve; DAQP has its factor of
+ * H beforehand and keeps its working set; of its two ways to start (with and without a look at the
+ * unlimited optimum) the faster counts, in each column. Our side is one translation unit, DAQP a
+ * static library; no slew is in force. Each frame is timed in TURNS circles, both sides in turn;
+ * its time is the median. Shown are the mean and the worst over the frames, from the error to
+ * volts, and of the solver alone. Answers that differ, or a step that does not end, fail.  --json:
+ * one object a row.
  */
 #define _POSIX_C_SOURCE 200809L
+#include "pzs.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include "clock.h"
-#include "../../lib/boxls.c"
-#include "../../lib/product.c"
-#include "../../lib/boxls_tableau.c"
-#include "../../lib/sense.c"
-#include "../../lib/control.c"
+#include "../../lib/control/boxls.c"
+#include "../../lib/core/product.c"
+#include "../../lib/control/boxls_tableau.c"
+#include "../../lib/control/sense.c"
+#include "../../lib/control/control.c"
 #ifdef WITH_DAQP
 #include "api.h"
 #include "utils.h"
+#include "../../lib/control/control.h"
 #endif
 
 #define FRAMES 200
 #define TURNS 301
 #define MOST_N 50
 #define MOST_M 242
-#define SAME 1e-6 /* of the largest volt, the tolerance that DAQP sets itself: more is a failure */
+#define SAME                                                                                       \
+    1e-6        /* of the largest volt, the tolerance that DAQP sets itself: more is a failure     \
+                 */
 #define SIDES 3 /* ours, DAQP, DAQP that first looks at the unlimited optimum */
 
 static struct {
@@ -83,42 +90,49 @@ static void make_plate(int n, int m)
         ours.weight[i] = 1;
         for (int t = 0; t < FRAMES; t++) {
             const double a = 2 * 3.14159265358979 * t / FRAMES, s = x / length, c = y / 5 - .5;
-            ours.target[t][i] = 3 * length * length
-                                * (s * s * cos(a) + s * c * sin(a) + .6 * s * s * c * c * cos(2 * a) + .4 * sin(5 * s) * c * sin(3 * a + 1));
+            ours.target[t][i] = 3 * length * length *
+                                (s * s * cos(a) + s * c * sin(a) + .6 * s * s * c * c * cos(2 * a) +
+                                 .4 * sin(5 * s) * c * sin(3 * a + 1));
         }
     }
 }
 
-static void limit(double volt)
+static void limit(double voltage)
 {
     const uint16_t n = (uint16_t)ours.n, m = (uint16_t)ours.m;
 
     for (int j = 0; j < ours.n; j++) {
-        ours.lower[j] = -volt;
-        ours.upper[j] = volt;
+        ours.lower[j] = -voltage;
+        ours.upper[j] = voltage;
         ours.slew[j] = 1e30;
     }
-    ours.problem = (pzs_problem){ PZS_TABLE_FORMAT, 0, 0, n, m, ours.b, NULL, ours.weight, ours.lower, ours.upper, ours.slew,
-                                  ours.prefer, 0 };
+    ours.problem = (pzs_problem){
+        PZS_TABLE_FORMAT, 0,          0,          n,         m,           ours.b, NULL,
+        ours.weight,      ours.lower, ours.upper, ours.slew, ours.prefer, 0};
     for (int j = 0; j < ours.n; j++) {
         double square = 0;
         for (int i = 0; i < ours.m; i++)
             square += ours.b[i * ours.n + j] * ours.b[i * ours.n + j];
-        ours.problem.effort += 1e-3 / ours.n * square;
+        ours.problem.regularisation += 1e-3 / ours.n * square;
     }
-    ours.problem.crc = guard_problem_crc(&ours.problem);
-    if (pzs_control_init(&ours.control, &ours.problem, NULL, line_start(ours.work), sizeof ours.work - 64) != PZS_OK)
+    ours.problem.crc = pzs_problem_crc(&ours.problem);
+    if (pzs_control_init(&ours.control, &ours.problem, NULL, line_start(ours.work),
+                         sizeof ours.work - 64) != PZS_OK)
         exit(1);
 }
 
-static double mean_active(double volt)
+static double mean_active(double voltage)
 {
     double sum = 0;
 
-    limit(volt);
+    limit(voltage);
     for (int t = 0; t < FRAMES; t++) {
         pzs_step(&ours.control, ours.target[t]);
-        { pzs_report r; pzs_assess(&ours.control, ours.target[t], &r); sum += r.active; }
+        {
+            pzs_report r;
+            pzs_assess(&ours.control, ours.target[t], &r);
+            sum += r.active_limits;
+        }
     }
     return sum / FRAMES;
 }
@@ -141,15 +155,16 @@ static double limit_for(double active)
 static void our_step(int t, int turn)
 {
     const double from = now();
-    boxls *b = &ours.control.optimiser;
-    const double missed = project(b, &ours.control, ours.target[t], ours.control.predicted);
+    pzs_optimiser *b = &ours.control.state.optimiser;
+    const double missed = project(b, &ours.control, ours.target[t], ours.control.info.predicted);
     const double between = now();
-    const pzs_status status = step_to(b, &ours.control, ours.target[t], ours.control.predicted, missed);
+    const pzs_status status =
+        step_to(b, &ours.control, ours.target[t], ours.control.info.predicted, missed);
     const double end = now();
 
     spent[0][0][t][turn] = end - from;
     spent[0][1][t][turn] = end - between;
-    memcpy(answer[0][t], ours.control.volt, sizeof(double) * (size_t)ours.n);
+    memcpy(answer[0][t], ours.control.info.voltage, sizeof(double) * (size_t)ours.n);
     if (status != PZS_OK)
         exit(3);
 }
@@ -167,10 +182,17 @@ static void peer_start(int way)
 {
     memset(&peer[way], 0, sizeof peer[way]);
     for (int i = 0; i < ours.n; i++)
-        memcpy(peer[way].h + i * ours.n, ours.control.optimiser.h + (size_t)i * ours.control.optimiser.width,
+        memcpy(peer[way].h + i * ours.n,
+               ours.control.optimiser.h + (size_t)i * ours.control.optimiser.width,
                sizeof(double) * (size_t)ours.n);
-    peer[way].problem = (DAQPProblem){ .n = ours.n, .m = ours.n, .ms = ours.n, .H = peer[way].h, .f = peer[way].f,
-                                       .bupper = ours.upper, .blower = ours.lower, .sense = peer[way].sense };
+    peer[way].problem = (DAQPProblem){.n = ours.n,
+                                      .m = ours.n,
+                                      .ms = ours.n,
+                                      .H = peer[way].h,
+                                      .f = peer[way].f,
+                                      .bupper = ours.upper,
+                                      .blower = ours.lower,
+                                      .sense = peer[way].sense};
     peer[way].result.x = peer[way].x;
     peer[way].result.lam = peer[way].lam;
     if (setup_daqp(&peer[way].problem, &peer[way].work, NULL) < 0)
@@ -183,7 +205,8 @@ static void peer_step(int way, int t, int turn)
     const double from = now();
     for (int i = 0; i < ours.m; i++)
         peer[way].weighted[i] = ours.weight[i] * ours.weight[i] * ours.target[t][i];
-    product_sum_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted, (uint32_t)ours.m, (uint32_t)ours.n);
+    pzs_product_sum_rows(peer[way].f, ours.b, (uint32_t)ours.n, peer[way].weighted,
+                         (uint32_t)ours.m, (uint32_t)ours.n);
     const double between = now();
     for (int i = 0; i < ours.n; i++)
         peer[way].f[i] = -peer[way].f[i];
@@ -216,9 +239,17 @@ static void compare(void)
         compare_frame(t);
 }
 #else
-static void peer_start(int way) { (void)way; }
-static void peer_step(int way, int t, int turn) { (void)way, (void)t, (void)turn; }
-static void compare(void) { }
+static void peer_start(int way)
+{
+    (void)way;
+}
+static void peer_step(int way, int t, int turn)
+{
+    (void)way, (void)t, (void)turn;
+}
+static void compare(void)
+{
+}
 #endif
 
 /* Mean and worst over the frames of the median over the turns (us), reading the clock taken off. */
@@ -259,12 +290,15 @@ static void row(int n, int m, int active, int json)
         mean[1][part] = fmin(mean[1][part], mean[2][part]);
         worst[1][part] = fmin(worst[1][part], worst[2][part]);
     }
-    const char *form = json ? "{\"bench\": \"step\", \"n\": %d, \"m\": %d, \"active\": %d, \"us\": %.3f, \"worst_us\": %.3f, "
-                              "\"solver_us\": %.3f, \"daqp_us\": %.3f, \"daqp_worst_us\": %.3f, \"daqp_solver_us\": %.3f, "
-                              "\"ratio\": %.3f, \"worst_ratio\": %.3f, \"passes_most\": %d, \"difference\": %.1e}\n"
-                            : "%3d %4d %6d   %6.3f %6.3f %6.3f   %6.3f %6.3f %6.3f   %5.2f %5.2f   %3d %8.1e\n";
-    printf(form, n, m, active, mean[0][0], worst[0][0], mean[0][1], mean[1][0], worst[1][0], mean[1][1],
-           mean[0][0] / mean[1][0], worst[0][0] / worst[1][0], ours.control.passes_most, disagree);
+    const char *form =
+        json
+            ? "{\"bench\": \"step\", \"n\": %d, \"m\": %d, \"active\": %d, \"us\": %.3f, \"worst_us\": %.3f, "
+              "\"solver_us\": %.3f, \"daqp_us\": %.3f, \"daqp_worst_us\": %.3f, \"daqp_solver_us\": %.3f, "
+              "\"ratio\": %.3f, \"worst_ratio\": %.3f, \"passes_most\": %d, \"difference\": %.1e}\n"
+            : "%3d %4d %6d   %6.3f %6.3f %6.3f   %6.3f %6.3f %6.3f   %5.2f %5.2f   %3d %8.1e\n";
+    printf(form, n, m, active, mean[0][0], worst[0][0], mean[0][1], mean[1][0], worst[1][0],
+           mean[1][1], mean[0][0] / mean[1][0], worst[0][0] / worst[1][0],
+           ours.control.info.iterations_most, disagree);
     if (disagree > SAME)
         exit(5);
 }
@@ -274,7 +308,8 @@ int main(int argc, char **argv)
     const int json = argc > 1 && strcmp(argv[1], "--json") == 0;
 
     if (!json)
-        printf("microseconds          ours: all  worst solver   DAQP: all worst solver   ratio worst  most passes, difference\n");
+        printf(
+            "microseconds          ours: all  worst solver   DAQP: all worst solver   ratio worst  most passes, difference\n");
     for (int n = 25; n <= 50; n += 25)
         for (int k = 0; k < 3; k++)
             row(n, n == 25 ? 121 : 242, k == 0 ? 0 : k == 1 ? 5 : 15, json);

@@ -1,4 +1,5 @@
-/* Time and medians of the benches. A bench defines _POSIX_C_SOURCE 200809L before its first include. */
+/* Time and medians of the benches. A bench defines _POSIX_C_SOURCE 200809L before its first
+ * include. */
 #ifndef BENCH_CLOCK_H
 #define BENCH_CLOCK_H
 
@@ -18,7 +19,8 @@ static inline double now(void)
     return microseconds(CLOCK_MONOTONIC);
 }
 
-/* Processor time of this process: what else the machine does is not in it. It costs a system call. */
+/* Processor time of this process: what else the machine does is not in it. It costs a system call.
+ */
 static inline double processor_time(void)
 {
     return microseconds(CLOCK_PROCESS_CPUTIME_ID);

@@ -1,12 +1,14 @@
 /*
- * Instructions of factor and solve on a Cortex-M: n = 200, half bandwidth 48, 197,176 multiply-adds in the
- * unpadded band. Runs on a board of firmware_demo under QEMU, or on the host to compare the bits.
+ * Instructions of factor and solve on a Cortex-M: n = 200, half bandwidth 48, 197,176 multiply-adds
+ * in the unpadded band. Runs on a board of firmware_demo under QEMU, or on the host to compare the
+ * bits.
  */
+#include "pzs.h"
 #include <string.h>
-#include "board.h"
-#include "guard.h"
-#include "linalg.h"
-#include "print.h"
+#include "../../firmware_demo/boards/board.h"
+#include "../../lib/core/guard.h"
+#include "../../lib/core/linalg.h"
+#include "../../firmware_demo/demos/print.h"
 
 #define N 200u
 #define BAND 48u
@@ -20,11 +22,12 @@ static void fill(pzs_envelope *a)
 {
     for (uint32_t i = 0; i < N; i++)
         first[i] = (uint16_t)(i > BAND ? i - BAND : 0u);
-    linalg_layout(a);
-    linalg_clear(a);
+    pzs_linalg_layout(a);
+    pzs_linalg_clear(a);
     for (uint32_t i = 0; i < N; i++) {
         for (uint32_t j = first[i]; j <= i; j++)
-            *linalg_entry(a, i, j) = i == j ? (pzs_real)(2u * BAND) : (pzs_real)((i * 37u + j * 101u) % 257u) / 128 - 1;
+            *pzs_linalg_entry(a, i, j) =
+                i == j ? (pzs_real)(2u * BAND) : (pzs_real)((i * 37u + j * 101u) % 257u) / 128 - 1;
         x[i] = (pzs_real)(i % 7u) - 3;
     }
 }
@@ -35,7 +38,7 @@ static uint32_t factor_crc(const pzs_envelope *a)
     uint32_t crc = GUARD_CRC_START;
     for (uint32_t i = 0; i < N; i++)
         for (uint32_t j = first[i]; j <= i; j++)
-            crc = guard_crc(crc, linalg_entry(a, i, j), sizeof(pzs_real));
+            crc = pzs_guard_crc(crc, pzs_linalg_entry(a, i, j), sizeof(pzs_real));
     return ~crc;
 }
 
@@ -45,16 +48,16 @@ int main(void)
     board_start();
     fill(&a);
     const uint32_t begin = board_count();
-    const linalg_inertia found = linalg_factor(&a);
+    const linalg_inertia found = pzs_linalg_factor(&a);
     const uint32_t factored = board_count();
-    linalg_solve(&a, x);
+    pzs_linalg_solve(&a, x);
     const uint32_t solved = board_count();
     print_text("count");
     print_count("factor", board_instructions(begin, factored));
     print_count("solve", board_instructions(factored, solved));
     print_text("\nbits");
     print_hex("factor", factor_crc(&a));
-    print_hex("solution", ~guard_crc(GUARD_CRC_START, x, sizeof x));
+    print_hex("solution", ~pzs_guard_crc(GUARD_CRC_START, x, sizeof x));
     print_text("\n");
     return found.zero >= 0;
 }

@@ -1,24 +1,26 @@
 /*
- * Cost of the element at a shape: one Newton system, resultants, force. On a board with an FPU instructions are
- * counted; built with -mfloat-abi=soft and the linker's --wrap of the five double operations (count_shell.sh), each
- * addition, subtraction, multiplication and division. On the host there is no count, only the bits to compare.
+ * Cost of the element at a shape: one Newton system, resultants, force. On a board with an FPU
+ * instructions are counted; built with -mfloat-abi=soft and the linker's --wrap of the five double
+ * operations (count_shell.sh), each addition, subtraction, multiplication and division. On the host
+ * there is no count, only the bits to compare.
  */
-#include "board.h"
-#include "guard.h"
-#include "print.h"
-#include "shell.h"
+#include "pzs.h"
+#include "../../firmware_demo/boards/board.h"
+#include "../../lib/core/guard.h"
+#include "../../firmware_demo/demos/print.h"
+#include "../../lib/model/shell.h"
 
 #if defined(__SOFTFP__) && PZS_REAL_BITS == 64
 
 static uint32_t operations;
 
-#define COUNTED(name) \
-    double __real___aeabi_##name(double a, double b); \
-    double __wrap___aeabi_##name(double a, double b); \
-    double __wrap___aeabi_##name(double a, double b) \
-    { \
-        operations++; \
-        return __real___aeabi_##name(a, b); \
+#define COUNTED(name)                                                                              \
+    double __real___aeabi_##name(double a, double b);                                              \
+    double __wrap___aeabi_##name(double a, double b);                                              \
+    double __wrap___aeabi_##name(double a, double b)                                               \
+    {                                                                                              \
+        operations++;                                                                              \
+        return __real___aeabi_##name(a, b);                                                        \
     }
 COUNTED(dadd)
 COUNTED(dsub)
@@ -50,9 +52,11 @@ static uint32_t between(uint32_t from, uint32_t to)
 
 #endif
 
-static pzs_kind kind;
+static pzs_element_type kind;
 static pzs_real u[SHELL_MAX], du[SHELL_MAX], given[SHELL_STRAINS];
-static struct { pzs_real f[SHELL_MAX], k[SHELL_PACKED(SHELL_MAX)], resultant[SHELL_RESULTANTS]; } out;
+static struct {
+    pzs_real f[SHELL_MAX], k[SHELL_PACKED(SHELL_MAX)], resultant[SHELL_RESULTANTS];
+} out;
 
 /* Numbers in steps of 2^-12 between -1 and 1, the same on every target. */
 static void fill(void *to, size_t bytes, uint32_t seed)
@@ -69,11 +73,11 @@ static void row(unsigned unknowns)
     uint32_t time[4];
     fill(&out, sizeof out, 5);
     time[0] = count();
-    shell_resultants(&kind, unknowns, u, du, given, out.resultant);
+    pzs_shell_resultants(&kind, unknowns, u, du, given, out.resultant);
     time[1] = count();
-    shell_force_at(&kind, unknowns, u, out.resultant, out.f);
+    pzs_shell_force_at(&kind, unknowns, u, out.resultant, out.f);
     time[2] = count();
-    shell_system(&kind, unknowns, u, given, out.resultant, out.f, out.k);
+    pzs_shell_system(&kind, unknowns, u, given, out.resultant, out.f, out.k);
     time[3] = count();
     print_text("count");
     print_count("unknowns", unknowns);
@@ -81,7 +85,7 @@ static void row(unsigned unknowns)
     print_count("resultants", between(time[0], time[1]));
     print_count("force", between(time[1], time[2]));
     print_text("\nbits");
-    print_hex("all", ~guard_crc(GUARD_CRC_START, &out, sizeof out));
+    print_hex("all", ~pzs_guard_crc(GUARD_CRC_START, &out, sizeof out));
     print_text("\n");
 }
 

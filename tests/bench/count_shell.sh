@@ -6,10 +6,10 @@ B=${B:-build}
 CC=${ARM_CC:-arm-none-eabi-gcc}
 dir=$B/bench/shell
 mkdir -p "$dir"
-sed 's/^stack_size.*/stack_size = 32K;/' firmware_demo/mps2_an500.ld >"$dir/board.ld"
-flags='-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -DPZS_NONLINEAR=1 -Iinclude -Ilib -Ifirmware_demo'
-lib='lib/shell.c lib/shell_at.c lib/guard.c'
-rest='tests/bench/count_shell.c firmware_demo/print.c'
+sed 's/^stack_size.*/stack_size = 32K;/' firmware_demo/boards/mps2_an500.ld >"$dir/board.ld"
+flags='-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -DPZS_NONLINEAR=1 -Iinclude'
+lib='lib/model/shell.c lib/nonlinear/shell_at.c lib/core/guard.c'
+rest='tests/bench/count_shell.c firmware_demo/demos/print.c'
 hard='-mthumb -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16'
 soft='-mthumb -mcpu=cortex-m7 -mfloat-abi=soft -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub,--wrap=__aeabi_drsub,--wrap=__aeabi_dmul,--wrap=__aeabi_ddiv'
 n=0
@@ -18,9 +18,9 @@ n=0
 row() {
     n=$((n + 1))
     # shellcheck disable=SC2086
-    $CC $4 $flags -DPZS_REAL_BITS="$2" "$3" -nostartfiles -Lfirmware_demo -T"$dir/board.ld" -Wl,--gc-sections \
-        $rest $lib firmware_demo/start.c firmware_demo/board_mps2.c -lm -o "$dir/count.elf" &&
-        gcc $flags -DPZS_REAL_BITS="$2" -O2 $rest $lib firmware_demo/board_host.c -lm -o "$dir/count" || { echo "not ok $n - build"; return; }
+    $CC $4 $flags -DPZS_REAL_BITS="$2" "$3" -nostartfiles -Lfirmware_demo/boards -T"$dir/board.ld" -Wl,--gc-sections \
+        $rest $lib firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/count.elf" &&
+        gcc $flags -DPZS_REAL_BITS="$2" -O2 $rest $lib firmware_demo/boards/board_host.c -lm -o "$dir/count" || { echo "not ok $n - build"; return; }
     timeout 60 "${QEMU:-qemu-system-arm}" -M mps2-an500 -icount shift=10 -kernel "$dir/count.elf" -nographic -monitor none \
         -serial stdio -semihosting-config enable=on,target=native </dev/null >"$dir/out" 2>/dev/null
     "$dir/count" | grep '^bits' >"$dir/host"

@@ -6,9 +6,9 @@ B=${B:-build}
 CC=${ARM_CC:-arm-none-eabi-gcc}
 dir=$B/bench/device
 mkdir -p "$dir"
-flags="-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude -Ilib -Ifirmware_demo -I$dir"
-rest='tests/bench/count_tick.c firmware_demo/print.c'
-for file in control product sense boxls boxls_tableau faults estimate amplifier electrode model shell linalg guard; do rest="$rest lib/$file.c"; done
+flags="-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude -I$dir"
+rest='tests/bench/count_tick.c firmware_demo/demos/print.c'
+rest="$rest $(echo lib/core/*.c lib/control/*.c lib/model/*.c)"
 n=0
 
 "$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.slew=20 \
@@ -21,9 +21,9 @@ row() {
     name=$1 bits=$2 level=$3 machine=$4 script=$5
     shift 5
     # shellcheck disable=SC2086
-    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES='"count_tick.h"' -nostartfiles -Lfirmware_demo -T"firmware_demo/$script.ld" \
-        -Wl,--gc-sections $rest firmware_demo/start.c firmware_demo/board_mps2.c -lm -o "$dir/tick.elf" &&
-        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES='"count_tick.h"' $rest firmware_demo/board_host.c -lm -o "$dir/tick" ||
+    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES='"count_tick.h"' -nostartfiles -Lfirmware_demo/boards -T"firmware_demo/boards/$script.ld" \
+        -Wl,--gc-sections $rest firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/tick.elf" &&
+        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES='"count_tick.h"' $rest firmware_demo/boards/board_host.c -lm -o "$dir/tick" ||
         { echo "not ok $n - build"; return; }
     timeout 120 "${QEMU:-qemu-system-arm}" -M "$machine" -icount shift=10 -kernel "$dir/tick.elf" -nographic -monitor none \
         -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"

@@ -7,18 +7,18 @@ CC=${ARM_CC:-arm-none-eabi-gcc}
 dir=$B/bench/device
 mkdir -p "$dir"
 m7='-mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16'
-flags='-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude -Ilib -Ifirmware_demo'
-rest='tests/bench/count_linalg.c lib/guard.c firmware_demo/print.c'
+flags='-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude'
+rest='tests/bench/count_linalg.c lib/core/guard.c firmware_demo/demos/print.c'
 n=0
 
 # row BITS LEVEL TARGET
 row() {
     n=$((n + 1))
     # shellcheck disable=SC2086
-    $CC $m7 $flags -DPZS_REAL_BITS="$1" "$2" -c lib/linalg.c -o "$dir/linalg.o" &&
-        $CC $m7 $flags -DPZS_REAL_BITS="$1" -O2 -nostartfiles -Lfirmware_demo -Tfirmware_demo/mps2_an500.ld -Wl,--gc-sections \
-            $rest "$dir/linalg.o" firmware_demo/start.c firmware_demo/board_mps2.c -lm -o "$dir/count.elf" &&
-        gcc $flags -DPZS_REAL_BITS="$1" -O2 $rest lib/linalg.c firmware_demo/board_host.c -lm -o "$dir/count" || { echo "not ok $n - build"; return; }
+    $CC $m7 $flags -DPZS_REAL_BITS="$1" "$2" -c lib/core/linalg.c -o "$dir/linalg.o" &&
+        $CC $m7 $flags -DPZS_REAL_BITS="$1" -O2 -nostartfiles -Lfirmware_demo/boards -Tfirmware_demo/boards/mps2_an500.ld -Wl,--gc-sections \
+            $rest "$dir/linalg.o" firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/count.elf" &&
+        gcc $flags -DPZS_REAL_BITS="$1" -O2 $rest lib/core/linalg.c firmware_demo/boards/board_host.c -lm -o "$dir/count" || { echo "not ok $n - build"; return; }
     timeout 60 "${QEMU:-qemu-system-arm}" -M mps2-an500 -icount shift=10 -kernel "$dir/count.elf" -nographic -monitor none \
         -serial stdio -semihosting-config enable=on,target=native </dev/null >"$dir/out" 2>/dev/null
     "$dir/count" | grep '^bits' >"$dir/host"
@@ -32,11 +32,11 @@ row() {
 # The demonstration's control image, float, on the same processor: instructions of a control tick, 25 voltages, 121 outputs.
 tick() {
     n=$((n + 1))
-    demo='firmware_demo/main.c firmware_demo/drill.c firmware_demo/print.c firmware_demo/demo_control.c'
+    demo='firmware_demo/demos/main.c firmware_demo/demos/drill.c firmware_demo/demos/print.c firmware_demo/demos/demo_control.c'
     # shellcheck disable=SC2086
-    $CC $m7 $flags -Ifirmware_demo/tables -DPZS_REAL_BITS=32 -DDEMO_TABLES='"plate_control.h"' -Os -nostartfiles -Lfirmware_demo \
-        -Tfirmware_demo/mps2_an500.ld -Wl,--gc-sections $demo lib/*.c firmware_demo/start.c firmware_demo/board_mps2.c -lm -o "$dir/tick7.elf" &&
-        gcc $flags -Ifirmware_demo/tables -DPZS_REAL_BITS=32 -DDEMO_TABLES='"plate_control.h"' -O2 $demo lib/*.c firmware_demo/board_host.c \
+    $CC $m7 $flags -I"${B:-build}/tables" -DPZS_REAL_BITS=32 -DDEMO_TABLES='"plate_control.h"' -Os -nostartfiles -Lfirmware_demo/boards \
+        -Tfirmware_demo/boards/mps2_an500.ld -Wl,--gc-sections $demo lib/*/*.c firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/tick7.elf" &&
+        gcc $flags -I"${B:-build}/tables" -DPZS_REAL_BITS=32 -DDEMO_TABLES='"plate_control.h"' -O2 $demo lib/*/*.c firmware_demo/boards/board_host.c \
             -lm -o "$dir/tick7" || { echo "not ok $n - build"; return; }
     timeout 60 "${QEMU:-qemu-system-arm}" -M mps2-an500 -icount shift=10 -kernel "$dir/tick7.elf" -nographic -monitor none \
         -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"

@@ -4,7 +4,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
-#include "analysis.h"
+#include "../../host_tools/model/analysis.h"
 #include "clock.h"
 
 enum { MOST_SETTINGS = 8 };
@@ -27,8 +27,8 @@ int main(int count, char **argument)
     const double begin = processor_time();
     pzs_equilibrium(&a.path.run, a.path.full);
     const double end = processor_time();
-    printf("elements %u unknowns %u seconds %.9f\n", (unsigned)a.design.structure.elements, (unsigned)a.model.k.n,
-           1e-6 * (end - begin));
+    printf("elements %u unknowns %u seconds %.9f\n", (unsigned)a.design.structure.elements,
+           (unsigned)a.model.state.stiffness.n, 1e-6 * (end - begin));
     analysis_free(&a);
     scene_free(&s);
     return 0;

@@ -10,14 +10,13 @@ trap 'rm -rf "$scratch"' EXIT
 
 m4='-mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16'
 m7='-mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16'
-options='lib/shell_at.c lib/nonlinear.c lib/influence_at.c lib/face.c lib/follower.c lib/contact.c lib/contact_check.c lib/electric.c'
-include='-Iinclude -Ilib'
+include='-Iinclude'
 
 # Library sources with PZS_NONLINEAR $1 (0 or 1).
 sources() {
-    for file in lib/*.c; do
-        case " $options " in
-        *" $file "*) [ "$1" = 1 ] && echo "$file" ;;
+    for file in lib/*/*.c; do
+        case $file in
+        lib/nonlinear/*) [ "$1" = 1 ] && echo "$file" ;;
         *) echo "$file" ;;
         esac
     done

@@ -5,7 +5,7 @@
 
 # check NAME: what the awk program in $2 prints about the library's files are faults.
 check() {
-    awk "$2" lib/*.[ch] include/*.h >"$scratch/found"
+    awk "$2" lib/*/*.[ch] include/*.h >"$scratch/found"
     [ ! -s "$scratch/found" ]
     tap $? "$1"
 }
@@ -30,13 +30,14 @@ check 'no allocation, no stdio, no goto, no setjmp, no varargs' "$strip"'
 
 check 'no #if inside a function' "$strip"'
     line ~ /^[ \t]*#/ { if (depth > 0 && line ~ /^[ \t]*#[ \t]*(if|ifdef|ifndef|else|elif)/) print where $0; next }
-    { opened = gsub(/\{/, "{", line); closed = gsub(/\}/, "}", line); depth += opened - closed }'
+    line ~ /^extern "" \{/ { next } # not a function: the linkage of a header for C++
+    { opened = gsub(/\{/, "{", line); closed = gsub(/\}/, "}", line); depth += opened - closed; if (depth < 0) depth = 0 }'
 
 check 'switches come from pzs_config.h alone' "$strip"'
     line ~ /^[ \t]*#[ \t]*define[ \t]+PZS_(REAL_BITS|NONLINEAR|TILE|STEP_PASSES|FOLLOWER|CONTACT|ELECTRIC)([ \t(]|$)/ && FILENAME !~ /pzs_config[.]h/ { print where $0 }'
 
-check 'lines of at most 125 characters, no tabs, no trailing blanks' '
-    length($0) > 125 { print FILENAME ":" FNR ": " length($0) " characters" }
+check 'lines of at most 100 columns, no tabs, no trailing blanks' '
+    length($0) > 100 { print FILENAME ":" FNR ": " length($0) " characters" }
     /\t/ { print FILENAME ":" FNR ": tab" }
     /[ ]$/ { print FILENAME ":" FNR ": trailing blank" }'
 

@@ -8,7 +8,7 @@ all='-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstric
 # compile COMPILER TARGET-FLAGS BITS TILE NONLINEAR: objects go into the scratch directory.
 compile() {
     # shellcheck disable=SC2086,SC2046
-    (cd "$scratch" && "$1" $2 $all -I"$top/include" -I"$top/lib" -DPZS_REAL_BITS="$3" -DPZS_TILE="$4" \
+    (cd "$scratch" && "$1" $2 $all -I"$top/include" -DPZS_REAL_BITS="$3" -DPZS_TILE="$4" \
         -DPZS_NONLINEAR="$5" -c $(cd "$top" && sources "$5" | sed "s|^|$top/|"))
 }
 

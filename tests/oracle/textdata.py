@@ -1,4 +1,4 @@
-"""The text format of tests/data: comments, then cases of words and number arrays."""
+"""The text format of tests/oracle/data: comments, then cases of words and number arrays."""
 
 import numpy as np
 

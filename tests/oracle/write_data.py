@@ -1,4 +1,4 @@
-"""Write tests/data/elements.txt: single elements on six surfaces.
+"""Write tests/oracle/data/elements.txt: single elements on six surfaces.
 
     python3 write_data.py
 

@@ -1,4 +1,4 @@
-"""Write tests/data/nonlinear.txt: converged nonlinear states.
+"""Write tests/oracle/data/nonlinear.txt: converged nonlinear states.
 
     python3 write_nonlinear.py
 """

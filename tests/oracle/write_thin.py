@@ -1,4 +1,4 @@
-"""Write tests/data/thin.txt: references for thin shells of revolution.
+"""Write tests/oracle/data/thin.txt: references for thin shells of revolution.
 
     python3 write_thin.py
 """

@@ -7,9 +7,9 @@
 # run MACHINE SCRIPT BOARD FLAGS PROGRAM: the exit code of one program
 run() {
     # shellcheck disable=SC2086
-    "$ARM_CC" -std=c99 -O2 -Wall -Wextra -Wconversion -Werror -pedantic $4 -Ifirmware_demo -DPROGRAM="$5" \
-        firmware_demo/start.c "firmware_demo/$3.c" tests/target/start_program.c \
-        -nostartfiles -Lfirmware_demo -Tfirmware_demo/"$2".ld -o "$scratch/program.elf" >&2 || return 125
+    "$ARM_CC" -std=c99 -O2 -Wall -Wextra -Wconversion -Werror -pedantic $4 -Ifirmware_demo/boards -DPROGRAM="$5" \
+        firmware_demo/boards/start.c "firmware_demo/boards/$3.c" tests/target/start_program.c \
+        -nostartfiles -Lfirmware_demo/boards -Tfirmware_demo/boards/"$2".ld -o "$scratch/program.elf" >&2 || return 125
     timeout 60 "$QEMU" -M "$1" -kernel "$scratch/program.elf" -nographic -monitor none -serial stdio \
         -semihosting-config enable=on,target=native </dev/null >"$scratch/found" 2>&1
 }

@@ -7,7 +7,7 @@
  *   5  a write right below the stack does
  *   6  a write far below it does, as of a large frame
  */
-#include "board.h"
+#include "../../firmware_demo/boards/board.h"
 
 int main(void);
 
@@ -20,8 +20,8 @@ static volatile float factor = 1.5f;
 static int carried(void)
 {
     const float product = factor * factor;
-    return copied != 0x12345678u || cleared != 0 || !(product > 2.2f && product < 2.3f)
-        || board_stack_used() == 0 || board_stack_used() > 1024u;
+    return copied != 0x12345678u || cleared != 0 || !(product > 2.2f && product < 2.3f) ||
+           board_stack_used() == 0 || board_stack_used() > 1024u;
 }
 
 static int read_nowhere(void)
@@ -41,7 +41,8 @@ static uint32_t overflow(uint32_t depth)
 {
     volatile uint32_t frame[16];
     frame[0] = depth;
-    if (depth == 0) return 0;
+    if (depth == 0)
+        return 0;
     return overflow(depth - 1u) + frame[0];
 }
 
@@ -53,7 +54,8 @@ int main(void)
     case 2: return 3;
     case 3: return read_nowhere();
     case 5: return write_below(4u);
-    case 6: return write_below(0x1FE00000u); /* into the vectors' memory, where that can be written */
+    case 6:
+        return write_below(0x1FE00000u); /* into the vectors' memory, where that can be written */
     default: return (int)overflow(10000000u);
     }
 }

@@ -10,8 +10,8 @@ memory='-Wl,--defsym=__flash=0,--defsym=__flash_size=0x200000,--defsym=__ram=0x2
 build() {
     # shellcheck disable=SC2046,SC2086
     "$ARM_CC" --specs=picolibc.specs --oslib=semihost --crt0=hosted $memory,--defsym=__stack_size=0x10000 \
-        $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 $include -Itests \
-        -I"$B/cmocka-arm/source/include" "tests/test_$1.c" tests/testdata.c $(sources 0) "$B/cmocka-arm/$2/cmocka.o" \
+        $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 $include \
+        -I"$B/cmocka-arm/source/include" "tests/unit/test_$1.c" tests/rigs/testdata.c $(sources 0) "$B/cmocka-arm/$2/cmocka.o" \
         -lm -o "$scratch/$1.elf"
 }
 
@@ -28,7 +28,7 @@ run() {
 
 # check TEST: on both processors
 check() {
-    [ -f "tests/test_$1.c" ] || return 0
+    [ -f "tests/unit/test_$1.c" ] || return 0
     if build "$1" m4 "$m4" 32 2>"$scratch/found"; then
         run "$1" "$1 on Cortex-M4F, float" mps2-an386
     else

@@ -1,0 +1,36 @@
+/* Arm MPS2 with the AN386 (Cortex-M4F) and AN500 (Cortex-M7) images: CMSDK UART 0, FPGAIO counter.
+ */
+#include "board.h"
+
+#define REGISTER(address) (*(volatile uint32_t *)(address))
+#define UART_DATA REGISTER(0x40004000u)
+#define UART_STATE REGISTER(0x40004004u)
+#define UART_CTRL REGISTER(0x40004008u)
+#define UART_BAUDDIV REGISTER(0x40004010u)
+#define FPGAIO_COUNTER REGISTER(0x40028018u)
+#define FPGAIO_PRESCALE REGISTER(0x4002801Cu)
+
+void board_start(void)
+{
+    UART_BAUDDIV = 16u;
+    UART_CTRL = 1u;        /* transmit */
+    FPGAIO_PRESCALE = 24u; /* 25 MHz / 25 */
+}
+
+void board_put(char c)
+{
+    while (UART_STATE & 1u) {
+    }
+    UART_DATA = (uint8_t)c;
+}
+
+uint32_t board_count(void)
+{
+    return FPGAIO_COUNTER;
+}
+
+/* The counter runs at 1 MHz, -icount shift=10 executes an instruction each 1.024 microseconds. */
+uint32_t board_instructions(uint32_t from, uint32_t to)
+{
+    return (uint32_t)((uint64_t)(to - from) * 125u / 128u);
+}

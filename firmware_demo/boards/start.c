@@ -1,0 +1,137 @@
+/*
+ * Start-up of a Cortex-M with FPU: vectors, memory, stack painting, exit, and a stream to the
+ * debugger's host.
+ *
+ * The stack lies at the lowest RAM address, and below it nothing can be written: not on a part
+ * whose bus ends there, and by the MPU on those where other memory lies below. So an overflow
+ * faults instead of running into data or code. Exit codes and the stream reach the host by
+ * semihosting; on a board without a debugger the breakpoint faults and the fault handler waits for
+ * the watchdog.
+ */
+#include "board.h"
+
+int main(void);
+
+/* Laid out by sections.ld. */
+extern uint32_t stack_low[], stack_high[];
+extern uint32_t data_load[], data_start[], data_end[];
+extern uint32_t bss_start[], bss_end[];
+
+#define PAINT                                                                                      \
+    0x57ACCA5Eu /* bytes differ: a memset in its place could not use the stack it paints */
+#define FAULT_EXIT 70u
+#define BY_ITSELF 0x20026u /* the reason of an exit: the program ended */
+
+enum { SYS_OPEN = 0x01, SYS_WRITE = 0x05, SYS_READ = 0x06, SYS_EXIT_EXTENDED = 0x20 };
+
+static uint32_t semihosting(uint32_t operation, const uint32_t *block)
+{
+    register uint32_t answer __asm("r0") = operation;
+    register const uint32_t *argument __asm("r1") = block;
+    __asm volatile("bkpt 0xAB" : "+r"(answer) : "r"(argument) : "memory");
+    return answer;
+}
+
+/* Standard input (mode 0) or output (mode 4) of the host. */
+static uint32_t open_terminal(uint32_t mode)
+{
+    static const char name[] = ":tt";
+    const uint32_t block[3] = {(uint32_t)(uintptr_t)name, mode, sizeof name - 1u};
+    return semihosting(SYS_OPEN, block);
+}
+
+int board_receive(void *to, size_t bytes)
+{
+    static uint32_t file;
+    uint32_t left = bytes, before = 0;
+    if (file == 0)
+        file = open_terminal(0);
+    while (left != 0 && left != before) { /* nothing more comes: the end of the stream */
+        const uint32_t block[3] = {file, (uint32_t)(uintptr_t)to + (bytes - left), left};
+        before = left;
+        left = semihosting(SYS_READ, block);
+    }
+    return left == 0;
+}
+
+int board_send(const void *from, size_t bytes)
+{
+    static uint32_t file;
+    if (file == 0)
+        file = open_terminal(4u);
+    const uint32_t block[3] = {file, (uint32_t)(uintptr_t)from, bytes};
+    return semihosting(SYS_WRITE, block) == 0;
+}
+
+/* Its block is in flash: the stack may be what is wrong. */
+static void fault(void)
+{
+    static const uint32_t block[2] = {BY_ITSELF, FAULT_EXIT};
+    (void)semihosting(SYS_EXIT_EXTENDED, block);
+    for (;;) {
+    }
+}
+
+static void enable_fpu(void)
+{
+    volatile uint32_t *cpacr = (volatile uint32_t *)0xE000ED88u;
+    *cpacr |= 0xFu << 20;
+    __asm volatile("dsb\n\tisb" : : : "memory");
+}
+
+/* All below 0x20000000, half a gigabyte, is for reading and running; elsewhere memory is as without
+ * an MPU. */
+static void guard_stack(void)
+{
+    volatile uint32_t *mpu = (volatile uint32_t *)0xE000ED94u; /* control, region, its base, its
+                                                                  attributes */
+    mpu[1] = 0;
+    mpu[2] = 0;
+    mpu[3] = 6u << 24 | 1u << 17 | 28u << 1 | 1u; /* read only; as flash is cached; 2^29 bytes; on
+                                                   */
+    mpu[0] = 1u << 2 | 1u;
+    __asm volatile("dsb\n\tisb" : : : "memory");
+}
+
+static void paint_stack(void)
+{
+    uintptr_t sp;
+    __asm volatile("mov %0, sp" : "=r"(sp));
+    for (volatile uint32_t *p = stack_low; (uintptr_t)p < sp; p++)
+        *p = PAINT;
+}
+
+uint32_t board_stack_used(void)
+{
+    const uint32_t *p = stack_low;
+    while (p < stack_high && *p == PAINT)
+        p++;
+    return (uint32_t)((uintptr_t)stack_high - (uintptr_t)p);
+}
+
+static void reset(void)
+{
+    const uint32_t *from = data_load;
+    enable_fpu();
+    guard_stack();
+    paint_stack();
+    for (uint32_t *p = data_start; p < data_end; p++)
+        *p = *from++;
+    for (uint32_t *p = bss_start; p < bss_end; p++)
+        *p = 0;
+    const uint32_t block[2] = {BY_ITSELF, (uint32_t)main()};
+    (void)semihosting(SYS_EXIT_EXTENDED, block);
+    for (;;) {
+    }
+}
+
+typedef struct vector_table {
+    uint32_t *stack;
+    void (*handler[15])(void); /* reset, NMI, the faults, SVC, debug, PendSV, SysTick; 0: reserved
+                                */
+} vector_table;
+
+extern const vector_table vectors;
+__attribute__((section(".vectors"), used)) const vector_table vectors = {
+    stack_high,
+    {reset, fault, fault, fault, fault, fault, 0, 0, 0, 0, fault, fault, 0, fault, fault}};

@@ -1,0 +1,213 @@
+/* The tables of commands and options (commands.h). */
+#include "commands.h"
+#include <string.h>
+
+#define BIT(command) (1u << (command))
+#define ANALYSES                                                                                   \
+    (BIT(COMMAND_CHECK) | BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE))
+#define ON_SCENE (ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_TABLES))
+
+const char *const command_title =
+    "shape control of piezoelectric shells: host simulation and precomputation";
+
+static const char *const starts[] = {"plate", "mirror", "panel", "measured", NULL};
+static const char *const shells[] = {"bash", NULL};
+static const char *const images[] = {"control", "linear", "nonlinear", NULL};
+static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500",
+                                     "host-32",       "host-64",    NULL};
+
+const command_entry command_table[COMMANDS] = {
+    [COMMAND_LIST] =
+        {"list",
+         "",
+         ARGUMENT_NONE,
+         NULL,
+         "the scenes shipped, a line each",
+         "Name and purpose of each shipped scene. A name of this list is accepted wherever a command takes a SCENE.",
+         {"pzs list", NULL}},
+    [COMMAND_CHECK] =
+        {"check",
+         "SCENE",
+         ARGUMENT_SCENE,
+         NULL,
+         "read a scene and say what is wrong with it",
+         "Reads the scene, builds its mesh and factors its stiffness. The first mistake is reported with file, line and "
+         "column. A valid scene is answered with the size of its mesh, its condition and what each image needs of a device: "
+         "tables in flash, workspace in RAM, stack. Where the materials have densities, the first natural "
+         "frequencies, and up to what rate the control loop is stable.",
+         {"pzs check plate-50-patches", NULL}},
+    [COMMAND_SOLVE] =
+        {"solve",
+         "SCENE",
+         ARGUMENT_SCENE,
+         NULL,
+         "displacement under the scene's loads and applied voltages",
+         "Displacement under the loads and applied voltages of the scene, and the values of its outputs. An output at several "
+         "nodes is a table with a row for each node, one of several electrodes a row for each electrode. The solver residual "
+         "and the solver error estimate are those of the linear solve; the discretisation error is not in them: solve on a "
+         "second, finer mesh and compare.",
+         {"pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8",
+          "pzs solve hemisphere --report hemisphere.html --vtu hemisphere.vtu", NULL}},
+    [COMMAND_SHAPE] =
+        {"shape",
+         "SCENE",
+         ARGUMENT_SCENE,
+         NULL,
+         "voltages that bring the shape to the scene's target, and its error",
+         "Voltages that bring the structure closest to the target of the scene: without limits, within the "
+         "limits, and for comparison clipped least squares, and regularised, then clipped (see the notes of "
+         "pzs --help). The narrowest limit of an amplifier always wins: the common limits, its own limits and "
+         "held voltage (limits.each), and the depolarisation field of its material (field_limit). The shape "
+         "error is the weighted RMS misfit over the RMS of the target. Target nodes on constrained dof, which "
+         "cannot move, do not count; shape reports them where they are not as wanted, and the error with "
+         "them. target.free: functions that are taken out of target and error (piston, tip, tilt, or "
+         "formulas). The discretisation error of the mesh is not in the shape error.",
+         {"pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html", NULL}},
+    [COMMAND_MODES] =
+        {"modes",
+         "SCENE",
+         ARGUMENT_SCENE,
+         NULL,
+         "natural frequencies, of which the control loop has no model",
+         "Natural frequencies and mode shapes in the reference state, electrodes short-circuited; every "
+         "material needs a density. For each mode: the mass that takes part in a motion along x, y and z, and "
+         "the input that moves it most; with --json what each input moves by it.",
+         {"pzs modes plate-50-patches --number 5 --vtu modes.vtu", NULL}},
+    [COMMAND_TABLES] =
+        {"tables",
+         "SCENE -o FILE.h",
+         ARGUMENT_SCENE,
+         NULL,
+         "C tables for a firmware",
+         "Writes a C header with the tables of the scene for the library on a device. The image says how much of the "
+         "computation the device does itself. The control step has no vibration model: where the materials have "
+         "densities and vibration makes the control loop unstable at the scene's rate, no tables are written "
+         "unless --quasi-static asks for them. target.free needs the control image.",
+         {"pzs tables plate-50-patches --level linear --prefix plate -o plate.h",
+          "pzs tables plate-closed-loop --quasi-static --prefix loop -o .", NULL}},
+    [COMMAND_SIMULATE] =
+        {"simulate",
+         "SCENE",
+         ARGUMENT_SCENE,
+         NULL,
+         "the controller in closed loop with a plant that differs from the model",
+         "Runs the controller in closed loop with a plant that differs from its model in stiffness, piezoelectric constants "
+         "and hysteresis, with noise, faults and events as the scene's simulate section says. For comparison: clipped least squares, and regularised, "
+         "then clipped (see the notes of pzs --help). The plant is quasi-static, without inertia: each of its "
+         "shapes is an equilibrium; whether vibration would make the loop unstable is said besides.",
+         {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
+          "pzs simulate plate-few-sensors --device mps2-an386",
+          "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --device netduinoplus2",
+          NULL}},
+    [COMMAND_NEW] =
+        {"new",
+         "[plate|mirror|panel]",
+         ARGUMENT_CHOICE,
+         starts,
+         "a commented scene to start from, on standard output",
+         "Writes a commented scene to start from: a plate with patches on both faces (the one without an argument), a "
+         "deformable mirror in polar coordinates, or a curved composite panel under pressure. Scenes from measured influence "
+         "matrices (measured) come with a later release.",
+         {"pzs new mirror > new.yaml", NULL}},
+    [COMMAND_COMPLETION] =
+        {"completion",
+         "[SHELL]",
+         ARGUMENT_CHOICE,
+         shells,
+         "completion of these commands for a shell (bash)",
+         "Writes a script that completes commands, options, scenes and files. Without SHELL: for bash. Load it with "
+         "`. ./pzs.bash`, or install it as share/bash-completion/completions/pzs.",
+         {"pzs completion > pzs.bash", NULL}},
+    [COMMAND_MAN] = {"man",
+                     "",
+                     ARGUMENT_NONE,
+                     NULL,
+                     "the manual page, in roff",
+                     "Writes the manual page in roff on standard output; `man -l pzs.1` shows it.",
+                     {"pzs man > pzs.1", NULL}},
+    [COMMAND_HELP] = {
+        "help",
+        "[COMMAND]",
+        ARGUMENT_COMMAND,
+        NULL,
+        "this help, or that of one command",
+        "Usage, options and examples of one command; without COMMAND a line for each.",
+        {"pzs help shape", NULL}}};
+
+const option_entry option_table[OPTIONS] = {
+    [OPTION_SET] =
+        {"--set", NULL, "KEY=VALUE", ARGUMENT_TEXT, NULL, ON_SCENE,
+         "change the scene: --set mesh.theta1.elements=16 --set element=improved; list items by number from 0 or by name"},
+    [OPTION_LIMIT] =
+        {"--limit", NULL, "V|LO,HI", ARGUMENT_TEXT, NULL, BIT(COMMAND_SHAPE),
+         "common voltage limits, -V to V or LO to HI, instead of limits.voltage of the scene; an amplifier's own limits "
+         "and held voltage (limits.each) and the depolarisation field (field_limit) apply besides, so that the narrowest "
+         "limit always wins; repeat it for a comparison"},
+    [OPTION_JSON] = {"--json", NULL, "", ARGUMENT_NONE, NULL, ANALYSES | BIT(COMMAND_MODES),
+                     "numbers for machines on standard output"},
+    [OPTION_STRICT] = {"--strict", NULL, "", ARGUMENT_NONE, NULL, ANALYSES,
+                       "warnings on implausible numbers end with exit code 1"},
+    [OPTION_REPORT] = {"--report", NULL, "FILE.html", ARGUMENT_FILE, NULL,
+                       BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
+                       "pictures and tables in one page"},
+    [OPTION_VTU] = {"--vtu", NULL, "FILE.vtu", ARGUMENT_FILE, NULL,
+                    BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES),
+                    "deformed shape for ParaView; of modes the mode shapes"},
+    [OPTION_NUMBER] = {"--number", NULL, "N", ARGUMENT_TEXT, NULL, BIT(COMMAND_MODES),
+                       "how many, 1 to 200; default 10"},
+    [OPTION_CSV] =
+        {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
+         "a line a tick: tick, time (s), error of the shape over the scene's target, active (voltages at a limit), passes of "
+         "the optimiser, status (pzs_status of the tick), lost (1: the controller did not run), missed (by the estimate of "
+         "the shape), then the voltages that each amplifier gives"},
+    [OPTION_DEVICE] =
+        {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
+         "the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the controller; every bit compared with "
+         "the same C here. host-32, host-64: that C alone"},
+    [OPTION_LEVEL] =
+        {"--level", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
+         "control (influence matrix), linear (element matrices) or nonlinear (and the equilibrium solver at large rotation; "
+         "the scene needs kinematics: nonlinear); default control"},
+    [OPTION_QUASI_STATIC] =
+        {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
+         "also where vibration makes the control loop unstable at the scene's rate; the header then says so and defines "
+         "PREFIX_QUASI_STATIC"},
+    [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
+                       "start of every name; default the scene's name"},
+    [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_TABLES),
+                       "output file, or a folder for it"},
+    [OPTION_HELP] = {"--help", "-h", "", ARGUMENT_NONE, NULL, BIT(COMMANDS) - 1u,
+                     "this help; behind a command that of the command"},
+    [OPTION_VERSION] = {"--version", NULL, "", ARGUMENT_NONE, NULL, 0,
+                        "version of pzs and of its library"}};
+
+const char *const command_notes[] = {
+    "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the limits. "
+    "Regularised, then clipped: the same with the one parameter that leaves the smallest error of the linear "
+    "model, chosen knowing the answer.",
+    "The solver residual and the solver error estimate of `pzs solve` are those of the linear solve. The discretisation "
+    "error is not in them: solve on a second, finer mesh and compare.",
+    "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.", NULL};
+
+int command_takes(command_id command, option_id option)
+{
+    return (option_table[option].commands & BIT(command)) != 0;
+}
+
+command_id command_find(const char *name)
+{
+    int k = 0;
+    while (k < COMMANDS && strcmp(command_table[k].name, name) != 0)
+        k++;
+    return (command_id)k;
+}
+
+option_id option_find(const char *name)
+{
+    for (int k = 0; k < OPTIONS; k++) {
+        const char *other = option_table[k].other;
+        if (strcmp(option_table[k].name, name) == 0 || (other && strcmp(other, name) == 0))
+            return (option_id)k;
+    }
+    return OPTIONS;
+}

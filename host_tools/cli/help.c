@@ -1,0 +1,92 @@
+/* Help (help.h). */
+#include "help.h"
+#include <string.h>
+
+enum { COLUMNS = 100, OPTION_COLUMN = 22, COMMAND_COLUMN = 30 };
+
+/* Length of the longest start of text that ends with a word and has at most `room` characters; at
+ * least one word. */
+static int line_length(const char *text, int room)
+{
+    int end = 0;
+    for (int i = 0; i == 0 || text[i - 1]; i++)
+        if ((text[i] == ' ' || !text[i]) && (i <= room || end == 0))
+            end = i;
+    return end;
+}
+
+/* Text from column `at` on, which has been reached; the lines that follow begin at column `indent`.
+ */
+static void print_wrapped(FILE *file, const char *text, int at, int indent)
+{
+    while (*text) {
+        const int length = line_length(text, COLUMNS - at);
+        fprintf(file, "%.*s\n", length, text);
+        text += length;
+        text += *text == ' ';
+        if (*text)
+            fprintf(file, "%*s", indent, "");
+        at = indent;
+    }
+}
+
+/* Prefix of an option's help: the commands that take it, unless every command on a scene does or
+ * one is asked for. */
+static int print_takers(FILE *file, option_id option)
+{
+    int taken = 0, width = 0;
+    for (int k = COMMAND_CHECK; k <= COMMAND_SIMULATE; k++)
+        taken += command_takes((command_id)k, option);
+    if (taken == 0 || taken > 4)
+        return 0;
+    for (int k = COMMAND_CHECK; k <= COMMAND_SIMULATE; k++)
+        if (command_takes((command_id)k, option))
+            width += fprintf(file, "%s%s", width ? ", " : "", command_table[k].name);
+    return width + fprintf(file, ": ");
+}
+
+static void print_option(FILE *file, option_id option, int with_takers)
+{
+    const option_entry *entry = &option_table[option];
+    char head[OPTION_COLUMN + 16];
+    snprintf(head, sizeof head, "%s%s%s %s", entry->other ? entry->other : "",
+             entry->other ? ", " : "", entry->name, entry->argument);
+    fprintf(file, "  %-*s ", OPTION_COLUMN - 3, head);
+    const int width = with_takers ? print_takers(file, option) : 0;
+    print_wrapped(file, entry->help, OPTION_COLUMN + width, OPTION_COLUMN);
+}
+
+void help_all(FILE *file)
+{
+    fprintf(file, "pzs - %s\n\n", command_title);
+    for (int k = 0; k < COMMANDS; k++) {
+        char head[COMMAND_COLUMN + 16];
+        snprintf(head, sizeof head, "pzs %s %s", command_table[k].name, command_table[k].argument);
+        fprintf(file, "  %-*s %s\n", COMMAND_COLUMN + 1, head, command_table[k].summary);
+    }
+    fputs("\nSCENE is a file, or the name of a shipped scene. Options:\n", file);
+    for (int k = 0; k < OPTIONS; k++)
+        print_option(file, (option_id)k, 1);
+    fputs("\nExamples:\n", file);
+    for (int k = COMMAND_CHECK; k <= COMMAND_SIMULATE; k++)
+        fprintf(file, "  %s\n", command_table[k].example[0]);
+    for (int k = 0; command_notes[k]; k++) {
+        fputc('\n', file);
+        print_wrapped(file, command_notes[k], 0, 0);
+    }
+}
+
+void help_command(FILE *file, command_id command)
+{
+    const command_entry *entry = &command_table[command];
+    fprintf(file, "usage: pzs %s%s%s [options]\n\n", entry->name, *entry->argument ? " " : "",
+            entry->argument);
+    print_wrapped(file, entry->about, 0, 0);
+    fputs("\nOptions:\n", file);
+    for (int k = 0; k < OPTIONS; k++)
+        if (command_takes(command, (option_id)k))
+            print_option(file, (option_id)k, 0);
+    fputs("\nExamples:\n", file);
+    for (int k = 0; entry->example[k]; k++)
+        fprintf(file, "  %s\n", entry->example[k]);
+}

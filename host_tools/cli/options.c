@@ -1,0 +1,285 @@
+/* The command line (options.h). */
+#define _POSIX_C_SOURCE 200809L
+#include "options.h"
+#include <ctype.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- messages --------------------------------------------------------- */
+
+int options_refuse(const char *what, const char *value)
+{
+    fprintf(stderr, "pzs: %s '%s'; see pzs --help\n", what, value);
+    return OPTIONS_WRONG;
+}
+
+int options_unknown_command(const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, name);
+    for (int k = 0; k < COMMANDS; k++)
+        suggest_consider(&near, command_table[k].name);
+    fprintf(stderr, "pzs: unknown command '%s'%s; see pzs --help\n", name,
+            suggest_text(&near, text));
+    return OPTIONS_WRONG;
+}
+
+static int unknown_option(command_id command, const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, name);
+    for (int k = 0; k < OPTIONS; k++)
+        if (command_takes(command, (option_id)k))
+            suggest_consider(&near, option_table[k].name);
+    fprintf(stderr, "pzs: unknown option '%s'%s; see pzs help %s\n", name,
+            suggest_text(&near, text), command_table[command].name);
+    return OPTIONS_WRONG;
+}
+
+/* An option that a command does not know is refused: who gives it waits for what it makes. */
+static int foreign_option(command_id command, option_id option)
+{
+    const char *between = "";
+    fprintf(stderr, "pzs: %s belongs to ", option_table[option].name);
+    for (int k = 0; k < COMMANDS; k++)
+        if (command_takes((command_id)k, option)) {
+            fprintf(stderr, "%s%s", between, command_table[k].name);
+            between = ", ";
+        }
+    fprintf(stderr, "%s, not to %s; see pzs help %s\n", *between ? "" : "pzs itself",
+            command_table[command].name, command_table[command].name);
+    return OPTIONS_WRONG;
+}
+
+/* A word that is none of the choices of `name`. */
+static int wrong_choice(const char *name, const char *const *choices, const char *word)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, word);
+    fprintf(stderr, "pzs: %s is ", name);
+    for (int k = 0; choices[k]; k++) {
+        const char *between = choices[k + 1] ? ", " : " or ";
+        fprintf(stderr, "%s%s", k ? between : "", choices[k]);
+        suggest_consider(&near, choices[k]);
+    }
+    fprintf(stderr, ", not '%s'%s; see pzs --help\n", word, suggest_text(&near, text));
+    return OPTIONS_WRONG;
+}
+
+static int is_choice(const char *const *choices, const char *word)
+{
+    int k = 0;
+    while (choices[k] && strcmp(choices[k], word) != 0)
+        k++;
+    return choices[k] != NULL;
+}
+
+/* ---- parser ----------------------------------------------------------- */
+
+/* A finite number up to `stop`; end is where it stopped. Returns whether there is one. */
+static bool read_voltage(const char *text, char stop, double *voltage, char **end)
+{
+    *voltage = strtod(text, end);
+    return *end != text && **end == stop && isfinite(*voltage);
+}
+
+/* V: from -V to V. LOWEST,HIGHEST: those. Returns 0, or an exit code. */
+static int take_limit(options *o, const char *value)
+{
+    common_limits limit = {.source = LIMITS_GIVEN};
+    char *end;
+    if (o->limits == MOST_LIMITS)
+        return options_refuse("too many limits at", value);
+    if (!strchr(value, ',')) {
+        if (!read_voltage(value, '\0', &limit.upper, &end) || !(limit.upper > 0))
+            return options_refuse("--limit is a finite voltage above 0, or LOWEST,HIGHEST, not",
+                                  value);
+        limit.lower = -limit.upper;
+    } else {
+        if (!read_voltage(value, ',', &limit.lower, &end) ||
+            !read_voltage(end + 1, '\0', &limit.upper, &end))
+            return options_refuse("--limit LOWEST,HIGHEST is two finite voltages, not", value);
+        if (limit.lower > limit.upper)
+            return options_refuse(
+                "--limit LOWEST,HIGHEST: the lowest voltage is above the highest in", value);
+    }
+    o->limit[o->limits++] = limit;
+    return 0;
+}
+
+static int take_number(options *o, const char *value)
+{
+    enum { MOST_MODES = 200 };
+    char *end;
+    const long number = strtol(value, &end, 10);
+    if (end == value || *end || number < 1 || number > MOST_MODES)
+        return options_refuse("--number wants a whole number from 1 to 200, not", value);
+    o->number = (int)number;
+    return 0;
+}
+
+static int take_set(options *o, const char *value)
+{
+    if (o->sets == MOST_SETS)
+        return options_refuse("too many changes at", value);
+    o->set[o->sets++] = value;
+    return 0;
+}
+
+static int take_level(options *o, const char *value)
+{
+    for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
+        o->image++;
+    return 0;
+}
+
+static int take_file(const char **file, const char *value)
+{
+    *file = value;
+    return 0;
+}
+
+/* Take one option; value is NULL where it has none. Returns 0, or an exit code. */
+static int take_option(options *o, option_id option, const char *value)
+{
+    const option_entry *entry = &option_table[option];
+    if (!command_takes(o->command, option))
+        return foreign_option(o->command, option);
+    if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, value))
+        return wrong_choice(entry->name, entry->choices, value);
+    switch (option) {
+    case OPTION_SET: return take_set(o, value);
+    case OPTION_LIMIT: return take_limit(o, value);
+    case OPTION_NUMBER: return take_number(o, value);
+    case OPTION_LEVEL: return take_level(o, value);
+    case OPTION_JSON: o->as_json = 1; return 0;
+    case OPTION_STRICT: o->is_strict = 1; return 0;
+    case OPTION_QUASI_STATIC: o->quasi_static = 1; return 0;
+    case OPTION_REPORT: return take_file(&o->report, value);
+    case OPTION_VTU: return take_file(&o->vtu, value);
+    case OPTION_CSV: return take_file(&o->csv, value);
+    case OPTION_PREFIX: return take_file(&o->prefix, value);
+    case OPTION_OUTPUT: return take_file(&o->output, value);
+    case OPTION_DEVICE: o->device = device_find(value); return 0;
+    case OPTION_HELP:
+    case OPTION_VERSION:
+    case OPTIONS: break;
+    }
+    return unknown_option(o->command, entry->name);
+}
+
+/* Take a word that is no option. Returns 0, or an exit code. */
+static int take_word(options *o, const char *word)
+{
+    const command_entry *entry = &command_table[o->command];
+    if (entry->kind == ARGUMENT_NONE)
+        return options_refuse("this command takes no argument; unexpected", word);
+    if (entry->kind == ARGUMENT_SCENE && o->scene)
+        return options_refuse("one scene at a time; unexpected", word);
+    if (o->word)
+        return options_refuse("one argument at a time; unexpected", word);
+    if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, word))
+        return wrong_choice("the argument", entry->choices, word);
+    if (entry->kind == ARGUMENT_COMMAND && command_find(word) == COMMANDS)
+        return options_unknown_command(word);
+    if (entry->kind == ARGUMENT_SCENE)
+        o->scene = word;
+    else
+        o->word = word;
+    return 0;
+}
+
+/* The library's names start with pzs and PZS. */
+static int is_own_prefix(const char *prefix)
+{
+    return strlen(prefix) == 3 && tolower((unsigned char)prefix[0]) == 'p' &&
+           tolower((unsigned char)prefix[1]) == 'z' && tolower((unsigned char)prefix[2]) == 's';
+}
+
+static int parse(options *o, int argc, char **argv)
+{
+    int wrong = 0;
+    for (int i = 2; i < argc && !wrong; i++) {
+        const option_id option = option_find(argv[i]);
+        const int has_value = option < OPTIONS && option_table[option].kind != ARGUMENT_NONE;
+        if (argv[i][0] != '-')
+            wrong = take_word(o, argv[i]);
+        else if (option == OPTIONS)
+            wrong = unknown_option(o->command, argv[i]);
+        else if (has_value && i + 1 == argc)
+            wrong = options_refuse("a value is missing after", argv[i]);
+        else
+            wrong = take_option(o, option, has_value ? argv[i + 1] : NULL);
+        i += has_value;
+    }
+    return wrong;
+}
+
+/* What a command cannot do without, and a prefix that the library has itself. */
+static int check_words(const options *o)
+{
+    const command_entry *entry = &command_table[o->command];
+    if (o->prefix && is_own_prefix(o->prefix))
+        return options_refuse("the library's own names start with --prefix", o->prefix);
+    if (entry->kind == ARGUMENT_SCENE && !o->scene)
+        return options_refuse("name a scene for", entry->name);
+    if (o->command == COMMAND_TABLES && !o->output)
+        return options_refuse("say where to write with -o FILE for", entry->name);
+    return 0;
+}
+
+/* ---- files ------------------------------------------------------------ */
+
+static int stat_folder(const char *path, struct stat *there)
+{
+    char folder[OPTIONS_PATH];
+    const char *const slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1,
+             slash ? path : ".");
+    return stat(folder, there);
+}
+
+/* Do two paths lead to one file, whichever way they are written? */
+static int same_file(const char *a, const char *b)
+{
+    struct stat s, t;
+    const char *const end_a = strrchr(a, '/'), *const end_b = strrchr(b, '/');
+    if (strcmp(a, b) == 0)
+        return 1;
+    if (stat(a, &s) == 0 && stat(b, &t) == 0)
+        return S_ISREG(s.st_mode) && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+    return strcmp(end_a ? end_a + 1 : a, end_b ? end_b + 1 : b) == 0 && stat_folder(a, &s) == 0 &&
+           stat_folder(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+}
+
+/* No file is written over another, nor over the scene. */
+static int check_files(const options *o)
+{
+    char scene_path[OPTIONS_PATH];
+    const char *const file[5] = {scene_path, o->report, o->vtu, o->csv, o->output};
+    shipped_path(o->scene, scene_path);
+    for (int i = 1; i < 5; i++)
+        for (int j = 0; j < i; j++)
+            if (file[i] && file[j] && same_file(file[i], file[j]))
+                return options_refuse("two files under one name:", file[i]);
+    return 0;
+}
+
+int options_read(options *o, command_id command, int argc, char **argv)
+{
+    memset(o, 0, sizeof *o);
+    o->command = command;
+    int wrong = parse(o, argc, argv);
+    if (!wrong)
+        wrong = check_words(o);
+    if (!wrong && o->scene)
+        wrong = check_files(o);
+    return wrong;
+}

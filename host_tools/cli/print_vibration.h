@@ -1,0 +1,19 @@
+/* Natural frequencies and the stability of the control loop on standard output. */
+#ifndef PRINT_VIBRATION_H
+#define PRINT_VIBRATION_H
+
+#include "../model/certificate.h"
+#include "json.h"
+
+/* Modes of `pzs modes`: frequency, mass that takes part, and the input that moves each most. */
+void print_vibration(const design *d, const vibration *v);
+void print_vibration_json(const design *d, const vibration *v);
+
+/*
+ * First frequency and verdict on the loop, or why they are not known; nothing where
+ * certificate_make has not run.
+ */
+void print_certificate(const certificate *c);
+void print_certificate_json(json *j, const certificate *c);
+
+#endif

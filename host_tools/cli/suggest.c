@@ -1,0 +1,59 @@
+/* Suggestions for mistyped words (suggest.h). */
+#include "suggest.h"
+#include <stdio.h>
+#include <string.h>
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+int suggest_distance(const char *from, const char *to)
+{
+    int row[3][SUGGEST_NAME + 1]; /* the rows i - 2, i - 1 and i of the table of distances, by i
+                                     modulo 3 */
+    const int m = (int)strlen(from), n = (int)strlen(to);
+    for (int j = 0; j <= n; j++)
+        row[0][j] = j;
+    for (int i = 1; i <= m; i++) {
+        int *const now = row[i % 3];
+        const int *const before = row[(i + 2) % 3], *const earlier = row[(i + 1) % 3];
+        now[0] = i;
+        for (int j = 1; j <= n; j++) {
+            now[j] = least(before[j], now[j - 1]) + 1;
+            now[j] = least(now[j], before[j - 1] + (from[i - 1] != to[j - 1]));
+            if (i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1])
+                now[j] = least(now[j], earlier[j - 2] + 1);
+        }
+    }
+    return row[m % 3][n];
+}
+
+void suggest_begin(suggestion *s, const char *word)
+{
+    s->word = word;
+    s->nearest[0] = '\0';
+    s->distance = 0;
+}
+
+/* At most a third of the letters may be wrong. */
+void suggest_consider(suggestion *s, const char *name)
+{
+    const size_t length = strlen(s->word);
+    if (length >= SUGGEST_NAME || strlen(name) >= SUGGEST_NAME)
+        return;
+    const int distance = suggest_distance(s->word, name);
+    const int allowed = (int)(length + 2) / 3;
+    if (distance > allowed || (s->nearest[0] && distance >= s->distance))
+        return;
+    s->distance = distance;
+    strcpy(s->nearest, name);
+}
+
+const char *suggest_text(const suggestion *s, char text[SUGGEST_TEXT])
+{
+    text[0] = '\0';
+    if (s->nearest[0])
+        snprintf(text, SUGGEST_TEXT, " (did you mean '%s'?)", s->nearest);
+    return text;
+}

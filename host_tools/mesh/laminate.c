@@ -1,0 +1,472 @@
+/* Plies to resultants (laminate.h). */
+#include "laminate.h"
+#include <math.h>
+#include <string.h>
+
+enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5 };
+
+/* Voigt component of each strain, and whether it is the difference of the faces. */
+static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
+static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
+
+/* ---- plies ------------------------------------------------------------ */
+
+/* Invert a positive definite a [n][stride] in place by Gauss-Jordan; returns -1 at a pivot that is
+ * not positive. */
+static int invert(double *a, int n, int stride)
+{
+    for (int p = 0; p < n; p++) {
+        const double pivot = a[p * stride + p];
+        if (!(pivot > 0) || !isfinite(pivot))
+            return -1;
+        a[p * stride + p] = 1;
+        for (int j = 0; j < n; j++)
+            a[p * stride + j] /= pivot;
+        for (int i = 0; i < n; i++) {
+            const double factor = a[i * stride + p];
+            if (i == p)
+                continue;
+            a[i * stride + p] = 0;
+            for (int j = 0; j < n; j++)
+                a[i * stride + j] -= factor * a[p * stride + j];
+        }
+    }
+    return 0;
+}
+
+/* Stiffness in the ply's own axes from its engineering constants. */
+static int ply_stiffness(const scene_material *m, double c[6][6])
+{
+    memset(c, 0, 36 * sizeof(double));
+    for (int i = 0; i < 3; i++)
+        c[i][i] = 1 / m->e[i];
+    c[0][1] = c[1][0] = -m->nu12 / m->e[0];
+    c[0][2] = c[2][0] = -m->nu13 / m->e[0];
+    c[1][2] = c[2][1] = -m->nu23 / m->e[1];
+    c[3][3] = m->g23;
+    c[4][4] = m->g13;
+    c[5][5] = m->g12;
+    return invert(&c[0][0], 3, 6);
+}
+
+/* Engineering strains in axes turned by an angle about e3: ply = t . shell. */
+static void turn(double degrees, double t[6][6])
+{
+    const double angle = degrees * 0.017453292519943295, c = cos(angle), s = sin(angle);
+    const double turned[6][6] = {
+        {c * c, s * s, 0, 0, 0, c * s},
+        {s * s, c * c, 0, 0, 0, -c * s},
+        {0, 0, 1, 0, 0, 0},
+        {0, 0, 0, c, -s, 0},
+        {0, 0, 0, s, c, 0},
+        {-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s},
+    };
+    memcpy(t, turned, sizeof turned);
+}
+
+/* y = t' x */
+static void turn_back(double t[6][6], const double x[6], double y[6])
+{
+    for (int i = 0; i < 6; i++) {
+        y[i] = 0;
+        for (int j = 0; j < 6; j++)
+            y[i] += t[j][i] * x[j];
+    }
+}
+
+/* Stress in the ply's axes of a held ply per unit of field along its poling: C d or e. */
+static void field_stress(const scene_material *m, double c[6][6], double stress[6])
+{
+    const double strain[3] = {m->d31, m->d32, m->d33};
+    memset(stress, 0, 6 * sizeof *stress);
+    for (int i = 0; i < 3; i++) {
+        stress[i] = m->has_e ? m->piezo_e[i] : 0;
+        for (int j = 0; m->has_d && j < 3; j++)
+            stress[i] += c[i][j] * strain[j];
+    }
+}
+
+static int build_ply(const scene_material *m, const scene_layer *layer, laminate_ply *ply)
+{
+    double c[6][6], t[6][6], half[6][6], stress[6];
+    if (ply_stiffness(m, c) < 0)
+        return -1;
+    turn(layer->angle, t);
+    for (int i = 0; i < 6; i++)
+        turn_back(t, c[i], half[i]); /* half = C t, row by row as C is symmetric */
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) {
+            ply->c[i][j] = 0;
+            for (int k = 0; k < 6; k++)
+                ply->c[i][j] += t[k][i] * half[k][j];
+        }
+    /* A volt across the ply is the field -1/h along e3; the free strain d E makes the given stress
+     * -C d E. */
+    field_stress(m, c, stress);
+    for (int i = 0; i < 6; i++)
+        stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
+    turn_back(t, stress, ply->volt);
+    for (int i = 0; i < 6; i++) {
+        stress[i] = 0;
+        for (int j = 0; j < 3; j++)
+            stress[i] -= c[i][j] * m->alpha[j];
+    }
+    turn_back(t, stress, ply->kelvin);
+    /* D3 = e strain + permittivity E3 + p kelvin along the poling; the upper electrode holds -D3.
+     */
+    ply->capacitance = m->permittivity / layer->thickness;
+    ply->pyro = layer->poling < 0 ? m->pyroelectric : -m->pyroelectric;
+    ply->weight = m->density;
+    return 0;
+}
+
+int laminate_build(const scene *s, laminate *l, char *error)
+{
+    memset(l, 0, sizeof *l);
+    if (s->layers > LAMINATE_LAYERS)
+        return scene_fault(s, s->at_layers, error, "%d layers; at most %d are possible", s->layers,
+                           LAMINATE_LAYERS);
+    for (int i = 0; i < s->layers; i++)
+        l->h += s->layer[i].thickness;
+    l->z[0] = s->reference_is_middle ? -l->h / 2 : -s->reference;
+    l->z[1] = l->z[0] + l->h;
+    l->plies = s->layers;
+    double z = l->z[0];
+    for (int i = 0; i < s->layers; i++) {
+        laminate_ply *ply = &l->ply[i];
+        const scene_material *material = &s->material[s->layer[i].material];
+        ply->z[0] = z;
+        ply->z[1] = z += s->layer[i].thickness;
+        if (build_ply(material, &s->layer[i], ply) < 0)
+            return scene_fault(
+                s, material->at, error,
+                "material '%s' has no positive definite stiffness; lower its Poisson's ratios",
+                material->name);
+    }
+    return 0;
+}
+
+/* ---- integrals over the thickness ------------------------------------- */
+
+enum { POINTS = 6 };
+static const double gauss_x[POINTS] = {-0.9324695142031521, -0.6612093864662645,
+                                       -0.2386191860831969, 0.2386191860831969,
+                                       0.6612093864662645,  0.9324695142031521};
+static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0.4679139345726910,
+                                       0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
+
+/* Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z, and c1 c2: all 1 where the metric is
+ * off. */
+static double metric_at(const scene_element *element, const laminate_place *place, double z,
+                        double share[6])
+{
+    const double c1 = element->metric ? 1 + place->k[0] * z : 1,
+                 c2 = element->metric ? 1 + place->k[1] * z : 1;
+    const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
+    memcpy(share, all, sizeof all);
+    return c1 * c2;
+}
+
+/* D(i,j) = sum over plies of integral of N_i N_j C c1 c2/(s_i s_j) dz; N = 1 for a mean, height
+ * over h for a difference. */
+static void integrate_stiffness(const laminate *l, const scene_element *element,
+                                const laminate_place *place, double d[N][N])
+{
+    const double middle = (l->z[0] + l->z[1]) / 2;
+    memset(d, 0, N * N * sizeof(double));
+    for (int p = 0; p < l->plies; p++) {
+        const laminate_ply *ply = &l->ply[p];
+        const double half = (ply->z[1] - ply->z[0]) / 2;
+        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+            const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
+            double share[6];
+            const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+            for (int i = 0; i < N; i++)
+                for (int j = 0; j < N; j++)
+                    d[i][j] += weight * (is_difference[i] ? (z - middle) / l->h : 1) *
+                               (is_difference[j] ? (z - middle) / l->h : 1) *
+                               ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
+        }
+    }
+}
+
+/*
+ * Size of a field at height z, in its unit. Across a curved ply the flux is constant and the field
+ * falls with 1/(c1 c2); over the mean field volt / thickness it is 1/(c1 c2) over its mean.
+ */
+static double field_at(const laminate *l, const scene_element *element, const laminate_place *place,
+                       const laminate_field *field, double z)
+{
+    double share[6], mean = 0;
+    if (field->ply < 0)
+        return field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * (z - l->z[0]) / l->h;
+    const double *face = l->ply[field->ply].z;
+    for (int g = 0; g < POINTS; g++)
+        mean += gauss_w[g] / 2 /
+                metric_at(element, place,
+                          (face[0] + face[1] + (face[1] - face[0]) * gauss_x[g]) / 2, share);
+    return 1 / (metric_at(element, place, z, share) * mean);
+}
+
+/* Stress of a unit of the field in ply p. */
+static const double *field_stress_of(const laminate *l, const laminate_field *field, int p)
+{
+    return field->ply >= 0 ? l->ply[p].volt : l->ply[p].kelvin;
+}
+
+static int field_acts(const laminate_place *place, const laminate_field *field, int p)
+{
+    return (field->ply < 0 || field->ply == p) && place->present >> p & 1u;
+}
+
+/* h0 += integral of N stress field c1 c2/s dz over a ply */
+static void integrate_stress(const laminate *l, const scene_element *element,
+                             const laminate_place *place, const laminate_ply *ply,
+                             const laminate_field *field, const double stress[6], double h0[N])
+{
+    const double half = (ply->z[1] - ply->z[0]) / 2, middle = (l->z[0] + l->z[1]) / 2;
+    for (int g = 0; g < POINTS; g++) {
+        const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
+        double share[6];
+        const double weight = half * gauss_w[g] * metric_at(element, place, z, share) *
+                              field_at(l, element, place, field, z);
+        for (int i = 0; i < N; i++)
+            h0[i] += weight * (is_difference[i] ? (z - middle) / l->h : 1) * stress[voigt[i]] /
+                     share[voigt[i]];
+    }
+}
+
+/* ---- formulation ------------------------------------------------------ */
+
+static int inverse_of(double a[N][N], double inverse[N][N])
+{
+    memcpy(inverse, a, N * N * sizeof(double));
+    return invert(&inverse[0][0], N, N);
+}
+
+/*
+ * lin33: the part of e33 linear in z relaxes. With o the others and d the difference of 33:
+ * D_oo -= D_od D_do / D_dd, D_od = 0, D_dd = 1/(D^-1)_dd.
+ */
+static int relax_e33(double d[N][N])
+{
+    double inverse[N][N], row[N];
+    if (inverse_of(d, inverse) < 0)
+        return -1;
+    memcpy(row, d[D33], sizeof row);
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            d[i][j] = i == D33 || j == D33 ? 0 : d[i][j] - row[i] * row[j] / row[D33];
+    d[D33][D33] = 1 / inverse[D33][D33];
+    return 0;
+}
+
+/*
+ * Bending flexibility 12/(E h^3) that the transverse shear borrows on coarse meshes: the smaller
+ * of the two directions' difference compliances, in-plane strains free of 33, over h^2.
+ */
+static double bending_flexibility(double inverse[N][N], double h)
+{
+    const double f1 = inverse[1][1], f2 = inverse[3][3];
+    return (f1 < f2 ? f1 : f2) / (h * h);
+}
+
+/* Strains that a mode keeps: 00 all; 01 those of 11, 33, 13; 10 those of 22, 33, 23; 11 those
+ * of 33. */
+static int kept(int mode, int strain)
+{
+    static const int along[N] = {1, 1, 2, 2, 3, 3, 0, 0, 1, 2};
+    return mode == 0 || along[strain] == 3 || (mode < 3 && along[strain] == mode);
+}
+
+/* Matrix of a mode: Q' D Q, or [Q' D^-1 Q]^-1 (hr), zero outside the kept strains. */
+static int mode_matrix(double d[N][N], double inverse[N][N], int mode, int hr, double out[N][N])
+{
+    int index[N], n = 0;
+    double block[N][N];
+    for (int i = 0; i < N; i++)
+        if (kept(mode, i))
+            index[n++] = i;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            block[i][j] = (hr && mode ? inverse : d)[index[i]][index[j]];
+    if (hr && mode && invert(&block[0][0], n, N) < 0)
+        return -1;
+    memset(out, 0, N * N * sizeof(double));
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            out[index[i]][index[j]] = block[i][j];
+    return 0;
+}
+
+/*
+ * Share of the bending flexibility in the mode 01 (a = 0) or 10 (a = 1). The bubble is
+ * antisymmetric across the element there and has to twist besides: 1/(1 + c (f/ft)(L_a/L_b)^2),
+ * f and ft the compliances of bending and of twist, c = .6. For a square isotropic element with
+ * nu = .3 the exact share of the bubble is .784, this law gives .813. It bounds the torsion of a
+ * strip of any length: too soft by at most the factor 1 + .96 rho/c.
+ */
+static double bubble_share(double inverse[N][N], double h, const laminate_place *place, int a)
+{
+    const double twist_flexibility = inverse[7][7] / (h * h);
+    const double ratio = place->chord[a] / place->chord[1 - a];
+    return 1 / (1 + 0.6 * bending_flexibility(inverse, h) / twist_flexibility * ratio * ratio);
+}
+
+/*
+ * Flexibility that the two transverse shears of a mode take from bending: rho f L_a^2/12, times
+ * the bubble's share in the modes 01 and 10. The published element has rho = 0.
+ */
+static void shear_flexibility(const laminate *l, const scene_element *element,
+                              const laminate_place *place, double inverse[N][N], int mode,
+                              double flexibility[2])
+{
+    const double f = element->rho * bending_flexibility(inverse, l->h) / 12;
+    for (int a = 0; a < 2; a++)
+        flexibility[a] = f * place->chord[a] * place->chord[a];
+    for (int a = 0; a < 2 && element->rho > 0; a++)
+        if (mode == 1 + a)
+            flexibility[a] *= bubble_share(inverse, l->h, place, a);
+}
+
+/*
+ * Add flexibility[a] to the transverse shear compliance of a mode, on the shears it keeps. Plies
+ * are turned about e3 alone, so shears are coupled with no other strain and their block of the
+ * mode's compliance is the inverse of the block.
+ */
+static int soften_shear(double m[N][N], int mode, const double flexibility[2])
+{
+    double s[2][2] = {{m[8][8], m[8][9]}, {m[9][8], m[9][9]}};
+    int first = kept(mode, 8) ? 0 : 1, last = kept(mode, 9) ? 1 : 0;
+    const int n = last - first + 1;
+    if (n <= 0)
+        return 0;
+    if (invert(&s[first][first], n, 2) < 0)
+        return -1;
+    for (int a = first; a <= last; a++)
+        s[a][a] += flexibility[a];
+    if (invert(&s[first][first], n, 2) < 0)
+        return -1;
+    for (int a = first; a <= last; a++)
+        for (int b = first; b <= last; b++)
+            m[8 + a][8 + b] = s[a][b];
+    return 0;
+}
+
+int laminate_modes(const laminate *l, const scene_element *element, const laminate_place *place,
+                   double packed[4][LAMINATE_PACKED])
+{
+    static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
+    double d[N][N], inverse[N][N], m[N][N], flexibility[2];
+    integrate_stiffness(l, element, place, d);
+    if (element->lin33 && relax_e33(d) < 0)
+        return -1;
+    if (inverse_of(d, inverse) < 0)
+        return -1;
+    for (int mode = 0; mode < 4; mode++) {
+        shear_flexibility(l, element, place, inverse, mode, flexibility);
+        if (mode_matrix(d, inverse, mode, element->hr, m) < 0 ||
+            soften_shear(m, mode, flexibility) < 0)
+            return -1;
+        double *entry = packed[mode];
+        for (int i = 0; i < N; i++)
+            for (int j = 0; j <= i; j++)
+                *entry++ = m[i][j] * place->area * mode_weight[mode];
+    }
+    return 0;
+}
+
+/*
+ * A ply's given stress. With lin33 the normal stress it would raise is relaxed ply by ply,
+ * s_a - C_a3/C_33 s_33, because e33 linear through the package cannot follow one ply.
+ */
+static void ply_stress(const laminate_ply *ply, const scene_element *element, const double given[6],
+                       double stress[6])
+{
+    for (int i = 0; i < 6; i++)
+        stress[i] = given[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * given[2] : 0);
+}
+
+/* Thickness strain that holds a field back: that of the plies' free thickening, in the mean over
+ * the package. */
+static double held_thickening(const laminate *l, const laminate_place *place,
+                              const laminate_field *field)
+{
+    double held = 0;
+    for (int p = 0; p < l->plies; p++) {
+        const laminate_ply *ply = &l->ply[p];
+        const double share = ((ply->z[0] + ply->z[1]) / 2 - l->z[0]) / l->h;
+        const double mean =
+            field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * share;
+        if (field_acts(place, field, p))
+            held += field_stress_of(l, field, p)[2] / ply->c[2][2] * mean *
+                    (ply->z[1] - ply->z[0]) / l->h;
+    }
+    return held;
+}
+
+/* D with the linear part of e33 relaxed. */
+static int relaxed_stiffness(const laminate *l, const scene_element *element,
+                             const laminate_place *place, double d[N][N])
+{
+    integrate_stiffness(l, element, place, d);
+    return relax_e33(d);
+}
+
+/*
+ * With lin33 each ply thickens freely, by -s33/C_33 in the mean, and the mean of e33 takes it up:
+ * besides the plies' stresses there are resultants that hold this thickening back.
+ */
+void laminate_resultants(const laminate *l, const scene_element *element,
+                         const laminate_place *place, const laminate_field *field, double h0[N])
+{
+    const double held = element->lin33 ? held_thickening(l, place, field) : 0;
+    double d[N][N];
+    memset(h0, 0, N * sizeof *h0);
+    for (int p = 0; p < l->plies; p++) {
+        double stress[6];
+        if (!field_acts(place, field, p))
+            continue;
+        ply_stress(&l->ply[p], element, field_stress_of(l, field, p), stress);
+        integrate_stress(l, element, place, &l->ply[p], field, stress, h0);
+    }
+    const int thickens = element->lin33 && relaxed_stiffness(l, element, place, d) == 0;
+    for (int i = 0; i < N; i++)
+        h0[i] = (h0[i] + (thickens ? d[i][M33] * held : 0)) * place->area;
+}
+
+void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place,
+                    int ply, double h0[N])
+{
+    const laminate_field field = {ply, {1, 1}};
+    laminate_resultants(l, element, place, &field, h0);
+}
+
+/*
+ * The second derivative of the package's electric enthalpy by both fields, its sign turned. With
+ * lin33 the thickness strain of ply p is that of the package plus its own free one less the mean of
+ * all, n_p - n; these strains do work on each other, which leaves the integral of C33 n_p n_p' less
+ * n n' D_33 to the charge.
+ */
+double laminate_charge(const laminate *l, const scene_element *element, const laminate_place *place,
+                       int ply, const laminate_field *field)
+{
+    const laminate_field voltage = {ply, {0, 0}};
+    const laminate_ply *own = &l->ply[ply];
+    const double half = (own->z[1] - own->z[0]) / 2;
+    const double direct = field->ply >= 0 ? own->capacitance : own->pyro;
+    const double thickening =
+        element->lin33 ? own->volt[2] * field_stress_of(l, field, ply)[2] / own->c[2][2] : 0;
+    double d[N][N], share[6], charge = 0;
+    for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
+        const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
+        charge += half * gauss_w[g] * metric_at(element, place, z, share) *
+                  (direct / (2 * half) + thickening) * field_at(l, element, place, &voltage, z) *
+                  field_at(l, element, place, field, z);
+    }
+    if (element->lin33 && place->present >> ply & 1u &&
+        relaxed_stiffness(l, element, place, d) == 0)
+        charge -=
+            held_thickening(l, place, &voltage) * held_thickening(l, place, field) * d[M33][M33];
+    return charge * place->area;
+}

@@ -1,0 +1,451 @@
+/* Stability of the control step on a structure with mass (certificate.h). */
+#include "certificate.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "analysis.h"
+#include "eigen.h"
+#include "estimator.h"
+#include "mass.h"
+#include "../../lib/model/model.h"
+
+/*
+ * Squarings for the radius at the scene's rate and at the rates of the scan; most states of the
+ * loop; rates scanned.
+ */
+enum {
+    EXACT = 40,
+    QUICK = 16,
+    MOST_STATES = 300,
+    MOST_DELAY = 100,
+    MOST_RATES = 2000,
+    PHASES = 8,
+    STARTS = 4
+};
+
+static const double two_pi = 6.283185307179586;
+
+/*
+ * The scan: first rate, in damping rates zeta w1 a tick, its steps, and its end in highest
+ * frequencies.
+ */
+static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
+
+/*
+ * Time constants of a mode between two ticks after which its vibration is forgotten: exp(-20)
+ * = 2e-9.
+ */
+static const double decayed = 20;
+
+/*
+ * Smallest regularisation, relative to the mean diagonal: amplifiers of equal effect can be told
+ * apart by it.
+ */
+static const double least_regularisation = 1e-12;
+
+/* ---- the loop --------------------------------------------------------- */
+
+/* Propagator of (deviation from equilibrium, velocity / w) over an interval. */
+static void propagator(double w, double damping, double interval, double r[2][2])
+{
+    const double root = sqrt(1 - damping * damping), decay = exp(-damping * w * interval);
+    const double c = decay * cos(w * root * interval), s = decay * sin(w * root * interval) / root;
+    r[0][0] = c + damping * s;
+    r[0][1] = s;
+    r[1][0] = -s;
+    r[1][1] = c - damping * s;
+}
+
+/*
+ * The loop over a tick: states q - eq and p = velocity / w of each mode just before the tick, then
+ * the deviations measured 1 .. delay ticks before. With eq = g v in force, a tick moves eq to -g F
+ * e(late):
+ *   e' = R00 (e + eq - eq') + R01 p,     eq' = -(g F) e(t - delay)
+ *   p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay - 1)
+ * so that delay + 1 deviations of the past are kept.
+ *   loop [modes][stride] in  of which the first `modes` columns count
+ */
+static void fill_loop(const double *loop, int stride, const double *square, int modes,
+                      double damping, int delay, double interval, double *a)
+{
+    const size_t m = (size_t)modes, n = m * (size_t)(delay + 3);
+    const size_t late = delay == 0 ? 0 : m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
+    memset(a, 0, n * n * sizeof *a);
+    for (size_t i = 0; i < m; i++) {
+        double r[2][2];
+        propagator(sqrt(square[i]), damping, interval, r);
+        for (size_t half = 0; half < 2; half++) {
+            double *row = a + (half * m + i) * n;
+            row[i] += r[half][0];
+            row[m + i] += r[half][1];
+            for (size_t j = 0; j < m; j++) {
+                row[late + j] += r[half][0] * loop[i * (size_t)stride + j];
+                row[later + j] -= r[half][0] * loop[i * (size_t)stride + j];
+            }
+        }
+        for (size_t k = 2; k < (size_t)delay + 3; k++)
+            a[(k * m + i) * n + (k == 2 ? 0 : (k - 1) * m) + i] = 1;
+    }
+}
+
+/* Modes whose vibration lives from tick to tick; of the others only the static part is left. */
+static int lasting(const double *square, int modes, double damping, double interval)
+{
+    int count = 0;
+    while (count < modes && damping * sqrt(square[count]) * interval < decayed)
+        count++;
+    return count;
+}
+
+double certificate_radius(const double *loop, const double *square, int modes, double damping,
+                          int delay, double interval, int squarings)
+{
+    const int count = lasting(square, modes, damping, interval);
+    const size_t n = (size_t)count * (size_t)(delay + 3);
+    double *a = malloc((2 * n * n + 1) * sizeof *a), radius = (double)NAN;
+    if (a) {
+        fill_loop(loop, modes, square, count, damping, delay, interval, a);
+        radius = eigen_radius(a, a + n * n, n, squarings);
+    }
+    free(a);
+    return radius;
+}
+
+/* ---- gains ------------------------------------------------------------ */
+
+/* Cholesky factor of a [n][n] in its lower triangle. Returns success. */
+static int cholesky(double *a, size_t n)
+{
+    for (size_t j = 0; j < n; j++) {
+        for (size_t i = j; i < n; i++)
+            for (size_t k = 0; k < j; k++)
+                a[i * n + j] -= a[i * n + k] * a[j * n + k];
+        if (!(a[j * n + j] > 0))
+            return 0;
+        const double pivot = sqrt(a[j * n + j]);
+        for (size_t i = j; i < n; i++)
+            a[i * n + j] /= pivot;
+    }
+    return 1;
+}
+
+/* x = (L L')^-1 x */
+static void cholesky_solve(const double *l, size_t n, double *x)
+{
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < i; k++)
+            x[i] -= l[i * n + k] * x[k];
+        x[i] /= l[i * n + i];
+    }
+    for (size_t i = n; i-- > 0;) {
+        for (size_t k = i + 1; k < n; k++)
+            x[i] -= l[k * n + i] * x[k];
+        x[i] /= l[i * n + i];
+    }
+}
+
+/* What the gains are made from. */
+typedef struct gains {
+    const analysis *a;
+    const vibration *v;
+    size_t modes, n;   /* n: amplifiers that can move */
+    size_t *amplifier; /* [n] */
+    double *factor;    /* [n][n] B'W^2 B and its regularisation, factored */
+    double *shape;     /* [targets] what the controller takes for a mode's shape */
+    double *x;         /* [n] */
+    double *given;     /* [modes][n] modal coordinates per unit of voltage */
+    double *loop;      /* [modes][modes] */
+    int as_measured;   /* an estimate's sensors are left out */
+} gains;
+
+static size_t list_amplifiers(const design *d, size_t *amplifier)
+{
+    size_t n = 0;
+    for (int k = 0; k < d->amplifiers; k++)
+        if (d->lower[k] < d->upper[k])
+            amplifier[n++] = (size_t)k;
+    return n;
+}
+
+static int factor_hessian(gains *g)
+{
+    const design *d = &g->a->design;
+    double trace = 0;
+    for (size_t i = 0; i < g->n; i++)
+        for (size_t j = 0; j < g->n; j++)
+            g->factor[i * g->n + j] =
+                d->hessian[g->amplifier[i] * (size_t)d->amplifiers + g->amplifier[j]];
+    for (size_t i = 0; i < g->n; i++)
+        trace += g->factor[i * g->n + i];
+    for (size_t i = 0; i < g->n; i++)
+        g->factor[i * g->n + i] +=
+            d->problem.regularisation + least_regularisation * trace / (double)g->n;
+    return g->n > 0 && cholesky(g->factor, g->n);
+}
+
+/*
+ * Does every reading of the estimate show a displacement? Then its rows are those of the structure.
+ */
+static int reads_displacements(const scene *s)
+{
+    for (int i = 0; i < s->estimate.readings; i++)
+        if (s->output[s->estimate.reading[i].output].electric != ELECTRIC_NONE)
+            return 0;
+    return 1;
+}
+
+/* The shape estimated from what the sensors show of a displacement u. */
+static void estimated_shape(const gains *g, const estimator *e, const double *u)
+{
+    const design *d = &g->a->design;
+    const scene *s = d->scene;
+    int sensor = 0;
+    memset(g->shape, 0, (size_t)d->targets * sizeof *g->shape);
+    for (int i = 0; i < s->estimate.readings; i++) {
+        const int output = s->estimate.reading[i].output;
+        for (int row = d->named_first[output]; row < d->named_first[output + 1]; row++) {
+            const double shown = pzs_model_observe_row(&d->structure, u, (uint32_t)row);
+            for (int t = 0; t < d->targets; t++)
+                g->shape[t] += e->gain[(size_t)t * (size_t)e->sensors + (size_t)sensor] * shown;
+            sensor++;
+        }
+    }
+}
+
+/* Column of g F that belongs to a mode. */
+static void fill_column(gains *g, const estimator *e, size_t mode)
+{
+    const design *d = &g->a->design;
+    const size_t dof = (size_t)d->mesh.dof;
+    const double *u = g->v->shape + ((size_t)g->v->rigid + mode) * dof;
+    if (e)
+        estimated_shape(g, e, u);
+    else
+        design_shape(d, u, g->shape);
+    for (size_t j = 0; j < g->n; j++) {
+        g->x[j] = 0;
+        for (int t = 0; t < d->targets; t++)
+            g->x[j] += d->influence[(size_t)t * (size_t)d->amplifiers + g->amplifier[j]] *
+                       d->weight[t] * d->weight[t] * g->shape[t];
+    }
+    cholesky_solve(g->factor, g->n, g->x);
+    for (size_t i = 0; i < g->modes; i++) {
+        double sum = 0;
+        for (size_t j = 0; j < g->n; j++)
+            sum += g->given[i * g->n + j] * g->x[j];
+        g->loop[i * g->modes + mode] = sum;
+    }
+}
+
+static int fill_gains(gains *g)
+{
+    estimator e;
+    char ignored[SCENE_ERROR];
+    const scene *s = g->a->design.scene;
+    g->n = list_amplifiers(&g->a->design, g->amplifier);
+    if (!factor_hessian(g))
+        return 0;
+    for (size_t i = 0; i < g->modes; i++)
+        for (size_t j = 0; j < g->n; j++)
+            g->given[i * g->n + j] =
+                vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
+    const int wanted = s->estimate.given && s->simulate.sight != SIGHT_MEASURED;
+    const int estimates =
+        wanted && reads_displacements(s) && estimator_open(&e, g->a, ignored) == 0;
+    g->as_measured = wanted && !estimates;
+    for (size_t mode = 0; mode < g->modes; mode++)
+        fill_column(g, estimates ? &e : NULL, mode);
+    if (estimates)
+        estimator_close(&e);
+    return 1;
+}
+
+/* g F of the lowest modes that are no rigid motion, to be freed; NULL where it cannot be made. */
+static double *loop_gains(const analysis *a, const vibration *v, int modes, int *as_measured)
+{
+    const size_t amplifiers = (size_t)a->design.amplifiers;
+    gains g = {.a = a, .v = v, .modes = (size_t)modes};
+    g.amplifier = malloc(amplifiers * sizeof *g.amplifier);
+    g.factor = malloc(amplifiers * amplifiers * sizeof *g.factor);
+    g.x = malloc(amplifiers * sizeof *g.x);
+    g.shape = malloc((size_t)a->design.targets * sizeof *g.shape);
+    g.given = malloc(g.modes * amplifiers * sizeof *g.given);
+    g.loop = malloc(g.modes * g.modes * sizeof *g.loop);
+    const int filled =
+        g.amplifier && g.factor && g.x && g.shape && g.given && g.loop && fill_gains(&g);
+    free(g.amplifier);
+    free(g.factor);
+    free(g.x);
+    free(g.shape);
+    free(g.given);
+    *as_measured = g.as_measured;
+    if (filled)
+        return g.loop;
+    free(g.loop);
+    return NULL;
+}
+
+/* ---- verdict ---------------------------------------------------------- */
+
+/* What the radius is judged with. */
+typedef struct judged_loop {
+    const double *loop, *square;
+    int modes, delay;
+    double damping;
+} judged_loop;
+
+/*
+ * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not
+ * the decay alone, decides: then the intervals up to one period longer have to be stable too.
+ */
+static int is_stable(const judged_loop *l, double rate)
+{
+    const double period = two_pi / sqrt(l->square[0]), interval = 1 / rate;
+    const int phases = interval > 4 * period ? PHASES : 1;
+    for (int k = 0; k < phases; k++) {
+        const double longer = interval + period * k / PHASES;
+        if (!(certificate_radius(l->loop, l->square, l->modes, l->damping, l->delay, longer,
+                                 QUICK) < 1))
+            return 0;
+    }
+    return 1;
+}
+
+/*
+ * The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where
+ * all are.
+ */
+static double scan_rates(const judged_loop *l)
+{
+    const double end = scan_to * sqrt(l->square[l->modes - 1]) / two_pi;
+    double rate = scan_from * l->damping * sqrt(l->square[0]), stable = 0;
+    for (int i = 0; i < STARTS && !is_stable(l, rate); i++)
+        rate /= 4;
+    for (int i = 0; i < MOST_RATES && rate < end; i++) {
+        if (!is_stable(l, rate))
+            return stable;
+        stable = rate;
+        rate *= scan_step;
+    }
+    return rate < end ? stable : HUGE_VAL;
+}
+
+static void judge(certificate *c, const analysis *a)
+{
+    const scene *s = a->design.scene;
+    const int first = vibration_first(&c->vibration), delay = s->simulate.delay,
+              most = MOST_STATES / (delay + 3);
+    const double *square = c->vibration.square + first;
+    c->modes = c->vibration.count - first;
+    c->modes = c->modes < most ? c->modes : most;
+    if (c->modes < 1 || a->design.problem.inputs == 0)
+        return;
+    if (delay > MOST_DELAY) {
+        snprintf(c->why_not, sizeof c->why_not, "sensors %d ticks late: at most %d can be judged",
+                 delay, MOST_DELAY);
+        return;
+    }
+    double *loop = loop_gains(a, &c->vibration, c->modes, &c->as_measured);
+    if (!loop) {
+        snprintf(c->why_not, sizeof c->why_not,
+                 "its gains cannot be computed; add a regularisation, limits.effort");
+        return;
+    }
+    c->is_judged = 1;
+    if (c->rate > 0) {
+        c->radius =
+            certificate_radius(loop, square, c->modes, c->damping, delay, 1 / c->rate, EXACT);
+        c->gain = 2 * c->damping * sqrt(square[0]) / c->rate;
+    }
+    const judged_loop judged = {loop, square, c->modes, delay, c->damping};
+    c->rate_to = scan_rates(&judged);
+    free(loop);
+}
+
+void certificate_make(certificate *c, const analysis *a)
+{
+    const scene *s = a->design.scene;
+    if (c->made)
+        return;
+    memset(c, 0, sizeof *c);
+    c->made = 1;
+    c->damping = s->dynamics.damping;
+    c->damping_given = s->dynamics.damping_given;
+    c->rate = s->simulate.given ? s->simulate.rate : 0;
+    c->radius = c->gain = c->rate_to = (double)NAN;
+    c->vibrates =
+        vibration_solve(&c->vibration, &a->design, s->dynamics.modes, MASS_LUMPED, c->why_not) == 0;
+    if (c->vibrates)
+        judge(c, a);
+}
+
+void certificate_free(certificate *c)
+{
+    vibration_free(&c->vibration);
+    memset(c, 0, sizeof *c);
+}
+
+int certificate_refuses(const certificate *c)
+{
+    return c->is_judged && c->rate > 0 && !(c->radius < 1);
+}
+
+double certificate_first(const certificate *c)
+{
+    const int first = vibration_first(&c->vibration);
+    return c->vibrates && first < c->vibration.count ? c->vibration.frequency[first] : (double)NAN;
+}
+
+/* ---- words ------------------------------------------------------------ */
+
+/* The range of rates, behind the verdict. */
+static void range_text(const certificate *c, char text[SCENE_ERROR])
+{
+    if (!isfinite(c->rate_to))
+        snprintf(text, SCENE_ERROR, "Every rate is stable.");
+    else if (c->rate_to <= 0)
+        snprintf(text, SCENE_ERROR,
+                 "No rate was found at which it is stable; wait for a vibration model.");
+    else if (certificate_refuses(c))
+        snprintf(text, SCENE_ERROR,
+                 "Run it at most at %.3g ticks a second, or wait for a vibration model.",
+                 c->rate_to);
+    else
+        snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.", c->rate_to);
+}
+
+/* The verdict at the scene's rate. */
+static void rate_text(const certificate *c, char text[SCENE_ERROR])
+{
+    if (certificate_refuses(c))
+        snprintf(
+            text, SCENE_ERROR,
+            "The control step has no vibration model. At %g ticks a second (T = %g s) a structure\n"
+            "with first mode %.4g Hz and damping ratio %g is stable only at step gain below about\n"
+            "2 zeta w1 T = %.2g; the step limit does not help: vibration grows %.4g times a "
+            "tick.\n",
+            c->rate, 1 / c->rate, certificate_first(c), c->damping, c->gain, c->radius);
+    else
+        snprintf(
+            text, SCENE_ERROR,
+            "The control step has no vibration model. At %g ticks a second the loop is stable:\n"
+            "vibration decays to %.4g of itself a tick.\n",
+            c->rate, c->radius);
+}
+
+void certificate_text(const certificate *c, char text[3 * SCENE_ERROR])
+{
+    char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
+    text[0] = '\0';
+    if (c->made && c->vibrates && !c->is_judged && c->why_not[0])
+        snprintf(text, 3 * SCENE_ERROR, "The stability of the control loop is not known: %s",
+                 c->why_not);
+    if (!c->is_judged)
+        return;
+    if (c->rate > 0)
+        rate_text(c, verdict);
+    range_text(c, range);
+    snprintf(text, 3 * SCENE_ERROR, "%s%s%s", verdict, range,
+             c->as_measured ? "\nJudged as if every target node were measured." : "");
+}

@@ -1,0 +1,21 @@
+/*
+ * The electrodes of a scene as the library's table: amplifiers in volts and sensors, with the
+ * charge that each input draws while the shell is held.
+ */
+#ifndef ELECTRODES_H
+#define ELECTRODES_H
+
+#include "design.h"
+
+/* Fill d->electrodes where the scene has sensors or asks for a charge. Returns 0, or -1 with error
+ * filled. */
+int electrodes_build(design *d, char *error);
+void electrodes_free(design *d);
+
+/* Electrode of an input, or -1. */
+int electrodes_of(const design *d, int input);
+
+/* Input of the i-th electrode of an electric output. */
+int electrodes_input(const design *d, const scene_output *output, int i);
+
+#endif

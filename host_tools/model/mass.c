@@ -1,0 +1,229 @@
+/* Mass of a mesh (mass.h). */
+#include "mass.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/model/model.h"
+#include "../../lib/model/shell.h"
+
+/* Functions of t: 1, t, h (1 - 4 t^2/h^2). */
+enum { FUNCTIONS = 3, POINTS = 4 };
+
+/* Function and component of each nodal unknown. */
+static const int function_of[7] = {0, 0, 0, 1, 1, 1, 2}, component_of[7] = {0, 1, 2, 0, 1, 2, 2};
+
+/* Gauss points, exact to the seventh power; the integrands have the sixth. */
+static const double gauss_x[POINTS] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                       0.8611363115940526};
+static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                       0.3478548451374538};
+
+/* m += weight f f' at height t above the middle */
+static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
+{
+    const double f[FUNCTIONS] = {1, t, h * (1 - 4 * t * t / (h * h))};
+    for (int i = 0; i < FUNCTIONS; i++)
+        for (int j = 0; j < FUNCTIONS; j++)
+            m[i][j] += weight * f[i] * f[j];
+}
+
+/*
+ * Integrals of density f f' (1 + k1 z)(1 + k2 z) over the plies that are present, per area of the
+ * reference surface.
+ */
+static void moments(const laminate *l, const laminate_place *place, double per_area,
+                    double m[FUNCTIONS][FUNCTIONS])
+{
+    const double middle = (l->z[0] + l->z[1]) / 2;
+    memset(m, 0, sizeof(double[FUNCTIONS][FUNCTIONS]));
+    add_moments(0, l->h, per_area, m);
+    for (int p = 0; p < l->plies; p++) {
+        const laminate_ply *ply = &l->ply[p];
+        const double half = (ply->z[1] - ply->z[0]) / 2, centre = (ply->z[0] + ply->z[1]) / 2;
+        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+            const double z = centre + half * gauss_x[g];
+            const double metric = (1 + place->k[0] * z) * (1 + place->k[1] * z);
+            add_moments(z - middle, l->h, half * gauss_w[g] * ply->weight * metric, m);
+        }
+    }
+}
+
+/* Part of the element's mass between corners r and s: bilinear, or a quarter at each corner. */
+static double share(int r, int s, double lumped)
+{
+    const int is_opposite = (r ^ s) == 2;
+    const double at_corner = r == s ? 0.25 : 0;
+    double consistent = 2.0 / 36;
+    if (r == s)
+        consistent = 4.0 / 36;
+    if (is_opposite)
+        consistent = 1.0 / 36;
+    return (1 - lumped) * consistent + lumped * at_corner;
+}
+
+/* Cosine between axis a of one node and axis b of another. */
+static double between(const surface_point *p, int a, const surface_point *q, int b)
+{
+    return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
+}
+
+static void fill_element(const mesh *mesh, int element, double lumped,
+                         double m[FUNCTIONS][FUNCTIONS], double *entry)
+{
+    const int unknowns = (int)mesh->unknowns;
+    const double area = mesh->place[mesh->element_kind[element]].area;
+    for (int row = 0; row < 4 * unknowns; row++)
+        for (int column = 0; column <= row; column++) {
+            const int r = row / unknowns, s = column / unknowns, i = row % unknowns,
+                      j = column % unknowns;
+            const surface_point *p = &mesh->point[mesh->element[element][r]],
+                                *q = &mesh->point[mesh->element[element][s]];
+            const double cosine = between(p, component_of[i], q, component_of[j]);
+            *entry++ = area * share(r, s, lumped) * m[function_of[i]][function_of[j]] * cosine;
+        }
+}
+
+static size_t entries(const mesh *mesh)
+{
+    return SHELL_PACKED(4 * (size_t)mesh->unknowns);
+}
+
+int mass_missing(const scene *s, char names[SCENE_ERROR])
+{
+    int missing = 0;
+    size_t length = 0;
+    names[0] = '\0';
+    for (int k = 0; k < s->materials; k++) {
+        int used = 0;
+        for (int i = 0; i < s->layers; i++)
+            used |= s->layer[i].material == k;
+        if (!used || s->material[k].density > 0)
+            continue;
+        if (length + SCENE_NAME + 8 < SCENE_ERROR / 2)
+            length += (size_t)snprintf(names + length, SCENE_ERROR - length, "%s'%s'",
+                                       missing ? ", " : "", s->material[k].name);
+        missing++;
+    }
+    return missing;
+}
+
+/* Refuse a scene whose mass is not known. */
+static int check_densities(const scene *s, char *error)
+{
+    char names[SCENE_ERROR];
+    const int missing = mass_missing(s, names);
+    if (missing == 0)
+        return 0;
+    return scene_fault(s, s->at_layers, error,
+                       "no density in %s%.200s: vibration needs the mass; add `density` to "
+                       "materials, 7800 for steel in kg/m3",
+                       missing == 1 ? "material " : "materials ", names);
+}
+
+int mass_build(mass *m, const mesh *mesh, double lumped, char *error)
+{
+    const scene *s = mesh->scene;
+    memset(m, 0, sizeof *m);
+    if (check_densities(s, error) < 0)
+        return -1;
+    m->mesh = mesh;
+    m->entry = malloc((size_t)mesh->elements * entries(mesh) * sizeof *m->entry);
+    if (!m->entry)
+        return scene_fault(s, s->line[0].at, error,
+                           "the mass of %d elements does not fit into memory", mesh->elements);
+    for (int e = 0; e < mesh->elements; e++) {
+        double integral[FUNCTIONS][FUNCTIONS];
+        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], s->dynamics.mass_per_area,
+                integral);
+        fill_element(mesh, e, lumped, integral, m->entry + (size_t)e * entries(mesh));
+    }
+    return 0;
+}
+
+void mass_free(mass *m)
+{
+    free(m->entry);
+    memset(m, 0, sizeof *m);
+}
+
+const double *mass_element(const mass *m, int element)
+{
+    return m->entry + (size_t)element * entries(m->mesh);
+}
+
+/* f = M_e u of one element.  u, f [4 unknowns] */
+static void multiply_element(const double *entry, int n, const double *u, double *f)
+{
+    for (int i = 0; i < n; i++)
+        f[i] = 0;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < i; j++) {
+            f[i] += entry[j] * u[j];
+            f[j] += entry[j] * u[i];
+        }
+        f[i] += entry[i] * u[i];
+        entry += i + 1;
+    }
+}
+
+void mass_multiply(const mass *m, const pzs_model *model, const double *u, double *f)
+{
+    memset(f, 0, (size_t)m->mesh->dof * sizeof *f);
+    for (int e = 0; e < m->mesh->elements; e++) {
+        double local[SHELL_MAX], force[SHELL_MAX];
+        pzs_model_gather(model, m->mesh->element[e], SHELL_NODES, u, local);
+        multiply_element(mass_element(m, e), 4 * (int)m->mesh->unknowns, local, force);
+        pzs_model_scatter(model, m->mesh->element[e], SHELL_NODES, 1, force, f);
+    }
+}
+
+/* ---- rigid motion ----------------------------------------------------- */
+
+static void cross(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Unknowns of a node under a rigid motion.  u [7] out */
+static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
+                           double u[7])
+{
+    const surface_point *p = &mesh->point[node];
+    const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
+    double place[3], turned[3], lean[3];
+    for (int i = 0; i < 3; i++)
+        place[i] = p->x[i] + middle * p->e[2][i];
+    cross(spin, place, turned);
+    cross(spin, p->e[2], lean);
+    memset(u, 0, 7 * sizeof *u);
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < 3; i++) {
+            u[a] += p->e[a][i] * (shift[i] + turned[i]);
+            u[3 + a] += p->e[a][i] * lean[i];
+        }
+}
+
+double mass_rigid(const mass *m, const pzs_model *model, const double shift[3],
+                  const double spin[3], double *force)
+{
+    const int unknowns = (int)m->mesh->unknowns;
+    double sum = 0;
+    if (force)
+        memset(force, 0, (size_t)m->mesh->dof * sizeof *force);
+    for (int e = 0; e < m->mesh->elements; e++) {
+        double u[SHELL_MAX], f[SHELL_MAX];
+        for (int r = 0; r < SHELL_NODES; r++) {
+            double of_node[7];
+            rigid_unknowns(m->mesh, m->mesh->element[e][r], shift, spin, of_node);
+            memcpy(u + r * unknowns, of_node, (size_t)unknowns * sizeof *u);
+        }
+        multiply_element(mass_element(m, e), 4 * unknowns, u, f);
+        for (int i = 0; i < 4 * unknowns; i++)
+            sum += u[i] * f[i];
+        if (force)
+            pzs_model_scatter(model, m->mesh->element[e], SHELL_NODES, 1, f, force);
+    }
+    return sum;
+}

@@ -1,0 +1,56 @@
+/*
+ * Mass of a mesh: element matrices from the densities of the plies that are present, for the same
+ * unknowns as the stiffness.
+ *
+ * With t the height above the middle of the package and h its thickness, the displacement at a node
+ * is
+ *   u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3,
+ * q being the seventh unknown. Displacement vectors, not components, are interpolated between the
+ * nodes, so that a rigid translation has exactly the mass of the structure.
+ */
+#ifndef MASS_H
+#define MASS_H
+
+#include "../mesh/mesh.h"
+
+/*
+ * Share of the lumped matrix in the blend of the lumped and the consistent one. Two thirds give the
+ * least error of the first six frequencies over plates, a disc, a panel and a cylinder; 0 is the
+ * consistent matrix, 1 the lumped one.
+ */
+#define MASS_LUMPED (2.0 / 3)
+
+typedef struct mass {
+    const mesh *mesh;
+    double *entry; /* [elements][packed lower triangle of 4 unknowns] (mass and its moments) */
+} mass;
+
+/*
+ * Element matrices: (1 - lumped) consistent + lumped lumped, with the metric of curved plies and
+ * the scene's mass per area. Returns 0, or -1 with error filled: a layer's material has no density,
+ * or memory ran out.
+ */
+int mass_build(mass *m, const mesh *mesh, double lumped, char *error);
+void mass_free(mass *m);
+
+/* Entries of an element's matrix. */
+const double *mass_element(const mass *m, int element);
+
+/* f = M u over the dof of a model of the same mesh, nothing where held.  u, f [dof] */
+void mass_multiply(const mass *m, const pzs_model *model, const double *u, double *f);
+
+/*
+ * The rigid motion u = shift + spin x position of the whole mesh, supports included.
+ *   force [dof] out  M u; NULL: not wanted
+ * Returns u . M u: the mass for a unit shift, the moment of inertia for a unit spin.
+ */
+double mass_rigid(const mass *m, const pzs_model *model, const double shift[3],
+                  const double spin[3], double *force);
+
+/*
+ * Materials of the layers that have no density, their names quoted and separated by commas. Returns
+ * their number.
+ */
+int mass_missing(const scene *s, char names[SCENE_ERROR]);
+
+#endif

@@ -1,0 +1,447 @@
+/* Tables of the nonlinear path and a path on them (path.h). */
+#include "path.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/model/electrode.h"
+#include "../../lib/model/model.h"
+#include "../../lib/nonlinear/nonlinear.h"
+#include "../../lib/model/shell.h"
+
+/* ---- given resultants ------------------------------------------------- */
+
+typedef struct builder {
+    uint32_t *start;
+    uint16_t *element, *which;
+    double (*value)[LAMINATE_STRAINS];
+    size_t entries, room, values, room_values;
+    int full; /* memory ran out */
+} builder;
+
+/* Row of value that holds h0; added if new. */
+static size_t row_of(builder *b, const double h0[LAMINATE_STRAINS])
+{
+    for (size_t i = b->values; i > 0; i--)
+        if (memcmp(b->value[i - 1], h0, sizeof *b->value) == 0)
+            return i - 1;
+    if (b->values == b->room_values) {
+        b->room_values = 2 * b->room_values + 16;
+        b->value = design_grow(b->value, b->room_values, sizeof *b->value, &b->full);
+    }
+    if (!b->full)
+        memcpy(b->value[b->values], h0, sizeof *b->value);
+    return b->full ? 0 : b->values++;
+}
+
+static void append(builder *b, int element, const double h0[LAMINATE_STRAINS])
+{
+    const size_t row = row_of(b, h0);
+    if (b->entries == b->room) {
+        b->room = 2 * b->room + 64;
+        b->element = design_grow(b->element, b->room, sizeof *b->element, &b->full);
+        b->which = design_grow(b->which, b->room, sizeof *b->which, &b->full);
+    }
+    if (b->full)
+        return;
+    b->element[b->entries] = (uint16_t)element;
+    b->which[b->entries++] = (uint16_t)row;
+}
+
+/* The entries of one actuator's amplifiers or one sensor's electrodes; first: input of the first of
+ * them. */
+static void append_actuator(builder *b, const mesh *m, const scene_actuator *actuator, int first)
+{
+    double h0[LAMINATE_STRAINS];
+    for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
+        for (int e = 0; e < m->elements; e++)
+            if (design_actuation(m, actuator, c, e, h0))
+                append(b, e, h0);
+        b->start[first + c + 1] = (uint32_t)b->entries;
+    }
+}
+
+static pzs_status build_given(path *p, double *value)
+{
+    const design *d = p->design;
+    const scene *s = d->scene;
+    const int inputs = d->structure.input.count;
+    builder b;
+    memset(&b, 0, sizeof b);
+    b.start = calloc((size_t)inputs + 1, sizeof *b.start);
+    if (!b.start)
+        return PZS_E_WORKSPACE;
+    for (int k = 0; k < s->actuators; k++)
+        append_actuator(&b, &d->mesh, &s->actuator[k], s->actuator[k].first);
+    for (int k = 0; k < d->sensor_first - d->amplifiers; k++) {
+        double h0[LAMINATE_STRAINS];
+        char error[SCENE_ERROR];
+        if (k < s->loads && s->load[k].type == LOAD_TEMPERATURE &&
+            design_load_values(&d->mesh, &s->load[k], value, error) == 0)
+            for (int e = 0; e < d->mesh.elements; e++) {
+                design_warming(&d->mesh, &s->load[k], e, h0);
+                append(&b, e, h0);
+            }
+        b.start[d->amplifiers + k + 1] = (uint32_t)b.entries;
+    }
+    for (int k = 0; k < s->sensors; k++)
+        append_actuator(&b, &d->mesh, &s->sensor[k], d->sensor_first + s->sensor[k].first);
+    p->tables.given.start = b.start;
+    p->tables.given.element = b.element;
+    p->tables.given.which = b.which;
+    p->tables.given.value = (const double(*)[LAMINATE_STRAINS])b.value;
+    p->tables.given.values = (uint16_t)b.values;
+    return b.full || b.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
+}
+
+/* ---- follower loads --------------------------------------------------- */
+
+static void set_corner(const mesh *m, int element, int r, const pzs_follower *f, double *area,
+                       double lean[2])
+{
+    const surface_point *point = &m->point[m->element[element][r]];
+    const double z = m->laminate.z[f->normal_face];
+    double flat[2][2];
+    const double size =
+        design_chords(m, element, r, f->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
+    if (f->true_area)
+        *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
+}
+
+static pzs_status build_follower(path *p, const scene_load *load, uint16_t input)
+{
+    const mesh *m = &p->design->mesh;
+    pzs_follower *f = &p->follower[p->followers++];
+    double *pressure = calloc((size_t)m->nodes, sizeof *pressure);
+    double(*area)[4] = calloc((size_t)m->kinds, sizeof *area), (*lean)[4][2] = NULL;
+    char error[SCENE_ERROR];
+    f->pressure = pressure;
+    f->area = (const double(*)[4])area;
+    if (m->scene->element.cartesian)
+        lean = calloc((size_t)m->kinds, sizeof *lean);
+    f->lean = (const double(*)[4][2])lean;
+    if (!pressure || !area || (m->scene->element.cartesian && !lean))
+        return PZS_E_WORKSPACE;
+    if (design_load_values(m, load, pressure, error) < 0)
+        return PZS_E_NONFINITE;
+    f->input = input;
+    f->load_face = load->face == FACE_INNER ? 0 : load->face == FACE_OUTER ? 1 : 2;
+    f->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
+    f->true_area = load->follower == FOLLOWER_PRESSURE;
+    for (int i = 0; i < 3; i++)
+        f->share[i] = m->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
+    for (int e = 0; e < m->elements; e++)
+        for (int r = 0; r < 4; r++) {
+            const uint16_t kind = m->element_kind[e];
+            area[kind][r] = m->place[kind].area;
+            if (lean)
+                set_corner(m, e, r, f, &area[kind][r], lean[kind][r]);
+        }
+    f->format = PZS_TABLE_FORMAT;
+    f->scene = p->design->structure.scene;
+    f->crc = pzs_follower_crc(f, &p->design->structure);
+    return pzs_attach_follower(&p->run, &p->load[p->followers - 1], f);
+}
+
+/* ---- contact ---------------------------------------------------------- */
+
+/* psi of the scene as a distance: psi / |grad psi|, by differences over 1e-4 of the mesh. */
+static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
+                      double hessian[3][3])
+{
+    const expr *psi = body->own;
+    const double step = body->radius * 1e-4;
+    double value[27], slope = 0;
+    for (int i = 0; i < 27; i++) {
+        const expr_point at = {x[0] + step * (i / 9 - 1), x[1] + step * (i / 3 % 3 - 1),
+                               x[2] + step * (i % 3 - 1), 0, 0};
+        value[i] = expr_value(psi, &at);
+    }
+    const double *v = &value[13];
+    const int offset[3] = {9, 3, 1};
+    for (int i = 0; i < 3; i++) {
+        normal[i] = (v[offset[i]] - v[-offset[i]]) / (2 * step);
+        slope += normal[i] * normal[i];
+    }
+    slope = slope > 0 ? sqrt(slope) : 1;
+    for (int i = 0; i < 3; i++) {
+        normal[i] /= slope;
+        for (int j = 0; j < 3; j++)
+            hessian[i][j] = (i == j ? v[offset[i]] - 2 * v[0] + v[-offset[i]]
+                                    : (v[offset[i] + offset[j]] - v[offset[i] - offset[j]] -
+                                       v[offset[j] - offset[i]] + v[-offset[i] - offset[j]]) /
+                                          4) /
+                            (step * step * slope);
+    }
+    return *v / slope;
+}
+
+static void build_body(path *p, double size)
+{
+    const scene_body *from = &p->design->scene->contact.body;
+    pzs_body *body = &p->body;
+    memcpy(body->point, from->point, sizeof body->point);
+    memcpy(body->axis, from->type == BODY_PLANE ? from->normal : from->axis, sizeof body->axis);
+    body->radius = from->type == BODY_PSI ? size : from->radius;
+    body->own = from->value;
+    body->gap = from->type == BODY_PLANE      ? pzs_gap_plane
+                : from->type == BODY_CYLINDER ? pzs_gap_cylinder
+                : from->type == BODY_SPHERE   ? pzs_gap_sphere
+                                              : psi_gap;
+    body->crc = pzs_body_crc(body);
+}
+
+static pzs_status build_contact(path *p, uint16_t input)
+{
+    const mesh *m = &p->design->mesh;
+    const scene_contact *contact = &p->design->scene->contact;
+    const size_t nodes = (size_t)m->nodes, bytes = PZS_CONTACT_BYTES(nodes);
+    double(*place)[3] = calloc(nodes, sizeof *place), (*triad)[3][3] = calloc(nodes, sizeof *triad);
+    double *area = calloc(nodes, sizeof *area), low[3], high[3];
+    p->face.place = (const double(*)[3])place;
+    p->face.triad = (const double(*)[3][3])triad;
+    p->face.area = area;
+    p->contact_work = malloc(bytes);
+    p->contact_bytes = bytes;
+    if (!place || !triad || !area || !p->contact_work)
+        return PZS_E_WORKSPACE;
+    p->face.face = contact->face == FACE_OUTER;
+    p->face.input = input;
+    memcpy(p->face.motion, contact->move, sizeof p->face.motion);
+    design_node_areas(m, area);
+    for (size_t n = 0; n < nodes; n++)
+        for (int i = 0; i < 3; i++) {
+            place[n][i] = m->point[n].x[i] + m->laminate.z[p->face.face] * m->point[n].e[2][i];
+            memcpy(triad[n][i], m->point[n].e[i], sizeof triad[n][i]);
+            low[i] = n ? fmin(low[i], place[n][i]) : place[n][i];
+            high[i] = n ? fmax(high[i], place[n][i]) : place[n][i];
+        }
+    for (int i = 0; i < 3; i++)
+        p->face.size = fmax(p->face.size, high[i] - low[i]);
+    build_body(p, p->face.size);
+    p->face.format = PZS_TABLE_FORMAT;
+    p->face.scene = p->design->structure.scene;
+    p->face.crc = pzs_contact_crc(&p->face, &p->design->structure);
+    const pzs_status status =
+        pzs_attach_contact(&p->run, &p->contact, &p->face, &p->body, p->contact_work, bytes);
+    p->contact.settings.stiffness = contact->stiffness;
+    return status;
+}
+
+double path_contact_output(const path *p, const scene_output *output, int node)
+{
+    switch (output->contact) {
+    case CONTACT_X:
+    case CONTACT_Y:
+    case CONTACT_Z: return p->contact.info.force[output->contact - CONTACT_X];
+    case CONTACT_NODES: return p->contact.info.nodes;
+    case CONTACT_PRESSURE: return p->contact.info.pressure[node];
+    case CONTACT_NONE: break;
+    }
+    return (double)NAN;
+}
+
+/* What to do about a penetration. */
+static const char *penetration_cure(const pzs_contact *c, pzs_status status)
+{
+    if (status == PZS_W_BEHIND)
+        return "the shell has passed through itself, or both of its faces would touch";
+    if (c->info.side != c->state.face->face)
+        return "it comes from behind: let contact.face be the face that it meets, or move the body";
+    if (c->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
+        return "refine the mesh there, or enlarge the body";
+    if (c->info.penetration == PZS_PENETRATION_PASSED)
+        return "raise equilibrium.steps, or refine the mesh there";
+    return "the node is held or faces away: start the body clear of the shell";
+}
+
+void path_penetration(const path *p, pzs_status status, char *text)
+{
+    const mesh *m = &p->design->mesh;
+    const pzs_contact *c = &p->contact;
+    const char *face = c->info.side ? "outer" : "inner";
+    char unit[SCENE_NAME + 1];
+    const uint16_t *corner = m->element[c->info.element];
+    const double *low = m->theta[corner[0]], *high = m->theta[corner[2]];
+    char what[SCENE_NAME + 128];
+    const char *length_unit = p->design->scene->unit_length;
+    snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
+    if (c->info.penetration == PZS_PENETRATION_PASSED)
+        snprintf(what, sizeof what, "it passes through the %s face in one load step", face);
+    else if (c->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
+        snprintf(what, sizeof what, "between the nodes, %.3g%s deep in the %s face", c->info.depth,
+                 unit, face);
+    else
+        snprintf(what, sizeof what, "%.3g%s deep at node %u of the %s face", c->info.depth, unit,
+                 c->info.node, face);
+    const int length =
+        snprintf(text, SCENE_ERROR,
+                 "element %u (theta1 = %.4g to %.4g, theta2 = %.4g to %.4g), "
+                 "at (%.4g, %.4g, %.4g): %s; %s",
+                 c->info.element, low[0], high[0], low[1], high[1], c->info.spot[0],
+                 c->info.spot[1], c->info.spot[2], what, penetration_cure(c, status));
+    if (length >= SCENE_ERROR)
+        memcpy(&text[SCENE_ERROR - 4], "...", 4);
+}
+
+/* ---- coming back ------------------------------------------------------ */
+
+enum { PIECES = 6 };
+
+typedef struct piece {
+    void *at;
+    size_t bytes;
+} piece;
+
+static void list_pieces(const path *p, piece piece[PIECES])
+{
+    path *q = (path *)p;
+    piece[0].at = &q->run, piece[0].bytes = sizeof q->run;
+    piece[1].at = &q->contact, piece[1].bytes = sizeof q->contact;
+    piece[2].at = &q->circuit, piece[2].bytes = sizeof q->circuit;
+    piece[3].at = q->work, piece[3].bytes = q->bytes;
+    piece[4].at = q->contact_work, piece[4].bytes = q->contact_bytes;
+    piece[5].at = q->circuit_work, piece[5].bytes = q->circuit_bytes;
+}
+
+size_t path_state_bytes(const path *p)
+{
+    piece piece[PIECES];
+    size_t all = 0;
+    list_pieces(p, piece);
+    for (int i = 0; i < PIECES; i++)
+        all += piece[i].bytes;
+    return all;
+}
+
+void path_keep(const path *p, void *state)
+{
+    piece piece[PIECES];
+    unsigned char *to = state;
+    list_pieces(p, piece);
+    for (int i = 0; i < PIECES; to += piece[i++].bytes)
+        if (piece[i].bytes > 0)
+            memcpy(to, piece[i].at, piece[i].bytes);
+}
+
+/* The model's factor stays where it went: the shape's own is made by the next equilibrium. */
+void path_return(path *p, const void *state)
+{
+    piece piece[PIECES];
+    const unsigned char *from = state;
+    list_pieces(p, piece);
+    for (int i = 0; i < PIECES; from += piece[i++].bytes)
+        if (piece[i].bytes > 0)
+            memcpy(piece[i].at, from, piece[i].bytes);
+    p->run.state.model->state.stage = STAGE_READY;
+}
+
+/* ---- open ------------------------------------------------------------- */
+
+/* Full loads and applied volts; a follower's amount is that of its extra input. */
+static void set_full(path *p)
+{
+    const design *d = p->design;
+    design_applied(d, p->full);
+    for (int k = 0; k < d->loads; k++)
+        p->full[d->amplifiers + k] = d->scene->load[k].follower == FOLLOWER_NONE;
+    for (int k = d->amplifiers + d->loads; k < d->sensor_first; k++)
+        p->full[k] = 1;
+}
+
+static pzs_status start(path *p, pzs_model *model)
+{
+    const design *d = p->design;
+    const pzs_structure *s = &d->structure;
+    const size_t bytes = PZS_SOLVER_BYTES(s->free_dof, s->elements, s->input.count);
+    int input = d->amplifiers + d->loads;
+    p->full = calloc((size_t)s->input.count + 1, sizeof *p->full);
+    p->follower = calloc((size_t)d->loads + 1, sizeof *p->follower);
+    p->load = calloc((size_t)d->loads + 1, sizeof *p->load);
+    p->work = malloc(bytes);
+    p->bytes = bytes;
+    double *value = calloc((size_t)s->nodes, sizeof *value);
+    pzs_status status = p->full && p->follower && p->load && p->work && value
+                            ? build_given(p, value)
+                            : PZS_E_WORKSPACE;
+    free(value);
+    p->tables.format = PZS_TABLE_FORMAT;
+    p->tables.scene = s->scene;
+    for (int k = 0; k < d->loads; k++)
+        input += d->scene->load[k].follower != FOLLOWER_NONE;
+    p->tables.prescribed.count = (uint16_t)d->mesh.prescribed_count;
+    p->tables.prescribed.input = (uint16_t)input;
+    p->tables.prescribed.dof = d->mesh.prescribed_dof;
+    p->tables.prescribed.value = d->mesh.prescribed_value;
+    p->tables.crc = status == PZS_OK ? pzs_nonlinear_crc(&p->tables, s) : 0;
+    return status == PZS_OK ? pzs_solver_init(&p->run, model, &p->tables, p->work, bytes) : status;
+}
+
+static pzs_status build_circuit(path *p)
+{
+    const design *d = p->design;
+    const uint32_t open = pzs_electrode_open_count(&d->electrodes);
+    const size_t bytes = PZS_CIRCUIT_BYTES(d->electrodes.count, open);
+    if (open == 0)
+        return PZS_OK;
+    p->circuit_work = malloc(bytes);
+    p->circuit_bytes = bytes;
+    return p->circuit_work
+               ? pzs_attach_circuit(&p->run, &p->circuit, &d->electrodes, p->circuit_work, bytes)
+               : PZS_E_WORKSPACE;
+}
+
+static pzs_status attach(path *p)
+{
+    const design *d = p->design;
+    int input = d->amplifiers + d->loads;
+    pzs_status status = build_circuit(p);
+    for (int k = 0; k < d->loads && status == PZS_OK; k++)
+        if (d->scene->load[k].follower != FOLLOWER_NONE)
+            status = build_follower(p, &d->scene->load[k], (uint16_t)input++);
+    input += d->mesh.prescribed_count > 0;
+    return status == PZS_OK && d->scene->contact.given ? build_contact(p, (uint16_t)input) : status;
+}
+
+pzs_status path_open(path *p, const design *d, pzs_model *model)
+{
+    memset(p, 0, sizeof *p);
+    p->design = d;
+    pzs_status status = start(p, model);
+    if (status == PZS_OK)
+        status = attach(p);
+    if (status != PZS_OK) {
+        path_close(p);
+        return status;
+    }
+    const scene_equilibrium *choice = &d->scene->equilibrium;
+    set_full(p);
+    p->run.settings.load_steps = (uint16_t)choice->steps;
+    p->run.settings.tolerance = choice->change;
+    p->run.settings.extrapolated_iterations = (uint16_t)choice->mixed;
+    p->run.settings.solve_limit = (uint32_t)choice->systems;
+    return PZS_OK;
+}
+
+void path_close(path *p)
+{
+    design_release(p->tables.given.start);
+    design_release(p->tables.given.element);
+    design_release(p->tables.given.which);
+    design_release(p->tables.given.value);
+    for (int k = 0; k < p->followers; k++) {
+        design_release(p->follower[k].pressure);
+        design_release(p->follower[k].area);
+        design_release(p->follower[k].lean);
+    }
+    design_release(p->face.place);
+    design_release(p->face.triad);
+    design_release(p->face.area);
+    free(p->follower);
+    free(p->load);
+    free(p->full);
+    free(p->work);
+    free(p->contact_work);
+    free(p->circuit_work);
+    memset(p, 0, sizeof *p);
+}

@@ -1,0 +1,152 @@
+/* Plausibility rules (plausible.h). To add one: a function that measures, a row of the table
+ * `rules`. */
+#include "plausible.h"
+
+#include <math.h>
+#include <string.h>
+#include "plausible_parts.h"
+
+/* ---- rules ------------------------------------------------------------ */
+
+typedef enum subject_type { SUBJECT_SCENE, SUBJECT_RESULT, SUBJECT_VOLTAGES } subject_type;
+
+#define CHECK_UNITS                                                                                \
+    "compare the number with the scene's units, or write it with a unit of its own, as "
+#define CHECK_FIELD                                                                                \
+    "ceramics depolarise there; lower the voltage, thicken the layer, or give its material a "     \
+    "field_limit"
+
+static const struct rule {
+    const char *name;
+    subject_type of;
+    measure *measure;
+    double low, high; /* the range that raises no warning, ends included */
+    const char *unit, *cure;
+} rules[] = {
+    {"displacement", SUBJECT_RESULT, measure_displacement, 0, 1, "times the thickness",
+     "small displacements no longer hold; use kinematics: nonlinear, or auto"},
+    {"strain", SUBJECT_RESULT, measure_strain, 0, 0.01, "",
+     "linear constants of materials hold for small strains; check loads, voltages and units"},
+    {"limit_field", SUBJECT_SCENE, measure_limit_field, 0, 1e6, "V/m", CHECK_FIELD},
+    {"applied_field", SUBJECT_SCENE, measure_applied_field, 0, 1e6, "V/m", CHECK_FIELD},
+    {"resolution", SUBJECT_SCENE, measure_resolution, 0, 1,
+     "times the size that resolves the bending there",
+     "the displacement under the load may come out too small; use more elements"},
+    {"found_field", SUBJECT_VOLTAGES, measure_found_field, 0, 1e6, "V/m", CHECK_FIELD},
+    {"modulus", SUBJECT_SCENE, measure_modulus, 1e5, 2e12, "Pa", CHECK_UNITS "210 GPa"},
+    {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
+    {"piezo_constant", SUBJECT_SCENE, measure_piezo, 1e-13, 1e-8, "m/V", CHECK_UNITS "-210 pm/V"},
+    {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
+};
+
+/* Is a number the same as that of a warning: of the same rule, at the same place, of the same
+ * value? */
+static int is_repeated(const plausible_warning *w, const struct rule *rule, const measured *found)
+{
+    return strcmp(w->rule, rule->name) == 0 && w->at.line == found->at.line &&
+           w->at.column == found->at.column && w->value == found->value;
+}
+
+/*
+ * Room for a warning: that of the same rule on an earlier result, or the next. NULL where a worse
+ * or the same one stands, or no room is left.
+ */
+static plausible_warning *place(plausible *p, const struct rule *rule, const measured *found)
+{
+    for (int i = 0; i < p->count; i++) {
+        if (is_repeated(&p->warning[i], rule, found))
+            return NULL;
+        if (rule->of == SUBJECT_RESULT && strcmp(p->warning[i].rule, rule->name) == 0)
+            return found->value > p->warning[i].value ? &p->warning[i] : NULL;
+    }
+    if (p->count == PLAUSIBLE_MOST) {
+        p->dropped++;
+        return NULL;
+    }
+    return &p->warning[p->count++];
+}
+
+static void warn(plausible *p, const scene *s, const struct rule *rule, const measured *found)
+{
+    const int is_above = found->value > rule->high;
+    plausible_warning *w = place(p, rule, found);
+    if (!w)
+        return;
+    w->rule = rule->name;
+    w->value = found->value;
+    w->limit = is_above ? rule->high : rule->low;
+    w->unit = rule->unit;
+    w->at = found->at;
+    scene_fault(s, found->at, w->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
+                *rule->unit ? " " : "", rule->unit, is_above ? "above" : "below", w->limit,
+                rule->cure);
+}
+
+static void apply(plausible *p, const struct rule *rule, const subject *of)
+{
+    measured found;
+    for (int k = 0;; k++) {
+        memset(&found, 0, sizeof found);
+        found.value = (double)NAN;
+        if (!rule->measure(of, k, &found))
+            return;
+        if (found.value > rule->high || found.value < rule->low)
+            warn(p, of->scene, rule, &found);
+    }
+}
+
+static void apply_all(plausible *p, subject_type type, const subject *of)
+{
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+        if (rules[i].of == type)
+            apply(p, &rules[i], of);
+}
+
+void plausible_scene(plausible *p, const scene *s)
+{
+    const subject of = {.scene = s, .name = ""};
+    apply_all(p, SUBJECT_SCENE, &of);
+}
+
+void plausible_result(plausible *p, const mesh *m, const double *u, int is_linear, const char *name)
+{
+    const subject of = {.scene = m->scene, .mesh = m, .u = u, .is_linear = is_linear, .name = name};
+    apply_all(p, SUBJECT_RESULT, &of);
+}
+
+void plausible_voltages(plausible *p, const scene *s, const double *voltage, const char *name)
+{
+    const subject of = {.scene = s, .volt = voltage, .name = name};
+    apply_all(p, SUBJECT_VOLTAGES, &of);
+}
+
+/* ---- output ----------------------------------------------------------- */
+
+void plausible_print(FILE *file, const plausible *p)
+{
+    if (p->count == 0)
+        return;
+    fprintf(file, "\nWarnings:\n");
+    for (int i = 0; i < p->count; i++)
+        fprintf(file, "  %s: %s\n", p->warning[i].rule, p->warning[i].text);
+    if (p->dropped > 0)
+        fprintf(file, "  and %d more\n", p->dropped);
+}
+
+void plausible_json(json *j, const plausible *p)
+{
+    json_open(j, "warnings", '[');
+    for (int i = 0; i < p->count; i++) {
+        const plausible_warning *w = &p->warning[i];
+        json_open(j, NULL, '{');
+        json_string(j, "rule", w->rule);
+        json_number(j, "value", w->value);
+        json_number(j, "limit", w->limit);
+        json_string(j, "unit", w->unit);
+        json_number(j, "line", w->at.line);
+        json_number(j, "column", w->at.column);
+        json_string(j, "text", w->text);
+        json_close(j, '}');
+    }
+    json_close(j, ']');
+}

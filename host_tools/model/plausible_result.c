@@ -1,0 +1,153 @@
+/* Plausibility of voltages and displacements (plausible_parts.h). */
+#include "plausible_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "design.h"
+#include "plausible.h"
+
+/* ---- voltages --------------------------------------------------------- */
+
+/* Only where the scene's limits do not tell as much already. */
+int measure_found_field(const subject *of, int k, measured *found)
+{
+    const scene_actuator *a;
+    const scene_drive *drive;
+    if (!plausible_drive(of->scene, k, &a, &drive))
+        return 0;
+    const double voltage = plausible_voltage(of->scene, a, of->volt),
+                 most = plausible_voltage(of->scene, a, NULL);
+    if (isinf(most) || most < voltage)
+        plausible_field(of->scene, drive, voltage, found);
+    found->at = a->at;
+    snprintf(found->what, WHAT, "electric field in patches '%s' under %g of '%s' (%s)",
+             of->scene->patches[drive->patches].name, voltage, a->name, of->name);
+    return 1;
+}
+
+/* ---- displacement and strain ------------------------------------------ */
+
+/* A component of a node's displacement. */
+static double displacement_of(const mesh *m, const double *u, int node, scene_component component,
+                              scene_face face)
+{
+    double weight[7], sum = 0;
+    design_output_weights(m, node, component, face, weight);
+    for (unsigned k = 0; k < m->unknowns; k++) {
+        const uint16_t dof = m->node_dof[(size_t)node * m->unknowns + k];
+        if (dof != PZS_CONSTRAINED)
+            sum += weight[k] * u[dof];
+    }
+    return sum;
+}
+
+int measure_displacement(const subject *of, int k, measured *found)
+{
+    double most = 0;
+    int where = 0;
+    if (k > 0)
+        return 0;
+    for (int node = 0; of->is_linear && node < of->mesh->nodes; node++) {
+        const double size = fabs(displacement_of(of->mesh, of->u, node, COMPONENT_U3, FACE_MIDDLE));
+        where = size > most ? node : where;
+        most = fmax(most, size);
+    }
+    found->value = most / of->mesh->laminate.h;
+    snprintf(found->what, WHAT, "normal displacement of %s, %g at theta1 = %g, theta2 = %g",
+             of->name, most, of->mesh->theta[where][0], of->mesh->theta[where][1]);
+    return 1;
+}
+
+/* Places and displacements of the corners of an element on a face, as vectors from edge to edge:
+ * along xi1 and xi2. */
+typedef struct cell {
+    double x[2][3], u[2][3];
+} cell;
+
+/* Both faces of all nodes. point, moved [nodes][2][3] out */
+static void face_points(const mesh *m, const double *u, double (*point)[2][3],
+                        double (*moved)[2][3])
+{
+    static const scene_face faces[2] = {FACE_INNER, FACE_OUTER};
+    for (int node = 0; node < m->nodes; node++)
+        for (int f = 0; f < 2; f++)
+            for (int i = 0; i < 3; i++) {
+                const scene_component axis = (scene_component)((int)COMPONENT_X + i);
+                point[node][f][i] = m->point[node].x[i] + m->laminate.z[f] * m->point[node].e[2][i];
+                moved[node][f][i] = displacement_of(m, u, node, axis, faces[f]);
+            }
+}
+
+static cell cell_of(const mesh *m, int element, int f, double (*point)[2][3], double (*moved)[2][3])
+{
+    static const double sign[2][4] = {{-0.5, 0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5, 0.5}};
+    cell c;
+    memset(&c, 0, sizeof c);
+    for (int a = 0; a < 2; a++)
+        for (int r = 0; r < 4; r++)
+            for (int i = 0; i < 3; i++) {
+                const int node = m->element[element][r];
+                c.x[a][i] += sign[a][r] * point[node][f][i];
+                c.u[a][i] += sign[a][r] * moved[node][f][i];
+            }
+    return c;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Principal strains are the eigenvalues of the strain over the metric, both in the basis of the
+ * edges. */
+static double principal_strain(const cell *c, int is_linear)
+{
+    double g[2][2], e[2][2];
+    for (int a = 0; a < 2; a++)
+        for (int b = 0; b < 2; b++) {
+            g[a][b] = dot(c->x[a], c->x[b]);
+            e[a][b] = (dot(c->x[a], c->u[b]) + dot(c->x[b], c->u[a])) / 2;
+            if (!is_linear)
+                e[a][b] += dot(c->u[a], c->u[b]) / 2;
+        }
+    const double area = g[0][0] * g[1][1] - g[0][1] * g[0][1];
+    const double half = (g[1][1] * e[0][0] + g[0][0] * e[1][1] - 2 * g[0][1] * e[0][1]) / area / 2;
+    const double product = (e[0][0] * e[1][1] - e[0][1] * e[0][1]) / area;
+    return fabs(half) + sqrt(fmax(half * half - product, 0));
+}
+
+double plausible_strain(const mesh *m, const double *u, int is_linear, double where[2])
+{
+    double(*point)[2][3] = calloc((size_t)m->nodes, sizeof *point);
+    double(*moved)[2][3] = calloc((size_t)m->nodes, sizeof *moved);
+    double most = point && moved ? -1 : (double)NAN;
+    if (point && moved)
+        face_points(m, u, point, moved);
+    for (int k = 0; point && moved && k < 2 * m->elements; k++) {
+        const cell c = cell_of(m, k / 2, k % 2, point, moved);
+        const double strain = principal_strain(&c, is_linear);
+        if (strain > most) {
+            double theta1[2], theta2[2];
+            mesh_cell(m, k / 2, theta1, theta2);
+            where[0] = (theta1[0] + theta1[1]) / 2;
+            where[1] = (theta2[0] + theta2[1]) / 2;
+            most = strain;
+        }
+    }
+    free(point);
+    free(moved);
+    return most;
+}
+
+int measure_strain(const subject *of, int k, measured *found)
+{
+    double where[2] = {0, 0};
+    if (k > 0)
+        return 0;
+    found->value = plausible_strain(of->mesh, of->u, of->is_linear, where);
+    snprintf(found->what, WHAT, "principal strain of %s at theta1 = %g, theta2 = %g", of->name,
+             where[0], where[1]);
+    return 1;
+}

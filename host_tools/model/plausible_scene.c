@@ -1,0 +1,284 @@
+/* Plausibility of the numbers of a scene (plausible_parts.h). */
+#include "plausible_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include "../scene/scene_units.h"
+#include "../mesh/surface.h"
+
+static const double quarter = 1.5707963267948966; /* turn, in radians */
+
+/* ---- units ------------------------------------------------------------ */
+
+static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
+static const units_unit density_unit = {{-4, 1, 0, 0, 2, 0}, 0, 0};
+static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
+static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
+static const units_unit length_unit = {{1, 0, 0, 0, 0, 0}, 0, 0};
+
+/* A number of the scene in SI units, NAN where the scene's own are not known. */
+static double in_si(const scene *s, double value, const units_unit *unit)
+{
+    int ten;
+    return scene_units_ten(s, unit, &ten) < 0 ? value * pow(10, -ten) : (double)NAN;
+}
+
+/* ---- constants of materials and layers -------------------------------- */
+
+enum { MODULI = 6, CONSTANTS = 5 };
+
+static int is_isotropic(const scene_material *m)
+{
+    const int is_cubic = m->e[0] == m->e[1] && m->e[1] == m->e[2] && m->g12 == m->g13 &&
+                         m->g13 == m->g23 && m->nu12 == m->nu13 && m->nu13 == m->nu23;
+    return is_cubic && m->g12 == m->e[0] / (2 * (1 + m->nu12));
+}
+
+/* In the isotropic case the shear modulus follows from E and is not judged. */
+int measure_modulus(const subject *of, int k, measured *found)
+{
+    static const char *const name[MODULI] = {"E1", "E2", "E3", "G12", "G13", "G23"};
+    const scene *s = of->scene;
+    if (k >= MODULI * s->materials)
+        return 0;
+    const scene_material *m = &s->material[k / MODULI];
+    const double value[MODULI] = {m->e[0], m->e[1], m->e[2], m->g12, m->g13, m->g23};
+    const int isotropic = is_isotropic(m);
+    const int i = k % MODULI;
+    if (isotropic && i > 0)
+        return 1;
+    found->value = in_si(s, value[i], &modulus_unit);
+    found->at = m->at;
+    snprintf(found->what, WHAT, "%s of material '%s', %g in the scene's units",
+             isotropic ? "E" : name[i], m->name, value[i]);
+    return 1;
+}
+
+int measure_density(const subject *of, int k, measured *found)
+{
+    const scene *s = of->scene;
+    if (k >= s->materials)
+        return 0;
+    const scene_material *m = &s->material[k];
+    if (m->density > 0)
+        found->value = in_si(s, m->density, &density_unit);
+    found->at = m->at;
+    snprintf(found->what, WHAT, "density of material '%s', %g in the scene's units", m->name,
+             m->density);
+    return 1;
+}
+
+/* Strain constants, or stress constants over the largest modulus, which are about as large. */
+int measure_piezo(const subject *of, int k, measured *found)
+{
+    static const char *const name[CONSTANTS] = {"31", "32", "33", "24", "15"};
+    const scene *s = of->scene;
+    if (k >= CONSTANTS * s->materials)
+        return 0;
+    const scene_material *m = &s->material[k / CONSTANTS];
+    const double d[CONSTANTS] = {m->d31, m->d32, m->d33, m->d24, m->d15};
+    const double stiff = fmax(m->e[0], fmax(m->e[1], m->e[2]));
+    const int i = k % CONSTANTS;
+    const double value = m->has_e ? m->piezo_e[i] / stiff : d[i];
+    if (value != 0)
+        found->value = in_si(s, fabs(value), &piezo_unit);
+    found->at = m->at;
+    snprintf(found->what, WHAT, "|%s%s%s| of material '%s', %g in the scene's units",
+             m->has_e ? "e" : "d", name[i], m->has_e ? "/E" : "", m->name, fabs(value));
+    return 1;
+}
+
+int measure_thickness(const subject *of, int k, measured *found)
+{
+    const scene *s = of->scene;
+    if (k >= s->layers)
+        return 0;
+    found->value = in_si(s, s->layer[k].thickness, &length_unit);
+    found->at = s->layer[k].at;
+    snprintf(found->what, WHAT,
+             "thickness of layer %d (from the inner face, the first is 0), %g in the scene's units",
+             k, s->layer[k].thickness);
+    return 1;
+}
+
+/* ---- electric fields -------------------------------------------------- */
+
+/* The k-th pair of an actuator of voltages and a grid of patches that it drives; returns 0 where
+ * there is none. */
+int plausible_drive(const scene *s, int k, const scene_actuator **actuator,
+                    const scene_drive **drive)
+{
+    for (int i = 0; i < s->actuators; i++) {
+        *actuator = &s->actuator[i];
+        if (k < s->actuator[i].drives) {
+            *drive = &s->actuator[i].drive[k];
+            return 1;
+        }
+        k -= s->actuator[i].drives;
+    }
+    return 0;
+}
+
+/* Largest voltage that the scene's limits allow an amplifier, without its sign; its own limits go
+ * before the common ones. */
+static double allowed(const scene *s, int amplifier)
+{
+    double most = fmax(fabs(s->limits.lower), fabs(s->limits.upper));
+    for (int i = 0; i < s->limits.each_count; i++) {
+        const scene_limit *own = &s->limits.each[i];
+        if (amplifier >= own->first && amplifier < own->first + own->count)
+            most = fmax(fabs(own->lower), fabs(own->upper));
+    }
+    return most;
+}
+
+/* The largest of a property of the amplifiers of an actuator: of volt, or where it is NULL what
+ * their limits allow. */
+double plausible_voltage(const scene *s, const scene_actuator *a, const double *voltage)
+{
+    double most = 0;
+    for (int k = a->first; k < a->first + a->grid[0] * a->grid[1]; k++)
+        most = fmax(most, voltage ? fabs(voltage[k]) : allowed(s, k));
+    return most;
+}
+
+/* Field of a voltage in the layer of a drive; none where the material has a limit of its own, which
+ * the design keeps. */
+void plausible_field(const scene *s, const scene_drive *drive, double voltage, measured *found)
+{
+    const scene_layer *layer = &s->layer[s->patches[drive->patches].layer];
+    const scene_material *m = &s->material[layer->material];
+    if (m->field_limit > 0 || !isfinite(voltage))
+        return;
+    found->value = in_si(s, fabs(voltage * drive->factor) / layer->thickness, &field_unit);
+}
+
+int measure_limit_field(const subject *of, int k, measured *found)
+{
+    const scene_actuator *a;
+    const scene_drive *drive;
+    if (!plausible_drive(of->scene, k, &a, &drive))
+        return 0;
+    const double voltage = plausible_voltage(of->scene, a, NULL);
+    plausible_field(of->scene, drive, voltage, found);
+    found->at = of->scene->limits.at;
+    snprintf(found->what, WHAT, "electric field in patches '%s' at the voltage limit %g of '%s'",
+             of->scene->patches[drive->patches].name, voltage, a->name);
+    return 1;
+}
+
+int measure_applied_field(const subject *of, int k, measured *found)
+{
+    const scene_actuator *a;
+    const scene_drive *drive;
+    if (!plausible_drive(of->scene, k, &a, &drive))
+        return 0;
+    plausible_field(of->scene, drive, a->applied, found);
+    found->at = a->at;
+    snprintf(found->what, WHAT, "electric field in patches '%s' under %g applied to '%s'",
+             of->scene->patches[drive->patches].name, a->applied, a->name);
+    return 1;
+}
+
+/* ---- mesh at local loads ---------------------------------------------- */
+
+/* The longer of the two elements along a direction at a mesh line. */
+static double element_at(const scene_line *line, int i)
+{
+    const double before = i > 0 ? line->point[i] - line->point[i - 1] : 0;
+    const double after = i < line->elements ? line->point[i + 1] - line->point[i] : 0;
+    return fmax(before, after);
+}
+
+static double span_of(const scene_line *line)
+{
+    return line->point[line->elements] - line->point[0];
+}
+
+/* A shell at a local load, seen along one curved direction. */
+typedef struct bend {
+    double radius, thickness, length; /* length of the shell across the direction */
+    double size;                      /* of an element along the direction, at the load */
+} bend;
+
+/*
+ * Elements on a quarter turn that the dent of a force needs: two for each of the waves (R/h)^(1/4)
+ * (R/L)^(1/2) of a shell of the length L, at most one for each bending length sqrt(R h). A strip
+ * narrower than that bends as a ring, without a dent, and needs none.
+ */
+static double elements_needed(const bend *b)
+{
+    const double slender = b->radius / b->thickness, bending = sqrt(b->radius * b->thickness);
+    if (b->length < bending)
+        return 0;
+    return fmin(2 * pow(slender, 0.25) * sqrt(b->radius / b->length), quarter * sqrt(slender));
+}
+
+static bend bend_at(const scene *s, const int node[2], int direction)
+{
+    const int across = 1 - direction;
+    const surface_point p =
+        surface_at(&s->surface, s->line[0].point[node[0]], s->line[1].point[node[1]]);
+    bend b = {HUGE_VAL, 0, p.a[across] * span_of(&s->line[across]),
+              p.a[direction] * element_at(&s->line[direction], node[direction])};
+    if (p.k[direction] != 0)
+        b.radius = 1 / fabs(p.k[direction]);
+    for (int i = 0; i < s->layers; i++)
+        b.thickness += s->layer[i].thickness;
+    return b;
+}
+
+/* A force at a node, along one direction: elements needed over elements there. */
+static void measure_point(const scene *s, const scene_load *load, int direction, measured *found)
+{
+    const bend b = bend_at(s, load->where.node, direction);
+    if (!isfinite(b.radius))
+        return;
+    const double needed = elements_needed(&b), there = quarter * b.radius / b.size;
+    found->value = needed / there;
+    snprintf(found->what, WHAT,
+             "size of elements at a force, %.3g on a quarter turn along theta%d where about %.0f "
+             "are needed (%.0f "
+             "on the whole mesh)",
+             there, direction + 1, ceil(needed),
+             ceil(s->line[direction].elements * needed / there));
+}
+
+/* A load on an edge: the size of elements across the edge over the bending length of the curve
+ * along it, the least. */
+static void measure_edge(const scene *s, const scene_load *load, int direction, measured *found)
+{
+    const int is_theta1 =
+        load->where.edge == EDGE_THETA1_MINUS || load->where.edge == EDGE_THETA1_PLUS;
+    const int is_plus =
+        load->where.edge == EDGE_THETA1_PLUS || load->where.edge == EDGE_THETA2_PLUS;
+    const int across = is_theta1 ? 0 : 1;
+    if (direction != across)
+        return;
+    int node[2] = {0, 0};
+    node[across] = is_plus ? s->line[across].elements : 0;
+    const bend along = bend_at(s, node, 1 - across), b = bend_at(s, node, across);
+    if (!isfinite(along.radius))
+        return;
+    const double bending = sqrt(along.radius * along.thickness);
+    found->value = b.size / bending;
+    snprintf(
+        found->what, WHAT,
+        "size of elements at a load on an edge, %.3g across it where the bending length is %.3g "
+        "(%.0f elements along theta%d)",
+        b.size, bending, ceil(s->line[across].elements * found->value), across + 1);
+}
+
+int measure_resolution(const subject *of, int k, measured *found)
+{
+    const scene *s = of->scene;
+    if (k >= 2 * s->loads)
+        return 0;
+    const scene_load *load = &s->load[k / 2];
+    found->at = load->at;
+    if (load->type == LOAD_POINT)
+        measure_point(s, load, k % 2, found);
+    if (load->type == LOAD_LINE)
+        measure_edge(s, load, k % 2, found);
+    return 1;
+}

@@ -1,0 +1,28 @@
+/* Page of `pzs simulate`: errors, volts and active limits over time, shapes at the end of each
+ * phase. */
+#ifndef REPORT_SIMULATE_H
+#define REPORT_SIMULATE_H
+
+#include <stdio.h>
+#include "../simulate/simulate.h"
+
+enum { RECORD_BINS = 800 };
+
+/* What the page draws over time: bins of equal numbers of ticks. */
+typedef struct simulate_record {
+    int bins, ticks, amplifiers;
+    double error[LAWS][RECORD_BINS]; /* the largest of the bin */
+    double missed[RECORD_BINS]; /* the same of the estimate under the controller; 0 where there is
+                                   none */
+    double *volt;          /* [RECORD_BINS][amplifiers] the last of the bin, under the controller */
+    double *lower, *upper; /* [amplifiers] of the controller, for the bins at a limit */
+} simulate_record;
+
+int record_open(simulate_record *r, const simulation *s);
+void record_close(simulate_record *r);
+void record_tick(simulate_record *r, const simulate_sample *sample);
+
+/* Returns 0, or -1 when memory runs out or the file cannot be written. */
+int report_simulate(FILE *file, const simulation *s, const simulate_record *r);
+
+#endif

@@ -1,0 +1,34 @@
+/*
+ * Arithmetic expressions of scenes: numbers, x y z theta1 theta2 pi, + - * / ^ ( ), common
+ * functions, and zernike(j, rho, phi): Zernike's polynomial of Noll's number j, of root mean square
+ * 1 over the unit disc; NaN where j is no whole number from 1 to 1000.
+ */
+#ifndef EXPR_H
+#define EXPR_H
+
+typedef struct expr expr;
+
+typedef struct expr_point {
+    double x, y, z, theta1, theta2;
+} expr_point;
+
+/*
+ * Compile text to an expression.
+ *   column  out  column from 1 of the fault
+ *   error   out  what is wrong there, a constant string
+ * Returns NULL on a fault or when memory runs out.
+ */
+expr *expr_compile(const char *text, int *column, const char **error);
+
+/* Value at a point; not finite where the expression has none (1/0, sqrt(-1)): the caller checks. */
+double expr_value(const expr *e, const expr_point *at);
+
+/* Does it use none of x y z theta1 theta2? */
+int expr_is_constant(const expr *e);
+
+/* Does it use theta1 or theta2? */
+int expr_uses_theta(const expr *e);
+
+void expr_free(expr *e);
+
+#endif

@@ -1,0 +1,73 @@
+/* Section of a scene that says from which outputs the firmware knows the shape: estimate. */
+#include "scene_parts.h"
+
+#include <math.h>
+
+static int read_output_of(reader *r, int node, void *to, const void *rule)
+{
+    const scene *s = r->s;
+    char name[SCENE_NAME];
+    int i;
+    if (read_name(r, node, name, rule) != 0)
+        return -1;
+    i = find_named(s->output, s->outputs, sizeof *s->output, name);
+    if (i < 0)
+        return tree_fault(r->t, node, "there is no output '%s'; add it to outputs", name);
+    if (s->output[i].contact != CONTACT_NONE)
+        return tree_fault(
+            r->t, node,
+            "'%s' is of a contact; an estimate reads displacements, voltages and charges", name);
+    *(int *)to = i;
+    return 0;
+}
+
+static int read_readings(reader *r, int node, void *to, const void *rule)
+{
+    static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
+    static const field fields[] = {
+        {"output", read_output_of, offsetof(scene_reading, output), NULL, 1},
+        {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    scene_estimate *estimate = to;
+    int i, k = 0;
+    (void)rule;
+    estimate->reading =
+        new_items(r, node, TREE_LIST, sizeof *estimate->reading, &estimate->readings);
+    if (!estimate->reading)
+        return -1;
+    if (estimate->readings == 0)
+        return tree_fault(r->t, node, "'readings' is empty; write [{output: name, noise: 1e-6}]");
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
+        estimate->reading[k].at = node_at(r, i);
+        if (read_map(r, i, fields, &estimate->reading[k]) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+int read_estimate(reader *r, int node, void *to, const void *rule)
+{
+    static const range part = {
+        0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of the disturbance"};
+    static const field fields[] = {
+        {"readings", read_readings, 0, NULL, 1},
+        {"loads", read_real, offsetof(scene_estimate, loads), &not_negative, 0},
+        {"volts", read_real, offsetof(scene_estimate, volts), &not_negative, 0},
+        {"tolerance", read_real, offsetof(scene_estimate, tolerance), &part, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    (void)rule;
+    s->estimate.at = node_at(r, node);
+    s->estimate.loads = 1;
+    s->estimate.volts = -1;
+    s->estimate.tolerance = 0.5;
+    if (!s->target.given)
+        return tree_fault(
+            r->t, node,
+            "an estimate needs a target, whose nodes it is for; add target: {u3: middle, at: nodes, "
+            "value: ...}");
+    if (read_map(r, node, fields, &s->estimate) != 0)
+        return -1;
+    s->estimate.given = 1;
+    return 0;
+}

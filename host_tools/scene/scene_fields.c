@@ -1,0 +1,323 @@
+/* Reading mappings by tables, and the plain kinds of values. */
+#include "scene_fields.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "scene_units.h"
+
+enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
+
+/* Magnitudes outside are slips of the pen, and their products leave the range of a double. */
+static const double smallest = 1e-60, largest = 1e60;
+
+const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
+const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
+
+static const char *const kind_names[] = {"a single value", "a list [...]",
+                                         "a mapping {key: value}"};
+
+/* Edit distance; long words are far from everything. */
+static int distance(const char *a, const char *b)
+{
+    int row[LONGEST + 1], i, j, m = (int)strlen(a), n = (int)strlen(b);
+    if (m > LONGEST || n > LONGEST)
+        return INT_MAX;
+    for (j = 0; j <= n; j++)
+        row[j] = j;
+    for (i = 1; i <= m; i++) {
+        int corner = row[0];
+        row[0] = i;
+        for (j = 1; j <= n; j++) {
+            int best = corner + (a[i - 1] != b[j - 1]);
+            corner = row[j];
+            if (row[j] + 1 < best)
+                best = row[j] + 1;
+            if (row[j - 1] + 1 < best)
+                best = row[j - 1] + 1;
+            row[j] = best;
+        }
+    }
+    return row[n];
+}
+
+/* "did you mean 'thickness'?" or "known: a, b, c", for words at a stride. */
+static void suggest(const char *text, const char *const *first, size_t stride, char *out)
+{
+    const char *const *word;
+    const char *nearest = NULL;
+    int length = (int)strlen(text), least = length < 3 ? 0 : length < 9 ? length / 3 + 1 : 3, n = 0;
+    for (word = first; *word;
+         word = (const char *const *)(const void *)((const char *)word + stride)) {
+        int d = distance(text, *word);
+        if (d <= least) {
+            least = d - 1;
+            nearest = *word;
+        }
+    }
+    if (nearest) {
+        snprintf(out, LIST_ROOM, "did you mean '%s'?", nearest);
+        return;
+    }
+    n = snprintf(out, LIST_ROOM, "known:");
+    for (word = first; *word && n < LIST_ROOM;
+         word = (const char *const *)(const void *)((const char *)word + stride))
+        n += snprintf(out + n, (size_t)(LIST_ROOM - n), "%s %s", word == first ? "" : ",", *word);
+}
+
+int require_kind(reader *r, int node, tree_kind kind)
+{
+    const tree_node *n = &r->t->node[node];
+    if (n->kind == kind)
+        return 0;
+    return tree_fault(r->t, node, "'%.60s' must be %s, not %s", tree_name(r->t, node),
+                      kind_names[kind],
+                      n->kind == TREE_SCALAR && !*n->text ? "empty" : kind_names[n->kind]);
+}
+
+static int check_keys(reader *r, int node, const field *fields)
+{
+    char cure[LIST_ROOM];
+    const tree_node *n = r->t->node;
+    const field *f;
+    int i;
+    for (i = n[node].first; i; i = n[i].next) {
+        for (f = fields; f->key; f++)
+            if (strcmp(f->key, n[i].key) == 0)
+                break;
+        if (f->key)
+            continue;
+        suggest(n[i].key, &fields->key, sizeof *fields, cure);
+        return tree_fault_at(r->t, n[i].key_at, "unknown key '%.60s' in %.60s; %s", n[i].key,
+                             tree_name(r->t, node), cure);
+    }
+    return 0;
+}
+
+int read_map(reader *r, int node, const field *fields, void *to)
+{
+    const field *f;
+    if (require_kind(r, node, TREE_MAP) != 0 || check_keys(r, node, fields) != 0)
+        return -1;
+    for (f = fields; f->key; f++) {
+        int child = tree_find(r->t, node, f->key);
+        if (!child && f->required)
+            return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", f->key,
+                              tree_name(r->t, node));
+        if (child && f->read(r, child, (char *)to + f->offset, f->rule) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+const char *node_text(const reader *r, int node)
+{
+    return r->t->node[node].text;
+}
+
+scene_at node_at(const reader *r, int node)
+{
+    return r->t->node[node].at;
+}
+
+static int compile(reader *r, int node, expr **e)
+{
+    char converted[SCENE_UNITS_TEXT];
+    const char *why, *text;
+    int column;
+    if (require_kind(r, node, TREE_SCALAR) != 0 || scene_units_text(r, node, converted, &text) != 0)
+        return -1;
+    if (!*text)
+        return tree_fault(r->t, node, "'%.60s' is empty; give a number", tree_name(r->t, node));
+    *e = expr_compile(text, &column, &why);
+    if (*e)
+        return 0;
+    return tree_fault(r->t, node, "'%.60s: %.60s' is no number or formula, at its character %d: %s",
+                      tree_name(r->t, node), text, column, why);
+}
+
+static int check_range(reader *r, int node, double v, const range *rule)
+{
+    const char *name = tree_name(r->t, node), *text = node_text(r, node);
+    if (!isfinite(v))
+        return tree_fault(r->t, node, "'%.60s: %.60s' is not finite; give a number", name, text);
+    if (fabs(v) > largest || (v != 0 && fabs(v) < smallest))
+        return tree_fault(
+            r->t, node,
+            "'%.60s: %.60s' is out of range; magnitudes run from %g to %g, choose other units",
+            name, text, smallest, largest);
+    if (!rule)
+        return 0;
+    if (rule->strict ? v > rule->low && v < rule->high : v >= rule->low && v <= rule->high)
+        return 0;
+    return tree_fault(r->t, node, "'%.60s: %.60s' %s", name, text, rule->must);
+}
+
+int read_real(reader *r, int node, void *to, const void *rule)
+{
+    static const expr_point origin;
+    expr *e = NULL;
+    double v;
+    int constant;
+    if (compile(r, node, &e) != 0)
+        return -1;
+    v = expr_value(e, &origin);
+    constant = expr_is_constant(e);
+    expr_free(e);
+    if (!constant)
+        return tree_fault(r->t, node,
+                          "'%.60s: %.60s' varies over the surface; a constant is wanted here",
+                          tree_name(r->t, node), node_text(r, node));
+    if (check_range(r, node, v, rule) != 0)
+        return -1;
+    *(double *)to = v;
+    return 0;
+}
+
+int read_int(reader *r, int node, void *to, const void *rule)
+{
+    double v = 0;
+    if (read_real(r, node, &v, rule) != 0)
+        return -1;
+    if (v != floor(v) || fabs(v) > 1e9)
+        return tree_fault(r->t, node, "'%.60s: %.60s' must be a whole number",
+                          tree_name(r->t, node), node_text(r, node));
+    *(int *)to = (int)v;
+    return 0;
+}
+
+int read_pair(reader *r, int node, void *to, const void *rule)
+{
+    double *pair = to;
+    int first;
+    if (require_kind(r, node, TREE_LIST) != 0)
+        return -1;
+    if (r->t->node[node].count != 2)
+        return tree_fault(r->t, node, "'%.60s' has %d values; give two, [from, to]",
+                          tree_name(r->t, node), r->t->node[node].count);
+    first = r->t->node[node].first;
+    if (read_real(r, first, &pair[0], rule) != 0)
+        return -1;
+    return read_real(r, r->t->node[first].next, &pair[1], rule);
+}
+
+/* Would end or open a comment in generated C tables. */
+static int is_comment(const char *text)
+{
+    return strstr(text, "*/") != NULL || strstr(text, "/*") != NULL;
+}
+
+int check_name(reader *r, const char *name, scene_at at, char *to)
+{
+    if (!*name)
+        return tree_fault_at(r->t, at, "an empty name; give one");
+    if (strlen(name) >= SCENE_NAME)
+        return tree_fault_at(r->t, at, "the name '%.30s...' is too long; use at most %d bytes",
+                             name, SCENE_NAME - 1);
+    if (strpbrk(name, "\n\r\t\"\\") || is_comment(name))
+        return tree_fault_at(
+            r->t, at,
+            "the name '%.60s' holds a quote, backslash, comment or line break; leave them out",
+            name);
+    strcpy(to, name);
+    return 0;
+}
+
+int read_name(reader *r, int node, void *to, const void *rule)
+{
+    (void)rule;
+    if (require_kind(r, node, TREE_SCALAR) != 0)
+        return -1;
+    return check_name(r, node_text(r, node), node_at(r, node), to);
+}
+
+int read_text(reader *r, int node, void *to, const void *rule)
+{
+    char **text = to;
+    (void)rule;
+    if (require_kind(r, node, TREE_SCALAR) != 0)
+        return -1;
+    if (is_comment(node_text(r, node)))
+        return tree_fault(r->t, node, "'%.60s' holds /* or */; leave them out",
+                          tree_name(r->t, node));
+    *text = malloc(strlen(node_text(r, node)) + 1);
+    if (!*text)
+        return tree_fault(r->t, node, "out of memory");
+    strcpy(*text, node_text(r, node));
+    return 0;
+}
+
+/* The text's choice value, or -1. */
+static int find_choice(const choice *choices, const char *text)
+{
+    for (; choices->word; choices++)
+        if (strcmp(choices->word, text) == 0)
+            return choices->value;
+    return -1;
+}
+
+int read_choice(reader *r, int node, void *to, const void *rule)
+{
+    const choice *choices = rule;
+    char cure[LIST_ROOM];
+    int value;
+    if (require_kind(r, node, TREE_SCALAR) != 0)
+        return -1;
+    value = find_choice(choices, node_text(r, node));
+    if (value < 0) {
+        suggest(node_text(r, node), &choices->word, sizeof *choices, cure);
+        return tree_fault(r->t, node, "'%.60s: %.60s' is not known; %s", tree_name(r->t, node),
+                          node_text(r, node), cure);
+    }
+    *(int *)to = value;
+    return 0;
+}
+
+int read_flag(reader *r, int node, void *to, const void *rule)
+{
+    static const choice flags[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
+                                   {"yes", 1},  {"no", 0},    {NULL, 0}};
+    (void)rule;
+    return read_choice(r, node, to, flags);
+}
+
+int read_expr(reader *r, int node, void *to, const void *rule)
+{
+    static const expr_point origin;
+    expr *e = NULL;
+    if (compile(r, node, &e) != 0)
+        return -1;
+    *(expr **)to = e;
+    return expr_is_constant(e) ? check_range(r, node, expr_value(e, &origin), rule) : 0;
+}
+
+void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count)
+{
+    void *items;
+    int n;
+    *count = 0;
+    if (require_kind(r, node, kind) != 0)
+        return NULL;
+    n = r->t->node[node].count;
+    if (n > MOST_ITEMS)
+        return tree_fault(r->t, node, "'%.60s' has %d items; at most %d are read",
+                          tree_name(r->t, node), n, MOST_ITEMS),
+               NULL;
+    items = calloc((size_t)n + 1, size);
+    if (!items)
+        return tree_fault(r->t, node, "out of memory"), NULL;
+    *count = n;
+    return items;
+}
+
+int find_named(const void *items, int count, size_t size, const char *name)
+{
+    int i;
+    for (i = 0; i < count; i++)
+        if (strcmp((const char *)items + (size_t)i * size, name) == 0)
+            return i;
+    return -1;
+}

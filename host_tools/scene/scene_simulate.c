@@ -1,0 +1,376 @@
+/* Section of a scene that says what the controller has to live with: plant, sensors, amplifiers,
+ * events. */
+#include "scene_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const range share = {0, 1, 0, "must lie between 0 and 1"};
+static const range tick_count = {1, 10000000, 0, "must be from 1 to 10000000 ticks"};
+
+/* ---- plant ---- */
+
+/* One factor for all materials, or a map of materials and their factors. */
+static int read_factors(reader *r, int node, void *to, const void *rule)
+{
+    double **factor = to, all = 1;
+    const int is_map = r->t->node[node].kind == TREE_MAP;
+    int i, k;
+    (void)rule;
+    if (!is_map && read_real(r, node, &all, &above_zero) != 0)
+        return -1;
+    *factor = malloc(((size_t)r->s->materials + 1) * sizeof **factor);
+    if (!*factor)
+        return tree_fault(r->t, node, "out of memory");
+    for (i = 0; i < r->s->materials; i++)
+        (*factor)[i] = all;
+    for (i = is_map ? r->t->node[node].first : 0; i; i = r->t->node[i].next) {
+        k = find_named(r->s->material, r->s->materials, sizeof *r->s->material, r->t->node[i].key);
+        if (k < 0)
+            return tree_fault_at(r->t, r->t->node[i].key_at,
+                                 "there is no material '%.60s'; give a name of materials",
+                                 r->t->node[i].key);
+        if (read_real(r, i, *factor + k, &above_zero) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+static int read_plant_kinematics(reader *r, int node, void *to, const void *rule)
+{
+    static const choice kinds[] = {
+        {"linear", KINEMATICS_LINEAR}, {"nonlinear", KINEMATICS_NONLINEAR}, {NULL, 0}};
+    scene_simulate *simulate = to;
+    int kind = 0;
+    (void)rule;
+    if (read_choice(r, node, &kind, kinds) != 0)
+        return -1;
+    simulate->kinematics = (scene_kinematics)kind;
+    if (kind == KINEMATICS_NONLINEAR || !r->s->contact.given)
+        return 0;
+    return tree_fault(r->t, node,
+                      "a plant with a contact is nonlinear; write kinematics: nonlinear");
+}
+
+static int read_plant(reader *r, int node, void *to, const void *rule)
+{
+    static const range loop = {
+        0, 0.3, 0,
+        "must lie between 0 and 0.3; it is the width of the loop over the range of volts"};
+    static const field fields[] = {
+        {"kinematics", read_plant_kinematics, 0, NULL, 0},
+        {"stiffness", read_factors, offsetof(scene_simulate, stiffness), NULL, 0},
+        {"d", read_factors, offsetof(scene_simulate, d), NULL, 0},
+        {"hysteresis", read_real, offsetof(scene_simulate, hysteresis), &loop, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    (void)rule;
+    return read_map(r, node, fields, to);
+}
+
+/* ---- sensors, amplifiers, faults ---- */
+
+static int read_sight(reader *r, int node, void *to, const void *rule)
+{
+    static const choice sights[] = {
+        {"estimated", SIGHT_ESTIMATED}, {"measured", SIGHT_MEASURED}, {NULL, 0}};
+    scene_simulate *simulate = to;
+    int sight = 0;
+    (void)rule;
+    if (read_choice(r, node, &sight, sights) != 0)
+        return -1;
+    simulate->sight = (scene_sight)sight;
+    if (sight == SIGHT_MEASURED || r->s->estimate.given)
+        return 0;
+    return tree_fault(
+        r->t, node,
+        "an estimated shape needs readings; add estimate: {readings: [{output: name, noise: 1e-6}]}");
+}
+
+static int read_measurement(reader *r, int node, void *to, const void *rule)
+{
+    static const range late = {0, 16, 0, "must be from 0 to 16 ticks"};
+    static const field fields[] = {
+        {"shape", read_sight, 0, NULL, 0},
+        {"noise", read_real, offsetof(scene_simulate, noise), &not_negative, 0},
+        {"delay", read_int, offsetof(scene_simulate, delay), &late, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    (void)rule;
+    return read_map(r, node, fields, to);
+}
+
+static int read_amplification(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"step", read_real, offsetof(scene_simulate, step), &not_negative, 0},
+        {"dead_band", read_real, offsetof(scene_simulate, dead_band), &not_negative, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    (void)rule;
+    return read_map(r, node, fields, to);
+}
+
+static int read_faults(reader *r, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"chance", read_real, offsetof(scene_simulate, fault_chance), &share, 1},
+        {"until", read_int, offsetof(scene_simulate, fault_until), &tick_count, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene_simulate *simulate = to;
+    (void)rule;
+    simulate->fault_until = simulate->ticks;
+    return read_map(r, node, fields, to);
+}
+
+/* ---- events ---- */
+
+typedef struct event_text {
+    scene_event *event;
+    int kinds, amount_given, ticks_given, told_given, known_given;
+} event_text;
+
+static int read_load_number(reader *r, int node, scene_event *event)
+{
+    static const range number = {0, 1e6, 0, "must be the number of a load, the first is 0"};
+    if (read_int(r, node, &event->load, &number) != 0)
+        return -1;
+    if (event->load < r->s->loads)
+        return 0;
+    return tree_fault(r->t, node, "there is no load %d; the scene has %d, the first is 0",
+                      event->load, r->s->loads);
+}
+
+/* Names of amplifiers or actuators, each standing for one amplifier or all of its grid. */
+static int read_electrodes(reader *r, int node, scene_event *event)
+{
+    const scene *s = r->s;
+    int i, k, items, first, count;
+    void *list = new_items(r, node, TREE_LIST, 1, &items);
+    free(list);
+    if (!list)
+        return -1;
+    event->amplifier = malloc(((size_t)s->amplifiers + 1) * sizeof *event->amplifier);
+    if (!event->amplifier)
+        return tree_fault(r->t, node, "out of memory");
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
+        if (require_kind(r, i, TREE_SCALAR) != 0)
+            return -1;
+        if (!scene_find_amplifier(s, node_text(r, i), &first, &count))
+            return tree_fault(r->t, i, "there is no actuator '%.60s'; the first one is '%s'",
+                              node_text(r, i), s->actuator[0].name);
+        if (event->amplifiers + count > s->amplifiers)
+            return tree_fault(r->t, i,
+                              "'%.60s' makes more electrodes than there are; name each once",
+                              node_text(r, i));
+        for (k = 0; k < count; k++)
+            event->amplifier[event->amplifiers++] = first + k;
+    }
+    return 0;
+}
+
+static const int event_types[] = {EVENT_TARGET, EVENT_VALUE, EVENT_LOAD,  EVENT_TEMPERATURE,
+                                  EVENT_DEAD,   EVENT_STUCK, EVENT_ALIVE, EVENT_NAN,
+                                  EVENT_FROZEN, EVENT_LOST};
+
+static int read_event_type(reader *r, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    scene_event *event = text->event;
+    if (text->kinds++)
+        return tree_fault_at(r->t, r->t->node[node].key_at,
+                             "an event is one thing; write a second item for '%s'",
+                             r->t->node[node].key);
+    event->type = (scene_event_type) * (const int *)rule;
+    switch (event->type) {
+    case EVENT_TARGET: return read_real(r, node, &event->amount, NULL);
+    case EVENT_VALUE: return read_expr(r, node, &event->value, NULL);
+    case EVENT_LOAD: return read_load_number(r, node, event);
+    case EVENT_NAN:
+    case EVENT_FROZEN: return read_real(r, node, &event->amount, &share);
+    case EVENT_LOST: return read_int(r, node, &event->ticks, &tick_count);
+    case EVENT_TEMPERATURE: break;
+    default: return read_electrodes(r, node, event);
+    }
+    if (!scene_expands(r->s))
+        return tree_fault(r->t, node,
+                          "a temperature moves nothing; give a layer's material 'alpha'");
+    return read_real(r, node, &event->amount, NULL);
+}
+
+static int read_event_amount(reader *r, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->amount_given = 1;
+    return read_real(r, node, &text->event->amount, rule);
+}
+
+static int read_event_ticks(reader *r, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->ticks_given = 1;
+    return read_int(r, node, &text->event->ticks, rule);
+}
+
+static int read_event_told(reader *r, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->told_given = 1;
+    if (r->t->node[node].kind == TREE_SCALAR && strcmp(node_text(r, node), "found") == 0) {
+        text->event->told = TOLD_FOUND;
+        r->s->simulate.finds = 1;
+        return 0;
+    }
+    return read_int(r, node, &text->event->told, rule);
+}
+
+static int read_event_known(reader *r, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->known_given = 1;
+    if (read_flag(r, node, &text->event->known, rule) != 0)
+        return -1;
+    r->s->simulate.feeds |= text->event->known;
+    return 0;
+}
+
+static int read_event_at(reader *r, int node, void *to, const void *rule)
+{
+    static const range later = {0, 1e7, 0, "must be a tick from 0"};
+    event_text *text = to;
+    (void)rule;
+    if (read_int(r, node, &text->event->tick, &later) != 0)
+        return -1;
+    if (text->event->tick < r->s->simulate.ticks)
+        return 0;
+    return tree_fault(r->t, node, "'at: %d' is after the end; the simulation has %d ticks",
+                      text->event->tick, r->s->simulate.ticks);
+}
+
+/* Words that belong to some kinds of events. */
+static int check_event(reader *r, int node, const event_text *text)
+{
+    const scene_event_type type = text->event->type;
+    const int sensors = type == EVENT_NAN || type == EVENT_FROZEN,
+              electrodes = type == EVENT_DEAD || type == EVENT_STUCK;
+    if (text->kinds == 0)
+        return tree_fault(
+            r->t, node,
+            "an event needs one of target, value, load, temperature, dead, stuck, alive, nan, "
+            "frozen, lost");
+    if (text->amount_given != (type == EVENT_LOAD))
+        return tree_fault(r->t, node,
+                          text->amount_given
+                              ? "'amount' belongs to a load; remove it"
+                              : "a load needs an amount, as amount: 0 to take it off");
+    if (text->ticks_given != sensors)
+        return tree_fault(r->t, node,
+                          text->ticks_given ? "'ticks' belongs to nan and frozen; remove it"
+                                            : "sensors fail for some ticks; add ticks: 20");
+    if (text->told_given && !electrodes)
+        return tree_fault(r->t, node, "'told' belongs to dead and stuck electrodes; remove it");
+    if (text->known_given && type == EVENT_TEMPERATURE)
+        return tree_fault(
+            r->t, node,
+            "a known temperature is a load of the scene; add {temperature: 1} to loads, write its number and "
+            "the kelvin as load and amount");
+    if (text->known_given && type != EVENT_LOAD)
+        return tree_fault(r->t, node, "'known' belongs to a load; remove it");
+    return 0;
+}
+
+static int read_event(reader *r, int node, scene_event *event)
+{
+    static const range waits = {
+        0, 1e7, 0,
+        "must be ticks from 0, or found: the controller finds it; leave it out and it is never told"};
+    static const field fields[] = {{"at", read_event_at, 0, NULL, 1},
+                                   {"target", read_event_type, 0, &event_types[0], 0},
+                                   {"value", read_event_type, 0, &event_types[1], 0},
+                                   {"load", read_event_type, 0, &event_types[2], 0},
+                                   {"temperature", read_event_type, 0, &event_types[3], 0},
+                                   {"dead", read_event_type, 0, &event_types[4], 0},
+                                   {"stuck", read_event_type, 0, &event_types[5], 0},
+                                   {"alive", read_event_type, 0, &event_types[6], 0},
+                                   {"nan", read_event_type, 0, &event_types[7], 0},
+                                   {"frozen", read_event_type, 0, &event_types[8], 0},
+                                   {"lost", read_event_type, 0, &event_types[9], 0},
+                                   {"amount", read_event_amount, 0, NULL, 0},
+                                   {"ticks", read_event_ticks, 0, &tick_count, 0},
+                                   {"told", read_event_told, 0, &waits, 0},
+                                   {"known", read_event_known, 0, NULL, 0},
+                                   {NULL, NULL, 0, NULL, 0}};
+    event_text text = {0};
+    text.event = event;
+    event->told = TOLD_NEVER;
+    event->at = node_at(r, node);
+    if (read_map(r, node, fields, &text) != 0)
+        return -1;
+    return check_event(r, node, &text);
+}
+
+static int read_events(reader *r, int node, void *to, const void *rule)
+{
+    scene_simulate *simulate = to;
+    int i, k = 0;
+    (void)rule;
+    simulate->event = new_items(r, node, TREE_LIST, sizeof *simulate->event, &simulate->events);
+    if (!simulate->event)
+        return -1;
+    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
+        if (read_event(r, i, &simulate->event[k]) != 0)
+            return -1;
+        if (k > 0 && simulate->event[k].tick < simulate->event[k - 1].tick)
+            return tree_fault(r->t, i,
+                              "tick %d comes after tick %d; write the events in their order",
+                              simulate->event[k].tick, simulate->event[k - 1].tick);
+    }
+    return 0;
+}
+
+/* ---- the section ---- */
+
+int read_simulate(reader *r, int node, void *to, const void *rule)
+{
+    static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
+    static const choice places[] = {{"rest", 0}, {"target", 1}, {NULL, 0}};
+    static const field fields[] = {
+        {"ticks", read_int, offsetof(scene_simulate, ticks), &tick_count, 1},
+        {"rate", read_real, offsetof(scene_simulate, rate), &above_zero, 0},
+        {"seed", read_int, offsetof(scene_simulate, seed), &seeds, 0},
+        {"influence", read_choice, offsetof(scene_simulate, at_target), places, 0},
+        {"plant", read_plant, 0, NULL, 0},
+        {"sensors", read_measurement, 0, NULL, 0},
+        {"amplifiers", read_amplification, 0, NULL, 0},
+        {"faults", read_faults, 0, NULL, 0},
+        {"events", read_events, 0, NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *s = to;
+    (void)rule;
+    s->simulate.at = node_at(r, node);
+    s->simulate.rate = 1000;
+    s->simulate.seed = 1;
+    s->simulate.kinematics =
+        s->kinematics == KINEMATICS_LINEAR ? KINEMATICS_LINEAR : KINEMATICS_NONLINEAR;
+    if (!s->target.given)
+        return tree_fault(
+            r->t, node,
+            "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
+    if (read_map(r, node, fields, &s->simulate) != 0)
+        return -1;
+    s->simulate.given = 1;
+    if (!s->simulate.at_target || s->kinematics != KINEMATICS_LINEAR)
+        return 0;
+    return tree_fault(r->t, tree_find(r->t, node, "influence"),
+                      "'influence: target' needs the nonlinear structure; write "
+                      "kinematics: nonlinear");
+}
+
+void free_simulate(scene_simulate *simulate)
+{
+    int i;
+    for (i = 0; i < simulate->events; i++) {
+        free(simulate->event[i].amplifier);
+        expr_free(simulate->event[i].value);
+    }
+    free(simulate->event);
+    free(simulate->stiffness);
+    free(simulate->d);
+}

@@ -1,0 +1,462 @@
+/* Numbers of a scene that carry units: the dimension of every numeric key, and the conversion to
+ * the scene's units. */
+#include "scene_units.h"
+
+#include <stdio.h>
+#include <string.h>
+#include "../mesh/surface.h"
+
+/* ---- dimensions ------------------------------------------------------- */
+
+/* What a key measures. Those behind DIMENSIONS follow from its neighbours in the scene. */
+typedef enum dimension {
+    PURE,
+    LENGTH,
+    VOLUME,
+    RADIANS,
+    DEGREES,
+    FORCE,
+    LINE_FORCE,
+    STRESS,
+    ACCELERATION,
+    DENSITY,
+    AREA_DENSITY,
+    RATE,
+    TEMPERATURE,
+    EXPANSION,
+    VOLTAGE,
+    FIELD,
+    CHARGE,
+    STRAIN_CONSTANT,
+    STRESS_CONSTANT,
+    PERMITTIVITY,
+    PYROELECTRIC,
+    EFFORT,
+    DIMENSIONS,
+    OF_THETA1 = DIMENSIONS,
+    OF_THETA2,
+    OF_SUPPORT,
+    OF_LOAD,
+    OF_OUTPUT,
+    OF_READING,
+    OF_ACTUATOR,
+    OF_LIMIT,
+    OF_COMPARE
+} dimension;
+
+/* Names for messages, with a unit as an example; powers of length, force, voltage, temperature,
+ * time, angle. */
+static const struct {
+    const char *name, *example;
+    units_unit unit;
+} dimensions[DIMENSIONS] = {
+    [PURE] = {"a number without a unit", "0.3", {{0, 0, 0, 0, 0, 0}, 0, 0}},
+    [LENGTH] = {"a length", "mm", {{1, 0, 0, 0, 0, 0}, 0, 0}},
+    [VOLUME] = {"a volume", "mm3", {{3, 0, 0, 0, 0, 0}, 0, 0}},
+    [RADIANS] = {"an angle", "deg or rad", {{0, 0, 0, 0, 0, 1}, 0, 0}},
+    [DEGREES] = {"an angle", "deg or rad", {{0, 0, 0, 0, 0, 1}, 0, 1}},
+    [FORCE] = {"a force", "N", {{0, 1, 0, 0, 0, 0}, 0, 0}},
+    [LINE_FORCE] = {"a force per length", "N/m", {{-1, 1, 0, 0, 0, 0}, 0, 0}},
+    [STRESS] = {"a stress or pressure", "MPa", {{-2, 1, 0, 0, 0, 0}, 0, 0}},
+    [ACCELERATION] = {"an acceleration", "m/s2", {{1, 0, 0, 0, -2, 0}, 0, 0}},
+    [DENSITY] = {"a density", "kg/m3", {{-4, 1, 0, 0, 2, 0}, 0, 0}},
+    [AREA_DENSITY] = {"a mass per area", "kg/m2", {{-3, 1, 0, 0, 2, 0}, 0, 0}},
+    [RATE] = {"a frequency", "Hz", {{0, 0, 0, 0, -1, 0}, 0, 0}},
+    [TEMPERATURE] = {"a temperature", "K", {{0, 0, 0, 1, 0, 0}, 0, 0}},
+    [EXPANSION] = {"a thermal expansion", "1/K", {{0, 0, 0, -1, 0, 0}, 0, 0}},
+    [VOLTAGE] = {"a voltage", "V", {{0, 0, 1, 0, 0, 0}, 0, 0}},
+    [FIELD] = {"an electric field", "MV/m", {{-1, 0, 1, 0, 0, 0}, 0, 0}},
+    [CHARGE] = {"a charge", "nC", {{1, 1, -1, 0, 0, 0}, 0, 0}},
+    [STRAIN_CONSTANT] = {"a piezoelectric strain constant",
+                         "pm/V or pC/N",
+                         {{1, 0, -1, 0, 0, 0}, 0, 0}},
+    [STRESS_CONSTANT] = {"a piezoelectric stress constant", "C/m2", {{-1, 1, -1, 0, 0, 0}, 0, 0}},
+    [PERMITTIVITY] = {"a permittivity", "nF/m", {{0, 1, -2, 0, 0, 0}, 0, 0}},
+    [PYROELECTRIC] = {"a pyroelectric constant", "C/(m2 K)", {{-1, 1, -1, -1, 0, 0}, 0, 0}},
+    [EFFORT] = {"a squared length per squared voltage", "m2/V2", {{2, 0, -2, 0, 0, 0}, 0, 0}},
+};
+
+/*
+ * The dimension of every numeric key: one row for a key, or for keys that share it. Keys from the
+ * root, '.' between them, '|' between alternatives, '*' any key; lists have no key of their own.
+ */
+static const struct {
+    const char *path;
+    dimension of;
+} rows[] = {
+    {"tolerance", PURE},
+    {"element.tau|rho", PURE},
+    {"equilibrium.steps|change|mixed|systems", PURE},
+    {"surface.radius|waist|height|tube|inner|outer|meridian", LENGTH},
+    {"surface.smoothing", VOLUME},
+    {"surface.angle", DEGREES},
+    {"surface.ends|turns", PURE},
+    {"mesh.theta1.from|to|points", OF_THETA1},
+    {"mesh.theta2.from|to|points", OF_THETA2},
+    {"mesh.theta1|theta2.elements|grading|centre", PURE},
+    {"materials.*.E|E1|E2|E3|G12|G13|G23", STRESS},
+    {"materials.*.stiffness.c11|c22|c33|c12|c13|c23|c44|c55|c66", STRESS},
+    {"materials.*.nu|nu12|nu13|nu23", PURE},
+    {"materials.*.d31|d32|d33|d24|d15", STRAIN_CONSTANT},
+    {"materials.*.e31|e32|e33|e24|e15", STRESS_CONSTANT},
+    {"materials.*.permittivity", PERMITTIVITY},
+    {"materials.*.pyroelectric", PYROELECTRIC},
+    {"materials.*.alpha", EXPANSION},
+    {"materials.*.density", DENSITY},
+    {"materials.*.field_limit", FIELD},
+    {"layers.thickness", LENGTH},
+    {"layers.angle", DEGREES},
+    {"reference", LENGTH},
+    {"patches.theta1", OF_THETA1},
+    {"patches.theta2", OF_THETA2},
+    {"patches.grid", PURE},
+    {"actuators|sensors.drives.factor", PURE},
+    {"actuators.applied", OF_ACTUATOR},
+    {"limits.voltage|slew", VOLTAGE},
+    {"limits.effort", EFFORT},
+    {"limits.effort.relative", PURE},
+    {"limits.each.voltage|hold", OF_LIMIT},
+    {"supports|outputs|target.at.theta1", OF_THETA1},
+    {"supports|outputs|target.at.theta2", OF_THETA2},
+    {"supports.value", OF_SUPPORT},
+    {"loads.point.theta1", OF_THETA1},
+    {"loads.point.theta2", OF_THETA2},
+    {"loads.u1|u2|u3|x|y|z|pressure", OF_LOAD},
+    {"loads.weight.gravity", ACCELERATION},
+    {"loads.temperature", TEMPERATURE},
+    {"loads.temperature.inner|outer", TEMPERATURE},
+    {"contact.body.point|radius", LENGTH},
+    {"contact.body.normal|axis|value", PURE},
+    {"contact.move", LENGTH},
+    {"contact.stiffness", PURE},
+    {"outputs.reference", OF_OUTPUT},
+    {"target.value", LENGTH},
+    {"target.modes.value", LENGTH},
+    {"compare.values", OF_COMPARE},
+    {"estimate.readings.noise", OF_READING},
+    {"estimate.volts", VOLTAGE},
+    {"estimate.loads|tolerance", PURE},
+    {"target.free", PURE},
+    {"dynamics.damping|modes", PURE},
+    {"dynamics.mass_per_area", AREA_DENSITY},
+    {"simulate.ticks|seed", PURE},
+    {"simulate.rate", RATE},
+    {"simulate.plant.stiffness|d|hysteresis", PURE},
+    {"simulate.plant.stiffness|d.*", PURE},
+    {"simulate.sensors.noise", LENGTH},
+    {"simulate.sensors.delay", PURE},
+    {"simulate.amplifiers.step|dead_band", VOLTAGE},
+    {"simulate.faults.chance|until", PURE},
+    {"simulate.events.value", LENGTH},
+    {"simulate.events.temperature", TEMPERATURE},
+    {"simulate.events.at|target|load|nan|frozen|lost|amount|ticks|told", PURE},
+};
+
+/* ---- the row of a key ------------------------------------------------- */
+
+/* Is a key among the alternatives between start and end? */
+static int segment_has(const char *start, const char *end, const char *key)
+{
+    const size_t length = strlen(key);
+    if (end == start + 1 && *start == '*')
+        return 1;
+    while (start < end) {
+        size_t word = strcspn(start, "|.");
+        if (word == length && strncmp(start, key, length) == 0)
+            return 1;
+        start += word + 1;
+    }
+    return 0;
+}
+
+static int matches(const char *path, const char *const *key, int keys)
+{
+    for (int i = 0; i < keys; i++) {
+        const size_t length = strcspn(path, ".");
+        if (length == 0 || !segment_has(path, path + length, key[i]))
+            return 0;
+        path += length;
+        if (*path == '.')
+            path++;
+    }
+    return *path == 0;
+}
+
+static int find_row(const char *const *key, int keys)
+{
+    for (int i = 0; i < (int)(sizeof rows / sizeof *rows); i++)
+        if (matches(rows[i].path, key, keys))
+            return i;
+    return -1;
+}
+
+int scene_units_known(const char *const *key, int keys)
+{
+    return find_row(key, keys) >= 0;
+}
+
+/* Keys from the root to a node. key [TREE_DEPTH + 1] out. Returns their number. */
+static int keys_to(const tree *t, int node, const char **key)
+{
+    int keys = 0;
+    for (; node; node = t->node[node].parent)
+        if (t->node[node].key && keys <= TREE_DEPTH)
+            key[keys++] = t->node[node].key;
+    for (int i = 0; i < keys / 2; i++) {
+        const char *const swap = key[i];
+        key[i] = key[keys - 1 - i];
+        key[keys - 1 - i] = swap;
+    }
+    return keys;
+}
+
+/* ---- dimensions that follow from neighbours --------------------------- */
+
+/* The mapping that holds the key of a node. */
+static int map_of(const tree *t, int node)
+{
+    while (node && !t->node[node].key)
+        node = t->node[node].parent;
+    return t->node[node].parent;
+}
+
+static const char *text_of(const tree *t, int map, const char *key)
+{
+    const int node = tree_find(t, map, key);
+    return node && t->node[node].text ? t->node[node].text : "";
+}
+
+/* Displacements are lengths, differences of the faces over the thickness are not. */
+static dimension of_support(const tree *t, int map)
+{
+    const int fix = tree_find(t, map, "fix");
+    int is_pure =
+        strstr(text_of(t, map, "fix"), "difference") || strcmp(text_of(t, map, "fix"), "u3M") == 0;
+    for (int i = fix ? t->node[fix].first : 0; i; i = t->node[i].next)
+        is_pure |= t->node[i].text &&
+                   (strstr(t->node[i].text, "difference") || strcmp(t->node[i].text, "u3M") == 0);
+    return is_pure ? PURE : LENGTH;
+}
+
+static dimension of_load(const tree *t, int map)
+{
+    if (tree_find(t, map, "face"))
+        return STRESS;
+    return tree_find(t, map, "line") ? LINE_FORCE : FORCE;
+}
+
+static dimension of_output(const tree *t, int map)
+{
+    const char *const contact = text_of(t, map, "contact");
+    if (tree_find(t, map, "voltage"))
+        return VOLTAGE;
+    if (tree_find(t, map, "charge"))
+        return CHARGE;
+    if (!*contact)
+        return LENGTH;
+    if (strcmp(contact, "nodes") == 0)
+        return PURE;
+    return strcmp(contact, "pressure") == 0 ? STRESS : FORCE;
+}
+
+static dimension of_reading(const reader *r, int map)
+{
+    const int k =
+        find_named(r->s->output, r->s->outputs, sizeof *r->s->output, text_of(r->t, map, "output"));
+    if (k < 0 || r->s->output[k].electric == ELECTRIC_NONE)
+        return LENGTH;
+    return r->s->output[k].electric == ELECTRIC_VOLTAGE ? VOLTAGE : CHARGE;
+}
+
+/* Of what amplifier k gives. */
+static dimension of_amplifier(const scene *s, int k)
+{
+    for (int i = 0; i < s->actuators; i++)
+        if (s->actuator[i].is_temperature && s->actuator[i].first == k)
+            return TEMPERATURE;
+    return VOLTAGE;
+}
+
+static dimension of_limit(const reader *r, int map)
+{
+    int first, count;
+    const int found = scene_find_amplifier(r->s, text_of(r->t, map, "actuator"), &first, &count);
+    return found ? of_amplifier(r->s, first) : VOLTAGE;
+}
+
+/* Values stand in the order of the amplifiers. */
+static dimension of_compare(const reader *r, int node)
+{
+    int k = 0;
+    for (int i = r->t->node[r->t->node[node].parent].first; i && i != node; i = r->t->node[i].next)
+        k++;
+    return of_amplifier(r->s, k);
+}
+
+static dimension of_theta(const reader *r, int direction)
+{
+    return surface_is_angle(&r->s->surface, direction) ? RADIANS : LENGTH;
+}
+
+static dimension resolve(const reader *r, int node, dimension of)
+{
+    const int map = map_of(r->t, node);
+    switch (of) {
+    case OF_THETA1: return of_theta(r, 1);
+    case OF_THETA2: return of_theta(r, 2);
+    case OF_SUPPORT: return of_support(r->t, map);
+    case OF_LOAD: return of_load(r->t, map);
+    case OF_OUTPUT: return of_output(r->t, map);
+    case OF_READING: return of_reading(r, map);
+    case OF_ACTUATOR: return tree_find(r->t, map, "temperature") ? TEMPERATURE : VOLTAGE;
+    case OF_LIMIT: return of_limit(r, map);
+    case OF_COMPARE: return of_compare(r, node);
+    default: return of;
+    }
+}
+
+static dimension dimension_of(const reader *r, int node)
+{
+    const char *key[TREE_DEPTH + 1] = {NULL};
+    const int row = find_row(key, keys_to(r->t, node, key));
+    return row < 0 ? PURE : resolve(r, node, rows[row].of);
+}
+
+/* ---- the scene's units ------------------------------------------------ */
+
+static const char *const base_key[UNITS_BASES] = {"length",      "force", "voltage",
+                                                  "temperature", "",      ""};
+static const dimension base_dimension[UNITS_BASES] = {LENGTH,      FORCE, VOLTAGE,
+                                                      TEMPERATURE, RATE,  RADIANS};
+
+/* The scene's word for a base unit; NULL for those that are always the second and the radian. */
+static const char *base_text(const scene *s, int base)
+{
+    switch (base) {
+    case UNITS_LENGTH: return s->unit_length;
+    case UNITS_FORCE: return s->unit_force;
+    case UNITS_VOLTAGE: return s->unit_voltage;
+    case UNITS_TEMPERATURE: return s->unit_temperature;
+    default: return NULL;
+    }
+}
+
+/* Power of ten of the scene's unit of one base. Returns 0, or -1 where there is none or it is no SI
+ * unit of that base. */
+static int base_ten(const scene *s, int base, int *ten)
+{
+    const char *const text = base_text(s, base);
+    const char *why;
+    units_unit unit;
+    *ten = 0;
+    if (!text)
+        return 0;
+    if (!*text || units_parse(text, &unit, &why) < 0 ||
+        !units_alike(&unit, &dimensions[base_dimension[base]].unit))
+        return -1;
+    *ten = unit.ten;
+    return 0;
+}
+
+int scene_units_ten(const scene *s, const units_unit *unit, int *ten)
+{
+    int own;
+    *ten = unit->ten;
+    for (int base = 0; base < UNITS_BASES; base++) {
+        if (unit->power[base] == 0)
+            continue;
+        if (base_ten(s, base, &own) < 0)
+            return base;
+        *ten -= unit->power[base] * own;
+    }
+    return -1;
+}
+
+/* ---- numbers with units ----------------------------------------------- */
+
+static int refuse_unit(reader *r, int node, const char *suffix, const char *why)
+{
+    return tree_fault(r->t, node,
+                      "'%.60s: %.60s': '%.30s' is no unit: %s; the numbers of a formula carry none",
+                      tree_name(r->t, node), node_text(r, node), suffix, why);
+}
+
+/* The dimension that a unit has, by name; DIMENSIONS where none here has it. */
+static dimension name_dimension(const units_unit *unit)
+{
+    int of = 0;
+    while (of < DIMENSIONS && !units_alike(unit, &dimensions[of].unit))
+        of++;
+    return (dimension)of;
+}
+
+static int refuse_dimension(reader *r, int node, const char *suffix, const units_unit *unit,
+                            dimension expected)
+{
+    const dimension found = name_dimension(unit);
+    char has[80], wants[80];
+    if (found < DIMENSIONS)
+        snprintf(has, sizeof has, "the unit of %s", dimensions[found].name);
+    else
+        snprintf(has, sizeof has, "the unit '%.30s'", suffix);
+    if (expected == PURE)
+        snprintf(wants, sizeof wants, "%s", dimensions[PURE].name);
+    else
+        snprintf(wants, sizeof wants, "that of %s, as %s", dimensions[expected].name,
+                 dimensions[expected].example);
+    return tree_fault(r->t, node, "'%.60s: %.60s' has %s; expected %s", tree_name(r->t, node),
+                      node_text(r, node), has, wants);
+}
+
+static int refuse_base(reader *r, int node, int base)
+{
+    const char *const key = base_key[base], *const text = base_text(r->s, base);
+    const char *const example = dimensions[base_dimension[base]].example;
+    if (!*text)
+        return tree_fault(
+            r->t, node,
+            "'%.60s: %.60s' has a unit but the scene has no unit of %s; add %s: %s to units, or "
+            "remove the unit",
+            tree_name(r->t, node), node_text(r, node), key, key, example);
+    return tree_fault(
+        r->t, node,
+        "'%.60s: %.60s' has a unit, but '%s: %.30s' of the scene's units is no SI unit of %s; "
+        "write one as %s, or remove the unit",
+        tree_name(r->t, node), node_text(r, node), key, text, dimensions[base_dimension[base]].name,
+        example);
+}
+
+/* Degrees in a key in radians, or the reverse: a factor behind the number. */
+static const char *turn(const units_unit *unit, const units_unit *key)
+{
+    if (unit->degrees == key->degrees)
+        return "";
+    return unit->degrees ? "*pi/180" : "*180/pi";
+}
+
+int scene_units_text(reader *r, int node, char text[SCENE_UNITS_TEXT], const char **plain)
+{
+    char number[UNITS_NUMBER];
+    units_unit unit;
+    const char *why;
+    size_t length;
+    int ten;
+    const char *const suffix = units_suffix(node_text(r, node), &length);
+    *plain = node_text(r, node);
+    if (!suffix)
+        return 0;
+    if (units_parse(suffix, &unit, &why) < 0)
+        return refuse_unit(r, node, suffix, why);
+    const dimension expected = dimension_of(r, node);
+    if (expected == PURE || !units_alike(&unit, &dimensions[expected].unit))
+        return refuse_dimension(r, node, suffix, &unit, expected);
+    const int missing = scene_units_ten(r->s, &unit, &ten);
+    if (missing >= 0)
+        return refuse_base(r, node, missing);
+    if (units_shift(node_text(r, node), length, ten, number) < 0)
+        return tree_fault(r->t, node, "'%.60s: %.60s' is too long a number; give fewer digits",
+                          tree_name(r->t, node), node_text(r, node));
+    snprintf(text, SCENE_UNITS_TEXT, "%s%s", number, turn(&unit, &dimensions[expected].unit));
+    *plain = text;
+    return 0;
+}

@@ -1,0 +1,150 @@
+/*
+ * What all parts of piezoshape share: numbers, statuses, sparse rows, symmetric matrices.
+ * SPDX-License-Identifier: BSD-2-Clause
+ *
+ * All memory belongs to the caller. Nothing in the library allocates, prints, recurses or keeps a
+ * global variable. Arrays are row-major. Units are those of the scene; comments write m, N, V, K
+ * for them. Every function leaves its outputs untouched when it returns an error (PZS_E_...),
+ * except where its comment says so. After a warning (PZS_W_...) the outputs are valid. [P n] names
+ * the equations of S. V. Plotnikova's dissertation (Tambov 2013) that a part implements.
+ */
+#ifndef PZS_BASE_H
+#define PZS_BASE_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "pzs_config.h"
+#include "pzs_version.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- numbers ---------------------------------------------------------- */
+
+/* The names of the two entry functions carry the precision: a program and a library that disagree
+ * on it do not link. */
+#if PZS_REAL_BITS == 32
+typedef float pzs_real;
+#define pzs_model_init pzs_model_init_32
+#define pzs_control_init pzs_control_init_32
+#define PZS_BY_BITS(for32, for64) (for32)
+#define PZS_EPSILON 1.1920929e-7f
+#define PZS_SQRT(x) sqrtf(x)
+#define PZS_ABS(x) fabsf(x)
+#else
+typedef double pzs_real;
+#define pzs_model_init pzs_model_init_64
+#define pzs_control_init pzs_control_init_64
+#define PZS_BY_BITS(for32, for64) (for64)
+#define PZS_EPSILON 2.2204460492503131e-16
+#define PZS_SQRT(x) sqrt(x)
+#define PZS_ABS(x) fabs(x)
+#endif
+
+/* A number of a generated table, rounded once from double. */
+#define PZS_R(x) ((pzs_real)(x))
+
+#if PZS_TILE == 4
+#define PZS_BY_TILE(for4, for8, for16) (for4)
+#elif PZS_TILE == 8
+#define PZS_BY_TILE(for4, for8, for16) (for8)
+#else
+#define PZS_BY_TILE(for4, for8, for16) (for16)
+#endif
+
+/* Most bytes of stack that a public function uses: in a control or linear image, and in a nonlinear
+ * image. */
+#define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
+#define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
+
+/* Version of the library that was linked, as PZS_VERSION_TEXT was when it was compiled. */
+const char *pzs_version(void);
+
+/* ---- statuses --------------------------------------------------------- */
+
+typedef enum pzs_status {
+    PZS_OK = 0,
+
+    /* Warnings: the result is valid, but the caller should be told. */
+    PZS_W_ITERATIONS = 1, /* iteration limit reached: the voltages are feasible and no worse than
+                             before, not optimal */
+    PZS_W_STEP_LIMIT, /* step limit and voltage limits of input `where` do not overlap: the voltage
+                         limit takes precedence */
+    PZS_W_SENSOR,     /* measurement `where` is missing or stuck: its last disturbance is kept */
+    PZS_W_HELD,       /* no usable measurement or target: the last safe voltages are held */
+    PZS_W_ELECTRODE,  /* electrode `where` does not follow its amplifier: it is held from now on */
+    /* The equilibrium is in contact, but a part of the shell that faces away from the body lies in
+       it: the shell has passed through itself, or both of its faces would touch. */
+    PZS_W_BEHIND,
+    PZS_W_UNSTABLE, /* the equilibrium is unstable: the tangent has negative pivots */
+
+    /* Errors: outputs are untouched. */
+    PZS_E_ARGUMENT = 64, /* null pointer, or a size or index out of range */
+    PZS_E_FORMAT, /* tables of another format number, or of another scene than the tables they are
+                     used with */
+    PZS_E_CRC,    /* tables do not match their checksum */
+    PZS_E_WORKSPACE, /* workspace too small or misaligned; `where` is the number of bytes needed */
+    PZS_E_STAGE,     /* called before the stage that it needs */
+    PZS_E_NONFINITE, /* NaN or infinity at index `where` of an input array */
+    PZS_E_LIMITS,    /* lower limit above upper limit, or a limit that is not a number, at input
+                        `where` */
+    PZS_E_LOOSE,     /* no stiffness at free dof `where`: a loose part, or a missing support */
+    PZS_E_NEGATIVE,  /* negative pivot at free dof `where` of a structure in its reference state */
+    PZS_E_CONDITION, /* the condition estimate is above what this precision can solve */
+    PZS_E_RESIDUAL,  /* iterative refinement ended with an estimated error above the square root of
+                        epsilon */
+
+    /* Solver errors: the last converged equilibrium is kept; info.load_factor tells how much of the
+       load it carries. */
+    PZS_E_DIVERGED, /* no equilibrium found beyond it, with load steps down to 1/64 (or open
+                       electrodes kept changing) */
+    PZS_E_LIMIT,    /* the same, and the tangent becomes singular: a limit point or a bifurcation is
+                       near */
+    PZS_E_CONTACT,  /* the same, and the set of nodes in contact kept changing; or a shell that its
+                       supports leave loose  does not touch the body at the start, is not pressed
+                       onto  it, or slides along it */
+    PZS_E_PENETRATION, /* the same: the body would enter element `where` at a node or between its
+                          nodes (refine the mesh there or enlarge the body), or pass through it;
+                          contact info.penetration tells which */
+    PZS_E_SOLVES       /* the limit on linear solves is reached */
+} pzs_status;
+
+#define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)
+
+/* One line for a person; the text is linked only where this function is called. */
+const char *pzs_status_text(pzs_status status);
+
+/* ---- shared tables and matrices --------------------------------------- */
+
+/* Marks a constrained dof (held at zero by a support) in node_dof. */
+#define PZS_CONSTRAINED 0xFFFFu
+
+/* Sparse rows over the free dof: one row for each input (a force) or each output (a displacement).
+ */
+typedef struct pzs_rows {
+    uint16_t count;        /* rows */
+    const uint32_t *start; /* [count + 1] first entry of each row */
+    const uint16_t *dof;   /* [start[count]] free dof */
+    const pzs_real *value; /* [start[count]] */
+} pzs_rows;
+
+/* A symmetric matrix in envelope storage, which serves dense, banded and skyline matrices alike. */
+typedef struct pzs_envelope {
+    uint32_t n;            /* rows */
+    const uint16_t *first; /* [n] first column of each row of the lower triangle */
+    uint32_t *start;       /* [panels + 1] where each panel of PZS_TILE rows begins in value */
+    pzs_real *value;       /* [start[panels]] */
+    pzs_real *inverse;     /* [n] inverse pivots, once factored */
+} pzs_envelope;
+
+/* n rounded up to whole tiles, and the reals that a dense factor of n rows takes. */
+#define PZS_CEIL(n) (((size_t)(n) + PZS_TILE - 1u) / PZS_TILE * PZS_TILE)
+#define PZS_DENSE(n) (PZS_CEIL(n) * (PZS_CEIL(n) + PZS_TILE) / 2u + (size_t)(n))
+
+#ifdef __cplusplus
+}
+#endif
+#endif

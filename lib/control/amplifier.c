@@ -1,0 +1,51 @@
+/*
+ * Amplifiers that give whole steps only and leave small changes be.
+ *
+ * A volt asked for becomes the last whole step on the way to it from the volt given now. So it
+ * stays between the two, inside limits and slew, and what integral action asks for is given once it
+ * amounts to a step: no step is taken that the next tick would take back, which rounding to the
+ * nearest does where the plant is stronger than the model. Limits in force come before whole steps.
+ */
+#include "pzs_loop.h"
+#include "control.h"
+#include "../core/numbers.h"
+
+#define MOST_STEPS                                                                                 \
+    PZS_R(1e9) /* volts of more steps are not rounded: they count in less than the real's own      \
+                  steps */
+
+/* The last whole step on the way from `have` to `wish`, or `have`. */
+static pzs_real whole_step(pzs_real wish, pzs_real have, pzs_real step)
+{
+    const pzs_real steps = wish / step;
+    if (!(step > 0) || !(number_absolute(steps) < MOST_STEPS))
+        return wish;
+    const int32_t near = (int32_t)steps;
+    const pzs_real at = (pzs_real)near * step;
+    if (wish > have) {
+        const pzs_real below = at > wish ? (pzs_real)(near - 1) * step : at;
+        return below > have ? below : have;
+    }
+    const pzs_real above = at < wish ? (pzs_real)(near + 1) * step : at;
+    return above < have ? above : have;
+}
+
+pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band)
+{
+    if (control == NULL || given == NULL || !(step >= 0) || !(dead_band >= 0))
+        return PZS_E_ARGUMENT;
+    if (control->state.stage != CONTROL_READY)
+        return PZS_E_STAGE;
+    const pzs_problem *p = control->state.problem;
+    for (uint32_t j = 0; j < p->inputs; j++) {
+        const pzs_real wish = control->state.voltage[j];
+        const pzs_real have =
+            number_is_finite(given[j]) ? number_clamp(given[j], p->lower[j], p->upper[j]) : wish;
+        const pzs_real stepped =
+            number_absolute(wish - have) <= dead_band ? have : whole_step(wish, have, step);
+        given[j] = number_clamp(stepped, control->state.lower[j], control->state.upper[j]);
+        control->state.voltage[j] = given[j];
+    }
+    pzs_control_moved(control);
+    return PZS_OK;
+}

@@ -1,0 +1,656 @@
+/*
+ * The voltage optimiser (boxls.h): a primal active-set method on one symmetric matrix, the tableau
+ * (boxls_tableau.h). F is the free set, A the active set.
+ *
+ * A round starts from the true gradient and makes iterations of two kinds:
+ *   descent  go along the direction to the minimum over F; an input that meets a bound stays there
+ * and leaves F; release  at a minimum over F: an active input k with a KKT violation moves, while F
+ * follows so that its gradient stays zero. It stops at the minimum of this ray, where k joins F, at
+ * the other bound of k, or where an input of F meets a bound and leaves F. A round ends with the
+ * true gradient computed from H, so rounding errors of the tableau never reach the voltages: they
+ * only cost another round, and a tableau that has become inaccurate is recomputed.
+ *
+ * Termination. A descent that is stopped shrinks F. A release prefers inputs strictly between their
+ * bounds; each such iteration lowers 2 (number of these) + (size of F), so at most 3 inputs
+ * iterations lead to a point where every input strictly between its bounds has zero gradient: the
+ * minimum of its face, whose objective depends only on which inputs stand at which bound. Only
+ * there an input at a bound is released. Iterations of zero length only shrink F; the next one of
+ * positive length strictly lowers the objective. So the objective of successive faces falls
+ * strictly, no face occurs twice, and there are finitely many.
+ *
+ * An input whose pivot is below inputs * epsilon of its diagonal entry depends linearly on F. It is
+ * not swept into F. At a minimum over F its gradient is zero up to rounding; if it is released, its
+ * ray has no curvature and ends at a bound.
+ *
+ * Verified tableau. A tableau whose round ended at the optimum is verified until the next sweep.
+ * With it, a descent that nothing blocks takes one direct iteration, after which only two entries
+ * of the gradient are measured, in turn. An entry that differs from its prediction ends the
+ * verification, and a normal round follows. An error of the tableau can thus last until its input
+ * is measured, at most inputs/2 + 1 steps.
+ *
+ * Rounding. Only KKT violations above their rounding bound count. A round that neither ends at the
+ * optimum nor lowers the objective (by the true gradients at both ends) is undone. Iterations and
+ * rounds are limited. The voltages are feasible after every iteration: they are only ever clamped,
+ * or accepted where every one compares as inside its bounds.
+ */
+#include <string.h>
+#include "boxls.h"
+#include "boxls_tableau.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+
+#define ROUNDS 8u /* most rounds of one call */
+/* KKT violations below this multiple of the rounding bounds count as zero */
+#define ROUNDING_FACTOR 4
+/* Factor by which a gradient of F may exceed its rounding bound where that costs nothing. */
+#define TOLERATED PZS_BY_BITS(256, 2048)
+/* Assumed ratio of the prediction errors of unmeasured and measured entries */
+#define UNMEASURED_FACTOR 8
+/* A decrease counts only if it exceeds this multiple of its rounding error */
+#define SIGNIFICANT 16
+/* A round that lowers the KKT violation by less than this factor renews the tableau */
+#define LEAST_PROGRESS 16
+
+void pzs_boxls_place(pzs_optimiser *b, pzs_real *work)
+{
+    pzs_real **const vector[BOXLS_VECTORS] = {&b->lower,
+                                              &b->upper,
+                                              &b->free_set,
+                                              &b->base,
+                                              &b->regularisation_gradient,
+                                              &b->target_gradient,
+                                              &b->model_gradient,
+                                              &b->gradient,
+                                              &b->direction,
+                                              &b->diagonal,
+                                              &b->start_voltage,
+                                              &b->start_gradient,
+                                              &b->next_voltage,
+                                              &b->scratch};
+    for (uint32_t k = 0; k < BOXLS_VECTORS; k++)
+        *vector[k] = work + (size_t)k * b->width;
+}
+
+/* ---- gradients ------------------------------------------------------ */
+
+/* y = A x, A [n][width] symmetric. */
+static void symmetric(const pzs_optimiser *b, pzs_real *restrict y, const pzs_real *restrict a,
+                      const pzs_real *restrict x)
+{
+    pzs_product_sum_rows(y, a, b->width, x, b->inputs, optimiser_span(b));
+}
+
+/* gradient = model gradient - target gradient; next = the same on F, 0 on A. */
+static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
+                    const pzs_real *restrict model_gradient,
+                    const pzs_real *restrict target_gradient, const pzs_real *restrict free_set,
+                    size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real g = model_gradient[i] - target_gradient[i];
+        gradient[i] = g;
+        next[i] = free_set[i] > 0 ? g : 0;
+    }
+}
+
+void pzs_boxls_gradient(pzs_optimiser *b)
+{
+    combine(b->gradient, b->next_voltage, b->model_gradient, b->target_gradient, b->free_set,
+            optimiser_span(b));
+}
+
+static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y,
+                     size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] = x[i] - y[i];
+}
+
+static void add(pzs_real *restrict z, const pzs_real *restrict x, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] += x[i];
+}
+
+/* Rounding-error bound of H offset (m2/V). */
+static pzs_real rounding_of_product(const pzs_optimiser *b, const pzs_real *offset)
+{
+    return PZS_EPSILON * pzs_product_dot_size(b->diagonal, offset, b->width);
+}
+
+void pzs_boxls_true_gradient(pzs_optimiser *b)
+{
+    subtract(b->scratch, b->voltage, b->base, optimiser_span(b));
+    b->model_rounding = rounding_of_product(b, b->scratch);
+    symmetric(b, b->model_gradient, b->hessian, b->scratch);
+    add(b->model_gradient, b->regularisation_gradient, optimiser_span(b));
+    pzs_boxls_gradient(b);
+}
+
+/*
+ * KKT violation of one voltage: the size of g between the bounds; at a bound only the part that
+ * points inwards, which is negative where the condition holds.
+ */
+static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, pzs_real upper)
+{
+    const pzs_real falls = v < upper ? number_absolute(g) : g, stays = v < upper ? -g : 0;
+    return v > lower ? falls : stays;
+}
+
+/*
+ * Direction of the free inputs, gradient after the step of the active ones; voltages after the
+ * step, and their offset from the base. Returns how many inputs would leave their bounds or, in the
+ * active set, have a KKT violation above `rounding`; 0 ends the round.
+ */
+static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
+                             pzs_real *restrict offset, const pzs_real *restrict free_set,
+                             const pzs_real *restrict gradient, const pzs_real *restrict v,
+                             const pzs_real *restrict lower, const pzs_real *restrict upper,
+                             const pzs_real *restrict base, pzs_real rounding, size_t span)
+{
+    uint32_t open = 0;
+    for (size_t i = 0; i < span; i++) {
+        if (!OPTIMISER_WIDE && free_set[i] > 0) { /* same result with fewer instructions, for
+                                                     processors without vectors */
+            const pzs_real x = v[i] + move[i];
+            next[i] = x;
+            offset[i] = x - base[i];
+            open += !(x >= lower[i] && x <= upper[i]);
+            continue;
+        }
+        const pzs_real way = free_set[i] > 0 ? move[i] : 0,
+                       slope = free_set[i] > 0 ? 0 : gradient[i] - move[i];
+        const pzs_real x = v[i] + way, most = entry_violation(slope, x, lower[i], upper[i]);
+        move[i] = way + slope;
+        next[i] = x;
+        offset[i] = x - base[i];
+        open +=
+            (x >= lower[i] ? 0u : 1u) + (x <= upper[i] ? 0u : 1u) + (most <= rounding ? 0u : 1u);
+    }
+    return open;
+}
+
+uint32_t pzs_boxls_find_direction(pzs_optimiser *b, pzs_real rounding)
+{
+    symmetric(b, b->direction, b->tableau, b->next_voltage);
+    return predict_step(b->direction, b->next_voltage, b->scratch, b->free_set, b->gradient,
+                        b->voltage, b->lower, b->upper, b->base, rounding, optimiser_span(b));
+}
+
+static void entry_violations(pzs_real *restrict out, const pzs_real *restrict v,
+                             const pzs_real *restrict lower, const pzs_real *restrict upper,
+                             const pzs_real *restrict gradient, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        out[i] = entry_violation(gradient[i], v[i], lower[i], upper[i]);
+}
+
+pzs_real pzs_boxls_violation(const pzs_optimiser *b, const pzs_real *v, const pzs_real *gradient)
+{
+    entry_violations(b->scratch, v, b->lower, b->upper, gradient, optimiser_span(b));
+    return pzs_product_largest(b->scratch, b->width);
+}
+
+/* Whether a gradient of this size (m2/V) on F costs less than epsilon of the target energy: its
+ * square times inverse H. */
+static int is_negligible(pzs_optimiser *b, pzs_real size)
+{
+    const pzs_real square = size * size, most = PZS_EPSILON * b->target_energy;
+    if (b->inverse_trace_bound > 0 && square * b->inverse_trace_bound <= most)
+        return 1;
+    const pzs_real soft = pzs_tableau_inverse_trace(b);
+    return soft >= 0 && square * soft <= most;
+}
+
+int pzs_boxls_needs_new_base(pzs_optimiser *b)
+{
+    return !is_negligible(b, b->model_rounding);
+}
+
+/* out = KKT violation of each active input, at least `turn` where its gradient is smaller than
+ * that; 0 on F. */
+static void active_violations(pzs_real *restrict out, const pzs_real *restrict v,
+                              const pzs_real *restrict lower, const pzs_real *restrict upper,
+                              const pzs_real *restrict gradient, const pzs_real *restrict free_set,
+                              pzs_real turn, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real known = entry_violation(gradient[i], v[i], lower[i], upper[i]),
+                       any = number_absolute(gradient[i]) > turn ? known : turn;
+        const pzs_real at = lower[i] < upper[i] ? any : known;
+        out[i] = free_set[i] > 0 ? 0 : at;
+    }
+}
+
+/*
+ * Whether the round has converged: no KKT violation above its rounding bound; or a violation on F
+ * alone that is not far above it, costs nothing, and is too small to change the sign of an active
+ * input's multiplier. Never where a voltage is not finite, because then the rounding bound is not
+ * finite either.
+ */
+static int is_converged(pzs_optimiser *b)
+{
+    if (!number_is_finite(b->rounding_bound))
+        return 0;
+    if (b->kkt_violation <= b->rounding_bound)
+        return 1;
+    if (!(b->kkt_violation <= TOLERATED * b->rounding_bound) || !is_negligible(b, b->kkt_violation))
+        return 0;
+    if (b->active_count == 0)
+        return 1;
+    active_violations(b->scratch, b->voltage, b->lower, b->upper, b->gradient, b->free_set,
+                      (pzs_real)b->inputs * b->kkt_violation, optimiser_span(b));
+    return pzs_product_largest(b->scratch, b->width) <= b->rounding_bound;
+}
+
+/* ---- iterations ------------------------------------------------------ */
+
+typedef struct blocking {
+    pzs_real part;  /* part of the direction that can be taken */
+    uint32_t input; /* first input to meet a bound, or the number of inputs */
+} blocking;
+
+/* urgency = |direction| / room where `part` of the direction of a free input leads beyond its
+ * bound, else 0. */
+static void rank_blocking(pzs_real *restrict urgency, const pzs_real *restrict direction,
+                          const pzs_real *restrict v, const pzs_real *restrict lower,
+                          const pzs_real *restrict upper, const pzs_real *restrict free_set,
+                          pzs_real part, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real down = v[i] - lower[i], up = upper[i] - v[i],
+                       room = direction[i] < 0 ? down : up, size = number_absolute(direction[i]);
+        const int meets = (room < part * size) & (free_set[i] > 0);
+        urgency[i] = (meets ? size : 0) / (meets ? room : 1);
+    }
+}
+
+/* First input with the largest entry of x, or the number of inputs if none is above `least`. */
+static uint32_t find_largest(const pzs_optimiser *b, const pzs_real *x, pzs_real least)
+{
+    const pzs_real most = pzs_product_largest(x, b->width);
+    uint32_t i = most > least ? 0 : b->inputs;
+    while (i < b->inputs && !(x[i] >= most))
+        i++;
+    return i;
+}
+
+/* Shorten `part` of the direction of the free inputs to the first bound that it meets. */
+static blocking first_blocking(const pzs_optimiser *b, const pzs_real *direction, pzs_real part)
+{
+    rank_blocking(b->scratch, direction, b->voltage, b->lower, b->upper, b->free_set, part,
+                  optimiser_span(b));
+    blocking first = {part, find_largest(b, b->scratch, 0)};
+    if (first.input < b->inputs) {
+        const uint32_t i = first.input;
+        first.part =
+            (direction[i] < 0 ? b->voltage[i] - b->lower[i] : b->upper[i] - b->voltage[i]) /
+            number_absolute(direction[i]);
+    }
+    return first;
+}
+
+/* v += part * direction on F, clamped to the bounds. */
+static void advance(pzs_real *restrict v, const pzs_real *restrict direction,
+                    const pzs_real *restrict lower, const pzs_real *restrict upper,
+                    const pzs_real *restrict free_set, pzs_real part, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real there = number_clamp(v[i] + part * direction[i], lower[i], upper[i]);
+        v[i] = free_set[i] > 0 ? there : v[i];
+    }
+}
+
+/* Move along the direction; an input that meets its bound stands on it exactly. */
+static void move_along(pzs_optimiser *b, const pzs_real *direction, blocking first)
+{
+    advance(b->voltage, direction, b->lower, b->upper, b->free_set, first.part, optimiser_span(b));
+    if (first.input < b->inputs)
+        b->voltage[first.input] =
+            direction[first.input] < 0 ? b->lower[first.input] : b->upper[first.input];
+}
+
+/* direction *= remaining on F. */
+static void scale_direction(pzs_real *restrict move, const pzs_real *restrict free_set,
+                            pzs_real remaining, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        move[i] *= free_set[i] > 0 ? remaining : 1;
+}
+
+/* z += inside * x on F, outside * x on A. */
+static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x,
+                          const pzs_real *restrict free_set, pzs_real inside, pzs_real outside,
+                          size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        z[i] += (free_set[i] > 0 ? inside : outside) * x[i];
+}
+
+/* Move input j out of F when the part `remaining` of its direction is not yet taken. */
+static void leave_free_set(pzs_optimiser *b, uint32_t j, pzs_real remaining)
+{
+    const pzs_real *row = b->tableau + (size_t)j * b->width;
+    pzs_tableau_sweep(b, j);
+    add_multiples(b->direction, row, b->free_set, remaining, -remaining, optimiser_span(b));
+    b->direction[j] = -remaining * row[j];
+}
+
+/* One descent iteration. Returns nonzero if a bound stopped it. */
+static int descend(pzs_optimiser *b)
+{
+    const blocking first = first_blocking(b, b->direction, 1);
+    move_along(b, b->direction, first);
+    if (first.input == b->inputs)
+        return 0;
+    scale_direction(b->direction, b->free_set, 1 - first.part, optimiser_span(b));
+    leave_free_set(b, first.input, b->direction[first.input]);
+    return 1;
+}
+
+/* KKT violations of active inputs: of those strictly between their bounds, and of those at a bound;
+ * elsewhere 0. */
+static void sort_active(pzs_real *restrict between, pzs_real *restrict at,
+                        const pzs_real *restrict v, const pzs_real *restrict lower,
+                        const pzs_real *restrict upper, const pzs_real *restrict move,
+                        const pzs_real *restrict free_set, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real most =
+            free_set[i] > 0 ? 0 : entry_violation(move[i], v[i], lower[i], upper[i]);
+        const int inside = (v[i] > lower[i]) & (v[i] < upper[i]);
+        between[i] = inside ? most : 0;
+        at[i] = inside ? 0 : most;
+    }
+}
+
+/* Active input to release: the largest violation strictly between bounds, else the largest at a
+ * bound, else none. */
+static uint32_t input_to_release(const pzs_optimiser *b, pzs_real rounding)
+{
+    sort_active(b->scratch, b->next_voltage, b->voltage, b->lower, b->upper, b->direction,
+                b->free_set, optimiser_span(b));
+    const uint32_t between = find_largest(b, b->scratch, rounding);
+    return between < b->inputs ? between : find_largest(b, b->next_voltage, rounding);
+}
+
+/* Length of the ray of input k (V): to the minimum of the ray, or to its own bound. */
+static pzs_real ray_length(const pzs_optimiser *b, uint32_t k, int *to_limit)
+{
+    const pzs_real slope = number_absolute(b->direction[k]),
+                   pivot = b->tableau[(size_t)k * b->width + k];
+    const pzs_real room =
+        b->direction[k] > 0 ? b->voltage[k] - b->lower[k] : b->upper[k] - b->voltage[k];
+    const pzs_real least = (number_is_finite(room) ? PZS_EPSILON : b->pivot_floor) * b->diagonal[k];
+    const pzs_real curvature = pivot > least ? pivot : least;
+    *to_limit = !(slope < room * curvature);
+    return *to_limit ? room : slope / curvature;
+}
+
+/* Move along the ray of k, v_F -= row_F times length, and update the gradients of A. Returns what
+ * stopped it. */
+static blocking follow_ray(pzs_optimiser *b, uint32_t k, pzs_real length)
+{
+    const pzs_real *row = b->tableau + (size_t)k * b->width,
+                   sign = b->direction[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
+    for (uint32_t i = 0; i < b->inputs; i++)
+        b->next_voltage[i] = -sign * row[i];
+    const blocking first = first_blocking(b, b->next_voltage, length);
+    if (number_is_finite(first.part)) {
+        const pzs_real far = sign * first.part;
+        move_along(b, b->next_voltage, first);
+        b->voltage[k] = number_clamp(b->voltage[k] + far, b->lower[k], b->upper[k]);
+        add_multiples(b->direction, row, b->free_set, far, far, optimiser_span(b));
+    }
+    return first;
+}
+
+/* One release iteration: input k moves along its ray, from a minimum over F. */
+static void release_input(pzs_optimiser *b, uint32_t k)
+{
+    const int down = b->direction[k] > 0;
+    int to_limit;
+    const pzs_real length = ray_length(b, k, &to_limit);
+    const blocking first = follow_ray(b, k, length);
+    if (first.input < b->inputs) {
+        leave_free_set(b, first.input, 0);
+    } else if (to_limit && number_is_finite(first.part)) {
+        b->voltage[k] = down ? b->lower[k] : b->upper[k];
+    } else {
+        b->direction[k] = 0; /* released; a ray without end and curvature would gain nothing but
+                                rounding */
+        if (!to_limit && pzs_tableau_independence(b, k) > b->pivot_floor)
+            pzs_tableau_sweep(b, k);
+    }
+}
+
+/* Whether no free input has a gradient above the rounding bound; next_voltage holds these
+ * gradients. */
+static int is_stationary(const pzs_optimiser *b)
+{
+    uint32_t i = 0;
+    while (i < b->inputs && number_absolute(b->next_voltage[i]) <= b->rounding_bound)
+        i++;
+    return i == b->inputs;
+}
+
+/* Iterations from a blocked direction until the tableau predicts no KKT violation. Returns how many
+ * were used. */
+static uint32_t iterate(pzs_optimiser *b, pzs_real rounding, uint32_t allowed)
+{
+    const uint32_t most = 2u * b->inputs + 8u < allowed ? 2u * b->inputs + 8u : allowed;
+    uint32_t used = 0, k = 0;
+    int blocked = 1;
+    for (; blocked && used < most; used++)
+        blocked = descend(b);
+    for (; used < most && (k = input_to_release(b, rounding)) < b->inputs; used++)
+        release_input(b, k);
+    return used;
+}
+
+/* ---- direct iteration ----------------------------------------------- */
+
+/* Measure the model gradient of input k after the step. Returns the prediction error of its
+ * gradient. */
+static pzs_real measure_gradient(const pzs_optimiser *b, uint32_t k, const pzs_real *offset,
+                                 pzs_real *model_gradient)
+{
+    *model_gradient = pzs_product_dot(b->hessian + (size_t)k * b->width, offset, b->width) +
+                      b->regularisation_gradient[k];
+    const pzs_real seen = *model_gradient - b->target_gradient[k];
+    return number_absolute(b->free_set[k] > 0 ? seen : seen - b->direction[k]);
+}
+
+/* Predicted gradient after the step: 0 on F, the direction entry on A. */
+static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
+                             const pzs_real *restrict free_set, size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        gradient[i] = free_set[i] > 0 ? 0 : move[i];
+}
+
+/* Accept the step: voltages after it, and the model gradient that belongs to the predicted
+ * gradient. */
+static void accept_prediction(pzs_real *restrict v, pzs_real *restrict model_gradient,
+                              const pzs_real *restrict next, const pzs_real *restrict move,
+                              const pzs_real *restrict free_set,
+                              const pzs_real *restrict target_gradient, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        v[i] = next[i];
+        model_gradient[i] = target_gradient[i] + (free_set[i] > 0 ? 0 : move[i]);
+    }
+}
+
+/*
+ * Take the whole step, which nothing blocks, in one iteration. Returns 0 if the measured gradients
+ * are not as predicted: the voltages are then where they were and the tableau is no longer
+ * verified.
+ */
+static int take_direct_iteration(pzs_optimiser *b)
+{
+    const pzs_real *offset = b->scratch, rough = rounding_of_product(b, offset);
+    const uint32_t one = b->checked_next, two = one + 1u < b->inputs ? one + 1u : 0;
+    const pzs_real near = TOLERATED * b->rounding_bound;
+    pzs_real model_gradient[2];
+    b->kkt_violation = measure_gradient(b, one, offset, &model_gradient[0]) +
+                       measure_gradient(b, two, offset, &model_gradient[1]);
+    b->rounding_bound = ROUNDING_FACTOR * (b->target_rounding + rough);
+    if (b->kkt_violation > b->rounding_bound)
+        predict_gradient(b->gradient, b->direction, b->free_set, optimiser_span(b));
+    if (!is_converged(b) || !(b->kkt_violation <= near) ||
+        (b->kkt_violation > b->rounding_bound &&
+         !is_negligible(b, UNMEASURED_FACTOR * b->kkt_violation))) {
+        b->is_verified = false;
+        pzs_boxls_gradient(b);
+        return 0;
+    }
+    b->model_rounding = rough;
+    b->checked_next = two + 1u < b->inputs ? two + 1u : 0;
+    b->iterations++;
+    accept_prediction(b->voltage, b->model_gradient, b->next_voltage, b->direction, b->free_set,
+                      b->target_gradient, optimiser_span(b));
+    b->model_gradient[one] = model_gradient[0];
+    b->model_gradient[two] = model_gradient[1];
+    return 1;
+}
+
+/* ---- rounds --------------------------------------------------------- */
+
+/* way = v - start_voltage, slope = gradient + start_gradient. */
+static void difference(pzs_real *restrict way, pzs_real *restrict slope, const pzs_real *restrict v,
+                       const pzs_real *restrict start, const pzs_real *restrict gradient,
+                       const pzs_real *restrict start_gradient, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        way[i] = v[i] - start[i];
+        slope[i] = gradient[i] + start_gradient[i];
+    }
+}
+
+/*
+ * Whether the round lowered the objective: it changed by exactly (v - start) . (sum of the
+ * gradients at both ends). The rounding error over this distance must be below the target energy,
+ * or well below the decrease.
+ */
+static int has_decreased(const pzs_optimiser *b)
+{
+    difference(b->scratch, b->direction, b->voltage, b->start_voltage, b->gradient,
+               b->start_gradient, optimiser_span(b));
+    const pzs_real change = pzs_product_dot(b->scratch, b->direction, b->width),
+                   sure = -change / SIGNIFICANT;
+    const pzs_real far = PZS_SQRT(pzs_product_dot(b->scratch, b->scratch, b->width));
+    return change < 0 &&
+           far * b->model_rounding < (sure > b->target_energy ? sure : b->target_energy);
+}
+
+/* One round, from the direction to the true gradient at its end. */
+static void run_round(pzs_optimiser *b, int blocked)
+{
+    const size_t bytes = b->width * sizeof(pzs_real);
+    memcpy(b->start_voltage, b->voltage, bytes);
+    memcpy(b->start_gradient, b->gradient, bytes);
+    if (blocked)
+        b->iterations += iterate(b, b->rounding_bound / 2, b->iteration_limit - b->iterations);
+    else
+        memcpy(b->voltage, b->next_voltage, bytes);
+    b->iterations += !blocked;
+    pzs_boxls_true_gradient(b);
+}
+
+/* KKT violation at v, and the part of it that may be rounding. */
+static void assess(pzs_optimiser *b)
+{
+    b->kkt_violation = pzs_boxls_violation(b, b->voltage, b->gradient);
+    b->rounding_bound = ROUNDING_FACTOR * (b->target_rounding + b->model_rounding);
+}
+
+/* Clamp v to the bounds. Returns how many entries were outside. */
+static uint32_t clamp_voltages(pzs_real *restrict v, const pzs_real *restrict lower,
+                               const pzs_real *restrict upper, size_t span)
+{
+    uint32_t outside = 0;
+    for (size_t i = 0; i < span; i++) {
+        outside += (v[i] < lower[i] ? 1u : 0u) + (v[i] > upper[i] ? 1u : 0u);
+        v[i] = number_clamp(v[i], lower[i], upper[i]);
+    }
+    return outside;
+}
+
+int pzs_boxls_enforce_limits(pzs_optimiser *b)
+{
+    const int moved = clamp_voltages(b->voltage, b->lower, b->upper, optimiser_span(b)) != 0;
+    if (moved)
+        pzs_boxls_true_gradient(b);
+    return moved;
+}
+
+/*
+ * Conclude a round: it ended at the optimum, which verifies the tableau; or the objective fell; or
+ * the round is undone. A round that looks converged only because its own way raised the rounding
+ * bound must have lowered the objective.
+ */
+static void conclude_round(pzs_optimiser *b, int moved)
+{
+    const pzs_real rounding = b->rounding_bound;
+    assess(b);
+    b->is_optimal = is_converged(b);
+    if (b->is_optimal && moved && !b->is_verified) {
+        b->is_verified = true;
+        b->checked_next = 0;
+    }
+    if (!moved || (b->is_optimal && b->kkt_violation <= rounding) || has_decreased(b))
+        return;
+    memcpy(b->voltage, b->start_voltage, b->width * sizeof(pzs_real));
+    (void)clamp_voltages(b->voltage, b->lower, b->upper, optimiser_span(b));
+    pzs_boxls_true_gradient(b);
+    b->is_verified = false;
+    assess(b);
+    b->is_optimal = is_converged(b);
+}
+
+/* Recompute the tableau after a round of little progress. A fresh one already accepts more inputs
+ * as dependent. */
+static void renew_tableau(pzs_optimiser *b, int fresh)
+{
+    const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)b->inputs * PZS_EPSILON;
+    b->pivot_floor = fresh ? number_clamp(b->pivot_floor * 16, 0, most) : b->pivot_floor;
+    pzs_tableau_rebuild(b);
+    pzs_boxls_gradient(b);
+}
+
+void pzs_boxls_optimise(pzs_optimiser *b)
+{
+    int fresh = 0;
+    b->rounding_bound = ROUNDING_FACTOR * (b->target_rounding + b->model_rounding);
+    b->is_optimal = 0;
+    if (b->iterations >= b->iteration_limit) {
+        (void)pzs_boxls_enforce_limits(b);
+        assess(b);
+        b->is_optimal = b->kkt_violation <= b->rounding_bound;
+    }
+    for (uint32_t round = 0; round < ROUNDS && !b->is_optimal && b->iterations < b->iteration_limit;
+         round++) {
+        const int rest = is_stationary(b),
+                  blocked = pzs_boxls_find_direction(b, b->rounding_bound / 2) != 0,
+                  moves = blocked || !rest;
+        if ((blocked || rest) && pzs_boxls_enforce_limits(b))
+            continue;
+        if (moves && !blocked && b->is_verified) {
+            b->is_optimal = take_direct_iteration(b);
+            continue;
+        }
+        if (moves)
+            run_round(b, blocked);
+        conclude_round(b, moves);
+        if (!b->is_optimal && b->iterations < b->iteration_limit &&
+            (!moves || b->kkt_violation * LEAST_PROGRESS >
+                           pzs_boxls_violation(b, b->start_voltage, b->start_gradient))) {
+            renew_tableau(b, fresh);
+            fresh = 1;
+        }
+    }
+    b->is_optimal |= b->iterations < b->iteration_limit &&
+                     b->kkt_violation <= TOLERATED * b->rounding_bound; /* as far as rounding
+                                                                           permits */
+}

@@ -1,0 +1,152 @@
+/*
+ * The shape from a few sensors, through the model: y = B v + G (s - S v), what the volts make and,
+ * as likely as the loads and faults that the tables were made for, what makes the sensors show
+ * something else. And the shape that known loads make.
+ *
+ * Work of a tick: (sensors + outputs) (inputs + sensors) multiply-adds at most; nothing depends on
+ * the data.
+ */
+#include <string.h>
+#include "estimate.h"
+#include "boxls.h"
+#include "control.h"
+#include "../core/guard.h"
+#include "../core/product.h"
+#include "sense.h"
+
+#define READY 1u
+#define FOURS(n) (((size_t)(n) + 3u) & ~(size_t)3u)
+
+uint32_t pzs_estimate_crc(const pzs_estimator *t)
+{
+    const uint16_t counts[3] = {t->inputs, t->outputs, t->sensors};
+    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    crc = pzs_guard_crc(crc, t->direct, (size_t)t->sensors * t->inputs * sizeof(pzs_real));
+    return ~pzs_guard_crc(crc, t->gain, (size_t)t->outputs * t->sensors * sizeof(pzs_real));
+}
+
+uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *t)
+{
+    const uint16_t counts[2] = {t->inputs, t->outputs};
+    const uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    return ~pzs_guard_crc(crc, t->sensitivity, (size_t)t->outputs * t->inputs * sizeof(pzs_real));
+}
+
+pzs_status pzs_estimator_seal(pzs_estimator *tables)
+{
+    if (tables == NULL || tables->direct == NULL || tables->gain == NULL)
+        return PZS_E_ARGUMENT;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->crc = pzs_estimate_crc(tables);
+    return PZS_OK;
+}
+
+pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table)
+{
+    if (table == NULL || table->sensitivity == NULL)
+        return PZS_E_ARGUMENT;
+    table->format = PZS_TABLE_FORMAT;
+    table->crc = pzs_estimate_known_crc(table);
+    return PZS_OK;
+}
+
+/* ---- estimate --------------------------------------------------------- */
+
+static pzs_status check(const pzs_estimator *t, const pzs_control *c)
+{
+    if (t->format != PZS_TABLE_FORMAT || t->scene != c->state.problem->scene)
+        return PZS_E_FORMAT;
+    const int fits =
+        t->inputs == c->state.problem->inputs && t->outputs == c->state.problem->outputs;
+    if (t->direct == NULL || t->gain == NULL || t->sensors == 0 || !fits)
+        return PZS_E_ARGUMENT;
+    if (pzs_estimate_crc(t) != t->crc)
+        return PZS_E_CRC;
+    const int finite = pzs_guard_nonfinite(t->direct, (uint32_t)t->sensors * t->inputs) < 0 &&
+                       pzs_guard_nonfinite(t->gain, (uint32_t)t->outputs * t->sensors) < 0;
+    return finite ? PZS_OK : PZS_E_NONFINITE;
+}
+
+static pzs_status finish(pzs_estimate *e, pzs_status status, int32_t where)
+{
+    e->info.where = where;
+    return status;
+}
+
+pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
+                             const pzs_estimator *tables, void *work, size_t bytes)
+{
+    if (estimate == NULL)
+        return PZS_E_ARGUMENT;
+    memset(estimate, 0, sizeof *estimate);
+    if (control == NULL || tables == NULL || work == NULL)
+        return finish(estimate, PZS_E_ARGUMENT, -1);
+    const pzs_status status =
+        control->state.stage == CONTROL_READY ? check(tables, control) : PZS_E_STAGE;
+    if (status != PZS_OK)
+        return finish(estimate, status, -1);
+    const size_t need = PZS_ESTIMATE_BYTES(tables->sensors), padded = FOURS(tables->sensors);
+    const int32_t lacking = guard_missing_bytes(work, bytes, need);
+    if (lacking >= 0)
+        return finish(estimate, PZS_E_WORKSPACE, lacking);
+    memset(work, 0, need);
+    pzs_real *at = work;
+    estimate->state.control = control;
+    estimate->state.tables = tables;
+    estimate->state.expected = at, at += padded;
+    estimate->state.sensed = at, at += padded;
+    estimate->state.difference = at, at += padded;
+    estimate->state.repeats = (uint8_t *)at;
+    estimate->state.stage = READY;
+    return finish(estimate, PZS_OK, -1);
+}
+
+pzs_status pzs_estimate_tick(pzs_estimate *e, const pzs_real *sensed, pzs_real *shape)
+{
+    if (e == NULL || sensed == NULL || shape == NULL)
+        return PZS_E_ARGUMENT;
+    if (e->state.stage != READY)
+        return PZS_E_STAGE;
+    const pzs_estimator *t = e->state.tables;
+    const sensor_set all = {t->sensors, e->state.expected, e->state.sensed, e->state.difference,
+                            e->state.repeats};
+    int32_t where = -1;
+    pzs_product_matrix(e->state.expected, t->direct, e->state.control->state.voltage, t->sensors,
+                       t->inputs);
+    const uint32_t lost = pzs_sensor_check(&all, sensed, &where);
+    pzs_control_predict(e->state.control);
+    pzs_product_matrix(shape, t->gain, e->state.difference, t->outputs, t->sensors);
+    for (uint32_t i = 0; i < t->outputs; i++)
+        shape[i] += e->state.control->state.predicted[i];
+    return finish(e, lost == 0 ? PZS_OK : lost < t->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
+}
+
+/* ---- known loads ------------------------------------------------------ */
+
+pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *t)
+{
+    if (t == NULL || t->sensitivity == NULL || t->inputs == 0 || t->outputs == 0)
+        return PZS_E_ARGUMENT;
+    if (t->format != PZS_TABLE_FORMAT)
+        return PZS_E_FORMAT;
+    if (pzs_estimate_known_crc(t) != t->crc)
+        return PZS_E_CRC;
+    return pzs_guard_nonfinite(t->sensitivity, (uint32_t)t->outputs * t->inputs) < 0
+               ? PZS_OK
+               : PZS_E_NONFINITE;
+}
+
+pzs_status pzs_feed_forward(const pzs_feed_forward_table *t, const pzs_real *amount,
+                            pzs_real *shape)
+{
+    if (t == NULL || amount == NULL || shape == NULL)
+        return PZS_E_ARGUMENT;
+    if (pzs_guard_nonfinite(amount, t->inputs) >= 0)
+        return PZS_E_NONFINITE;
+    for (uint32_t i = 0; i < t->outputs; i++) {
+        const pzs_real *row = t->sensitivity + (size_t)i * t->inputs;
+        for (uint32_t k = 0; k < t->inputs; k++)
+            shape[i] -= row[k] * amount[k];
+    }
+    return PZS_OK;
+}

@@ -1,0 +1,27 @@
+/* Checksum of the voltage problem (control.h). */
+#include "control.h"
+#include "../core/guard.h"
+
+uint32_t pzs_problem_crc(const pzs_problem *p)
+{
+    const size_t n = p->inputs, m = p->outputs;
+    const uint16_t counts[2] = {p->inputs, p->outputs};
+    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    crc = pzs_guard_array_crc(crc, p->influence, m * n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, p->hessian, n * n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, p->weight, m, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, p->lower, n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, p->upper, n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, p->step_limit, n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, p->reference_voltage, n, sizeof(pzs_real));
+    return ~pzs_guard_crc(crc, &p->regularisation, sizeof p->regularisation);
+}
+
+pzs_status pzs_problem_seal(pzs_problem *problem)
+{
+    if (problem == NULL || problem->inputs == 0 || problem->outputs == 0)
+        return PZS_E_ARGUMENT;
+    problem->format = PZS_TABLE_FORMAT;
+    problem->crc = pzs_problem_crc(problem);
+    return PZS_OK;
+}

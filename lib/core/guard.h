@@ -1,0 +1,34 @@
+/* What is checked before anything is used: table checksums and finite numbers. */
+#ifndef PZS_LIB_GUARD_H
+#define PZS_LIB_GUARD_H
+
+#include "pzs_base.h"
+
+#define GUARD_CRC_START 0xFFFFFFFFu
+
+/* CRC-32 (reflected, polynomial EDB88320) of `bytes` bytes, continued from crc; the final value is
+ * ~crc. */
+uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes);
+
+/* Index of the first entry of x [n] that is NaN or infinite, or -1. */
+int32_t pzs_guard_nonfinite(const pzs_real *x, uint32_t n);
+
+/*
+ * Will a workspace do, aligned for pzs_real and at least `need` bytes? -1, or what goes with
+ * PZS_E_WORKSPACE as `where`: the bytes needed, as far as they can be told.
+ */
+static inline int32_t guard_missing_bytes(const void *work, size_t bytes, size_t need)
+{
+    if (bytes >= need && (uintptr_t)work % sizeof(pzs_real) == 0)
+        return -1;
+    return need > INT32_MAX ? INT32_MAX : (int32_t)need;
+}
+
+/* CRC of one array of `count` entries of `size` bytes, continued from crc; an absent array (NULL)
+ * leaves it unchanged. */
+uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_t size);
+
+/* CRC of sparse rows over `dof` columns, continued from crc. */
+uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof);
+
+#endif

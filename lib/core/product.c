@@ -1,0 +1,241 @@
+/* Products of tables and vectors (product.h). */
+#include <string.h>
+#include "product.h"
+#include "unrolled.h"
+
+/*
+ * Columns that one pass multiplies, in fours and in tiles: as many as the registers hold, then the
+ * remainder.
+ */
+#define FOURS PZS_BY_BITS(7, 3)
+#define FEW PZS_BY_BITS(3, 2)
+#define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
+#define SOME PZS_BY_TILE(2, 4, 4)
+#define LANES 8u /* sums side by side in a dot product */
+
+/* ---- table times vector ----------------------------------------------------- */
+
+/* Whether column k exists: all but the last three of COUNT certainly do. */
+#define IS_COLUMN(k, COUNT) ((k) < (COUNT)-3u || (k) < cols)
+
+/*
+ * y_i = from_i + row i times x over `cols` columns, with x in registers. `from` advances by `step`.
+ */
+#define MULTIPLY(name, COUNT)                                                                      \
+    static void name(pzs_real *y, const pzs_real *from, size_t step, const pzs_real *a,            \
+                     size_t stride, const pzs_real *x, size_t rows, size_t cols)                   \
+    {                                                                                              \
+        pzs_real part[COUNT];                                                                      \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT); k++)                                                     \
+            part[k] = x[k];                                                                        \
+        for (size_t i = 0; i < rows; i++, a += stride, from += step) {                             \
+            pzs_real sum = *from;                                                                  \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < (COUNT); k++)                                                 \
+                if (IS_COLUMN(k, COUNT))                                                           \
+                    sum += a[k] * part[k];                                                         \
+            y[i] = sum;                                                                            \
+        }                                                                                          \
+    }
+
+MULTIPLY(multiply_many, 4u * FOURS)
+MULTIPLY(multiply_some, 4u * FEW)
+MULTIPLY(multiply_four, 4u)
+
+void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
+                        const pzs_real *restrict x, size_t rows, size_t cols)
+{
+    static const pzs_real zero = 0;
+    const pzs_real *from = &zero;
+    for (size_t j = 0, now; j < cols; j += now) {
+        const size_t left = cols - j, fours = (left + 3u) / 4u, step = j > 0;
+        now = 4u * (fours >= FOURS ? FOURS : fours >= FEW ? FEW : 1u);
+        now = now < left ? now : left;
+        if (fours >= FOURS)
+            multiply_many(y, from, step, a + j, cols, x + j, rows, now);
+        else if (fours >= FEW)
+            multiply_some(y, from, step, a + j, cols, x + j, rows, now);
+        else
+            multiply_four(y, from, step, a + j, cols, x + j, rows, now);
+        from = y;
+    }
+}
+
+/* ---- sums of rows -------------------------------------------------------------- */
+
+#if PZS_TILE == 4
+
+/* y = sum of x_i times row i, over `cols` columns, more than COUNT - 1 tiles. */
+#define SUM_TILES(name, COUNT)                                                                     \
+    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,              \
+                     const pzs_real *restrict x, size_t rows, size_t cols)                         \
+    {                                                                                              \
+        pzs_real sum[4 * (COUNT)];                                                                 \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < 4u * (COUNT); k++)                                                \
+            sum[k] = 0;                                                                            \
+        for (size_t i = 0; i < rows; i++, a += stride) {                                           \
+            const pzs_real xi = x[i];                                                              \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < 4u * (COUNT); k++)                                            \
+                if (IS_COLUMN(k, 4u * (COUNT)))                                                    \
+                    sum[k] += xi * a[k];                                                           \
+        }                                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < 4u * (COUNT); k++)                                                \
+            if (IS_COLUMN(k, 4u * (COUNT)))                                                        \
+                y[k] = sum[k];                                                                     \
+    }
+
+#else
+
+/* Entries that a vector register holds, or a tile if that is smaller. */
+#if defined(__AVX512F__)
+#define REGISTER 64u
+#elif defined(__AVX__)
+#define REGISTER 32u
+#else
+#define REGISTER 16u
+#endif
+#define LANE_BYTES (REGISTER < PZS_TILE * sizeof(pzs_real) ? REGISTER : PZS_TILE * sizeof(pzs_real))
+#define IN_LANE (LANE_BYTES / sizeof(pzs_real))
+#define IN_TILE (PZS_TILE / IN_LANE)
+typedef pzs_real lane
+    __attribute__((vector_size(LANE_BYTES), aligned(sizeof(pzs_real)), may_alias));
+
+/*
+ * First column of lane k of COUNT lanes. The last lane ends with the last column; where two lanes
+ * overlap both compute the same sums.
+ */
+#define LANE_AT(k, COUNT)                                                                          \
+    ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)
+
+/* The same for whole tiles. */
+#define SUM_TILES(name, COUNT)                                                                     \
+    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,              \
+                     const pzs_real *restrict x, size_t rows, size_t cols)                         \
+    {                                                                                              \
+        lane sum[(COUNT)*IN_TILE];                                                                 \
+        const size_t last = cols - PZS_TILE;                                                       \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT)*IN_TILE; k++)                                             \
+            sum[k] = (lane){0};                                                                    \
+        for (size_t i = 0; i < rows; i++, a += stride) {                                           \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < (COUNT)*IN_TILE; k++)                                         \
+                sum[k] += x[i] * *(const lane *)(a + LANE_AT(k, COUNT));                           \
+        }                                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT)*IN_TILE; k++)                                             \
+            *(lane *)(y + LANE_AT(k, COUNT)) = sum[k];                                             \
+    }
+
+#endif
+
+SUM_TILES(sum_many, MANY)
+SUM_TILES(sum_some, SOME)
+SUM_TILES(sum_one, 1)
+
+/* The same for fewer columns than a tile. */
+static void sum_few(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,
+                    const pzs_real *restrict x, size_t rows, size_t cols)
+{
+    for (size_t j = 0; j < cols; j++) {
+        y[j] = 0;
+        for (size_t i = 0; i < rows; i++)
+            y[j] += x[i] * a[i * stride + j];
+    }
+}
+
+void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,
+                          const pzs_real *restrict x, size_t rows, size_t cols)
+{
+    if (PZS_TILE > 4 && cols < PZS_TILE) {
+        sum_few(y, a, stride, x, rows, cols);
+        return;
+    }
+    for (size_t j = 0, end; j < cols; j = end) {
+        const size_t tiles = (cols - j + PZS_TILE - 1u) / PZS_TILE;
+        const size_t now = tiles >= MANY ? MANY : tiles >= SOME ? SOME : 1u;
+        end = j + now * PZS_TILE < cols ? j + now * PZS_TILE : cols;
+        const size_t from = PZS_TILE == 4 || now > 1u ? j : end - PZS_TILE;
+        if (now == MANY)
+            sum_many(y + from, a + from, stride, x, rows, end - from);
+        else if (now == SOME)
+            sum_some(y + from, a + from, stride, x, rows, end - from);
+        else
+            sum_one(y + from, a + from, stride, x, rows, end - from);
+    }
+}
+
+/* ---- of two vectors ------------------------------------------------------------- */
+
+#define ADD_LANES(sum)                                                                             \
+    (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
+
+/*
+ * Sum over i of TERM. Entry i of a full group is summed in lane i: the chains are independent, and
+ * the bits are the same at any vector width. Zeros that fill up a tile change nothing.
+ */
+#define SUM_OF(name, TERM)                                                                         \
+    pzs_real name(const pzs_real *x, const pzs_real *y, size_t n)                                  \
+    {                                                                                              \
+        pzs_real sum[LANES] = {0};                                                                 \
+        size_t i = 0;                                                                              \
+        for (; i + LANES <= n; i += LANES) {                                                       \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < LANES; k++)                                                   \
+                sum[k] += TERM(x[i + k], y[i + k]);                                                \
+        }                                                                                          \
+        for (; i + 4u <= n; i += 4u) {                                                             \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < 4u; k++)                                                      \
+                sum[k] += TERM(x[i + k], y[i + k]);                                                \
+        }                                                                                          \
+        for (; i < n; i++)                                                                         \
+            sum[0] += TERM(x[i], y[i]);                                                            \
+        return ADD_LANES(sum);                                                                     \
+    }
+
+#define PRODUCT(x, y) (x) * (y)
+#define PRODUCT_SIZE(x, y) (x) * PZS_ABS(y)
+#define PRODUCT_SQUARE(x, y) ((x) * (y)) * ((x) * (y))
+SUM_OF(pzs_product_dot, PRODUCT)
+SUM_OF(pzs_product_dot_size, PRODUCT_SIZE)
+SUM_OF(pzs_product_energy, PRODUCT_SQUARE)
+
+pzs_real pzs_product_weigh(pzs_real *restrict z, const pzs_real *restrict w,
+                           const pzs_real *restrict x, const pzs_real *restrict y, size_t n)
+{
+    pzs_real sum[LANES] = {0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES) {
+        UNROLLED
+        for (unsigned k = 0; k < LANES; k++) {
+            const pzs_real miss = x[i + k] - y[i + k], weighted = w[i + k] * w[i + k] * miss;
+            z[i + k] = weighted;
+            sum[k] += weighted * miss;
+        }
+    }
+    for (; i < n; i++) {
+        const pzs_real miss = x[i] - y[i];
+        z[i] = w[i] * w[i] * miss;
+        sum[0] += z[i] * miss;
+    }
+    return ADD_LANES(sum);
+}
+
+pzs_real pzs_product_largest(const pzs_real *x, size_t n)
+{
+    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+    for (size_t i = 0; i < n; i += 4u) {
+        s0 = x[i] > s0 ? x[i] : s0;
+        s1 = x[i + 1u] > s1 ? x[i + 1u] : s1;
+        s2 = x[i + 2u] > s2 ? x[i + 2u] : s2;
+        s3 = x[i + 3u] > s3 ? x[i + 3u] : s3;
+    }
+    s0 = s1 > s0 ? s1 : s0;
+    s2 = s3 > s2 ? s3 : s2;
+    return s2 > s0 ? s2 : s0;
+}

@@ -1,0 +1,28 @@
+/* Products of tables and vectors, with the same bits at any vector width. */
+#ifndef PZS_LIB_PRODUCT_H
+#define PZS_LIB_PRODUCT_H
+
+#include "pzs_base.h"
+
+/*
+ * y [rows] = a x, a [rows][cols], each sum in ascending order. x is read up to the next multiple of
+ * four entries.
+ */
+void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
+                        const pzs_real *restrict x, size_t rows, size_t cols);
+
+/* y [cols] = sum over the rows of x_i times row i of a [rows][stride]. */
+void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,
+                          const pzs_real *restrict x, size_t rows, size_t cols);
+
+/* Return |w x|^2; set z [n] = w^2 (x - y) and return |w (x - y)|^2. */
+pzs_real pzs_product_energy(const pzs_real *w, const pzs_real *x, size_t n);
+pzs_real pzs_product_weigh(pzs_real *restrict z, const pzs_real *restrict w,
+                           const pzs_real *restrict x, const pzs_real *restrict y, size_t n);
+
+/* Return x . y; x . |y|; the largest entry of x, at least zero. n is a multiple of 4. */
+pzs_real pzs_product_dot(const pzs_real *x, const pzs_real *y, size_t n);
+pzs_real pzs_product_dot_size(const pzs_real *x, const pzs_real *y, size_t n);
+pzs_real pzs_product_largest(const pzs_real *x, size_t n);
+
+#endif

@@ -1,0 +1,42 @@
+/* Texts of the statuses and of the version. */
+#include "pzs_base.h"
+
+const char *pzs_version(void)
+{
+    return PZS_VERSION_TEXT;
+}
+
+const char *pzs_status_text(pzs_status status)
+{
+    switch (status) {
+    case PZS_OK: return "ok";
+    case PZS_W_ITERATIONS: return "iteration limit reached: voltages feasible, not yet optimal";
+    case PZS_W_STEP_LIMIT:
+        return "step limit and voltage limits do not overlap: the voltage limit takes precedence";
+    case PZS_W_SENSOR: return "a measurement is missing or stuck: its last disturbance is kept";
+    case PZS_W_HELD: return "no usable measurement or target: voltages held";
+    case PZS_W_ELECTRODE: return "an electrode does not follow its amplifier: it is held";
+    case PZS_W_UNSTABLE: return "unstable equilibrium: the tangent has negative pivots";
+    case PZS_W_BEHIND:
+        return "a part of the shell that faces away from the contact body lies in it";
+    case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
+    case PZS_E_FORMAT: return "tables of another format or scene";
+    case PZS_E_CRC: return "tables do not match their checksum";
+    case PZS_E_WORKSPACE: return "workspace too small or misaligned";
+    case PZS_E_STAGE: return "called before the stage that it needs";
+    case PZS_E_NONFINITE: return "NaN or infinity in an input";
+    case PZS_E_LIMITS: return "lower limit above upper limit, or a limit that is not a number";
+    case PZS_E_LOOSE: return "no stiffness: a loose part, or a missing support";
+    case PZS_E_NEGATIVE: return "negative pivot in the undeformed structure";
+    case PZS_E_CONDITION: return "condition estimate above what this precision can solve";
+    case PZS_E_RESIDUAL:
+        return "refinement ended with an estimated error above the square root of epsilon";
+    case PZS_E_DIVERGED: return "no equilibrium found beyond the last one";
+    case PZS_E_LIMIT: return "a limit point or a bifurcation is near";
+    case PZS_E_CONTACT:
+        return "contact did not settle; a loose shell must touch the body and be pressed onto it";
+    case PZS_E_PENETRATION: return "the contact body would enter the shell";
+    case PZS_E_SOLVES: return "limit on linear solves reached";
+    default: return "unknown status";
+    }
+}

@@ -1,0 +1,494 @@
+/* The linear image: tables -> assemble -> factor -> solve, influence (pzs.h). */
+#include "model.h"
+#include "../core/guard.h"
+#include "../core/linalg.h"
+#include "shell.h"
+#include <string.h>
+
+/* Most refinement passes of a solve; conjugate gradients preconditioned by the factor need 1 to 8.
+ */
+enum { REFINE_PASSES = 16 };
+
+static pzs_status fail(pzs_model *model, pzs_status status, int32_t where)
+{
+    model->info.where = where;
+    return status;
+}
+
+/* ---- init ------------------------------------------------------------- */
+
+static int rows_complete(const pzs_rows *rows)
+{
+    return rows->count == 0 || (rows->start && rows->dof && rows->value);
+}
+
+/* All there, and counts that fit together: a damaged one must not lead the checksum past the
+ * tables. */
+static int structure_complete(const pzs_structure *s)
+{
+    const int counts_fit = s->types <= s->elements && s->nodes <= 4u * s->elements &&
+                           s->free_dof <= (uint32_t)s->nodes * s->dof_per_node;
+    return s->nodes > 0 && s->elements > 0 && s->types > 0 && s->free_dof > 0 &&
+           s->free_dof < PZS_CONSTRAINED && counts_fit &&
+           (s->dof_per_node == 6 || s->dof_per_node == 7) && s->element && s->element_type &&
+           s->node_dof && s->first_column && s->stiffness && rows_complete(&s->input) &&
+           rows_complete(&s->output);
+}
+
+/* Every index of a list of rows inside its range, row starts ascending. */
+static int rows_in_range(const pzs_rows *rows, uint32_t dof)
+{
+    for (uint32_t r = 0; r < rows->count; r++)
+        if (rows->start[r] > rows->start[r + 1])
+            return 0;
+    for (uint32_t t = rows->count ? rows->start[0] : 0; rows->count && t < rows->start[rows->count];
+         t++)
+        if (rows->dof[t] >= dof)
+            return 0;
+    return 1;
+}
+
+/* Unknowns of an element inside the envelope: no row begins right of one of its columns. */
+static int element_in_envelope(const pzs_structure *s, const uint16_t node[4])
+{
+    uint32_t least = PZS_CONSTRAINED;
+    for (int pass = 0; pass < 2; pass++)
+        for (unsigned i = 0; i < SHELL_NODES * (unsigned)s->dof_per_node; i++) {
+            const uint16_t dof = s->node_dof[(size_t)node[i / s->dof_per_node] * s->dof_per_node +
+                                             i % s->dof_per_node];
+            if (dof == PZS_CONSTRAINED)
+                continue;
+            if (pass == 0)
+                least = dof < least ? dof : least;
+            else if (s->first_column[dof] > least)
+                return 0;
+        }
+    return 1;
+}
+
+/* A checksum says that tables arrived as they were made; this, that no index in them can lead
+ * astray. */
+static int indices_in_range(const pzs_structure *s)
+{
+    for (uint32_t i = 0; i < (uint32_t)s->nodes * s->dof_per_node; i++)
+        if (s->node_dof[i] != PZS_CONSTRAINED && s->node_dof[i] >= s->free_dof)
+            return 0;
+    for (uint32_t i = 0; i < s->free_dof; i++)
+        if (s->first_column[i] > i)
+            return 0;
+    for (uint32_t e = 0; e < s->elements; e++) {
+        if (s->element_type[e] >= s->types)
+            return 0;
+        for (int r = 0; r < SHELL_NODES; r++)
+            if (s->element[e][r] >= s->nodes)
+                return 0;
+        if (!element_in_envelope(s, s->element[e]))
+            return 0;
+    }
+    return rows_in_range(&s->input, s->free_dof) && rows_in_range(&s->output, s->free_dof);
+}
+
+pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work,
+                          size_t bytes)
+{
+    if (!model || !structure || !work)
+        return PZS_E_ARGUMENT;
+    memset(model, 0, sizeof *model);
+    model->info.where = -1;
+    if (structure->format != PZS_TABLE_FORMAT)
+        return PZS_E_FORMAT;
+    if (!structure_complete(structure))
+        return PZS_E_ARGUMENT;
+    if (pzs_structure_crc(structure) != structure->crc)
+        return PZS_E_CRC;
+    if (!indices_in_range(structure))
+        return PZS_E_ARGUMENT;
+
+    const uint32_t n = structure->free_dof;
+    const size_t entries = pzs_linalg_reals(structure->first_column, n);
+    if (entries > SIZE_MAX / 2 / sizeof(pzs_real))
+        return fail(model, PZS_E_WORKSPACE, INT32_MAX);
+    const int32_t lacking = guard_missing_bytes(work, bytes, PZS_MODEL_BYTES(n, entries));
+    if (lacking >= 0)
+        return fail(model, PZS_E_WORKSPACE, lacking);
+
+    pzs_real *real = work;
+    model->state.structure = structure;
+    model->state.stiffness.n = n;
+    model->state.stiffness.first = structure->first_column;
+    model->state.stiffness.value = real;
+    model->state.stiffness.inverse = real + entries;
+    model->state.scale = model->state.stiffness.inverse + n;
+    model->state.work = model->state.scale + n;
+    model->state.stiffness.start = (uint32_t *)(void *)(model->state.work + 6 * (size_t)n);
+    pzs_linalg_layout(&model->state.stiffness);
+    model->info.residual = -1;
+    model->state.stage = STAGE_READY;
+    return PZS_OK;
+}
+
+/* ---- assemble --------------------------------------------------------- */
+
+/* The unknown itself, or PZS_CONSTRAINED where it is fixed by a support or held. */
+static uint16_t free_unknown(const pzs_model *model, uint16_t dof)
+{
+    return dof != PZS_CONSTRAINED && model->state.constrained && model->state.constrained[dof]
+               ? PZS_CONSTRAINED
+               : dof;
+}
+
+/* Unknowns of a node. */
+static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
+{
+    return model->state.structure->node_dof + (size_t)node * model->state.structure->dof_per_node;
+}
+
+pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
+{
+    return model->state.stiffness_factor
+               ? model->state.stiffness_factor[model->state.structure->element_type[element]]
+               : 1;
+}
+
+/*
+ * Entry (row, column) of the envelope stands at base of its row plus step of its column: columns of
+ * a panel are PZS_TILE apart. The base wraps round where column 0 is outside the panel; the sum
+ * does not.
+ */
+typedef struct add_place {
+    uint16_t dof;
+    uint8_t local;
+    size_t base, step;
+} add_place;
+
+/* Places of the unknowns of some nodes that are neither fixed nor held. place [count unknowns] out;
+ * their number. */
+static unsigned free_places(const pzs_model *model, const uint16_t *node, unsigned count,
+                            add_place *place)
+{
+    const unsigned unknowns = model->state.structure->dof_per_node;
+    unsigned found = 0;
+    for (unsigned i = 0; i < count * unknowns; i++) {
+        const uint16_t dof =
+            free_unknown(model, node_dofs(model, node[i / unknowns])[i % unknowns]);
+        if (dof == PZS_CONSTRAINED)
+            continue;
+        const size_t step = (size_t)dof * PZS_TILE,
+                     diagonal = (size_t)(pzs_linalg_entry(&model->state.stiffness, dof, dof) -
+                                         model->state.stiffness.value);
+        place[found++] = (add_place){dof, (uint8_t)i, diagonal - step, step};
+    }
+    return found;
+}
+
+void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor,
+                          const pzs_real *entry)
+{
+    add_place place[SHELL_MAX];
+    const unsigned found = free_places(model, node, count, place);
+    pzs_real *value = model->state.stiffness.value;
+    for (const add_place *p = place; p < place + found; p++) {
+        const pzs_real *row = entry + SHELL_PACKED((unsigned)p->local);
+        for (const add_place *q = place; q <= p; q++)
+            value[p->dof > q->dof ? p->base + q->step : q->base + p->step] +=
+                factor * row[q->local];
+    }
+}
+
+static pzs_status check_factors(pzs_model *model, const pzs_real *stiffness_factor)
+{
+    if (!stiffness_factor)
+        return PZS_OK;
+    const int32_t bad = pzs_guard_nonfinite(stiffness_factor, model->state.structure->types);
+    if (bad >= 0)
+        return fail(model, PZS_E_NONFINITE, bad);
+    for (int32_t k = 0; k < model->state.structure->types; k++)
+        if (stiffness_factor[k] < 0)
+            return fail(model, PZS_E_ARGUMENT, k);
+    return PZS_OK;
+}
+
+pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, const uint8_t *held)
+{
+    if (!model)
+        return PZS_E_ARGUMENT;
+    if (model->state.stage < STAGE_READY)
+        return fail(model, PZS_E_STAGE, -1);
+    const pzs_status status = check_factors(model, stiffness_factor);
+    if (status != PZS_OK)
+        return status;
+
+    model->state.stiffness_factor = stiffness_factor;
+    model->state.constrained = held;
+    pzs_linalg_clear(&model->state.stiffness);
+    const pzs_structure *s = model->state.structure;
+    for (uint32_t e = 0; e < s->elements; e++)
+        pzs_model_add_matrix(model, s->element[e], SHELL_NODES, pzs_model_type_factor(model, e),
+                             s->stiffness +
+                                 s->element_type[e] *
+                                     (size_t)SHELL_PACKED(SHELL_NODES * s->dof_per_node));
+    for (uint32_t i = 0; held && i < model->state.stiffness.n; i++)
+        if (held[i])
+            *pzs_linalg_entry(&model->state.stiffness, i, i) = 1;
+    model->state.stage = STAGE_ASSEMBLED;
+    return fail(model, PZS_OK, -1);
+}
+
+/* ---- factor ----------------------------------------------------------- */
+
+/*
+ * The largest condition whose answers can be trusted: relative error is about condition times
+ * epsilon. With the strain-based operator behind it the factor is only a preconditioner, which
+ * in float serves up to 5e9; nothing that is a structure reaches 1e14.
+ */
+static pzs_real condition_limit(const pzs_model *model)
+{
+    const pzs_real limit =
+        (model->state.structure->type ? (pzs_real)600 : (pzs_real)1.2) / PZS_EPSILON;
+    return limit < (pzs_real)1e14 ? limit : (pzs_real)1e14;
+}
+
+pzs_status pzs_factor(pzs_model *model)
+{
+    if (!model)
+        return PZS_E_ARGUMENT;
+    if (model->state.stage != STAGE_ASSEMBLED)
+        return fail(model, PZS_E_STAGE, -1);
+    model->state.stage = STAGE_READY; /* the envelope is consumed, whatever follows */
+
+    const int32_t loose = pzs_linalg_scale(&model->state.stiffness, model->state.scale);
+    if (loose >= 0)
+        return fail(model, PZS_E_LOOSE, loose);
+    const pzs_real norm = pzs_linalg_norm1(&model->state.stiffness, model->state.work);
+    const linalg_inertia inertia = pzs_linalg_factor(&model->state.stiffness);
+    model->info.negative_pivots = (uint16_t)inertia.negative;
+    if (inertia.zero >= 0)
+        return fail(model, PZS_E_LOOSE, inertia.zero);
+    if (inertia.negative > 0)
+        return fail(model, PZS_E_NEGATIVE, inertia.first_negative);
+    model->info.condition = pzs_linalg_condition(&model->state.stiffness, norm, model->state.work);
+    if (!(model->info.condition <= condition_limit(model)))
+        return fail(model, PZS_E_CONDITION, -1);
+    model->state.stage = STAGE_FACTORED;
+    return fail(model, PZS_OK, -1);
+}
+
+/* ---- solve ------------------------------------------------------------ */
+
+void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned count,
+                      const pzs_real *p, pzs_real *u)
+{
+    for (unsigned r = 0; r < count; r++)
+        for (unsigned i = 0; i < model->state.structure->dof_per_node; i++) {
+            const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
+            *u++ = dof == PZS_CONSTRAINED ? 0 : p[dof];
+        }
+}
+
+void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned count,
+                       pzs_real factor, const pzs_real *u, pzs_real *f)
+{
+    for (unsigned r = 0; r < count; r++)
+        for (unsigned i = 0; i < model->state.structure->dof_per_node; i++, u++) {
+            const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
+            if (dof != PZS_CONSTRAINED)
+                f[dof] += factor * *u;
+        }
+}
+
+/* f += K p, formed element by element from strains */
+static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
+{
+    const pzs_structure *s = model->state.structure;
+    for (uint32_t e = 0; e < s->elements; e++) {
+        pzs_real u[SHELL_MAX]; /* displacement, then force */
+        pzs_model_gather(model, s->element[e], SHELL_NODES, p, u);
+        pzs_shell_force(&s->type[s->element_type[e]], s->dof_per_node, u, u);
+        pzs_model_scatter(model, s->element[e], SHELL_NODES, pzs_model_type_factor(model, e), u, f);
+    }
+}
+
+void pzs_model_backsolve(const pzs_model *model, const pzs_real *r, pzs_real *z)
+{
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++)
+        z[i] = model->state.scale[i] * r[i];
+    pzs_linalg_solve(&model->state.stiffness, z);
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++)
+        z[i] *= model->state.scale[i];
+}
+
+pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *r)
+{
+    pzs_real sum = 0;
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++)
+        sum += model->state.scale[i] * r[i] * (model->state.scale[i] * r[i]);
+    return sum;
+}
+
+/*
+ * Conjugate gradients on the strain-based operator, preconditioned by the factor, from u = 0.
+ * The first pass is the plain solve; later ones are refinement. Ends when what is left,
+ * r.z = |error|^2 in energy, is below round-off of the answer's energy, or after REFINE_PASSES.
+ *   r [n] in force, out what is left of it; z, p, kp [n] work; u [n] out
+ */
+static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
+{
+    const uint32_t n = model->state.stiffness.n;
+    pzs_real *z = model->state.work + 2 * (size_t)n, *p = z + n, *kp = p + n;
+    pzs_real energy = 0;
+    pzs_model_backsolve(model, r, z);
+    memcpy(p, z, n * sizeof *p);
+    memset(u, 0, n * sizeof *u);
+    pzs_real left = pzs_linalg_inner(r, z, n);
+    for (model->info.refinements = 0;
+         model->info.refinements < REFINE_PASSES && left > energy * PZS_EPSILON * PZS_EPSILON;) {
+        memset(kp, 0, n * sizeof *kp);
+        add_force(model, p, kp);
+        const pzs_real curvature = pzs_linalg_inner(p, kp, n);
+        if (!(curvature > 0))
+            return;
+        const pzs_real step = left / curvature;
+        for (uint32_t i = 0; i < n; i++) {
+            u[i] += step * p[i];
+            r[i] -= step * kp[i];
+        }
+        energy += step * left;
+        model->info.refinements++;
+        pzs_model_backsolve(model, r, z);
+        const pzs_real next = pzs_linalg_inner(r, z, n);
+        const pzs_real turn = next / left;
+        for (uint32_t i = 0; i < n; i++)
+            p[i] = z[i] + turn * p[i];
+        left = next;
+    }
+}
+
+void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_real *f)
+{
+    const pzs_rows *in = &model->state.structure->input;
+    for (uint32_t t = in->start[j]; t < in->start[j + 1]; t++)
+        if (!(model->state.constrained && model->state.constrained[in->dof[t]]))
+            f[in->dof[t]] += amount * in->value[t];
+}
+
+/* What was reached: residual f - K u recomputed from strains, and its energy against that of u. r,
+ * z [n] work. */
+static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r, pzs_real *z)
+{
+    const uint32_t n = model->state.stiffness.n;
+    const pzs_real load = pzs_model_scaled_norm2(model, f), energy = pzs_linalg_inner(f, u, n);
+    memset(r, 0, n * sizeof *r);
+    add_force(model, u, r);
+    for (uint32_t i = 0; i < n; i++)
+        r[i] = f[i] - r[i];
+    pzs_model_backsolve(model, r, z);
+    const pzs_real error = pzs_linalg_inner(r, z, n);
+    /* Rounding may leave a tiny error negative; a NaN must stay one. */
+    model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, r) / load);
+    model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT((error < 0 ? 0 : error) / energy);
+}
+
+/*
+ * Power of two that brings the largest scaled force near 1, so that its squares neither overflow
+ * nor vanish. The force is multiplied by it in place.
+ */
+static pzs_real to_unit(const pzs_model *model, pzs_real *f)
+{
+    pzs_real largest = 0, unit = 1;
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++) {
+        const pzs_real size = model->state.scale[i] * (f[i] < 0 ? -f[i] : f[i]);
+        largest = size > largest ? size : largest;
+    }
+    for (int i = 0; i < 100 && largest > 0 && largest < (pzs_real)0.5; i++) {
+        largest *= 2;
+        unit *= 2;
+    }
+    for (int i = 0; i < 100 && largest > 1; i++) {
+        largest /= 2;
+        unit /= 2;
+    }
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++)
+        f[i] *= unit;
+    return unit;
+}
+
+/* Solve for the force in work[0] into u, refined where kinds are given. */
+static void solve_unit(pzs_model *model, pzs_real *u)
+{
+    pzs_real *f = model->state.work, *r = f + model->state.stiffness.n;
+    model->info.refinements = 0;
+    model->info.residual = model->info.error_estimate = -1;
+    if (!model->state.structure->type) {
+        pzs_model_backsolve(model, f, u);
+        return;
+    }
+    memcpy(r, f, model->state.stiffness.n * sizeof *r);
+    refine(model, r, u);
+    judge(model, f, u, r, r + model->state.stiffness.n);
+}
+
+static pzs_status solve_loaded(pzs_model *model, pzs_real *u)
+{
+    const pzs_real unit = to_unit(model, model->state.work);
+    solve_unit(model, u);
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++)
+        u[i] /= unit;
+    /* Written so that a NaN fails too. */
+    return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
+                   pzs_guard_nonfinite(u, model->state.stiffness.n) < 0
+               ? PZS_OK
+               : PZS_E_RESIDUAL;
+}
+
+pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u)
+{
+    if (!model || !amount || !u)
+        return PZS_E_ARGUMENT;
+    if (model->state.stage != STAGE_FACTORED)
+        return fail(model, PZS_E_STAGE, -1);
+    const uint32_t inputs = model->state.structure->input.count;
+    const int32_t bad = pzs_guard_nonfinite(amount, inputs);
+    if (bad >= 0)
+        return fail(model, PZS_E_NONFINITE, bad);
+    memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
+    for (uint32_t j = 0; j < inputs; j++)
+        if (amount[j] != 0)
+            pzs_model_add_input(model, j, amount[j], model->state.work);
+    return fail(model, solve_loaded(model, u), -1);
+}
+
+/* ---- influence -------------------------------------------------------- */
+
+pzs_real pzs_model_observe_row(const pzs_structure *s, const pzs_real *u, uint32_t row)
+{
+    pzs_real sum = 0;
+    for (uint32_t t = s->output.start[row]; t < s->output.start[row + 1]; t++)
+        sum += s->output.value[t] * u[s->output.dof[t]];
+    return sum;
+}
+
+void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y)
+{
+    for (uint32_t row = 0; row < structure->output.count; row++)
+        y[row] = pzs_model_observe_row(structure, u, row);
+}
+
+pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
+{
+    if (!model || !influence)
+        return PZS_E_ARGUMENT;
+    if (model->state.stage != STAGE_FACTORED)
+        return fail(model, PZS_E_STAGE, -1);
+    const pzs_structure *s = model->state.structure;
+    pzs_real *u = model->state.work + 5 * (size_t)model->state.stiffness.n;
+    for (uint32_t j = 0; j < s->input.count; j++) {
+        memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
+        pzs_model_add_input(model, j, 1, model->state.work);
+        const pzs_status status = solve_loaded(model, u);
+        if (status != PZS_OK)
+            return fail(model, status, (int32_t)j);
+        for (uint32_t i = 0; i < s->output.count; i++)
+            influence[(size_t)i * s->input.count + j] = pzs_model_observe_row(s, u, i);
+    }
+    return fail(model, PZS_OK, -1);
+}

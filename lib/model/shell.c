@@ -1,0 +1,398 @@
+/* The GEX7P4 element (shell.h). */
+#include "shell_corner.h"
+#include <string.h>
+
+/*
+ * The shape of a corner that strains are taken at: base vectors plus derivatives of the
+ * displacement so far, of the same form. At rest: g_mean, g_diff, e3, 0, straight from the tables.
+ */
+typedef struct shape {
+    const pzs_real (*mean)[3];
+    const pzs_real (*diff)[3];
+    const pzs_real *beta;
+    pzs_real q;
+} shape;
+
+static const pzs_real e3[3] = {0, 0, 1};
+
+static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* y += M x, M [3][3] */
+static void add_product(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+{
+    for (int i = 0; i < 3; i++)
+        y[i] += m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2];
+}
+
+/* y += M' x */
+static void add_transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+{
+    for (int j = 0; j < 3; j++)
+        y[j] += m[0][j] * x[0] + m[1][j] * x[1] + m[2][j] * x[2];
+}
+
+/* y += factor x */
+static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
+{
+    for (int i = 0; i < 3; i++)
+        y[i] += factor * x[i];
+}
+
+static shape at_rest(const pzs_element_type *kind, int r)
+{
+    const shape s = {kind->g_mean[r], kind->g_diff[r], e3, 0};
+    return s;
+}
+
+/* Derivatives of a displacement at corner r: lam_a = S_a u_r + T_a u_r', of means and of
+ * differences. */
+static corner corner_derivatives(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                                 int r)
+{
+    corner c;
+    const pzs_real *own = u + (unsigned)r * unknowns;
+    memset(&c, 0, sizeof c);
+    for (int a = 0; a < 2; a++) {
+        const pzs_real *other = u + neighbour[r][a] * unknowns;
+        add_product(c.mean[a], kind->s[r][a], own);
+        add_product(c.mean[a], kind->t[r][a], other);
+        add_product(c.diff[a], kind->s[r][a], own + 3);
+        add_product(c.diff[a], kind->t[r][a], other + 3);
+    }
+    memcpy(c.beta, own + 3, sizeof c.beta);
+    c.q = unknowns == 7 ? own[6] : 0;
+    return c;
+}
+
+/* The transpose of corner_derivatives: forces on the nodes from forces on the derivatives. */
+static void corner_scatter(const pzs_element_type *kind, unsigned unknowns, const corner *c, int r,
+                           pzs_real *f)
+{
+    pzs_real *own = f + (unsigned)r * unknowns;
+    for (int a = 0; a < 2; a++) {
+        pzs_real *other = f + neighbour[r][a] * unknowns;
+        add_transposed(own, kind->s[r][a], c->mean[a]);
+        add_transposed(other, kind->t[r][a], c->mean[a]);
+        add_transposed(own + 3, kind->s[r][a], c->diff[a]);
+        add_transposed(other + 3, kind->t[r][a], c->diff[a]);
+    }
+    add_scaled(own + 3, 1, c->beta);
+    if (unknowns == 7)
+        own[6] += c->q;
+}
+
+/*
+ * First variation of the ten strains at a corner of shape s in the direction d:
+ * e_aa = g.lam + lam.lam/2 and its like give  de = (g + lam).dlam  on each face,
+ * written in means and differences, where nothing cancels.
+ */
+static void corner_strains(const shape *s, const corner *d, pzs_real h, pzs_real e[10])
+{
+    const pzs_real hh4 = h * h / 4;
+    for (int a = 0; a < 2; a++) {
+        e[2 * a] = dot(s->mean[a], d->mean[a]) + hh4 * dot(s->diff[a], d->diff[a]);
+        e[2 * a + 1] = h * (dot(s->mean[a], d->diff[a]) + dot(s->diff[a], d->mean[a]));
+        e[E13 + a] = dot(s->mean[a], d->beta) + dot(s->beta, d->mean[a]) -
+                     2 * h * (s->diff[a][2] * d->q + s->q * d->diff[a][2]);
+    }
+    e[E33M] = dot(s->beta, d->beta) + 16 * s->q * d->q;
+    e[E33D] = -8 * (s->beta[2] * d->q + s->q * d->beta[2]);
+    e[E12M] = dot(s->mean[0], d->mean[1]) + dot(s->mean[1], d->mean[0]) +
+              hh4 * (dot(s->diff[0], d->diff[1]) + dot(s->diff[1], d->diff[0]));
+    e[E12D] = h * (dot(s->mean[0], d->diff[1]) + dot(s->diff[0], d->mean[1]) +
+                   dot(s->mean[1], d->diff[0]) + dot(s->diff[1], d->mean[0]));
+}
+
+/* The transpose of corner_strains: forces on the derivatives from stresses t on the strains. */
+static void corner_stresses(const shape *s, const pzs_real t[10], pzs_real h, corner *f)
+{
+    const pzs_real hh4 = h * h / 4;
+    memset(f, 0, sizeof *f);
+    for (int a = 0; a < 2; a++) {
+        const pzs_real m = t[2 * a], d = h * t[2 * a + 1], q = t[E13 + a];
+        add_scaled(f->mean[a], m, s->mean[a]);
+        add_scaled(f->mean[a], d, s->diff[a]);
+        add_scaled(f->mean[a], q, s->beta);
+        add_scaled(f->mean[a], t[E12M], s->mean[1 - a]);
+        add_scaled(f->mean[a], h * t[E12D], s->diff[1 - a]);
+        add_scaled(f->diff[a], hh4 * m, s->diff[a]);
+        add_scaled(f->diff[a], d, s->mean[a]);
+        add_scaled(f->diff[a], hh4 * t[E12M], s->diff[1 - a]);
+        add_scaled(f->diff[a], h * t[E12D], s->mean[1 - a]);
+        f->diff[a][2] -= 2 * h * q * s->q;
+        add_scaled(f->beta, q, s->mean[a]);
+        f->q -= 2 * h * q * s->diff[a][2];
+    }
+    add_scaled(f->beta, t[E33M], s->beta);
+    f->beta[2] -= 8 * t[E33D] * s->q;
+    f->q += 16 * t[E33M] * s->q - 8 * t[E33D] * s->beta[2];
+}
+
+/* Turn strains at the corners into modes: e^m = 1/4 sum_r sign e_r, added corner by corner. */
+static void add_modes(pzs_real modes[4][10], const pzs_real e[10], int r)
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < SHELL_STRAINS; i++)
+            modes[m][i] += (pzs_real)0.25 * mode_sign[m][r] * e[i];
+}
+
+/* Stresses at corner r from the resultants of the modes, the transpose of add_modes. */
+static void corner_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
+{
+    for (int i = 0; i < SHELL_STRAINS; i++) {
+        t[i] = 0;
+        for (int m = 0; m < SHELL_MODES; m++)
+            t[i] += (pzs_real)0.25 * mode_sign[m][r] * h[m][i];
+    }
+}
+
+/* Strains that each mode keeps: 00 all; 01 those of 11, 33, 13; 10 those of 22, 33, 23; 11 those
+ * of 33. */
+static const uint8_t kept_strains[4] = {10, 5, 5, 2};
+static const uint8_t kept_strain[4][10] = {
+    {E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23},
+    {E11M, E11D, E33M, E33D, E13},
+    {E22M, E22D, E33M, E33D, E23},
+    {E33M, E33D},
+};
+
+/* Resultants of one mode in place of its strains, h = D e; d packed lower triangle of 10 rows. */
+static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
+{
+    pzs_real h[10] = {0};
+    for (int i = 0; i < kept_strains[mode]; i++) {
+        const int row = kept_strain[mode][i];
+        const pzs_real *entry = d + row * (row + 1) / 2;
+        for (int j = 0; j < i; j++) {
+            const int column = kept_strain[mode][j];
+            h[row] += entry[column] * e[column];
+            h[column] += entry[column] * e[row];
+        }
+        h[row] += entry[row] * e[row];
+    }
+    memcpy(e, h, sizeof h);
+}
+
+/* Add the warp to the 12 mean of mode 00: a fixed combination of strains by mode
+ * (pzs_element_type). */
+static void add_warp(const pzs_element_type *kind, pzs_real e[4][10])
+{
+    const pzs_real *w = kind->warp;
+    e[0][E12M] += w[0] * e[0][E12D] + w[1] * e[1][E13] + w[2] * e[2][E23] + w[3] * e[0][E13] +
+                  w[4] * e[0][E23] + w[5] * e[0][E11D] + w[6] * e[1][E11D] + w[7] * e[0][E22D] +
+                  w[8] * e[2][E22D];
+}
+
+/* The transpose of add_warp: resultants by mode that the 12 mean's resultant adds to. */
+static void share_warp(const pzs_element_type *kind, pzs_real h[4][10])
+{
+    const pzs_real *w = kind->warp, mean = h[0][E12M];
+    h[0][E12D] += w[0] * mean;
+    h[1][E13] += w[1] * mean;
+    h[2][E23] += w[2] * mean;
+    h[0][E13] += w[3] * mean;
+    h[0][E23] += w[4] * mean;
+    h[0][E11D] += w[5] * mean;
+    h[1][E11D] += w[6] * mean;
+    h[0][E22D] += w[7] * mean;
+    h[2][E22D] += w[8] * mean;
+}
+
+/* Resultants by mode in place of strains by mode, the warp in the strains; share_warp comes after.
+ */
+static void multiply_modes(const pzs_element_type *kind, pzs_real e[4][10])
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        multiply_mode(kind->d[m], m, e[m]);
+}
+
+/* Strains at rest by mode, linear in u. */
+static void strains_at_rest(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                            pzs_real modes[4][10])
+{
+    memset(modes, 0, sizeof(pzs_real[4][10]));
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const shape rest = at_rest(kind, r);
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        pzs_real e[10];
+        corner_strains(&rest, &d, kind->thickness, e);
+        add_modes(modes, e, r);
+    }
+    add_warp(kind, modes);
+}
+
+/* f = sum of L' h at rest */
+static void force_at_rest(const pzs_element_type *kind, unsigned unknowns, pzs_real h[4][10],
+                          pzs_real *f)
+{
+    share_warp(kind, h);
+    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const shape rest = at_rest(kind, r);
+        pzs_real t[10];
+        corner force;
+        corner_of_modes(h, r, t);
+        corner_stresses(&rest, t, kind->thickness, &force);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
+}
+
+void pzs_shell_force(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                     pzs_real *f)
+{
+    pzs_real modes[4][10];
+    strains_at_rest(kind, unknowns, u, modes);
+    multiply_modes(kind, modes);
+    force_at_rest(kind, unknowns, modes, f);
+}
+
+void pzs_shell_stiffness(const pzs_element_type *kind, unsigned unknowns, pzs_real *k)
+{
+    const unsigned n = SHELL_NODES * unknowns;
+    pzs_real u[SHELL_MAX] = {0}, f[SHELL_MAX];
+    for (unsigned i = 0; i < n; i++) {
+        u[i] = 1;
+        pzs_shell_force(kind, unknowns, u, f);
+        memcpy(k, f, (i + 1) * sizeof *k);
+        k += i + 1;
+        u[i] = 0;
+    }
+}
+
+void pzs_shell_given(const pzs_element_type *kind, unsigned unknowns, const pzs_real *h0,
+                     pzs_real *f)
+{
+    pzs_real h[4][10] = {{0}};
+    for (int i = 0; i < SHELL_STRAINS; i++)
+        h[0][i] = -h0[i];
+    force_at_rest(kind, unknowns, h, f);
+}
+
+#if PZS_NONLINEAR
+
+/* The derivatives d themselves as a shape. */
+static shape shape_of(const corner *d)
+{
+    const shape s = {d->mean, d->diff, d->beta, d->q};
+    return s;
+}
+
+/* Base vectors at corner r plus `share` of the derivatives d. */
+static corner moved(const pzs_element_type *kind, const corner *d, pzs_real share, int r)
+{
+    corner s;
+    memcpy(s.mean, kind->g_mean[r], sizeof s.mean);
+    memcpy(s.diff, kind->g_diff[r], sizeof s.diff);
+    memcpy(s.beta, e3, sizeof s.beta);
+    for (int a = 0; a < 2; a++) {
+        add_scaled(s.mean[a], share, d->mean[a]);
+        add_scaled(s.diff[a], share, d->diff[a]);
+    }
+    add_scaled(s.beta, share, d->beta);
+    s.q = share * d->q;
+    return s;
+}
+
+static void derivatives(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                        corner d[4])
+{
+    for (int r = 0; r < SHELL_NODES; r++)
+        d[r] = corner_derivatives(kind, unknowns, u, r);
+}
+
+/* e += L(share u) v, the first variation of the strains by mode without the warp.
+ * d, v [4] in derivatives of u and v at the corners */
+static void add_variation(const pzs_element_type *kind, const corner d[4], pzs_real share,
+                          const corner v[4], pzs_real e[4][10])
+{
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner at = moved(kind, &d[r], share, r);
+        const shape s = shape_of(&at);
+        pzs_real corner_e[10];
+        corner_strains(&s, &v[r], kind->thickness, corner_e);
+        add_modes(e, corner_e, r);
+    }
+}
+
+/* e(u) + L(u) du by mode; du may be NULL. Strains are quadratic, so the variation at half of u,
+ * applied to u, is exact. */
+static void strains_ahead(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                          const pzs_real *du, pzs_real e[4][10])
+{
+    corner d[4], v[4];
+    memset(e, 0, sizeof(pzs_real[4][10]));
+    derivatives(kind, unknowns, u, d);
+    add_variation(kind, d, (pzs_real)0.5, d, e);
+    if (du) {
+        derivatives(kind, unknowns, du, v);
+        add_variation(kind, d, 1, v, e);
+    }
+    add_warp(kind, e);
+}
+
+void pzs_shell_strains_at(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                          pzs_real e[4][10])
+{
+    strains_ahead(kind, unknowns, u, NULL, e);
+}
+
+void pzs_shell_resultants(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                          const pzs_real *du, const pzs_real *given, pzs_real *resultant)
+{
+    pzs_real h[4][10];
+    strains_ahead(kind, unknowns, u, du, h);
+    multiply_modes(kind, h);
+    for (int i = 0; given && i < SHELL_STRAINS; i++)
+        h[0][i] += given[i];
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < kept_strains[m]; i++)
+            *resultant++ = h[m][kept_strain[m][i]];
+}
+
+void pzs_shell_corners(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                       corner now[4])
+{
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const corner d = corner_derivatives(kind, unknowns, u, r);
+        now[r] = moved(kind, &d, 1, r);
+    }
+}
+
+void pzs_shell_stresses(const pzs_element_type *kind, const pzs_real *resultant, pzs_real t[4][10])
+{
+    pzs_real h[4][10];
+    memset(h, 0, sizeof h);
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int i = 0; i < kept_strains[m]; i++)
+            h[m][kept_strain[m][i]] = *resultant++;
+    share_warp(kind, h);
+    for (int r = 0; r < SHELL_NODES; r++)
+        corner_of_modes(h, r, t[r]);
+}
+
+void pzs_shell_corner_force(const pzs_element_type *kind, unsigned unknowns, const corner at[4],
+                            pzs_real t[4][10], pzs_real *f)
+{
+    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    for (int r = 0; r < SHELL_NODES; r++) {
+        const shape s = shape_of(&at[r]);
+        corner force;
+        corner_stresses(&s, t[r], kind->thickness, &force);
+        corner_scatter(kind, unknowns, &force, r, f);
+    }
+}
+
+void pzs_shell_force_at(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+                        const pzs_real *resultant, pzs_real *f)
+{
+    pzs_real t[4][10];
+    corner at[4];
+    pzs_shell_corners(kind, unknowns, u, at);
+    pzs_shell_stresses(kind, resultant, t);
+    pzs_shell_corner_force(kind, unknowns, at, t, f);
+}
+
+#endif

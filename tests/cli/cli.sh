@@ -1,0 +1,395 @@
+#!/bin/sh
+# The command line as a user meets it: results, exit codes, messages with line and column, files never half written.
+set -u
+cd "$(dirname "$0")/../.."
+B=${B:-build}
+PZS=${PZS:-$B/pzs}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+n=0
+
+# check NAME STATUS: one TAP line
+check() {
+    n=$((n + 1))
+    if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else echo "not ok $n - $1"; sed 's/^/# /' "$dir/out" "$dir/err" 2>/dev/null | tail -n 5; fi
+}
+
+# run EXPECTED_EXIT ARGUMENTS: output in $dir/out and $dir/err
+run() {
+    want=$1
+    shift
+    "$PZS" "$@" >"$dir/out" 2>"$dir/err"
+    [ $? -eq "$want" ]
+}
+
+# says TEXT: the last run's standard error is one line that holds the text
+says() {
+    [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -- "$1" "$dir/err"
+}
+
+# json EXPRESSION: true of the last run's JSON, as j
+json() {
+    /usr/bin/python3 -c "import json,sys; j=json.load(open('$dir/out')); sys.exit(not ($1))"
+}
+
+# scene FILE: a small sound scene that the bad ones are made from
+scene() {
+    cat >"$1" <<'EOT'
+name: small
+surface: {type: plate}
+mesh:
+  theta1: {from: 0, to: 1, elements: 4}
+  theta2: {from: 0, to: 1, elements: 4}
+materials:
+  steel: {E: 2e11, nu: 0.3}
+layers:
+  - {material: steel, thickness: 0.01}
+supports:
+  - {edge: theta1-, fix: clamped}
+loads:
+  - {face: outer, pressure: 1}
+outputs:
+  - {name: tip, u3: middle, at: {theta1: 1, theta2: 1}}
+EOT
+}
+
+# bad NAME SED_SCRIPT TEXT: the changed scene is refused with exit code 2 and that text
+bad() {
+    scene "$dir/good.yaml"
+    sed "$2" "$dir/good.yaml" >"$dir/bad.yaml"
+    run 2 solve "$dir/bad.yaml" --report "$dir/bad.html" && says "$3" && ! ls "$dir"/bad.html* >/dev/null 2>&1
+    check "refused: $1" $?
+}
+
+run 0 --help && grep -q 'Examples:' "$dir/out"; check '--help teaches by example' $?
+run 2; check 'no arguments: usage, exit code 2' $?
+run 2 sovle plate-50-patches && says "unknown command 'sovle'"; check 'unknown command' $?
+run 2 sovle plate-50-patches && says "did you mean 'solve'"; check 'a command mistyped' $?
+run 2 solve plate-50-patches --reprot x.html && says "did you mean '--report'"; check 'an option mistyped' $?
+run 2 solve plate-50-patchs && says "did you mean 'plate-50-patches'"; check 'a scene mistyped' $?
+run 2 tables hemisphere -o "$dir/t.h" --level liner && says "control, linear or nonlinear, not 'liner' (did you mean 'linear'?)"; check 'a choice mistyped' $?
+run 2 solve xyzzy && says 'xyzzy' && ! says 'did you mean'; check 'a scene that is near none' $?
+run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?
+run 2 list plate-50-patches && says 'takes no argument'; check 'a command without argument' $?
+run 0 --version && [ "$(cat "$dir/out")" = "pzs $(sed -n 's/^#define PZS_VERSION_TEXT "\(.*\)"/\1/p' include/pzs_version.h)" ]; check '--version' $?
+"$PZS" --help >"$dir/all" && run 0 -h && cmp -s "$dir/out" "$dir/all" && run 0 help && cmp -s "$dir/out" "$dir/all"; check '-h and help are --help' $?
+[ "$(awk 'length > 110' "$dir/all" | wc -l)" -eq 0 ]; check 'the help fits a terminal' $?
+commands=$(sed -n 's/^  pzs \([a-z]*\) .*/\1/p' "$dir/all" | sort -u)
+for c in $commands; do
+    run 0 help "$c" && cp "$dir/out" "$dir/one" && run 0 "$c" --help && cmp -s "$dir/out" "$dir/one" && run 0 "$c" x -h && cmp -s "$dir/out" "$dir/one" &&
+        grep -q "^usage: pzs $c" "$dir/one" && grep -q '^Examples:' "$dir/one" && grep -q "^  pzs $c" "$dir/one"
+    check "help of $c" $?
+done
+run 0 help tables && grep -q '^  --level' "$dir/out" && ! grep -q -e '--csv' "$dir/out"; check 'the help of a command has its options alone' $?
+run 2 help solv && says "did you mean 'solve'"; check 'help of a command mistyped' $?
+"$PZS" man >"$dir/pzs.1"; { ! command -v groff >/dev/null || [ -z "$(groff -man -ww -z "$dir/pzs.1" 2>&1)" ]; } &&
+    [ -z "$(for c in $commands; do grep -q "^.fB$c.fR" "$dir/pzs.1" || echo "$c"; done)" ] && [ "$(grep -c '^.fB' "$dir/pzs.1")" -eq $(($(echo "$commands" | wc -w) + $(grep -c '^  -' "$dir/all"))) ]
+check 'the manual page has every command and option' $?
+# complete WORD...: what bash offers for the last word
+complete() {
+    bash -c '. "$1"; shift; COMP_WORDS=(pzs "$@"); COMP_CWORD=$#; _pzs; echo "${COMPREPLY[*]}"' sh "$dir/pzs.bash" "$@"
+}
+if command -v bash >/dev/null; then
+    "$PZS" completion >"$dir/pzs.bash" && ln -sf "$(realpath "$PZS")" "$dir/pzs" && PATH="$dir:$PATH" && : >"$dir/a.html" &&
+        [ "$(complete so)" = solve ] && [ "$(complete solve --rep)" = --report ] && [ "$(complete tables x --level no)" = nonlinear ] &&
+        [ "$(complete shape plate-50)" = plate-50-patches ] && [ "$(complete help ch)" = check ] && [ "$(complete solve x --csv)" = '' ] &&
+        [ "$(complete solve x --report "$dir/a.h")" = "$dir/a.html" ]
+    check 'bash completes commands, options, choices, scenes and files' $?
+fi
+# Starting scenes: every choice of the help is a valid scene whose shape is found, with comments, not too long
+for kind in $("$PZS" help new | sed -n 's/^usage: pzs new \[\([^]]*\)\].*/\1/p' | tr '|' ' '); do
+    "$PZS" new "$kind" >"$dir/$kind.yaml" && run 0 check "$dir/$kind.yaml" && run 0 shape "$dir/$kind.yaml" --json && json "j['scene'] == '$kind' and 0 < j['shape_error'] < .1" &&
+        run 0 solve "$dir/$kind.yaml" && [ "$(wc -l <"$dir/$kind.yaml")" -le 56 ] && [ "$(grep -c '#' "$dir/$kind.yaml")" -ge 12 ] && [ "$(awk 'length > 100' "$dir/$kind.yaml" | wc -l)" -eq 0 ]
+    check "new $kind" $?
+    for c in check solve shape; do
+        run 0 "$c" "$dir/$kind.yaml" --strict || break
+    done
+    check "new $kind: no warnings" $?
+    run 0 modes "$dir/$kind.yaml" --number 3 --json &&
+        json "len(j['frequency']) == 3 and 0 < min(j['frequency']) and 0 < j['mass']"
+    check "new $kind: modes, so that every material has a density" $?
+    run 0 shape "$dir/$kind.yaml" --limit 1000 && grep -q '^  optimum within limits .* \.\. 240 ' "$dir/out"
+    check "new $kind: the field narrows wide limits" $?
+done
+run 0 new && cmp -s "$dir/out" "$dir/plate.yaml"; check 'new without an argument is a plate' $?
+run 2 new measured && says 'come with a later release' && [ ! -s "$dir/out" ]; check 'new measured is refused by name' $?
+run 2 new mirrow && says "did you mean 'mirror'"; check 'new of a mistyped scene' $?
+run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
+run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?
+for limit in inf -inf 0 1e999 junk '' 5,-5 1,2,3 1, ,1 1,inf nan,1; do
+    run 2 shape plate-50-patches --limit "$limit" && says "--limit"; check "bad limit '$limit'" $?
+done
+run 0 shape plate-50-patches --limit -50,300 --limit 400 --set materials.G1195.field_limit=1.2e6 --set 'limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_2, voltage: [-10, 10]}]' --json &&
+    json "all(r['volts']['v_1_1']==0 for r in j['results'][:7]) and all(abs(r['volts']['v_1_2'])<=10 for r in j['results'][1:7]) and all(-50<=v<=300 for r in j['results'][1:4] for v in r['volts'].values()) and all(abs(v)<=300.0001 for r in j['results'][4:7] for v in r['volts'].values())"
+check 'the narrowest limit wins: held, own, field, --limit' $?
+run 2 shape plate-50-patches --limit 30,90 --set 'limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]' && says 'v_2_3 has no voltage left'; check 'limits that do not overlap name the amplifier' $?
+run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-4' && grep -q '11 of 121 target rows lie on constrained dof and cannot move, 11 of them' "$dir/out" && grep -q 'with them it would be 10.645%' "$dir/out"
+check 'target rows that cannot move are reported' $?
+run 0 shape plate-50-patches --limit 200 --set 'target.free=[piston]' --json && json "j['free_functions']==1 and j['fixed_rows']==11 and j['fixed_rows_off']==0 and j['shape_error_all_rows']>0" &&
+    cp "$dir/out" "$dir/free" && run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-2' --set 'target.free=[piston]' --json &&
+    json "abs(j['shape_error']/json.load(open('$dir/free'))['shape_error']-1)<1e-9"
+check 'a free piston in the target costs nothing' $?
+run 2 tables plate-50-patches --set 'target.free=[tip]' --level linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
+    run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'free functions of the target taken out' "$dir/free.h"
+check 'free functions: carried by the control image, refused by the linear one' $?
+run 2 simulate plate-closed-loop --set 'target.free=[piston]' && says 'told: found'; check 'free functions and the fault detector: exit 2' $?
+run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
+run 0 list && [ "$(wc -l <"$dir/out")" -ge 9 ]; check 'list names the shipped scenes' $?
+for s in $("$PZS" list | cut -d' ' -f1); do
+    run 0 check "$s"; check "shipped scene is sound: $s" $?
+done
+
+run 0 solve scordelis-lo --json && json "abs(j['ratios']['edge']-.9853)<6e-5 and j['dof']==1872"; check 'solve --json' $?
+common='scene nodes elements kinds dof half_bandwidth real_bits kinematics condition'
+for k in 'scordelis-lo' 'hemisphere'; do
+    run 0 solve $k --json && json "not [k for k in '$common steps systems iterations residual negative_pivots outputs seconds'.split() if k not in j] and all(j['seconds'][k]>=0 for k in 'assemble factor solve total'.split()) and all(type(v) is float for v in j['outputs'].values())"
+    check "keys of solve --json: $k" $?
+done
+run 0 solve scordelis-lo --json && json "0 < j['solver_residual'] < 1e-6 and 0 < j['solver_error_estimate'] < 1e-6 and 'error' not in j" &&
+    run 0 solve scordelis-lo --report "$dir/r.html" && grep -q '^  linear solve: solver residual .*, solver error estimate .* in the energy norm' "$dir/out" &&
+    grep -q '^  discretisation error: not part of these figures; compare with a finer mesh' "$dir/out" && grep -q 'Solver residual' "$dir/r.html" && grep -q 'Solver error estimate' "$dir/r.html" &&
+    run 0 solve hemisphere && grep -q 'solver residual .* of the load$' "$dir/out" && grep -q '^  discretisation error: not part' "$dir/out"
+check 'errors of the solver are called so, and the discretisation error is said to be missing' $?
+run 0 check plate-50-patches && grep -q '^  control  *[0-9]' "$dir/out" && grep -q '^  linear  *[0-9]' "$dir/out"; check 'check tells what each image needs' $?
+run 0 check plate-50-patches --json && json "j['images']['control']['flash']['double']==8*(121*25+25*25+2*121+4*25) and j['images']['linear']['ram']['double']>2*j['images']['linear']['ram']['float']-4000"; check 'check --json' $?
+run 0 shape plate-50-patches --limit 200 --limit 100 --json && json "abs(j['results'][0]['shape_error']-.05538)<1e-5"; check 'shape without limits .05538' $?
+json "not [k for k in '$common volts shape_error shape_error_before clipped_error active kkt'.split() if k not in j] and len(j['volts'])==25 and j['shape_error']==j['results'][1]['shape_error'] and j['clipped_error']==j['results'][2]['shape_error'] and abs(j['shape_error_before']-1)<1e-12"; check 'keys of shape --json' $?
+json "abs(j['results'][1]['shape_error']-.08975)<1e-5 and j['results'][1]['active']==6"; check 'shape within 200 V .08975, 6 active' $?
+json "abs(j['results'][2]['shape_error']-.520)<5e-4"; check 'clipped .520' $?
+json "abs(j['regularised_error']-.15939)<1e-5 and j['results'][3]['shape_error']==j['regularised_error'] and j['results'][3]['name']=='regularised, then clipped' and 1e-3<j['results'][3]['regularisation']<1e-2"; check 'regularised with the best parameter, then clipped .159' $?
+json "abs(j['results'][4]['shape_error']-.36114)<1e-5"; check 'shape within 100 V .36114' $?
+json "max(abs(v) for v in j['results'][1]['volts'].values())<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
+json "[r for r in j['results'] if r['name']=='published'][0]['shape_error'] > .0705"; check 'published voltages beside' $?
+run 0 shape mirror --set mesh.theta1.elements=10 --set mesh.theta2.elements=16 --limit 30 --limit 100 --json && json "len(j['modes'])==14 and all(m['unlimited_error']<=l['shape_error']*(1+1e-9)<=l['regularised_error']*(1+1e-8)<=l['clipped_error']*(1+2e-8) for m in j['modes'] for l in m['limits']) and [l['limits'][1] for l in j['modes'][0]['limits']]==[30,100]"; check 'modes of shape --json' $?
+run 0 shape mirror --report "$dir/m.html" && grep -q 'Z11 spherical .* 3.962% .* 187.753%' "$dir/out" && grep -q 'Mode by mode' "$dir/m.html"; check 'modes as a table and a picture' $?
+run 0 solve bimorph-sensor --json && json "abs(j['outputs']['V1']/292.351-1)<1e-6 and j['electrodes']['s_1_1']['circuit']=='open' and abs(j['electrodes']['s_1_1']['capacitance_held']/1.062e-11-1)<1e-12 and 1<j['open_over_short_stiffness']<1.01"; check 'electrodes of solve --json' $?
+run 0 solve bimorph-sensor && grep -q '^  s_1_1 *open *2.923510e+02' "$dir/out" && grep -q 'stiffer than short' "$dir/out"; check 'electrodes of solve' $?
+run 0 solve crawley-lazarus --report "$dir/c.html" && grep -q 'Along lines' "$dir/c.html"; check 'curves along lines' $?
+run 0 solve clamped-plate --set element=improved --set materials.plate.nu=0.49; check '--set changes the scene' $?
+
+# Outputs at several nodes or electrodes: every value comes out, and each is that of an output at its node alone
+several='outputs=[{name: all, contact: pressure, at: nodes}, {name: edge, contact: pressure, edge: theta2-}, {name: nodes, contact: nodes},
+    {name: part, contact: pressure, at: {theta1: [0.5, 0.7]}}, {name: u, u3: outer, edge: theta2-}, {name: one, contact: pressure, at: {theta1: pi/5, theta2: 0}}]'
+run 0 solve ring-contact --set "$several" --json && json "(lambda o, p:
+    len(o['all']) == 62 and len(o['edge']) == 31 and len(o['part']) == 4 and sum(v != 0 for v in o['all']) == o['nodes'] > 0 and
+    [e['value'] for e in p['all']] == o['all'] and sorted(p['u'][0]) == ['theta1', 'theta2', 'value', 'x', 'y', 'z'] and
+    p['edge'] == [e for e in p['all'] if e['theta2'] == 0] and p['part'] == [e for e in p['all'] if .5 <= e['theta1'] <= .7] and
+    o['one'] == [e['value'] for e in p['edge'] if abs(e['theta1']-3.14159265/5) < 1e-6][0] == max(o['all']) > 0 and
+    all(abs(e['x']**2 + e['y']**2 - 1e4) < 1e-9 and e['z'] == e['theta2'] for e in p['all']))(j['outputs'], j['output_places'])"
+check 'contact pressures of an edge, a region and all nodes in JSON' $?
+run 0 solve ring-contact --set "$several" --report "$dir/several.html" && [ "$(awk '/ theta1 .* all$/ {on = 1; next} /^  [a-z]/ {on = 0} on' "$dir/out" | wc -l)" -eq 62 ] &&
+    grep -q '^ *6.283185e-01  0.000000e+00   8.090170e+01  5.877853e+01  0.000000e+00 * 1.039' "$dir/out" &&
+    [ "$(grep -c '^<tr><th scope="row"></th><td>' "$dir/several.html")" -eq $((62 + 31 + 4 + 31)) ]
+check 'the same as a table with the coordinates of the nodes, in text and in the report' $?
+run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}, {name: Q, charge: s}]' --json && json "
+    [e['electrode'] for e in j['output_places']['V']] == list(j['electrodes']) and len(j['outputs']['V']) == len(j['outputs']['Q']) == 5 and
+    [e['value'] for e in j['output_places']['V']] == j['outputs']['V'] == [e['volts'] for e in j['electrodes'].values()]" &&
+    run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}]' && [ "$(grep -c '^    s_[1-5]_1  *[0-9.e+]*$' "$dir/out")" -eq 5 ]
+check 'the voltages of several electrodes under their names' $?
+run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: theta1+}' --json && json "
+    len(j['results'][1]['outputs']['rim']) == 11 and [e['value'] for e in j['output_places']['rim']] == j['outputs']['rim'] and j['outputs'] == j['results'][1]['outputs']" &&
+    run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: theta1+}' && [ "$(awk '/ theta1 .* rim$/ {on = 1; next} /^$/ {on = 0} on' "$dir/out" | wc -l)" -eq 11 ]
+check 'shape: an output of an edge has all its nodes' $?
+
+run 0 tables plate-50-patches --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
+check 'the same scene gives the same tables' $?
+run 2 tables plate-50-patches && says '-o FILE'; check 'tables without -o' $?
+run 1 tables plate-50-patches -o "$dir/none/x.h" && says 'cannot write'; check 'tables into no folder' $?
+run 0 solve scordelis-lo --report "$dir/r.html" --vtu "$dir/r.vtu" && [ -s "$dir/r.html" ] && [ -s "$dir/r.vtu" ] && ! ls "$dir"/*.part >/dev/null 2>&1
+check 'report and VTU file are whole' $?
+
+scene "$dir/good.yaml"; run 0 solve "$dir/good.yaml"; check 'the small scene is sound' $?
+run 0 solve "$dir/good.yaml" --set 'units={length: m, force: N}' --set 'layers.0.thickness=1 cm' --set 'materials.steel.E=200 GPa' --json && json "j['warnings']==[]" && cp "$dir/out" "$dir/units"
+check 'numbers with units, and no warnings' $?
+run 0 solve "$dir/good.yaml" --json && /usr/bin/python3 -c "import json,sys; a,b=(json.load(open('$dir/'+f))['outputs'] for f in ('out','units')); sys.exit(a!=b)"
+check 'numbers with units: the same bits as without' $?
+run 2 solve "$dir/good.yaml" --set 'layers.0.thickness=1 cm' && says 'add length: mm to units'; check 'a unit in a scene without units' $?
+run 0 solve bimorph-sensor --json && json "[w['rule'] for w in j['warnings']]==['displacement'] and abs(j['warnings'][0]['value']-9.9)<.01 and j['warnings'][0]['limit']==1"; check 'warnings of solve --json' $?
+run 0 solve bimorph-sensor && grep -q '^Warnings:$' "$dir/out" && grep -q '^  displacement: .*use kinematics: nonlinear' "$dir/out" && [ ! -s "$dir/err" ]; check 'warnings of solve' $?
+run 1 solve bimorph-sensor --strict && grep -q '^Warnings:$' "$dir/out" && run 0 solve scordelis-lo --set loads.0.z=-9 --strict && ! grep -q Warnings "$dir/out"; check 'warnings are failures under --strict' $?
+run 0 check plate-50-patches --json && json "[(w['rule'],w['value'],w['line']) for w in j['warnings']]==[('limit_field',2.4e6,34)]"; check 'warnings of check --json' $?
+run 0 shape plate-50-patches --json && json "[w['rule'] for w in j['warnings']]==['limit_field','displacement']"; check 'warnings of shape --json' $?
+bad 'unknown key' 's/supports:/suports:/' ":10:"
+bad 'missing material' 's/{material: steel/{material: brass/' ':9:'
+bad 'zero thickness' 's/0\.01/0/' ':9:'
+bad 'negative stiffness' 's/2e11/-2e11/' ':7:'
+bad 'incompressible' 's/nu: 0.3/nu: 0.5/' ':7:'
+bad 'NaN' 's/2e11/.nan/' ':7:'
+bad '1e308' 's/0\.01/1e308/' ':9:'
+bad 'loose structure' 's/fix: clamped/fix: [u1]/' 'add supports'
+bad 'no supports' '/supports/,/fix/d' 'supports'
+bad 'inverted mesh' 's/theta1: {from: 0, to: 1/theta1: {from: 1, to: 0/' ':4:'
+bad 'mesh through a pole' 's/type: plate/type: polar/' 'A2 = 0'
+bad 'point off the mesh' 's/at: {theta1: 1,/at: {theta1: 0.9,/' ':15:'
+bad 'infinite load' 's/pressure: 1/pressure: 1\/x/' 'finite'
+bad 'syntax' 's/{edge/[edge/' ':1'
+bad 'too many unknowns' 's/elements: 4/elements: 200/' 'elements'
+head -c 100000000 /dev/zero | tr '\0' 'a' >"$dir/huge.yaml"
+began=$(date +%s); run 2 check "$dir/huge.yaml" && [ $(($(date +%s) - began)) -lt 3 ]; check 'a file of 100 MB is refused at once' $?
+rm -f "$dir/huge.yaml"
+head -c 20000 /dev/urandom >"$dir/noise.yaml"; run 2 check "$dir/noise.yaml"; check 'binary noise' $?
+: >"$dir/empty.yaml"; run 2 check "$dir/empty.yaml"; check 'empty file' $?
+run 2 check "$dir" ; check 'a folder' $?
+echo kept >"$dir/kept.html"; run 2 solve "$dir/bad.yaml" --report "$dir/kept.html"; grep -q kept "$dir/kept.html"; check 'an earlier file survives a failure' $?
+
+# Tables and library tied together
+cat >"$dir/p.c" <<'EOT'
+#include "a.h"
+int main(void) { static char work[1 << 20]; pzs_control c; return (int)pzs_control_init(&c, &a_problem, 0, work, sizeof work); }
+EOT
+sed 's/PZS_TABLE_FORMAT != [0-9]*/PZS_TABLE_FORMAT != 0/' "$dir/one.h" >"$dir/a.h"
+! gcc -std=c99 -Iinclude -I"$dir" -c "$dir/p.c" -o "$dir/p.o" 2>/dev/null; check 'tables of another format do not compile' $?
+cp "$dir/one.h" "$dir/a.h"
+gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=64 "$dir/p.c" "$B/64/libpiezoshape.a" -lm -o "$dir/p" && "$dir/p"; check 'a double program runs on its tables' $?
+gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/p.c" "$B/32/libpiezoshape.a" -lm -o "$dir/p" && "$dir/p"; check 'a float program runs on the same tables' $?
+! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/p.c" "$B/64/libpiezoshape.a" -lm -o "$dir/p" 2>/dev/null; check 'a float program does not link with the double library' $?
+
+cat >"$dir/q.c" <<'EOT'
+#include "q.h"
+static double work[1 << 18];
+int main(void)
+{
+    pzs_model m;
+    pzs_control c;
+    pzs_status status = pzs_model_init(&m, &q_structure, work, sizeof work);
+    static pzs_real b[Q_INPUTS * Q_OUTPUTS], more[Q_CONTROL_BYTES / sizeof(pzs_real) + 1];
+    if (status == PZS_OK) status = pzs_assemble(&m, 0, 0);
+    if (status == PZS_OK) status = pzs_factor(&m);
+    if (status == PZS_OK) status = pzs_influence(&m, b);
+    return status != PZS_OK ? (int)status : (int)pzs_control_init(&c, &q_problem, b, more, sizeof more);
+}
+EOT
+run 0 tables plate-50-patches --set element=improved --set 'limits.voltage=[-0.0, 3]' --level linear --prefix q -o "$dir/q.h"
+for bits in 32 64; do
+    gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/q.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/q" && "$dir/q"
+    check "a linear image of the improved element starts, $bits bits" $?
+done
+run 0 tables plate-50-patches --set 'loads=[{face: outer, pressure: 5}]' --prefix q -o "$dir/loaded.h"; sed -n '/q_target/,$p' "$dir/loaded.h" >"$dir/loaded.target"; sed -n '/q_target/,$p' "$dir/q.h" >"$dir/unloaded.target"
+! cmp -s "$dir/loaded.target" "$dir/unloaded.target"; check "the firmware's target allows for the loads" $?
+run 2 tables plate-50-patches --prefix Pzs -o "$dir/t.h" && says 'prefix'; check "the library's own prefix is refused" $?
+run 2 solve "$dir/good.yaml" --report "$dir/one" --vtu "$dir/one" && says 'one name'; check 'two outputs under one name' $?
+run 2 solve "$dir/good.yaml" --report "$dir/good.yaml" && says 'one name'; check 'a report over the scene itself' $?
+run 2 solve "$dir/good.yaml" --report "$dir/./good.yaml" && says 'one name' && run 2 solve "$dir/good.yaml" --report "$dir/new" --vtu "$dir/./new" && says 'one name'
+check 'one file by two paths' $?
+run 2 solve "$dir/good.yaml" --csv "$dir/x.csv" && says '--csv belongs to simulate' && run 2 check "$dir/good.yaml" --report "$dir/x.html" && says 'belongs to solve'
+check 'an option of another command' $?
+scene "$dir/far.yaml"; sed -i 's/pressure: 1/pressure: 1e40/; 1a kinematics: nonlinear' "$dir/far.yaml"; run 1 solve "$dir/far.yaml" && says 'far.yaml:3:10: '; check 'a load beyond every equilibrium: exit 1, with a place' $?
+run 1 shape plate-50-patches --set kinematics=nonlinear --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 --set 'equilibrium={systems: 1}' && says 'limit on linear solves reached'
+check 'a shape without an equilibrium: exit 1' $?
+run 0 solve ring-contact --set kinematics=auto --json && json "j['kinematics']=='nonlinear' and abs(j['outputs']['A']/-198.02-1)<1e-4"
+check 'contact needs no linear answer beside it' $?
+# touch_body FACE BODY MOVE: the small plate with a body over its outer face, at z = 0.005
+touch_body() {
+    scene "$dir/touch.yaml"
+    sed -i "1a kinematics: nonlinear\ncontact: {face: $1, body: $2, move: $3}" "$dir/touch.yaml"
+}
+solve_touching() { run "$1" solve "$dir/touch.yaml"; }
+ball='{type: sphere, point: [0.6, 0.4, 0.1], radius: 0.03}'
+touch_body outer "$ball" '[0, 0, -0.08]'
+solve_touching 1 && says 'touch.yaml:3:10: the contact body would enter the shell: element 9 ' \
+    && says '(theta1 = 0.5 to 0.75, theta2 = 0.25 to 0.5), at (0.6' && says 'between the nodes' && says 'refine the mesh'
+check 'a ball between nodes is refused with element and place' $?
+touch_body outer "$ball" '[0, 0, -0.8]'
+solve_touching 1 && says 'between the nodes'
+check 'a ball that would jump through a plate is refused' $?
+roller='{type: cylinder, point: [0.5, 0, -0.2], axis: [0, 1, 0], radius: 0.1}'
+touch_body outer "$roller" '[0, 0, 0.3]'
+solve_touching 1 && says 'of the inner face' && says 'it comes from behind'
+check 'a body from behind is refused' $?
+touch_body outer '{type: psi, value: (x-0.6)^2+(y-0.4)^2+4*(z-0.1)^2-0.03^2}' '[0, 0, -0.8]'
+solve_touching 1 && says 'between the nodes'
+check 'a body by a formula is refused likewise' $?
+touch_body outer '{type: sphere, point: [0.6, 0.4, 0.3], radius: 0.03}' '[100, 0, 0]'
+run 0 solve "$dir/touch.yaml" --json && json "j['steps']==1 and j['steps_shortened']==0"
+check 'a body that passes by is let go' $?
+touch_body outer '{type: sphere, point: [1, 0.5, 3], radius: 0.3}' '[0, 0, -2.8]'
+solve_touching 0 && grep -q 'load steps\{0,1\} shortened for it' "$dir/out"
+check 'load steps are added for a body that moves far' $?
+base='{type: cylinder, point: [200.5, 0, 0], axis: [0, 0, 1], radius: 100}'
+run 0 solve ring-contact --set "contact.body=$base" \
+    && grep -q 'WARNING: a part of the shell that faces away' "$dir/out"
+check 'a ring pressed through itself is told' $?
+"$PZS" solve scordelis-lo --json >/dev/full 2>"$dir/err"; [ $? -eq 1 ] && says 'standard output'; check 'a full standard output is an error' $?
+mkfifo "$dir/pipe"; cat "$dir/pipe" >"$dir/read" & run 0 solve "$dir/good.yaml" --vtu "$dir/pipe"; wait; [ -p "$dir/pipe" ] && grep -q '<Points>' "$dir/read"; check 'a pipe stays a pipe' $?
+{ sed '/^compare:/,$d' host_tools/scenes/plate-50-patches.yaml; echo compare:; for i in $(seq 80); do echo "  - {name: c$i, values: [$(seq -s, 25)]}"; done; } >"$dir/many.yaml"
+run 0 shape "$dir/many.yaml" --json && json "len(j['results'])==84"; check 'eighty sets of volts to compare' $?
+run 2 shape plate-50-patches --set 'limits.each=[{actuator: v_1_1, hold: 1e6}]' --set materials.G1195.field_limit=1e6 && says 'v_1_1'; check 'hold beyond the depolarisation field names the amplifier' $?
+cat >"$dir/tube.yaml" <<'EOT'
+name: tube
+surface: {type: cylinder, radius: 1, axial: theta1}
+mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {from: 0, to: 2*pi, elements: 16}}
+materials: {m: {E: 1e9, nu: 0.3}}
+layers: [{material: m, thickness: 0.01}]
+supports: [{edge: theta1-, fix: clamped}]
+loads: [{face: outer, pressure: 1}]
+outputs: [{name: a, u3: middle, at: {theta1: 2, theta2: 0}}, {name: b, u3: middle, at: {theta1: 2, theta2: 2*pi}}]
+EOT
+run 0 solve "$dir/tube.yaml" --json && json "j['outputs']['a']==j['outputs']['b'] and j['nodes']==80"; check 'a closed tube is closed' $?
+run 0 solve "$dir/tube.yaml" --set 'outputs.1={name: b, u3: middle, at: {theta1: [2, 2], theta2: [2*pi, 2*pi]}}' --json && json "j['outputs']['a']==j['outputs']['b']"
+check 'a region on the seam holds the nodes of the seam' $?
+run 0 solve "$dir/tube.yaml" --set 'supports.1={edge: theta2+, fix: clamped}' --json && json "j['outputs']['a']==0"; check 'a support on the seam holds from either side' $?
+run 2 solve "$dir/tube.yaml" --set mesh.theta2.elements=2 && says 'at least 3'; check 'two elements around are refused' $?
+run 0 tables plate-50-patches --set 'limits.voltage=[-133.3, 133.3]' --set limits.slew=0.1 --prefix a -o "$dir/a.h"
+cat >"$dir/l.c" <<'EOT'
+#include "a.h"
+static double work[1 << 16];
+int main(void)
+{
+    pzs_control c;
+    for (int k = 0; k < A_INPUTS; k++)
+        if ((double)a_lower[k] < -133.3 || (double)a_upper[k] > 133.3 || (double)a_slew[k] > 0.1) return 9;
+    return (int)pzs_control_init(&c, &a_problem, 0, work, sizeof work) + (a_target[0] > 1);
+}
+EOT
+for bits in 32 64; do
+    gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/l.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/l" && "$dir/l"
+    check "limits are rounded inwards, $bits bits" $?
+done
+
+# simulate
+quick='--set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear --set simulate.events=[]'
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$dir/loop.csv" --report "$dir/loop.html" &&
+    json "j['ticks'] == 60 and j['counts']['controller']['ran'] == 60 and j['counts']['controller']['beyond'] == 0 and
+          j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clipped']['steady'] / 2 and
+          j['phases'][0]['controller']['steady'] < j['phases'][0]['regularised']['steady'] < j['phases'][0]['clipped']['steady']"
+check 'simulate: optimum, controller and clipping in JSON' $?
+[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,active,passes,status,lost,v_1_1,.*,v_5_5$' &&
+    [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 32 ]
+check 'simulate: a CSV line a tick, a column a quantity' $?
+grep -q 'Volts of the amplifiers' "$dir/loop.html" && ! grep -qi '[^a-z]nan[^a-z]' "$dir/loop.html"; check 'simulate: report' $?
+[ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
+run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
+run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
+run 0 tables plate-closed-loop --quasi-static -o "$dir/target.h" && run 0 tables plate-closed-loop --quasi-static --set simulate.influence=rest -o "$dir/rest.h" &&
+    grep -q 'influence\[3025\]' "$dir/target.h" && ! cmp -s "$dir/target.h" "$dir/rest.h"
+check 'control tables have the influence that the simulation has' $?
+
+# Signals and terminals
+mkdir "$dir/signals"
+for law in 'file:a signal leaves no part of a file, and the earlier file' 'device:a signal leaves no folder of a firmware' \
+    'terminal:progress on a terminal after two seconds' 'quiet:no progress of a short command'; do
+    /usr/bin/python3 tests/cli/interrupt.py "$PZS" "$dir/signals" "${law%%:*}" >"$dir/out" 2>"$dir/err"; check "${law#*:}" $?
+done
+
+# The README's table is what the demo prints, but for the last column: rounding differs between machines
+run 0 shape plate-50-patches --limit 200 --limit 100 --limit 500
+sed -n '/<!-- demo -->/,/^$/p' README.md | grep '%' | awk '{$NF = ""; print}' >"$dir/told"
+grep -v 'target' "$dir/out" | grep '%' | awk '{$NF = ""; print}' | cmp -s - "$dir/told" && [ -s "$dir/told" ]; check "the README's table is the demo's" $?
+
+# vibration
+run 0 modes plate-50-patches --number 5 --vtu "$dir/modes.vtu" && grep -q '^ *1 *15\.0' "$dir/out" && grep -q 'mode_5' "$dir/modes.vtu"; check 'modes: a table and a VTU file' $?
+run 0 modes plate-50-patches --number 5 --json && json "all(abs(f/w-1)<.02 for f,w in zip(j['frequency'],[15,36,94,123,133])) and abs(j['mass']-.184)<1e-12 and len(j['modes'][4]['controllability'])==25 and len(j['frequency'])==5"; check 'modes --json' $?
+run 2 modes scordelis-lo && says "no density in material 'concrete'"; check 'modes without a density: exit 2, with the cure' $?
+run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-50-patches --number 2.5 && says '--number' && run 2 check plate-50-patches --number 3 && says 'belongs to modes'; check 'modes: a wrong number' $?
+run 2 tables plate-closed-loop -o "$dir/x.h" && says 'unstable at 1000 ticks a second' && says 'quasi-static' && [ ! -e "$dir/x.h" ]; check 'tables of an unstable loop are refused' $?
+run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set simulate.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
+grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
+run 0 check plate-closed-loop --json && json "j['vibration']['radius']>1.5 and j['vibration']['stable'] is False and 0<j['vibration']['rate_to']<15 and abs(j['vibration']['frequency'][0]-15.04)<.1"; check 'check --json: verdict on the loop' $?
+run 0 check plate-closed-loop --set simulate.rate=0.4 && grep -q 'the loop is stable' "$dir/out" && grep -q 'Every rate up to' "$dir/out"; check 'check: a rate that is stable' $?
+run 0 check scordelis-lo && grep -q "vibration not known: .*'concrete'" "$dir/out"; check 'check names the densities that are missing' $?
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 && grep -q 'quasi-static plant: no inertia' "$dir/out" && grep -q 'vibration grows' "$dir/out"; check 'simulate says that its plant has no inertia' $?
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 --set materials.G1195.density=0 --json --report "$dir/loop.html" && json "j['dynamics']=='quasi-static' and 'G1195' in j['vibration']['missing']" && grep -q 'Quasi-static plant' "$dir/loop.html"; check 'simulate without a density says so' $?
+echo "1..$n"

@@ -1,0 +1,57 @@
+#!/bin/sh
+# The architecture: a room includes only the rooms that its README.md names after "May include:", and the include
+# graph of the files has no circle. gcc -MM lists what each file includes, directly or not.
+. tests/gates/common.sh
+
+rooms=$(git ls-files --cached --others --exclude-standard '*.[ch]' 2>/dev/null | sed 's|/[^/]*$||' | sort -u)
+
+# Lines "FILE INCLUDED" for the file $1 with PZS_NONLINEAR $2; generated tables include pzs.h alone.
+includes() {
+    "$CC" -std=c99 -MM -MG -Iinclude -DDEMO_TABLES='"pzs.h"' -DPZS_NONLINEAR="$2" "$1" 2>/dev/null |
+        tr -d '\\' | tr ' ' '\n' | grep '\.h$' | while read -r header; do
+        [ ! -f "$header" ] || echo "$1 $(realpath --relative-to=. "$header")"
+    done | grep -v "^$1 $1\$"
+}
+
+# Lines "FILE INCLUDED" of direct includes between the project's own files.
+direct() {
+    sed -n 's/^#include "\([^"]*\)".*/\1/p' "$1" | while read -r header; do
+        path=$(dirname "$1")/$header
+        [ ! -f "$path" ] || echo "$1 $(realpath --relative-to=. "$path")"
+    done
+}
+
+tap_needs "$CC" 'rooms' || { tap_end; exit; }
+
+for room in $rooms; do
+    files=$(ls "$room"/*.[ch] 2>/dev/null) || continue
+    case $room in
+    tests/* | tests) continue ;; # tests may include everything
+    esac
+    if [ ! -f "$room/README.md" ]; then
+        echo "$room has no README.md" >"$scratch/found"
+        tap 1 "$room"
+        continue
+    fi
+    allowed=$(sed -n 's/^May include: *//p' "$room/README.md" | tr -d '`.,' | tr '\n' ' ')
+    for file in $files; do
+        includes "$file" 0
+        includes "$file" 1
+    done | sort -u | while read -r file header; do
+        case " $room $allowed " in
+        *" $(dirname "$header") "*) ;;
+        *) echo "$file includes $header" ;;
+        esac
+    done >"$scratch/found"
+    [ ! -s "$scratch/found" ] && [ -n "$allowed" ] && [ "$(wc -l <"$room/README.md")" -le 40 ]
+    tap $? "$room includes: $allowed"
+done
+
+# A file and its header count as one: NAME.c and NAME.h.
+for file in $(git ls-files --cached --others --exclude-standard '*.[ch]'); do
+    [ -f "$file" ] && direct "$file"
+done | sed 's/\.[ch]\( \|$\)/\1/g' | awk '$1 != $2 { print $2, $1 }' | sort -u >"$scratch/pairs"
+tsort "$scratch/pairs" >/dev/null 2>"$scratch/found"
+[ -s "$scratch/pairs" ] && [ ! -s "$scratch/found" ]
+tap $? "no circle among $(wc -l <"$scratch/pairs") includes"
+tap_end

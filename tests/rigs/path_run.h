@@ -1,0 +1,46 @@
+/* What tests of the nonlinear path share: changes of scenes, the path of a run, vectors compared.
+ * After cmocka.h. */
+#ifndef PATH_RUN_H
+#define PATH_RUN_H
+
+#include "pzs.h"
+#include "scene_assert.h"
+
+/* Changes of a scene, each ended. */
+#define MESH(n1, n2) "mesh.theta1.elements=" #n1 ";mesh.theta2.elements=" #n2 ";"
+#define HALF_TURN "actuators.v.applied=4*0.05^2*(pi/10)/(3*1e-6);"
+#define BASE_100                                                                                   \
+    "contact.body={type: cylinder, point: [200.5, 0, 0], axis: [0, 0, 1], radius: 100};"
+#define BASE_FLAT "contact.body={type: plane, point: [100.5, 0, 0], normal: [-1, 0, 0]};"
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+static inline pzs_solver *path_of(scene_run *r)
+{
+    return &r->analysis.path.run;
+}
+
+static inline size_t dof_of(const scene_run *r)
+{
+    return (size_t)r->analysis.design.mesh.dof;
+}
+
+static inline double largest(const double *x, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* Largest difference of two vectors over the largest entry of the second; infinite where one entry
+ * of x is. */
+static inline double apart(const double *x, const double *y, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = isfinite(x[i]) ? fmax(most, fabs(x[i] - y[i])) : HUGE_VAL;
+    return most / largest(y, n);
+}
+
+#endif

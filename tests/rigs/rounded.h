@@ -1,0 +1,58 @@
+/* A bridge's tables rounded to the precision of the test program. After cmocka.h. */
+#ifndef ROUNDED_H
+#define ROUNDED_H
+
+#include "pzs.h"
+#include <stdlib.h>
+#include "bridge.h"
+#include "../../lib/core/guard.h"
+#include "../../lib/model/model.h"
+
+static inline pzs_real *rounded(const double *x, size_t n)
+{
+    pzs_real *y = calloc(n + 1, sizeof *y);
+    assert_non_null(y);
+    for (size_t i = 0; i < n; i++)
+        y[i] = (pzs_real)x[i];
+    return y;
+}
+
+static inline pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
+{
+    pzs_real *value = rounded(from->value, from->count ? from->start[from->count] : 0);
+    to->count = (uint16_t)from->count;
+    to->start = from->start;
+    to->dof = from->dof;
+    to->value = value;
+    return value;
+}
+
+/* Reals of a structure, to be freed. */
+enum { ROUNDED_STIFFNESS, ROUNDED_KIND, ROUNDED_INPUT, ROUNDED_OUTPUT, ROUNDED_ARRAYS };
+
+static inline void round_structure(const bridge *b, pzs_structure *s,
+                                   pzs_real *owned[ROUNDED_ARRAYS])
+{
+    const size_t corners = 4 * (size_t)b->unknowns;
+    assert_int_equal(b->kind_reals * sizeof(pzs_real), sizeof(pzs_element_type));
+    owned[ROUNDED_STIFFNESS] =
+        rounded(b->stiffness, (size_t)b->kinds * corners * (corners + 1) / 2);
+    owned[ROUNDED_KIND] = rounded(b->kind, (size_t)b->kinds * b->kind_reals);
+    s->format = PZS_TABLE_FORMAT;
+    s->nodes = (uint16_t)b->nodes;
+    s->elements = (uint16_t)b->elements;
+    s->types = (uint16_t)b->kinds;
+    s->dof_per_node = (uint16_t)b->unknowns;
+    s->free_dof = (uint16_t)b->dof;
+    s->element = (const uint16_t(*)[4])(const void *)b->element;
+    s->element_type = b->element_kind;
+    s->node_dof = b->node_dof;
+    s->first_column = b->first;
+    s->stiffness = owned[ROUNDED_STIFFNESS];
+    s->type = (const pzs_element_type *)(const void *)owned[ROUNDED_KIND];
+    owned[ROUNDED_INPUT] = round_rows(&b->input, &s->input);
+    owned[ROUNDED_OUTPUT] = round_rows(&b->output, &s->output);
+    s->crc = pzs_structure_crc(s);
+}
+
+#endif

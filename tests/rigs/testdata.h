@@ -1,0 +1,31 @@
+/* Reader of the text data in tests/oracle/data: `case NAME`, `word KEY VALUE`, `array KEY ROWS COLS
+ * numbers`. */
+#ifndef TESTDATA_H
+#define TESTDATA_H
+
+#include <stdio.h>
+
+typedef struct testdata_array {
+    char key[32];
+    int rows, columns;
+    double *value;
+} testdata_array;
+
+typedef struct testdata {
+    char name[64];
+    char key[16][32], word[16][32];
+    int words, arrays;
+    testdata_array array[32];
+} testdata;
+
+/* Read the next case. Returns 1, or 0 at the end of the file; faults of the format abort the test
+ * program. */
+int testdata_next(FILE *file, testdata *d);
+void testdata_free(testdata *d);
+
+/* Numbers under a key; NULL if the case has none. */
+const testdata_array *testdata_find(const testdata *d, const char *key);
+const double *testdata_values(const testdata *d, const char *key);
+const char *testdata_word(const testdata *d, const char *key);
+
+#endif

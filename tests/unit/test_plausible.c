@@ -1,0 +1,388 @@
+/* Laws of the plausibility rules: each speaks just above its limit and not just below; what the
+ * shipped scenes say. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../rigs/scene_assert.h"
+
+#define ACTUATED "sensors=[];outputs=[];actuators=[{name: v, drives: [{patches: up, factor: 2}]}];"
+#define METRES "units={length: m, force: N, voltage: V, temperature: K};"
+#define MILLIMETRES "units={length: mm, force: N, voltage: V, temperature: K};"
+
+/* ---- rules on the numbers of a scene ---------------------------------- */
+
+typedef struct edge_case {
+    const char *rule, *units, *fires, *silent;
+    double value; /* that the rule finds, in SI units or a ratio */
+} edge_case;
+
+/*
+ * Both sides of every limit, the second one 1 % within it. The voltages: a factor of 2 on a layer
+ * of 0.5 mm makes 4 kV/m of a volt.
+ */
+static const edge_case edges[] = {
+    {"modulus", METRES, "materials.ceramic.E=2.01e12", "materials.ceramic.E=1.99e12", 2.01e12},
+    {"modulus", METRES, "materials.ceramic.E=0.99e5", "materials.ceramic.E=1.01e5", 0.99e5},
+    {"modulus", MILLIMETRES, "materials.ceramic.E=2.01e6", "materials.ceramic.E=1.99e6", 2.01e12},
+    {"modulus", MILLIMETRES, "materials.ceramic.E=70e9", "materials.ceramic.E=70e3", 70e15},
+    {"modulus", METRES,
+     "materials.ceramic={E1: 1e9, E2: 1e9, G12: 2.01e12, G23: 1e9, nu12: 0, d31: 1e-10, "
+     "permittivity: 1e-8}",
+     "materials.ceramic={E1: 1e9, E2: 1e9, G12: 1.99e12, G23: 1e9, nu12: 0, d31: 1e-10, "
+     "permittivity: 1e-8}",
+     2.01e12},
+    {"density", METRES, "materials.ceramic.density=3.01e4", "materials.ceramic.density=2.99e4",
+     3.01e4},
+    {"density", METRES, "materials.ceramic.density=0.99", "materials.ceramic.density=1.01", 0.99},
+    {"density", MILLIMETRES, "materials.ceramic.density=7800", "materials.ceramic.density=7800e-12",
+     7800e12},
+    {"piezo_constant", METRES, "materials.ceramic.d31=1.01e-8", "materials.ceramic.d31=0.99e-8",
+     1.01e-8},
+    {"piezo_constant", METRES, "materials.ceramic.d31=-0.99e-13", "materials.ceramic.d31=-1.01e-13",
+     0.99e-13},
+    {"piezo_constant", MILLIMETRES, "materials.ceramic.d31=1.01e-5",
+     "materials.ceramic.d31=0.99e-5", 1.01e-8},
+    {"piezo_constant", METRES, "materials.ceramic={E: 1e9, nu: 0, e31: 10.1, permittivity: 1e-8}",
+     "materials.ceramic={E: 1e9, nu: 0, e31: 9.9, permittivity: 1e-8}", 1.01e-8},
+    {"thickness", METRES, "layers.1.thickness=1.01", "layers.1.thickness=0.99", 1.01},
+    {"thickness", MILLIMETRES, "layers.1.thickness=0.99e-4", "layers.1.thickness=1.01e-4", 0.99e-7},
+    {"applied_field", METRES, ACTUATED "actuators.v.applied=-252.5",
+     ACTUATED "actuators.v.applied=-247.5", 1.01e6},
+    {"applied_field", METRES, ACTUATED "actuators.v.applied=252.5",
+     ACTUATED "actuators.v.applied=252.5;materials.ceramic.field_limit=2e6", 1.01e6},
+    {"limit_field", METRES, ACTUATED "limits={voltage: [-252.5, 1]}",
+     ACTUATED "limits={voltage: [-247.5, 1]}", 1.01e6},
+    {"limit_field", METRES,
+     ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, voltage: [0, 252.5]}]}",
+     ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, voltage: [0, 247.5]}]}", 1.01e6},
+    {"limit_field", METRES, ACTUATED "limits={voltage: [-900, 900]}",
+     ACTUATED "limits={voltage: [-900, 900], each: [{actuator: v, hold: 0}]}", 3.6e6},
+};
+
+static const plausible_warning *find_rule(const plausible *p, const char *rule)
+{
+    for (int i = 0; i < p->count; i++)
+        if (strcmp(p->warning[i].rule, rule) == 0)
+            return &p->warning[i];
+    return NULL;
+}
+
+/* Warnings of the numbers of a scene, by name or path. */
+static void warnings_of(const char *name, const char *changes, plausible *p)
+{
+    scene_run r;
+    memset(p, 0, sizeof *p);
+    open_run(&r, name, changes);
+    plausible_scene(p, &r.scene);
+    scene_run_close(&r);
+}
+
+/* Each rule fires above its limit with the number that it found, and is silent below. */
+static void test_edges(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
+        const edge_case *c = &edges[i];
+        plausible p;
+        warnings_of(PLATE, with(c->units, c->fires), &p);
+        const plausible_warning *w = find_rule(&p, c->rule);
+        if (!w)
+            fail_msg("%s is silent at %s", c->rule, c->fires);
+        assert_near(c->fires, w->value, c->value, 1e-12);
+        assert_true(w->value > w->limit ? w->limit < c->value : w->limit > c->value);
+        if (!strchr(w->text, ';'))
+            fail_msg("no cure in '%s'", w->text);
+        warnings_of(PLATE, with(c->units, c->silent), &p);
+        if (find_rule(&p, c->rule))
+            fail_msg("%s fires at %s: %s", c->rule, c->silent, find_rule(&p, c->rule)->text);
+    }
+}
+
+/* Rules on numbers with units are silent where the scene's units are not known. */
+static void test_unitless(void **state)
+{
+    static const char *const unknown[] = {"units={force: N};",
+                                          "units={length: inch, force: lbf, voltage: volt};"};
+    (void)state;
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; i++)
+        for (int k = 0; k < 2; k++) {
+            plausible p;
+            warnings_of(PLATE, with(unknown[k], edges[i].fires), &p);
+            if (p.count > 0)
+                fail_msg("without SI units: %s", p.warning[0].text);
+        }
+}
+
+/* A warning names its line; one that comes from a change names the change; more than there is room
+ * for are counted. */
+static void test_places(void **state)
+{
+    char many[4096] = METRES "layers=[";
+    plausible p;
+    (void)state;
+    warnings_of("plate-50-patches", "", &p);
+    assert_int_equal(p.count, 1);
+    assert_non_null(
+        strstr(p.warning[0].text,
+               "plate-50-patches.yaml:34:9: electric field in patches 'up' at the voltage limit"));
+    assert_near("600 V on 0.25 mm", p.warning[0].value, 2.4e6, 1e-12);
+    warnings_of(PLATE, METRES "layers.2={material: ceramic, thickness: 2}", &p);
+    assert_non_null(strstr(p.warning[0].text, "--set layers.2: thickness of layer 2"));
+    for (int i = 0; i < 30; i++)
+        snprintf(many + strlen(many), sizeof many - strlen(many),
+                 "{name: l%d, material: ceramic, thickness: %d},", i, 2 + i);
+    snprintf(many + strlen(many), sizeof many - strlen(many),
+             "];patches=[];sensors=[];outputs=[];loads=[]");
+    warnings_of(PLATE, many, &p);
+    assert_int_equal(p.count, PLAUSIBLE_MOST);
+    assert_int_equal(p.dropped, 30 - PLAUSIBLE_MOST);
+}
+
+/* ---- the mesh at local loads ------------------------------------------ */
+
+/*
+ * A force on a cylinder of R/h = 100, R = L: 2 (R/h)^(1/4) (R/L)^(1/2) = 6.3 elements on a quarter
+ * turn. Four, which the rule refuses, miss more than a quarter of the published displacement;
+ * eight, which it accepts, less.
+ */
+static void test_point_resolution(void **state)
+{
+    scene_run r;
+    plausible p;
+    (void)state;
+    warnings_of("pinched-cylinder", "mesh.theta2.elements=6", &p);
+    const plausible_warning *w = find_rule(&p, "resolution");
+    assert_non_null(w);
+    assert_near("2 100^(1/4) over 6", w->value, 2 * pow(100, 0.25) / 6, 1e-12);
+    warnings_of("pinched-cylinder", "mesh.theta2.elements=7", &p);
+    assert_null(find_rule(&p, "resolution"));
+    solve_run(&r, "pinched-cylinder",
+              "element=improved;mesh.theta1.elements=4;mesh.theta2.elements=4");
+    assert_true(scene_run_value(&r, 0) / -1.8248e-5 < 0.75);
+    scene_run_close(&r);
+    solve_run(&r, "pinched-cylinder",
+              "element=improved;mesh.theta1.elements=8;mesh.theta2.elements=8");
+    assert_true(scene_run_value(&r, 0) / -1.8248e-5 > 0.75);
+    scene_run_close(&r);
+}
+
+/* Flat shells and strips narrower than the bending length have no dent, whatever their mesh. */
+static void test_no_dent(void **state)
+{
+    plausible p;
+    (void)state;
+    warnings_of("clamped-plate", "mesh.theta1.elements=1;mesh.theta2.elements=1", &p);
+    assert_null(find_rule(&p, "resolution"));
+    warnings_of("ring-contact", "mesh.theta1.elements=6", &p);
+    assert_null(find_rule(&p, "resolution"));
+}
+
+/* A load along the rim of a cylinder bends it over sqrt(R h) = 30: elements of 300/n across the
+ * rim. */
+static void test_edge_resolution(void **state)
+{
+    static const char *const rim =
+        "loads=[{line: theta1-, u3: 1}];mesh.theta2.elements=2;mesh.theta1.elements=";
+    plausible p;
+    (void)state;
+    warnings_of("pinched-cylinder", with(rim, "9"), &p);
+    const plausible_warning *w = find_rule(&p, "resolution");
+    assert_non_null(w);
+    assert_near("300/9 over 30", w->value, 300 / 9.0 / 30, 1e-12);
+    warnings_of("pinched-cylinder", with(rim, "10"), &p);
+    assert_null(find_rule(&p, "resolution"));
+}
+
+/* ---- displacements, strains, voltages --------------------------------- */
+
+static void scale(const scene_run *r, double factor)
+{
+    for (int i = 0; i < r->analysis.design.mesh.dof; i++)
+        r->u[i] *= factor;
+}
+
+static int fires(const scene_run *r, const char *rule, int is_linear)
+{
+    plausible p;
+    memset(&p, 0, sizeof p);
+    plausible_result(&p, &r->analysis.design.mesh, r->u, is_linear, "the test");
+    return find_rule(&p, rule) != NULL;
+}
+
+/* A tip that moves by w: the displacement rule fires from w above the thickness on, and only for
+ * small displacements. */
+static void test_displacement(void **state)
+{
+    scene_run r;
+    (void)state;
+    solve_run(&r, "bimorph-actuator", "");
+    scale(&r, 1e-3 / scene_run_value(&r, 0));
+    scale(&r, 1.01);
+    assert_true(fires(&r, "displacement", 1));
+    assert_false(fires(&r, "displacement", 0));
+    scale(&r, 0.99 / 1.01);
+    assert_false(fires(&r, "displacement", 1));
+    scene_run_close(&r);
+}
+
+/* Law: a bimorph of the tip displacement w bends to 2 w / L^2 everywhere, and its faces strain by t
+ * times that. */
+static void test_strain(void **state)
+{
+    const double epsilon = 2.2e-16;
+    double where[2];
+    scene_run r;
+    (void)state;
+    solve_run(&r, "bimorph-actuator", "");
+    const double law = 0.5e-3 * 2 * scene_run_value(&r, 0) / (0.1 * 0.1);
+    const double tolerance = r.analysis.model.info.condition * epsilon;
+    const double strain = plausible_strain(&r.analysis.design.mesh, r.u, 1, where);
+    assert_near("strain of the faces", strain, law, tolerance);
+    scale(&r, 0.01 / law);
+    scale(&r, 1.01);
+    assert_true(fires(&r, "strain", 1));
+    scale(&r, 0.99 / 1.01);
+    assert_false(fires(&r, "strain", 1));
+    scene_run_close(&r);
+}
+
+/*
+ * Law: a strip rolled up to a circle turns by 2 pi but strains by kappa t only, within what the
+ * chords of its elements and the square of the strain make: (kappa l)^2/24 + (kappa t)^2/2. To the
+ * linear strain the rotation is one.
+ */
+static void test_strain_of_rotation(void **state)
+{
+    const double kappa = 2 * 3.14159265358979324 / 10, l = 0.25, t = 0.05, law = kappa * t;
+    double where[2];
+    scene_run r;
+    (void)state;
+    solve_run(&r, "roll-up", "");
+    const double strain = plausible_strain(&r.analysis.design.mesh, r.u, 0, where);
+    assert_true(fabs(strain - law) < pow(kappa * l, 2) / 24 + law * law / 2);
+    assert_true(plausible_strain(&r.analysis.design.mesh, r.u, 1, where) > 1);
+    scene_run_close(&r);
+}
+
+/* Of several results the worst stands, whatever their order. */
+static void test_worst(void **state)
+{
+    plausible p;
+    scene_run r;
+    (void)state;
+    memset(&p, 0, sizeof p);
+    solve_run(&r, "bimorph-sensor", "");
+    const double factors[3] = {1, 2, 0.25};
+    for (int i = 0; i < 3; i++) {
+        scale(&r, factors[i]);
+        plausible_result(&p, &r.analysis.design.mesh, r.u, 1, i == 1 ? "the worst" : "another");
+    }
+    assert_int_equal(p.count, 1);
+    assert_non_null(strstr(p.warning[0].text, "of the worst"));
+    scene_run_close(&r);
+}
+
+/* Voltages that were found: only where the scene's limits leave them free, or are not kept. */
+static void test_found_voltages(void **state)
+{
+    static const struct {
+        const char *changes;
+        double volt;
+        int fires;
+    } cases[] = {{ACTUATED, 252.5, 1},
+                 {ACTUATED, -252.5, 1},
+                 {ACTUATED, 247.5, 0},
+                 {ACTUATED "limits={voltage: [-300, 300]}", 252.5, 0},
+                 {ACTUATED "limits={voltage: [-9, 9]}", 252.5, 1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        plausible p;
+        scene_run r;
+        memset(&p, 0, sizeof p);
+        open_run(&r, PLATE, with(METRES, cases[i].changes));
+        plausible_voltages(&p, &r.scene, &cases[i].volt, "the test");
+        assert_int_equal(p.count, cases[i].fires);
+        scene_run_close(&r);
+    }
+}
+
+/* ---- shipped scenes --------------------------------------------------- */
+
+/*
+ * What `pzs solve` warns of in the shipped scenes, in the order of the rules. Scenes of unit loads
+ * and moduli (crossply, vlasov-plate, varadan-cylinder) have no units; ratios are judged there as
+ * everywhere.
+ */
+static const struct {
+    const char *scene, *warnings;
+} shipped[] = {
+    {"annular-plate", ""},
+    {"bimorph-actuator", ""},
+    {"bimorph-sensor", " displacement"},
+    {"clamped-plate", ""},
+    {"crawley-lazarus", " displacement"},
+    {"crossply", " displacement strain"},
+    {"cylinder-contact", " strain"},
+    {"hemisphere", " strain"},
+    {"hemisphere-linear", " displacement"},
+    {"hyperboloid", " strain"},
+    {"hyperboloid-patches", " limit_field strain"},
+    {"hyperboloid-soft", " strain"},
+    {"mirror", ""},
+    {"pinched-cylinder", ""},
+    {"plate-50-patches", " limit_field"},
+    {"plate-closed-loop", " limit_field"},
+    {"plate-few-sensors", " limit_field"},
+    {"ring-contact", " strain"},
+    {"ring-follower", " strain"},
+    {"roll-up", " strain"},
+    {"scordelis-lo", " displacement"},
+    {"spiral", ""},
+    {"torus-contact", " strain"},
+    {"torus-pressure", " strain"},
+    {"torus-spline", " strain"},
+    {"varadan-cylinder", " displacement strain"},
+    {"vlasov-plate", " displacement strain"},
+};
+
+static void test_shipped(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof shipped / sizeof *shipped; i++) {
+        char found[400] = "";
+        plausible p;
+        scene_run r;
+        memset(&p, 0, sizeof p);
+        solve_run(&r, shipped[i].scene, "");
+        plausible_scene(&p, &r.scene);
+        plausible_result(&p, &r.analysis.design.mesh, r.u, !r.analysis.nonlinear, "the solution");
+        for (int k = 0; k < p.count; k++)
+            snprintf(found + strlen(found), sizeof found - strlen(found), " %s", p.warning[k].rule);
+        if (strcmp(found, shipped[i].warnings) != 0)
+            fail_msg("%s warns of%s, expected%s", shipped[i].scene, found, shipped[i].warnings);
+        scene_run_close(&r);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_unitless),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_point_resolution),
+        cmocka_unit_test(test_no_dent),
+        cmocka_unit_test(test_edge_resolution),
+        cmocka_unit_test(test_displacement),
+        cmocka_unit_test(test_strain),
+        cmocka_unit_test(test_strain_of_rotation),
+        cmocka_unit_test(test_worst),
+        cmocka_unit_test(test_found_voltages),
+        cmocka_unit_test(test_shipped),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
