@@ -154,3 +154,4 @@ test-target:
 	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/start.sh
 	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/units.sh
 	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/loop.sh
+	ARM_CC='$(ARM_CC)' QEMU='$(QEMU)' B='$(B)' sh tests/target/examples.sh

@@ -11,6 +11,9 @@
 struct pzs_problem;
 struct pzs_control;
 struct pzs_estimator;
+struct pzs_known_loads;
+struct pzs_amplifier;
+struct pzs_block;
 
 /*
  * Active-set method for box-constrained least squares. Vectors are [width]: the inputs rounded up
@@ -131,5 +134,24 @@ typedef struct pzs_estimate_state {
                              moved */
     uint8_t stage;
 } pzs_estimate_state;
+
+typedef struct pzs_feed_forward_state {
+    const struct pzs_known_loads *tables;
+    pzs_real *readings; /* [sensors] without the known loads */
+    pzs_real *wanted;   /* [outputs] without the known loads (m) */
+} pzs_feed_forward_state;
+
+typedef struct pzs_amplifier_state {
+    const struct pzs_amplifier *tables;
+    pzs_real *given; /* [inputs] voltages that the amplifiers give (V) */
+} pzs_amplifier_state;
+
+typedef struct pzs_loop_state {
+    const struct pzs_block *blocks; /* [count] */
+    void **self;                    /* [count] memory of each block */
+    pzs_real *voltage;              /* [inputs] of the last tick without an error (V) */
+    uint16_t sensors;               /* length of the readings */
+    uint8_t count, stage;
+} pzs_loop_state;
 
 #endif

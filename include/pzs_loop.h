@@ -1,12 +1,28 @@
 /*
- * Options around the control tick: a shape estimator, feed-forward of known loads, converter steps
- * of the amplifiers, a fault detector for electrodes. A control image links only those that it
- * calls. SPDX-License-Identifier: BSD-2-Clause
+ * The control loop: a list of blocks around the control step, run by one call in each tick. The
+ * blocks of the library: feed-forward of known loads, a shape estimator, the control step,
+ * converter steps of the amplifiers, a fault detector for electrodes. SPDX-License-Identifier:
+ * BSD-2-Clause
  *
- * Order of the calls in one tick:
- *   pzs_feed_forward on the readings (present loads) and on the target (coming loads),
- * pzs_estimate_tick, pzs_tick, pzs_quantise, pzs_fault_detector_tick, then control.info.voltage
- * goes to the amplifiers.
+ *     static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
+ *     static pzs_loop loop;
+ *
+ *     int main(void)
+ *     {
+ *         pzs_status status =
+ *             pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
+ *         while (!PZS_IS_ERROR(status)) {
+ *             read_target(wanted);    // [outputs] m
+ *             read_sensors(readings); // [sensors]; NaN where a sensor gives nothing
+ *             status = pzs_loop_tick(&loop, wanted, readings);
+ *             write_amplifiers(loop.info.voltage); // [inputs] V, inside every limit, always
+ *         }
+ *     }
+ *
+ * `pzs tables` writes the list, mirror_blocks; an image links only the blocks of its list. The
+ * options can also be called one by one around pzs_tick: pzs_feed_forward on the readings (present
+ * loads) and on the target (coming loads), pzs_estimate_tick, pzs_tick, pzs_quantise,
+ * pzs_fault_detector_tick. A list of the same blocks gives the same bits.
  */
 #ifndef PZS_LOOP_H
 #define PZS_LOOP_H
@@ -16,6 +32,133 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- the loop: a list of blocks (lib/control/loop.c) -------------------- */
+
+/* Where in a tick a block acts. The blocks of a list stand in this order. */
+typedef enum pzs_block_phase {
+    PZS_PHASE_READINGS, /* changes the readings or the target */
+    PZS_PHASE_SHAPE,    /* makes the measured shape from the readings; at most one block */
+    PZS_PHASE_STEP,     /* chooses the voltages; exactly one block, its tables are a pzs_problem */
+    PZS_PHASE_VOLTAGE,  /* changes the voltages as the amplifiers will */
+    PZS_PHASE_OBSERVE   /* compares voltages and shape; may hold electrodes */
+} pzs_block_phase;
+
+/*
+ * What the blocks hand on in one tick. All arrays are inputs: a block that changes a signal makes
+ * the pointer show an array of its own.
+ */
+typedef struct pzs_loop_signals {
+    pzs_control *control;      /* the controller; NULL until the step block is initialised */
+    const pzs_real *influence; /* as given to pzs_loop_init, for the step block's init; or NULL */
+    const pzs_real *wanted;    /* [outputs] target shape (m) */
+    const pzs_real *readings;  /* [sensors] (unit of each sensor), or NULL: no frame in this tick */
+    const pzs_real *measured;  /* [outputs] measured shape (m), or NULL: no frame in this tick; the
+                                  readings themselves until a block of PZS_PHASE_SHAPE has run */
+    const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken
+                                  (1: as in the scene), or NULL: no load is known */
+    const pzs_real *known_next; /* [loads] values to come under the next voltages, or NULL */
+    const uint8_t *electrode;   /* [inputs] pzs_electrode_state, or NULL: no block has told it */
+    uint16_t sensors;           /* readings that the blocks behind this one take */
+    int32_t where;              /* out: index that belongs to the status of a block, or -1 */
+} pzs_loop_signals;
+
+/* A kind of block: const, in flash. The functions return a status, as every public function. */
+typedef struct pzs_block_type {
+    const char *name; /* for messages */
+    pzs_block_phase phase;
+    /* Bytes of memory of a block, by the counts of its tables and of the problem alone. */
+    size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
+    /* Check the tables and lay out the block in `self`: block_bytes, aligned for pointers and
+     * double. The step block comes first, then the others from the last to the first. */
+    pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
+    /* One tick. After an error the loop ends the tick. */
+    pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
+} pzs_block_type;
+
+/* One block of a list. */
+typedef struct pzs_block {
+    const pzs_block_type *type;
+    const void *tables; /* of the block's kind; not NULL */
+} pzs_block;
+
+#define PZS_BLOCK_LIMIT 16 /* blocks in a list */
+
+/* What a program may set before each tick. NULL, as after pzs_loop_init: no load is known. */
+typedef struct pzs_loop_settings {
+    const pzs_real *known_now;  /* [loads] see pzs_loop_signals */
+    const pzs_real *known_next; /* [loads] */
+} pzs_loop_settings;
+
+/* What a program may read. */
+typedef struct pzs_loop_info {
+    const pzs_real *voltage;     /* [inputs] the voltages to give out, renewed at the end of a tick
+                                    without an error: finite and inside the limits (V) */
+    const pzs_real *measured;    /* [outputs] shape that the last tick used (m), or NULL: none */
+    const uint8_t *electrode;    /* [inputs] pzs_electrode_state after the last tick, or NULL: no
+                                    fault detector */
+    pzs_control *control;        /* for pzs_hold, pzs_release, pzs_assess and its info */
+    const pzs_block_type *block; /* whose status was returned last, or NULL: no block's */
+    int32_t where; /* index that belongs to the last status, or -1; if the list itself is refused:
+                      index of the block in it */
+} pzs_loop_info;
+
+typedef struct pzs_loop {
+    pzs_loop_settings settings;
+    pzs_loop_info info;
+    pzs_loop_state state;
+} pzs_loop;
+
+/* Bytes of workspace of a list: PZS_LOOP_BYTES and the PZS_..._BLOCK_BYTES of each of its blocks.
+ */
+#define PZS_ALIGNED(bytes) (((size_t)(bytes) + 7u) / 8u * 8u)
+#define PZS_LOOP_BYTES(blocks, inputs)                                                             \
+    (8u + PZS_ALIGNED((size_t)(blocks) * sizeof(void *)) +                                         \
+     PZS_ALIGNED((size_t)(inputs) * sizeof(pzs_real)))
+
+/*
+ * Check a list of blocks and their tables, and lay the loop out in the workspace.
+ *   blocks [count] in  in the order of their phases, none twice; must outlive the loop, as their
+ *                      tables
+ *   influence [outputs][inputs] in  computed on the device (m/V); NULL: that of the problem
+ *   work           in  memory of the caller, aligned for pzs_real; the loop's from now on
+ * Errors, info.block names the block: ARGUMENT (no or too many blocks, no step block, a block
+ * twice, a block without tables, tables of other counts), STAGE (a block stands before one of an
+ * earlier phase), WORKSPACE (where = bytes needed), FORMAT (also tables of another scene), and
+ * those of the block. After an error the loop cannot be used, whatever it was before.
+ */
+pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
+                         const pzs_real *influence, void *work, size_t bytes);
+
+/*
+ * Start from the voltages that the amplifiers give already, clamped to the limits, so that nothing
+ * jumps: after a reset. The other blocks start anew; electrodes that were held have to be held
+ * again.   voltage [inputs] in (V)   Errors: ARGUMENT, STAGE, NONFINITE (nothing changed).
+ */
+pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
+
+/*
+ * One control tick: all blocks in the order of their list.
+ *   wanted   [outputs] in  target shape (m)
+ *   readings [sensors] in  of the sensors of the estimator; without an estimator the measured shape
+ *                          [outputs] (m). NaN where a sensor gives nothing; NULL: no frame arrived,
+ *                          the last deviations from the model are kept.
+ * Precedence of the status: an error ends the tick, later blocks do not run. Otherwise the warning
+ * of the step block, otherwise the first warning in the order of the list. info.block tells whose.
+ * After an error info.voltage and the controller keep the voltages of the tick before; after HELD
+ * of the step block they keep them inside the limits now in force. After HELD of the estimator (no
+ * usable reading) the last deviations are kept and the step still follows the target.
+ */
+pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
+
+/* The block of a kind: for the blocks of the library the object named at each of them below. NULL:
+ * the list has none, or the loop is not initialised. */
+void *pzs_loop_find(const pzs_loop *loop, const pzs_block_type *type);
+
+/* The control step, pzs_tick (lib/control/step.c). Tables: pzs_problem. Object: pzs_control. */
+extern const pzs_block_type pzs_step_block;
+#define PZS_STEP_BLOCK_BYTES(inputs, outputs)                                                      \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_control)) + PZS_CONTROL_BYTES(inputs, outputs))
 
 /* ---- estimator: the shape from a few sensors (lib/control/estimate.c) -- */
 
@@ -61,7 +204,13 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
  */
 pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs_real *shape);
 
-/* ---- feed-forward of known loads and temperatures (lib/control/estimate.c) */
+/* The estimator as a block of PZS_PHASE_SHAPE. Tables: pzs_estimator. Object: pzs_estimate. */
+extern const pzs_block_type pzs_estimator_block;
+#define PZS_ESTIMATOR_BLOCK_BYTES(sensors, outputs)                                                \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_estimate)) + PZS_ALIGNED(PZS_ESTIMATE_BYTES(sensors)) +     \
+                (size_t)(outputs) * sizeof(pzs_real))
+
+/* ---- feed-forward of known loads and temperatures (lib/control/feed_forward.c) */
 
 /* Shape, or readings, per unit of inputs whose values the firmware knows. In flash. */
 typedef struct pzs_feed_forward_table {
@@ -89,6 +238,19 @@ pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real *value,
                             pzs_real *shape);
 
+/* Tables of the block: one for each signal that known loads are taken out of. */
+typedef struct pzs_known_loads {
+    const pzs_feed_forward_table *shape;    /* [outputs][loads] */
+    const pzs_feed_forward_table *readings; /* [sensors][loads]; NULL: the readings are the shape */
+} pzs_known_loads;
+
+/* Feed-forward as a block of PZS_PHASE_READINGS. Tables: pzs_known_loads. Its tick returns
+ * NONFINITE for a known value that is not finite. */
+extern const pzs_block_type pzs_feed_forward_block;
+#define PZS_FEED_FORWARD_BLOCK_BYTES(sensors, outputs)                                             \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_feed_forward_state)) +                                      \
+                ((size_t)(sensors) + (size_t)(outputs)) * sizeof(pzs_real))
+
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 
 /*
@@ -100,6 +262,17 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
  * (V); 0: none dead_band          in      (V) Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band);
+
+/* Tables of the block. */
+typedef struct pzs_amplifier {
+    pzs_real step;      /* of the converter (V); 0: none */
+    pzs_real dead_band; /* (V) */
+} pzs_amplifier;
+
+/* Amplifiers as a block of PZS_PHASE_VOLTAGE. Tables: pzs_amplifier. */
+extern const pzs_block_type pzs_amplifier_block;
+#define PZS_AMPLIFIER_BLOCK_BYTES(inputs)                                                          \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_amplifier_state)) + (size_t)(inputs) * sizeof(pzs_real))
 
 /* ---- fault detector: dead and stuck electrodes (lib/control/faults.c) -- */
 
@@ -168,6 +341,19 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
  * voltage. Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
+
+/* Tables of the block. */
+typedef struct pzs_fault_detection {
+    uint16_t delay;     /* of the measurements, ticks, at most PZS_DELAY_LIMIT */
+    pzs_real amplitude; /* of the test signals (V), cut to half the step limit; 0: the default */
+} pzs_fault_detection;
+
+/* The fault detector as a block of PZS_PHASE_OBSERVE. Tables: pzs_fault_detection. Object:
+ * pzs_fault_detector. */
+extern const pzs_block_type pzs_fault_detector_block;
+#define PZS_FAULT_DETECTOR_BLOCK_BYTES(inputs, outputs, delay)                                     \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_fault_detector)) +                                          \
+                PZS_FAULT_DETECTOR_BYTES(inputs, outputs, delay))
 
 #ifdef __cplusplus
 }

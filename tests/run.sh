@@ -53,6 +53,7 @@ done
 part target-start sh tests/target/start.sh
 part target-units sh tests/target/units.sh
 part target-loop sh tests/target/loop.sh
+part target-examples sh tests/target/examples.sh
 part qemu "${MAKE:-make}" --no-print-directory -s qemu
 part size "${MAKE:-make}" --no-print-directory -s size
 echo

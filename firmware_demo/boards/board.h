@@ -6,6 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Large work arrays: placed by the linker script, not cleared at start-up. */
 #define BOARD_LARGE __attribute__((section(".bss.large")))
 
@@ -22,5 +26,9 @@ uint32_t board_instructions(uint32_t from, uint32_t to);
  * Return whether all bytes went; 0 at its end. */
 int board_receive(void *to, size_t bytes);
 int board_send(const void *from, size_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,16 +1,17 @@
 /*
  * The control image in a loop with a plant at the other end of a stream: an order in, and for a
- * tick its answer out, until the stream ends. All in 32-bit words and reals as the processor holds
- * them.
+ * tick its answer out, until the stream ends. The blocks of the loop are those of the tables. All
+ * in 32-bit words and reals as the processor holds them.
  *
- *   out, once  bits of a real, inputs, outputs, status of the start; volt [inputs] (V) unless that
- * is an error in         TICK, 0       wanted [outputs] (m), measured [outputs] (m), or readings
- * [sensors] once it estimates out        status, passes; volt [inputs] (V); state [inputs] of the
- * watch, bytes in         HOLD, input   volt (V) in         RELEASE, input in         WATCH, delay
- * of the measurements: electrodes that do not follow are found from now on in         ESTIMATE, 0:
- * the shape is estimated from now on, where the tables have gains in         QUANTISE, 0   step,
- * dead band of the amplifiers (V), from now on in         KNOW, 0       amounts at the next
- * measurement [loads], amounts to come [loads]: fed forward from now on
+ *   out, once            bits of a real, inputs, outputs, readings, status of the start; voltage
+ *                        [inputs] (V) unless that is an error
+ *   in   TICK, 0         wanted [outputs] (m), readings [readings]
+ *   out                  status, iterations; voltage [inputs] (V); state [inputs] of the
+ *                        electrodes, bytes, 0 where no block tells it
+ *   in   HOLD, input     voltage (V)
+ *   in   RELEASE, input
+ *   in   KNOW, 0         values of the loads at the next readings [loads], values to come [loads]:
+ *                        fed forward from now on
  */
 #include <string.h>
 #include "../boards/board.h"
@@ -18,152 +19,71 @@
 
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
 
-/* Tables without gains, or without loads: the order for them ends the loop. */
-#ifdef DEMO_SENSORS
-#define ESTIMATOR (&demo_estimator)
-#ifdef DEMO_LOADS
-#define SHOWN (&demo_shown)
-#endif
-#else
-#define DEMO_SENSORS 1
-#define ESTIMATOR NULL
-#endif
-#ifdef DEMO_LOADS
-#define KNOWN (&demo_known)
-#else
-#define DEMO_LOADS 1
-#define KNOWN NULL
-#endif
-#ifndef SHOWN
-#define SHOWN NULL
+#ifndef DEMO_LOADS
+#define DEMO_LOADS 1 /* no load is known, and none is told */
 #endif
 
-enum { TICK, HOLD, RELEASE, WATCH, ESTIMATE, QUANTISE, KNOW };
+enum { TICK, HOLD, RELEASE, KNOW };
 
-static pzs_real control_work[REALS(DEMO_CONTROL_BYTES)];
-static pzs_real
-    watch_work[REALS(PZS_FAULT_DETECTOR_BYTES(DEMO_INPUTS, DEMO_OUTPUTS, PZS_DELAY_LIMIT))];
-static pzs_real estimate_work[REALS(PZS_ESTIMATE_BYTES(DEMO_SENSORS))];
-static pzs_real wanted[DEMO_OUTPUTS], measured[DEMO_OUTPUTS], sensed[DEMO_SENSORS];
-static pzs_real given[DEMO_INPUTS];    /* by the amplifiers (V) */
-static pzs_real amplifier[2];          /* step, dead band (V) */
-static pzs_real amount[2][DEMO_LOADS]; /* of known loads: at the measurement, to come */
-static uint8_t state[DEMO_INPUTS];     /* of the watch */
+static pzs_real work[REALS(DEMO_LOOP_BYTES)];
+static pzs_real wanted[DEMO_OUTPUTS], readings[DEMO_READINGS];
+static pzs_real known[2][DEMO_LOADS]; /* at the readings, to come */
+static const uint8_t untold[DEMO_INPUTS];
+static pzs_loop loop;
 
-typedef struct device {
-    pzs_control control;
-    pzs_fault_detector watch;
-    pzs_estimate estimate;
-    int watches, estimates, quantises, knows;
-} device;
-
-static int send_volts(const pzs_control *control)
+static int send_voltage(void)
 {
-    return board_send(control->info.voltage, DEMO_INPUTS * sizeof *control->info.voltage);
+    return board_send(loop.info.voltage, DEMO_INPUTS * sizeof *loop.info.voltage);
 }
 
-static int start(device *d)
+static int start(void)
 {
     const pzs_status status =
-        pzs_control_init(&d->control, &demo_problem, NULL, control_work, sizeof control_work);
-    const uint32_t about[4] = {PZS_REAL_BITS, DEMO_INPUTS, DEMO_OUTPUTS, status};
-    return board_send(about, sizeof about) && !PZS_IS_ERROR(status) && send_volts(&d->control);
+        pzs_loop_init(&loop, demo_blocks, DEMO_BLOCKS, NULL, work, sizeof work);
+    const uint32_t about[5] = {PZS_REAL_BITS, DEMO_INPUTS, DEMO_OUTPUTS, DEMO_READINGS, status};
+    return board_send(about, sizeof about) && !PZS_IS_ERROR(status) && send_voltage();
 }
 
-/*
- * The shape, estimated or measured, less what known loads do. They are taken out of the readings
- * before an estimate, not out of it: the sensors may not show all that they do.
- */
-static pzs_status pzs_sensor_check(device *d)
+static int tick(void)
 {
-    if (d->knows) {
-        (void)pzs_feed_forward(d->estimates ? SHOWN : KNOWN, amount[0],
-                               d->estimates ? sensed : measured);
-        (void)pzs_feed_forward(KNOWN, amount[1], wanted);
-    }
-    return d->estimates ? pzs_estimate_tick(&d->estimate, sensed, measured) : PZS_OK;
-}
-
-/* Feed forward, estimate, step, whole steps of the amplifiers, watch. An error goes before, a
- * warning of the step too. */
-static pzs_status run(device *d)
-{
-    const pzs_status seen = pzs_sensor_check(d);
-    if (PZS_IS_ERROR(seen))
-        return seen;
-    const pzs_status stepped = pzs_tick(&d->control, wanted, measured);
-    if (PZS_IS_ERROR(stepped))
-        return stepped;
-    if (d->quantises)
-        (void)pzs_quantise(&d->control, given, amplifier[0], amplifier[1]);
-    const pzs_status watched = d->watches ? pzs_fault_detector_tick(&d->watch, measured) : PZS_OK;
-    if (PZS_IS_ERROR(watched))
-        return watched;
-    if (d->watches)
-        memcpy(state, d->watch.info.electrode, sizeof state);
-    return stepped == PZS_OK ? seen : stepped;
-}
-
-static int tick(device *d)
-{
-    void *const readings = d->estimates ? sensed : measured;
-    const size_t bytes = d->estimates ? sizeof sensed : sizeof measured;
-    if (!board_receive(wanted, sizeof wanted) || !board_receive(readings, bytes))
+    if (!board_receive(wanted, sizeof wanted) || !board_receive(readings, sizeof readings))
         return 0;
-    const uint32_t about[2] = {run(d), d->control.info.iterations};
-    return board_send(about, sizeof about) && send_volts(&d->control) &&
-           board_send(state, sizeof state);
+    const pzs_status status = pzs_loop_tick(&loop, wanted, readings);
+    const uint32_t about[2] = {status, loop.info.control->info.iterations};
+    const uint8_t *state = loop.info.electrode != NULL ? loop.info.electrode : untold;
+    return board_send(about, sizeof about) && send_voltage() && board_send(state, DEMO_INPUTS);
 }
 
-static int watch(device *d, uint32_t delay)
+static int know(void)
 {
-    d->watches = pzs_fault_detector_init(&d->watch, &d->control, (uint16_t)delay, watch_work,
-                                         sizeof watch_work) == PZS_OK;
-    return d->watches;
+    loop.settings.known_now = known[0];
+    loop.settings.known_next = known[1];
+    return board_receive(known, sizeof known);
 }
 
-static int estimate(device *d)
-{
-    d->estimates = pzs_estimate_init(&d->estimate, &d->control, ESTIMATOR, estimate_work,
-                                     sizeof estimate_work) == PZS_OK;
-    return d->estimates;
-}
-
-static int quantise(device *d)
-{
-    memcpy(given, d->control.info.voltage, sizeof given);
-    d->quantises = board_receive(amplifier, sizeof amplifier);
-    return d->quantises;
-}
-
-static int know(device *d)
-{
-    d->knows = pzs_feed_forward_check(KNOWN) == PZS_OK && board_receive(amount, sizeof amount);
-    return d->knows;
-}
-
-static int hold(pzs_control *control, uint32_t input)
+static int hold(uint32_t input)
 {
     pzs_real voltage;
     return board_receive(&voltage, sizeof voltage) &&
-           pzs_hold(control, (uint16_t)input, voltage) == PZS_OK;
+           pzs_hold(loop.info.control, (uint16_t)input, voltage) == PZS_OK;
+}
+
+static int release(uint32_t input)
+{
+    return pzs_release(loop.info.control, (uint16_t)input) == PZS_OK;
 }
 
 int main(void)
 {
-    device d = {0};
     uint32_t order[2];
-    int good = start(&d);
+    int good = start();
 
     while (good && board_receive(order, sizeof order)) {
         switch (order[0]) {
-        case TICK: good = tick(&d); break;
-        case HOLD: good = hold(&d.control, order[1]); break;
-        case RELEASE: good = pzs_release(&d.control, (uint16_t)order[1]) == PZS_OK; break;
-        case WATCH: good = watch(&d, order[1]); break;
-        case ESTIMATE: good = estimate(&d); break;
-        case QUANTISE: good = quantise(&d); break;
-        case KNOW: good = know(&d); break;
+        case TICK: good = tick(); break;
+        case HOLD: good = hold(order[1]); break;
+        case RELEASE: good = release(order[1]); break;
+        case KNOW: good = know(); break;
         default: good = 0;
         }
     }

@@ -31,10 +31,11 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "read a scene and say what is wrong with it",
-         "Reads the scene, builds its mesh and factors its stiffness. The first mistake is reported with file, line and "
-         "column. A valid scene is answered with the size of its mesh, its condition and what each image needs of a device: "
-         "tables in flash, workspace in RAM, stack. Where the materials have densities, the first natural "
-         "frequencies, and up to what rate the control loop is stable.",
+         "Reads the scene, builds its mesh and factors its stiffness. The first mistake is "
+         "reported with file, line and column. A valid scene is answered with the size of its "
+         "mesh, its condition and what each image needs of a device: tables in flash, workspace in "
+         "RAM, stack. Where the materials have densities, the first natural frequencies, and up to "
+         "what rate the control loop is stable.",
          {"pzs check plate-50-patches", NULL}},
     [COMMAND_SOLVE] =
         {"solve",
@@ -54,14 +55,15 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "voltages that bring the shape to the scene's target, and its error",
-         "Voltages that bring the structure closest to the target of the scene: without limits, within the "
-         "limits, and for comparison clipped least squares, and regularised, then clipped (see the notes of "
-         "pzs --help). The narrowest limit of an amplifier always wins: the common limits, its own limits and "
-         "held voltage (limits.each), and the depolarisation field of its material (field_limit). The shape "
-         "error is the weighted RMS misfit over the RMS of the target. Target nodes on constrained dof, which "
-         "cannot move, do not count; shape reports them where they are not as wanted, and the error with "
-         "them. target.free: functions that are taken out of target and error (piston, tip, tilt, or "
-         "formulas). The discretisation error of the mesh is not in the shape error.",
+         "Voltages that bring the structure closest to the target of the scene: without limits, "
+         "within the limits, and for comparison clipped least squares, and regularised, then "
+         "clipped (see the notes of pzs --help). The narrowest limit of an amplifier always wins: "
+         "the common limits, its own limits and held voltage (limits.each), and the depolarisation "
+         "field of its material (field_limit). The shape error is the weighted RMS misfit over the "
+         "RMS of the target. Target nodes on constrained dof, which cannot move, do not count; "
+         "shape reports them where they are not as wanted, and the error with them. target.free: "
+         "functions that are taken out of target and error (piston, tip, tilt, or formulas). The "
+         "discretisation error of the mesh is not in the shape error.",
          {"pzs shape plate-50-patches --limit 100 --limit 200 --report plate.html", NULL}},
     [COMMAND_MODES] =
         {"modes",
@@ -69,9 +71,10 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "natural frequencies, of which the control loop has no model",
-         "Natural frequencies and mode shapes in the reference state, electrodes short-circuited; every "
-         "material needs a density. For each mode: the mass that takes part in a motion along x, y and z, and "
-         "the input that moves it most; with --json what each input moves by it.",
+         "Natural frequencies and mode shapes in the reference state, electrodes short-circuited; "
+         "every material needs a density. For each mode: the mass that takes part in a motion "
+         "along x, y and z, and the input that moves it most; with --json what each input moves by "
+         "it.",
          {"pzs modes plate-50-patches --number 5 --vtu modes.vtu", NULL}},
     [COMMAND_TABLES] =
         {"tables",
@@ -79,10 +82,11 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "C tables for a firmware",
-         "Writes a C header with the tables of the scene for the library on a device. The image says how much of the "
-         "computation the device does itself. The control step has no vibration model: where the materials have "
-         "densities and vibration makes the control loop unstable at the scene's rate, no tables are written "
-         "unless --quasi-static asks for them. target.free needs the control image.",
+         "Writes a C header with the tables of the scene for the library on a device. The image "
+         "says how much of the computation the device does itself. The control step has no "
+         "vibration model: where the materials have densities and vibration makes the control loop "
+         "unstable at the scene's rate, no tables are written unless --quasi-static asks for them. "
+         "target.free needs the control image.",
          {"pzs tables plate-50-patches --level linear --prefix plate -o plate.h",
           "pzs tables plate-closed-loop --quasi-static --prefix loop -o .", NULL}},
     [COMMAND_SIMULATE] =
@@ -91,10 +95,12 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "the controller in closed loop with a plant that differs from the model",
-         "Runs the controller in closed loop with a plant that differs from its model in stiffness, piezoelectric constants "
-         "and hysteresis, with noise, faults and events as the scene's simulate section says. For comparison: clipped least squares, and regularised, "
-         "then clipped (see the notes of pzs --help). The plant is quasi-static, without inertia: each of its "
-         "shapes is an equilibrium; whether vibration would make the loop unstable is said besides.",
+         "Runs the controller in closed loop with a plant that differs from its model in "
+         "stiffness, piezoelectric constants and hysteresis, with noise, faults and events as the "
+         "scene's simulate section says. For comparison: clipped least squares, and regularised, "
+         "then clipped (see the notes of pzs --help). The plant is quasi-static, without inertia: "
+         "each of its shapes is an equilibrium; whether vibration would make the loop unstable is "
+         "said besides.",
          {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
           "pzs simulate plate-few-sensors --device mps2-an386",
           "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --device netduinoplus2",
@@ -137,12 +143,14 @@ const command_entry command_table[COMMANDS] = {
 const option_entry option_table[OPTIONS] = {
     [OPTION_SET] =
         {"--set", NULL, "KEY=VALUE", ARGUMENT_TEXT, NULL, ON_SCENE,
-         "change the scene: --set mesh.theta1.elements=16 --set element=improved; list items by number from 0 or by name"},
+         "change the scene: --set mesh.theta1.elements=16 --set element=improved; list items by "
+         "number from 0 or by name"},
     [OPTION_LIMIT] =
         {"--limit", NULL, "V|LO,HI", ARGUMENT_TEXT, NULL, BIT(COMMAND_SHAPE),
-         "common voltage limits, -V to V or LO to HI, instead of limits.voltage of the scene; an amplifier's own limits "
-         "and held voltage (limits.each) and the depolarisation field (field_limit) apply besides, so that the narrowest "
-         "limit always wins; repeat it for a comparison"},
+         "common voltage limits, -V to V or LO to HI, instead of limits.voltage of the scene; an "
+         "amplifier's own limits and held voltage (limits.each) and the depolarisation field "
+         "(field_limit) apply besides, so that the narrowest limit always wins; repeat it for a "
+         "comparison"},
     [OPTION_JSON] = {"--json", NULL, "", ARGUMENT_NONE, NULL, ANALYSES | BIT(COMMAND_MODES),
                      "numbers for machines on standard output"},
     [OPTION_STRICT] = {"--strict", NULL, "", ARGUMENT_NONE, NULL, ANALYSES,
@@ -170,8 +178,8 @@ const option_entry option_table[OPTIONS] = {
          "the scene needs kinematics: nonlinear); default control"},
     [OPTION_QUASI_STATIC] =
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
-         "also where vibration makes the control loop unstable at the scene's rate; the header then says so and defines "
-         "PREFIX_QUASI_STATIC"},
+         "also where vibration makes the control loop unstable at the scene's rate; the header "
+         "then says so and defines PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
                        "start of every name; default the scene's name"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_TABLES),
@@ -182,9 +190,9 @@ const option_entry option_table[OPTIONS] = {
                         "version of pzs and of its library"}};
 
 const char *const command_notes[] = {
-    "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the limits. "
-    "Regularised, then clipped: the same with the one parameter that leaves the smallest error of the linear "
-    "model, chosen knowing the answer.",
+    "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the "
+    "limits. Regularised, then clipped: the same with the one parameter that leaves the smallest "
+    "error of the linear model, chosen knowing the answer.",
     "The solver residual and the solver error estimate of `pzs solve` are those of the linear solve. The discretisation "
     "error is not in them: solve on a second, finer mesh and compare.",
     "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.", NULL};

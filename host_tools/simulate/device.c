@@ -14,7 +14,7 @@
 #include "../cli/interrupt.h"
 #include "../cli/shipped.h"
 
-enum { TICK, HOLD, RELEASE, WATCH, ESTIMATE, QUANTISE, KNOW }; /* orders */
+enum { TICK, HOLD, RELEASE, KNOW }; /* orders */
 enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };
 
 static const device_board boards[] = {{"netduinoplus2", "netduinoplus2", 32, "host-32"},
@@ -249,20 +249,22 @@ static int launch(device *d, const char *folder)
 }
 
 int device_start(device *d, const device_board *board, const char *folder,
-                 const pzs_problem *problem, double *voltage, char error[DEVICE_ERROR])
+                 const pzs_problem *problem, int readings, double *voltage,
+                 char error[DEVICE_ERROR])
 {
-    uint32_t about[4];
+    uint32_t about[5];
     memset(d, 0, sizeof *d);
     d->board = board;
     d->inputs = problem->inputs;
-    d->outputs = d->readings = problem->outputs;
-    if (!take_frame(d, d->inputs + 2 * d->outputs) || launch(d, folder) < 0 ||
+    d->outputs = problem->outputs;
+    d->readings = (size_t)readings;
+    if (!take_frame(d, d->inputs + d->outputs + d->readings) || launch(d, folder) < 0 ||
         receive(d, about, sizeof about) < 0)
         return silent(d, error);
     if ((int)about[0] != board->bits || about[1] != d->inputs || about[2] != d->outputs ||
-        about[3] != PZS_OK) {
+        about[3] != d->readings || about[4] != PZS_OK) {
         snprintf(error, DEVICE_ERROR, "%s refuses the tables: %s", board->name,
-                 pzs_status_text((pzs_status)about[3]));
+                 pzs_status_text((pzs_status)about[4]));
         return -1;
     }
     if (receive(d, d->frame, d->inputs * real_bytes(d)) < 0)
@@ -299,30 +301,9 @@ void device_release(device *d, int input)
         (void)send(d, put_order(d, RELEASE, (uint32_t)input));
 }
 
-void device_watch(device *d, int delay)
-{
-    if (d->process > 0)
-        (void)send(d, put_order(d, WATCH, (uint32_t)delay));
-}
-
-void device_estimate(device *d, size_t sensors)
-{
-    if (d->process <= 0 || !take_frame(d, d->inputs + 2 * d->outputs + sensors))
-        return;
-    d->readings = sensors;
-    (void)send(d, put_order(d, ESTIMATE, 0));
-}
-
-void device_quantise(device *d, double step, double dead_band)
-{
-    const double of[2] = {step, dead_band};
-    if (d->process > 0)
-        (void)send(d, put_reals(d, put_order(d, QUANTISE, 0), of, 2));
-}
-
 void device_know(device *d, const double *then, const double *coming, size_t loads)
 {
-    if (d->process > 0 && take_frame(d, d->inputs + 2 * d->outputs + d->readings + 2 * loads))
+    if (d->process > 0 && take_frame(d, d->inputs + d->outputs + d->readings + 2 * loads))
         (void)send(d,
                    put_reals(d, put_reals(d, put_order(d, KNOW, 0), then, loads), coming, loads));
 }

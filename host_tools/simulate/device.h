@@ -37,30 +37,25 @@ typedef struct device {
     unsigned char *frame;
 } device;
 
-/* Start it. volt [inputs] out: those it starts with (V). Returns 0, or -1 with error filled. */
+/* Start it. readings: length of its readings; volt [inputs] out: those it starts with (V). Returns
+ * 0, or -1 with error filled. */
 int device_start(device *d, const device_board *board, const char *folder,
-                 const pzs_problem *problem, double *voltage, char error[DEVICE_ERROR]);
+                 const pzs_problem *problem, int readings, double *voltage,
+                 char error[DEVICE_ERROR]);
 void device_stop(device *d);
 
-/*
- * pzs_hold, pzs_release, pzs_fault_detector_init; pzs_estimate_init: from now on `measured` are
- * readings of so many sensors; pzs_quantise from now on. What goes wrong shows in the next tick.
- */
+/* pzs_hold, pzs_release. What goes wrong shows in the next tick. */
 void device_hold(device *d, int input, double voltage);
 void device_release(device *d, int input);
-void device_watch(device *d, int delay);
-void device_estimate(device *d, size_t sensors);
-void device_quantise(device *d, double step, double dead_band);
 
 /* Known loads of the tables: amounts at the next measurement, and to come. then, coming [loads] in
  */
 void device_know(device *d, const double *then, const double *coming, size_t loads);
 
 /*
- * pzs_tick, before it pzs_feed_forward and pzs_estimate_tick, after it pzs_quantise and
- * pzs_fault_detector_tick, each where asked for. wanted [outputs], measured [readings] in volt,
- * state [inputs], passes     out  state of the watch; 0 where there is none Returns its status, or
- * -1 with error filled: the device no longer answers.
+ * pzs_loop_tick. wanted [outputs], measured [readings] in; volt, state [inputs], passes out: state
+ * of the electrodes, 0 where no block tells it. Returns its status, or -1 with error filled: the
+ * device no longer answers.
  */
 int device_tick(device *d, const double *wanted, const double *measured, double *voltage,
                 uint8_t *state, int *passes, char error[DEVICE_ERROR]);

@@ -8,6 +8,7 @@
 #include "../../lib/control/control.h"
 #include "../model/clipped.h"
 #include "../../lib/core/guard.h"
+#include "../tables/loop_blocks.h"
 #include "simulate_loop.h"
 #include "../tables/tables.h"
 
@@ -149,10 +150,16 @@ static int equip(simulation *s, char *error)
 {
     const scene *scene = s->nominal->design.scene;
     s->problem = &s->nominal->design.problem;
-    s->estimates = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
-    s->feeds = scene->simulate.feeds;
-    s->quantises = scene->simulate.step > 0 || scene->simulate.dead_band > 0;
-    return s->estimates || s->feeds ? estimator_open(&s->estimator, s->nominal, error) : 0;
+    s->estimates = loop_estimates(scene);
+    s->feeds = loop_feeds(scene);
+    s->quantises = loop_quantises(scene);
+    if ((s->estimates || s->feeds) && estimator_open(&s->estimator, s->nominal, error) < 0)
+        return -1;
+    s->blocks = calloc(1, sizeof *s->blocks);
+    if (!s->blocks)
+        return no_memory(s->nominal, error);
+    loop_blocks_fill(s->blocks, &s->nominal->design, &s->estimator);
+    return 0;
 }
 
 /*
@@ -233,6 +240,7 @@ void simulate_close(simulation *s)
     }
     free(s->phase);
     estimator_close(&s->estimator);
+    free(s->blocks);
     device_remove(s->folder);
     plant_close(&s->plant);
     memset(s, 0, sizeof *s);

@@ -18,6 +18,8 @@
 #include "../model/estimator.h"
 #include "plant.h"
 
+struct loop_blocks;
+
 /* LAW_CLAMP: clipped least squares; LAW_REGULARISED: the same, regularised. */
 typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAW_REGULARISED, LAWS } simulate_law;
 
@@ -79,6 +81,7 @@ typedef struct simulation {
     const analysis *nominal;
     plant plant;
     const pzs_problem *problem;      /* the controller's tables: the nominal design's */
+    struct loop_blocks *blocks;      /* the list that a firmware of the scene has */
     estimator estimator;             /* its gains and known loads, where `estimates` or `feeds` */
     int estimates, feeds, quantises; /* the shape from few sensors; known loads; amplifiers with
                                         steps or a dead band */

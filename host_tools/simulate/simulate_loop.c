@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "../tables/loop_blocks.h"
 
 /* ---- random numbers --------------------------------------------------- */
 
@@ -32,14 +33,14 @@ static int draw_int(loop *l, int count)
 
 static void hold(loop *l, int amplifier, double voltage)
 {
-    (void)pzs_hold(&l->control, (uint16_t)amplifier, voltage);
+    (void)pzs_hold(l->controller.info.control, (uint16_t)amplifier, voltage);
     device_hold(&l->board, amplifier, voltage);
     device_hold(&l->twin, amplifier, voltage);
 }
 
 static void release(loop *l, int amplifier)
 {
-    (void)pzs_release(&l->control, (uint16_t)amplifier);
+    (void)pzs_release(l->controller.info.control, (uint16_t)amplifier);
     device_release(&l->board, amplifier);
     device_release(&l->twin, amplifier);
 }
@@ -251,64 +252,106 @@ static double slew_of(const loop *l, int amplifier)
     return l->electrode[amplifier].is_told ? HUGE_VAL : l->design->slew[amplifier];
 }
 
-/* ---- the laws ---------------------------------------------------------- */
+/* ---- laws: step blocks of the simulation -------------------------------- */
+
+static size_t law_bytes(const void *tables, const pzs_problem *problem)
+{
+    return pzs_step_block.block_bytes(tables, problem);
+}
+
+static pzs_status law_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    return pzs_step_block.block_init(self, tables, signals);
+}
+
+static loop *loop_of(const pzs_loop_signals *signals)
+{
+    return ((const law_tables *)(const void *)signals->control->state.problem)->loop;
+}
 
 /*
  * As is often done: least squares without limits, regularised or not, cut to limits and step limit.
  */
-static pzs_status clamp(loop *l)
+static pzs_status clamp(void *self, pzs_loop_signals *signals)
 {
+    loop *l = loop_of(signals);
     const design *d = l->design;
     for (int i = 0; i < d->targets; i++) {
-        l->disturbance[i] =
-            isfinite(l->measured[i]) ? l->measured[i] - l->predicted[i] : l->disturbance[i];
-        l->wish[i] = l->asked[i] - l->disturbance[i];
+        const double measured = signals->measured[i];
+        l->disturbance[i] = isfinite(measured) ? measured - l->predicted[i] : l->disturbance[i];
+        l->wish[i] = signals->wanted[i] - l->disturbance[i];
     }
-    const pzs_status status = pzs_clipped(&l->control, l->wish, l->next);
+    const pzs_status status = pzs_clipped(self, l->wish, l->next);
     for (int k = 0; status == PZS_OK && k < d->amplifiers; k++)
         l->command[k] = slewed(l->command[k], l->next[k], slew_of(l, k));
     return status;
 }
 
-/* The board's answer, and whether its twin's has the same bits. Returns 0, or -1 with error filled.
- */
-static int ask_board(loop *l, int tick, char *error)
+static const pzs_block_type clamp_block = {"clamp", PZS_PHASE_STEP, law_bytes, law_init, clamp};
+
+/* The board's answer, and whether its twin's has the same bits. Returns its status, or -1 with
+ * error filled. */
+static int ask_board(loop *l, char *error)
 {
     const size_t n = (size_t)l->design->amplifiers, loads = (size_t)l->design->loads;
+    const double *now = l->controller.settings.known_now;
     if (l->simulation->feeds) {
-        device_know(&l->board, sense_known(l, tick), l->coming, loads);
-        device_know(&l->twin, sense_known(l, tick), l->coming, loads);
+        device_know(&l->board, now, l->coming, loads);
+        device_know(&l->twin, now, l->coming, loads);
     }
     const int status =
         device_tick(&l->board, l->wanted, l->sensed, l->command, l->state, &l->passes, error);
     int passes = 0, same = -1;
-    if (status < 0)
-        return -1;
-    l->status = (pzs_status)status;
-    if (!l->twin.board)
-        return 0;
+    if (status < 0 || !l->twin.board)
+        return status;
     same = device_tick(&l->twin, l->wanted, l->sensed, l->next, l->twin_state, &passes, error);
     l->same = same == status && passes == l->passes &&
               memcmp(l->next, l->command, n * sizeof *l->next) == 0 &&
               memcmp(l->twin_state, l->state, n) == 0;
-    return same < 0 ? -1 : 0;
+    return same < 0 ? -1 : status;
 }
 
-static void ask_library(loop *l)
+/* The board gets what the sensors say, not what the blocks before made of it: it has them too. */
+static pzs_status answer(void *self, pzs_loop_signals *signals)
 {
-    const scene_simulate *simulate = &l->design->scene->simulate;
-    const size_t n = (size_t)l->design->amplifiers;
-    const pzs_status seen = l->status, stepped = pzs_tick(&l->control, l->asked, l->measured);
-    l->status = stepped == PZS_OK ? seen : stepped;
-    l->passes = l->control.info.iterations;
-    if (!PZS_IS_ERROR(l->status) && l->simulation->quantises)
-        (void)pzs_quantise(&l->control, l->converted, simulate->step, simulate->dead_band);
-    if (!PZS_IS_ERROR(l->status) && simulate->finds) {
-        const pzs_status watched = pzs_fault_detector_tick(&l->watch, l->measured);
-        l->status = PZS_IS_ERROR(watched) ? watched : l->status;
-        memcpy(l->state, l->watch.info.electrode, n);
-    }
-    memcpy(l->command, l->control.info.voltage, n * sizeof *l->command);
+    loop *l = loop_of(signals);
+    const int status = ask_board(l, l->message);
+    (void)self;
+    l->is_silent = status < 0;
+    return status < 0 ? PZS_E_STAGE : (pzs_status)status;
+}
+
+static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init, answer};
+
+/* The list of the scene; under another law than the library's its own step, and nothing behind. */
+static size_t list_blocks(loop *l)
+{
+    const loop_blocks *all = l->simulation->blocks;
+    const int is_board = l->simulation->board && l->law == LAW_CONTROLLER;
+    const pzs_block_type *step = is_board ? &board_block : &clamp_block;
+    size_t count = 0;
+    memcpy(l->block, all->block, sizeof l->block);
+    if (l->law == LAW_CONTROLLER && !is_board)
+        return (size_t)all->count;
+    const simulation *s = l->simulation;
+    l->tables = (law_tables){l->law == LAW_REGULARISED ? s->regularised : *s->problem, l};
+    while (l->block[count].type->phase != PZS_PHASE_STEP)
+        count++;
+    l->block[count] = (pzs_block){step, &l->tables};
+    return count + 1;
+}
+
+/* Lay out the library's loop. Returns its status. */
+static pzs_status open_controller(loop *l)
+{
+    const size_t count = list_blocks(l);
+    double none;
+    pzs_status status = pzs_loop_init(&l->controller, l->block, count, NULL, &none, 0);
+    if (status != PZS_E_WORKSPACE)
+        return status;
+    const size_t need = (size_t)l->controller.info.where;
+    l->work = malloc(need);
+    return pzs_loop_init(&l->controller, l->block, count, NULL, l->work, need);
 }
 
 /* Electrodes that the watch has found. */
@@ -332,26 +375,52 @@ static void learn(loop *l, int tick)
 /* A controller that others give its volts: what they are. */
 static void follow(loop *l)
 {
-    memcpy(l->control.state.voltage, l->command,
-           (size_t)l->design->amplifiers * sizeof *l->command);
-    pzs_control_moved(&l->control);
+    pzs_control *control = l->controller.info.control;
+    memcpy(control->state.voltage, l->command, (size_t)l->design->amplifiers * sizeof *l->command);
+    pzs_control_moved(control);
+}
+
+/* What the library's own step leaves. */
+static void take_command(loop *l)
+{
+    const size_t n = (size_t)l->design->amplifiers;
+    l->passes = l->controller.info.control->info.iterations;
+    memcpy(l->command, l->controller.info.voltage, n * sizeof *l->command);
+    if (l->controller.info.electrode)
+        memcpy(l->state, l->controller.info.electrode, n);
+}
+
+/* The status of a tick as it is counted: that of the law; electrodes found are counted apart. */
+static pzs_status counted(const loop *l, pzs_status status)
+{
+    const pzs_block_type *block = l->controller.info.block;
+    const int is_other = l->law != LAW_CONTROLLER || l->board.board;
+    if (PZS_IS_ERROR(status))
+        return status;
+    if (is_other && block && block->phase != PZS_PHASE_STEP)
+        return PZS_OK;
+    return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
 
 static int command(loop *l, int tick, char *error)
 {
-    if (l->simulation->estimates && (l->law != LAW_CONTROLLER || l->board.board))
+    const int is_other = l->law != LAW_CONTROLLER || l->board.board;
+    if (l->simulation->estimates && is_other)
         follow(l);
-    l->status = sense_shape(l, tick);
-    if (PZS_IS_ERROR(l->status))
-        return 0;
-    if (l->law != LAW_CONTROLLER) {
-        l->status = clamp(l);
-    } else if (l->board.board) {
-        if (ask_board(l, tick, error) < 0)
-            return -1;
-    } else {
-        ask_library(l);
+    if (l->simulation->feeds) {
+        l->controller.settings.known_now = sense_known(l, tick);
+        l->controller.settings.known_next = l->coming;
     }
+    l->message = error;
+    const pzs_status status = pzs_loop_tick(&l->controller, l->wanted, l->sensed);
+    if (l->is_silent)
+        return -1;
+    l->status = counted(l, status);
+    if (PZS_IS_ERROR(status))
+        return 0;
+    sense_missed(l);
+    if (!is_other)
+        take_command(l);
     learn(l, tick);
     for (int k = 0; k < l->design->amplifiers; k++)
         if (l->electrode[k].is_told)
@@ -454,20 +523,17 @@ static int take_memory(loop *l)
 {
     const design *d = l->design;
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, loads = (size_t)d->loads + 1;
-    double *at = l->memory = calloc(5 * m + 2 * loads + 6 * n, sizeof *l->memory);
+    double *at = l->memory = calloc(5 * m + 2 * loads + 5 * n, sizeof *l->memory);
     l->electrode = calloc(n, sizeof *l->electrode);
     l->state = calloc(2 * n, 1);
-    l->work = malloc(PZS_CONTROL_BYTES(n, m));
-    l->watch_work = malloc(PZS_FAULT_DETECTOR_BYTES(n, m, d->scene->simulate.delay));
-    if (!at || !l->electrode || !l->state || !l->work || !l->watch_work || !sense_open(l))
+    if (!at || !l->electrode || !l->state || !sense_open(l))
         return 0;
     l->twin_state = l->state + n;
     double **const of_targets[] = {&l->goal, &l->wanted, &l->shape, &l->wish, &l->disturbance};
-    double **const of_amplifiers[] = {&l->command, &l->given, &l->effect,
-                                      &l->next,    &l->last,  &l->converted};
+    double **const of_amplifiers[] = {&l->command, &l->given, &l->effect, &l->next, &l->last};
     for (int i = 0; i < 5; i++, at += m)
         *of_targets[i] = at;
-    for (int i = 0; i < 6; i++, at += n)
+    for (int i = 0; i < 5; i++, at += n)
         *of_amplifiers[i] = at;
     l->load = at, at += loads;
     l->scheduled_load = at;
@@ -480,10 +546,9 @@ static void start(loop *l)
     l->random = (uint64_t)d->scene->simulate.seed;
     l->factor = l->scheduled_factor = 1;
     memcpy(l->goal, d->target, (size_t)d->targets * sizeof *l->goal);
-    memcpy(l->command, l->control.info.voltage, (size_t)d->amplifiers * sizeof *l->command);
+    memcpy(l->command, l->controller.info.voltage, (size_t)d->amplifiers * sizeof *l->command);
     memcpy(l->given, l->command, (size_t)d->amplifiers * sizeof *l->given);
     memcpy(l->last, l->command, (size_t)d->amplifiers * sizeof *l->last);
-    memcpy(l->converted, l->command, (size_t)d->amplifiers * sizeof *l->converted);
     for (int k = 0; k < d->loads; k++)
         l->load[k] = l->scheduled_load[k] = 1;
     for (int k = 0; k < d->amplifiers; k++)
@@ -492,32 +557,19 @@ static void start(loop *l)
     plant_rest(&l->simulation->plant);
 }
 
-/* What stands beside the controller on a board. */
-static void equip(const loop *l, device *board)
-{
-    const scene_simulate *simulate = &l->design->scene->simulate;
-    if (l->simulation->estimates)
-        device_estimate(board, (size_t)l->sensors);
-    if (l->simulation->quantises)
-        device_quantise(board, simulate->step, simulate->dead_band);
-    if (simulate->finds)
-        device_watch(board, simulate->delay);
-}
-
 /* Board and twin with their volts of the start. */
 static int start_board(loop *l, char *error)
 {
     const simulation *s = l->simulation;
     const device_board *twin = device_find(s->board->twin);
-    if (twin && device_start(&l->twin, twin, s->folder, s->problem, l->command, error) < 0)
+    if (twin &&
+        device_start(&l->twin, twin, s->folder, s->problem, l->sensors, l->command, error) < 0)
         return -1;
-    if (device_start(&l->board, s->board, s->folder, s->problem, l->command, error) < 0)
+    if (device_start(&l->board, s->board, s->folder, s->problem, l->sensors, l->command, error) < 0)
         return -1;
     memcpy(l->given, l->command, (size_t)l->design->amplifiers * sizeof *l->given);
     memcpy(l->last, l->command, (size_t)l->design->amplifiers * sizeof *l->last);
     sense_predict(l);
-    equip(l, &l->board);
-    equip(l, &l->twin);
     return 0;
 }
 
@@ -530,18 +582,11 @@ int loop_open(loop *l, simulation *s, simulate_law law, char *error)
     l->law = law;
     if (!take_memory(l))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
-    const int n = l->design->amplifiers, m = l->design->targets, delay = scene->simulate.delay;
-    pzs_status status =
-        pzs_control_init(&l->control, law == LAW_REGULARISED ? &s->regularised : s->problem, NULL,
-                         l->work, PZS_CONTROL_BYTES(n, m));
-    if (status == PZS_OK)
-        status = pzs_fault_detector_init(&l->watch, &l->control, (uint16_t)delay, l->watch_work,
-                                         PZS_FAULT_DETECTOR_BYTES(n, m, delay));
-    if (status == PZS_OK && s->estimates)
-        status = pzs_estimate_init(&l->estimate, &l->control, &s->estimator.tables,
-                                   l->estimate_work, PZS_ESTIMATE_BYTES(l->sensors));
+    const pzs_status status = open_controller(l);
+    const pzs_block_type *block = l->controller.info.block;
     if (status != PZS_OK)
-        return scene_fault(scene, scene->limits.at, error, "%s", pzs_status_text(status));
+        return scene_fault(scene, scene->limits.at, error, "%s: %s",
+                           block ? block->name : "control loop", pzs_status_text(status));
     start(l);
     return s->board && law == LAW_CONTROLLER ? start_board(l, error) : 0;
 }
@@ -552,7 +597,6 @@ void loop_close(loop *l)
     free(l->electrode);
     free(l->state);
     free(l->work);
-    free(l->watch_work);
     sense_close(l);
     device_stop(&l->board);
     device_stop(&l->twin);

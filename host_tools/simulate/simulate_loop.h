@@ -32,15 +32,24 @@ typedef struct sensor {
     int nan_until, frozen_until;
 } sensor;
 
+/* Tables of a step block of the simulation: the problem, which the library asks for, and the loop
+ * that it belongs to. */
+typedef struct law_tables {
+    pzs_problem problem;
+    struct loop *loop;
+} law_tables;
+
 typedef struct loop {
     const design *design; /* what the controller knows */
     simulation *simulation;
     simulate_law law;
-    pzs_control control;      /* the library's, in double */
-    pzs_fault_detector watch; /* over it, where the scene says found */
-    pzs_estimate estimate;    /* beside it, where the simulation estimates */
-    device board, twin;       /* in place of both, where the simulation has a board */
-    uint64_t random;          /* state of the generator */
+    pzs_block block[PZS_BLOCK_LIMIT]; /* of the law */
+    law_tables tables;                /* of its step block, where that is none of the library */
+    pzs_loop controller;              /* the library's, in double */
+    device board, twin;               /* in place of its step, where the simulation has a board */
+    char *message;                    /* [SCENE_ERROR] of a board that does not answer */
+    int is_silent;                    /* the board did not answer */
+    uint64_t random;                  /* state of the generator */
     int next_event, lost_until;
     double factor, scheduled_factor; /* of the target */
     double *memory;                  /* all vectors below */
@@ -54,7 +63,6 @@ typedef struct loop {
     double *given;                 /* [amplifiers] by the amplifiers */
     double *effect;                /* [amplifiers] what the ceramic makes of them */
     double *next, *last;           /* [amplifiers] room; before the tick */
-    double *converted;             /* [amplifiers] the library's own view of `given` */
     electrode *electrode;          /* [amplifiers] */
     int sensors;                   /* one for each target, or those of the scene's estimate */
     sensor *sensor;                /* [sensors] */
@@ -65,20 +73,17 @@ typedef struct loop {
                      */
     double *expected, *said; /* [sensors] by the model under the command, and under that of late
                                 readings */
-    double *unknown;         /* [sensors] sensed less what known loads show */
     double *late_reading;    /* [delay + 1][sensors] without noise, of the last ticks */
     double *late_command;    /* [delay + 1][amplifiers] */
     double *late_known;      /* [delay + 1][loads] */
-    double *measured;        /* [targets] shape for the controller, less what known loads do */
     double *predicted;       /* [targets] the model's shape under the command */
-    double *asked;           /* [targets] wanted less what known loads will do */
     double *known, *coming;  /* [loads] amounts that the controller knows of, now and in the next
                                 tick */
     double missed;           /* of the last shape by the measurement, over the scene's target */
-    uint8_t *state, *twin_state;             /* [amplifiers] of the watch */
-    void *work, *watch_work, *estimate_work; /* of the controller */
-    double error;                            /* of the last shape */
-    pzs_status status;                       /* of the last tick */
+    uint8_t *state, *twin_state; /* [amplifiers] of the watch */
+    void *work;                  /* of the controller */
+    double error;                /* of the last shape */
+    pzs_status status;           /* of the last tick */
     int passes;
     int same;                 /* board and twin agree in every bit */
     int found, wrong, search; /* electrodes found in the last tick; those of them that had no fault;
@@ -111,8 +116,8 @@ void sense_predict(loop *l);
  * with error filled. */
 int sense_tick(loop *l, int tick, char *error);
 
-/* `measured` and `asked` from them, by the library. */
-pzs_status sense_shape(loop *l, int tick);
+/* What the controller's measured shape misses of the plant's: `missed`. */
+void sense_missed(loop *l);
 
 /* Amounts of known loads at the readings of a tick. [loads] */
 const double *sense_known(const loop *l, int tick);

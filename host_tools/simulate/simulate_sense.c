@@ -37,23 +37,19 @@ int sense_open(loop *l)
     l->sensors = s->estimates ? s->estimator.sensors : d->targets;
     const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, loads = (size_t)d->loads,
                  k = (size_t)l->sensors;
-    const size_t kept = (size_t)d->scene->simulate.delay + 1, bytes = PZS_ESTIMATE_BYTES(k);
+    const size_t kept = (size_t)d->scene->simulate.delay + 1;
     double *at = l->sense_memory =
-        calloc((6 + kept) * k + kept * (n + loads) + 3 * m + 2 * loads + 1, sizeof *at);
+        calloc((5 + kept) * k + kept * (n + loads) + m + 2 * loads + 1, sizeof *at);
     l->sensor = calloc(k + 1, sizeof *l->sensor);
-    l->estimate_work = malloc(bytes + 1);
-    if (!at || !l->sensor || !l->estimate_work)
+    if (!at || !l->sensor)
         return 0;
-    double **const of_sensors[] = {&l->noise,    &l->reading, &l->sensed,
-                                   &l->expected, &l->said,    &l->unknown};
-    for (int i = 0; i < 6; i++, at += k)
+    double **const of_sensors[] = {&l->noise, &l->reading, &l->sensed, &l->expected, &l->said};
+    for (int i = 0; i < 5; i++, at += k)
         *of_sensors[i] = at;
     l->late_reading = at, at += kept * k;
     l->late_command = at, at += kept * n;
     l->late_known = at, at += kept * loads;
-    l->measured = at, at += m;
     l->predicted = at, at += m;
-    l->asked = at, at += m;
     l->known = at, at += loads;
     l->coming = at;
     take_noise(l);
@@ -64,7 +60,6 @@ void sense_close(loop *l)
 {
     free(l->sense_memory);
     free(l->sensor);
-    free(l->estimate_work);
 }
 
 /* ---- sensors ---------------------------------------------------------- */
@@ -165,38 +160,15 @@ const double *sense_known(const loop *l, int tick)
 
 /* |W (shape - measured)| over the scene's target, with the loads known now put back; what has no
  * measurement counts as seen. */
-static double missed(const loop *l)
+void sense_missed(loop *l)
 {
     const design *d = l->design;
     const simulation *s = l->simulation;
     for (int i = 0; i < d->targets; i++) {
-        double left = l->shape[i] - l->measured[i];
+        double left = l->shape[i] - l->controller.info.measured[i];
         for (int k = 0; k < d->loads && s->feeds; k++)
             left -= s->estimator.known[i * d->loads + k] * l->known[k];
         l->wish[i] = isnan(left) ? 0 : left;
     }
-    return sqrt(design_squares(d, l->wish, NULL)) / s->reference;
-}
-
-/*
- * What known loads do is taken out of the readings, not of the estimate: the sensors may not show
- * all of it, and what they do not show is not in the estimate.
- */
-pzs_status sense_shape(loop *l, int tick)
-{
-    const simulation *s = l->simulation;
-    const double *known = sense_known(l, tick);
-    double *heard = s->estimates ? l->unknown : l->measured;
-    pzs_status status = PZS_OK;
-    memcpy(heard, l->sensed, (size_t)l->sensors * sizeof *heard);
-    memcpy(l->asked, l->wanted, (size_t)l->design->targets * sizeof *l->asked);
-    if (s->feeds) {
-        (void)pzs_feed_forward(
-            s->estimates ? &s->estimator.shown_tables : &s->estimator.known_tables, known, heard);
-        (void)pzs_feed_forward(&s->estimator.known_tables, l->coming, l->asked);
-    }
-    if (s->estimates)
-        status = pzs_estimate_tick(&l->estimate, l->unknown, l->measured);
-    l->missed = missed(l);
-    return status;
+    l->missed = sqrt(design_squares(d, l->wish, NULL)) / s->reference;
 }

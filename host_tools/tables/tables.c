@@ -3,11 +3,11 @@
 #include <ctype.h>
 #include <stdlib.h>
 #include "../../lib/model/electrode.h"
-#include "../model/estimator.h"
 #include "../../lib/control/control.h"
 #include "../../lib/model/model.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/model/shell.h"
+#include "loop_blocks.h"
 #include "tables_path.h"
 
 const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonlinear"};
@@ -292,13 +292,14 @@ static void write_known(emitter *w, const char *name, const pzs_feed_forward_tab
     w->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     snprintf(array, sizeof array, "%s_per_load", name);
     emit_reals(w, array, t->sensitivity, (size_t)t->outputs * t->inputs, meaning);
-    emit_begin(w, "known", name, t->scene, t->crc);
+    emit_begin(w, "feed_forward_table", name, t->scene, t->crc);
     fprintf(w->file, " %u, %u, %s_%s,\n};\n\n", t->inputs, t->outputs, w->prefix, array);
 }
 
 static int write_beside(emitter *w, const analysis *a)
 {
     estimator e;
+    loop_blocks blocks;
     char error[SCENE_ERROR];
     if (estimator_open(&e, a, error) < 0)
         return -1;
@@ -311,6 +312,9 @@ static int write_beside(emitter *w, const analysis *a)
         write_known(w, "shown", &e.shown_tables, "what sensors (rows) show per load (column)");
     if (e.sensors > 0)
         write_estimator(w, &e);
+    loop_blocks_fill(&blocks, &a->design, &e);
+    loop_blocks_write(w, &blocks);
+    loop_names_write(w, a);
     estimator_close(&e);
     return 0;
 }
@@ -325,9 +329,12 @@ static void write_head(const emitter *w, const analysis *a, const char *image)
         "/*\n * Tables of scene %s, %s image. Made by `pzs tables`; do not edit.\n * %s\n"
         " * Lengths in %s, forces in %s, volts in %s.\n */\n"
         "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
-        "#if PZS_TABLE_FORMAT != %u\n#error \"these tables were made for another version of the library: run `pzs tables` again\"\n#endif\n\n",
+        "#if PZS_TABLE_FORMAT != %u\n#error \"these tables were made for another version of the library: run `pzs tables` again\"\n#endif\n"
+        "/* a program that needs one precision defines this as 32 or 64 before it includes the tables */\n"
+        "#if defined(%s_REAL_BITS) && %s_REAL_BITS != PZS_REAL_BITS\n"
+        "#error \"the program needs another precision: compile it and the library with its -DPZS_REAL_BITS\"\n#endif\n\n",
         s->name, image, s->about ? s->about : "", s->unit_length, s->unit_force, s->unit_voltage,
-        w->upper, w->upper, PZS_TABLE_FORMAT);
+        w->upper, w->upper, PZS_TABLE_FORMAT, w->upper, w->upper);
 }
 
 /* What vibration makes of the control loop, in the words of the certificate. */

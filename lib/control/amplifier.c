@@ -6,6 +6,7 @@
  * amounts to a step: no step is taken that the next tick would take back, which rounding to the
  * nearest does where the plant is stronger than the model. Limits in force come before whole steps.
  */
+#include <string.h>
 #include "pzs_loop.h"
 #include "control.h"
 #include "../core/numbers.h"
@@ -49,3 +50,33 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
     pzs_control_moved(control);
     return PZS_OK;
 }
+
+/* ---- block ------------------------------------------------------------ */
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    return PZS_AMPLIFIER_BLOCK_BYTES(problem->inputs);
+}
+
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_amplifier *t = tables;
+    const pzs_control *control = signals->control;
+    pzs_amplifier_state *a = self;
+    if (!(t->step >= 0) || !(t->dead_band >= 0))
+        return PZS_E_ARGUMENT;
+    a->tables = t;
+    a->given = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *a));
+    memcpy(a->given, control->state.voltage, control->state.problem->inputs * sizeof *a->given);
+    return PZS_OK;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    const pzs_amplifier_state *a = self;
+    return pzs_quantise(signals->control, a->given, a->tables->step, a->tables->dead_band);
+}
+
+const pzs_block_type pzs_amplifier_block = {"amplifier", PZS_PHASE_VOLTAGE, block_bytes, block_init,
+                                            block_tick};

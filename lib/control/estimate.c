@@ -1,7 +1,7 @@
 /*
  * The shape from a few sensors, through the model: y = B v + G (s - S v), what the volts make and,
  * as likely as the loads and faults that the tables were made for, what makes the sensors show
- * something else. And the shape that known loads make.
+ * something else.
  *
  * Work of a tick: (sensors + outputs) (inputs + sensors) multiply-adds at most; nothing depends on
  * the data.
@@ -25,28 +25,12 @@ uint32_t pzs_estimate_crc(const pzs_estimator *t)
     return ~pzs_guard_crc(crc, t->gain, (size_t)t->outputs * t->sensors * sizeof(pzs_real));
 }
 
-uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *t)
-{
-    const uint16_t counts[2] = {t->inputs, t->outputs};
-    const uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    return ~pzs_guard_crc(crc, t->sensitivity, (size_t)t->outputs * t->inputs * sizeof(pzs_real));
-}
-
 pzs_status pzs_estimator_seal(pzs_estimator *tables)
 {
     if (tables == NULL || tables->direct == NULL || tables->gain == NULL)
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
     tables->crc = pzs_estimate_crc(tables);
-    return PZS_OK;
-}
-
-pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table)
-{
-    if (table == NULL || table->sensitivity == NULL)
-        return PZS_E_ARGUMENT;
-    table->format = PZS_TABLE_FORMAT;
-    table->crc = pzs_estimate_known_crc(table);
     return PZS_OK;
 }
 
@@ -121,32 +105,47 @@ pzs_status pzs_estimate_tick(pzs_estimate *e, const pzs_real *sensed, pzs_real *
     return finish(e, lost == 0 ? PZS_OK : lost < t->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
 }
 
-/* ---- known loads ------------------------------------------------------ */
+/* ---- block ------------------------------------------------------------ */
 
-pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *t)
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
-    if (t == NULL || t->sensitivity == NULL || t->inputs == 0 || t->outputs == 0)
-        return PZS_E_ARGUMENT;
-    if (t->format != PZS_TABLE_FORMAT)
-        return PZS_E_FORMAT;
-    if (pzs_estimate_known_crc(t) != t->crc)
-        return PZS_E_CRC;
-    return pzs_guard_nonfinite(t->sensitivity, (uint32_t)t->outputs * t->inputs) < 0
-               ? PZS_OK
-               : PZS_E_NONFINITE;
+    const pzs_estimator *t = tables;
+    return PZS_ESTIMATOR_BLOCK_BYTES(t->sensors, problem->outputs);
 }
 
-pzs_status pzs_feed_forward(const pzs_feed_forward_table *t, const pzs_real *amount,
-                            pzs_real *shape)
+/* In `self`: the estimate, its workspace, the shape. */
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
-    if (t == NULL || amount == NULL || shape == NULL)
-        return PZS_E_ARGUMENT;
-    if (pzs_guard_nonfinite(amount, t->inputs) >= 0)
-        return PZS_E_NONFINITE;
-    for (uint32_t i = 0; i < t->outputs; i++) {
-        const pzs_real *row = t->sensitivity + (size_t)i * t->inputs;
-        for (uint32_t k = 0; k < t->inputs; k++)
-            shape[i] -= row[k] * amount[k];
-    }
-    return PZS_OK;
+    const pzs_estimator *t = tables;
+    pzs_estimate *e = self;
+    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *e);
+    const pzs_status status =
+        pzs_estimate_init(e, signals->control, t, work, PZS_ESTIMATE_BYTES(t->sensors));
+    signals->where = e->info.where;
+    signals->sensors = t->sensors;
+    return status;
 }
+
+static pzs_real *shape_of(pzs_estimate *e)
+{
+    const size_t before =
+        PZS_ALIGNED(sizeof *e) + PZS_ALIGNED(PZS_ESTIMATE_BYTES(e->state.tables->sensors));
+    return (void *)((uint8_t *)e + before);
+}
+
+/* Without a frame there is no new shape either. */
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_estimate *e = self;
+    signals->measured = NULL;
+    if (signals->readings == NULL)
+        return PZS_OK;
+    pzs_real *shape = shape_of(e);
+    const pzs_status status = pzs_estimate_tick(e, signals->readings, shape);
+    signals->measured = shape;
+    signals->where = e->info.where;
+    return status;
+}
+
+const pzs_block_type pzs_estimator_block = {"estimator", PZS_PHASE_SHAPE, block_bytes, block_init,
+                                            block_tick};

@@ -478,3 +478,51 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *w, const pzs_real *measur
     keep_volts(w);
     return first >= 0 ? finish(w, PZS_W_ELECTRODE, first) : finish(w, PZS_OK, -1);
 }
+
+/* ---- block ------------------------------------------------------------ */
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    const pzs_fault_detection *t = tables;
+    return PZS_FAULT_DETECTOR_BLOCK_BYTES(problem->inputs, problem->outputs, t->delay);
+}
+
+/* The amplitude of the tables, cut as the default is; electrodes that cannot be moved keep 0. */
+static void set_amplitude(pzs_fault_detector *w, pzs_real amplitude)
+{
+    const pzs_problem *p = w->state.control->state.problem;
+    for (uint32_t j = 0; j < p->inputs; j++) {
+        const pzs_real most = PZS_R(0.49) * p->step_limit[j];
+        w->settings.amplitude[j] = amplitude < most ? amplitude : most;
+    }
+}
+
+/* In `self`: the detector, its workspace. */
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_fault_detection *t = tables;
+    const pzs_problem *p = signals->control->state.problem;
+    pzs_fault_detector *w = self;
+    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *w);
+    if (!(t->amplitude >= 0) || !number_is_finite(t->amplitude))
+        return PZS_E_ARGUMENT;
+    const pzs_status status =
+        pzs_fault_detector_init(w, signals->control, t->delay, work,
+                                PZS_FAULT_DETECTOR_BYTES(p->inputs, p->outputs, t->delay));
+    signals->where = w->info.where;
+    if (status == PZS_OK && t->amplitude > 0)
+        set_amplitude(w, t->amplitude);
+    return status;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_fault_detector *w = self;
+    const pzs_status status = pzs_fault_detector_tick(w, signals->measured);
+    signals->electrode = w->info.electrode;
+    signals->where = w->info.where;
+    return status;
+}
+
+const pzs_block_type pzs_fault_detector_block = {"fault_detector", PZS_PHASE_OBSERVE, block_bytes,
+                                                 block_init, block_tick};

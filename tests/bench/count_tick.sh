@@ -35,6 +35,31 @@ row() {
         printf "#   estimate for real parts, two cycles an instruction: %.0f ticks/s at 168 MHz, %.0f at 480 MHz (worst tick)\n", 168e6 / 2 / $2, 480e6 / 2 / $2 }'
 }
 
+# pair NAME BITS LEVEL MACHINE SCRIPT BLOCKS PROCESSOR...: a tick through pzs_loop against the calls made by hand
+pair() {
+    n=$((n + 1))
+    name=$1 bits=$2 level=$3 machine=$4 script=$5 blocks=$6
+    shift 6
+    sources=$(echo "$rest" | sed 's/count_tick.c/count_loop.c/')
+    # shellcheck disable=SC2086
+    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DBLOCKS="$blocks" -DDEMO_TABLES='"count_tick.h"' -nostartfiles -Lfirmware_demo/boards \
+        -T"firmware_demo/boards/$script.ld" -Wl,--gc-sections $sources firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/loop.elf" ||
+        { echo "not ok $n - build"; return; }
+    timeout 120 "${QEMU:-qemu-system-arm}" -M "$machine" -icount shift=10 -kernel "$dir/loop.elf" -nographic -monitor none \
+        -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"
+    grep -q 'different=0' "$dir/out" && same=1 || same=0
+    sed -n 's/^count hand=\([0-9]*\) loop=\([0-9]*\) hand_worst=\([0-9]*\) loop_worst=\([0-9]*\).*/\1 \2 \3 \4/p' "$dir/out" |
+        awk -v n=$n -v same=$same -v name="$name, $bits bits, $level, blocks: $blocks" '
+            { part = 100 * ($2 - $1) / $1; good = same && part <= 3; seen = 1
+              printf "%s %d - %s: pzs_loop %d instructions, by hand %d (%+.2f %%, target 3), worst %d and %d, bits %s\n", good ? "ok" : "not ok", n,
+                     name, $2, $1, part, $4, $3, same ? "the same" : "DIFFER" }
+            END { if (!seen) print "not ok " n " - " name ": no count" }'
+}
+
 row Cortex-M4F 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
 row Cortex-M7 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
+for blocks in 1 5; do
+    pair Cortex-M4F 32 -Os mps2-an386 mps2_an386 $blocks -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
+    pair Cortex-M7 64 -O2 mps2-an500 mps2_an500 $blocks -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
+done
 echo "1..$n"

@@ -83,6 +83,35 @@ images() {
     done
 }
 
+# blocks NAME LIST FUNCTION...: a control image of a list of blocks has these functions of the options, and no others.
+blocks() {
+    name=$1
+    list=$2
+    shift 2
+    tap_needs "$ARM_CC" "$name" || return 0
+    cat >"$scratch/image.c" <<EOT
+#include "pzs.h"
+extern const pzs_problem problem;
+extern const void *const tables;
+pzs_loop loop;
+int main(void)
+{
+    static double work[100];
+    const pzs_block blocks[] = {$list};
+    (void)pzs_loop_init(&loop, blocks, sizeof blocks / sizeof *blocks, 0, work, sizeof work);
+    return (int)pzs_loop_tick(&loop, (const pzs_real *)work, 0);
+}
+EOT
+    # shellcheck disable=SC2086,SC2046
+    "$ARM_CC" -std=c99 -Os -ffunction-sections -fdata-sections $m4 $include -DPZS_REAL_BITS=32 -nostartfiles -Wl,--gc-sections \
+        -Wl,--entry=main -Wl,--defsym=problem=0 -Wl,--defsym=tables=0 "$scratch/image.c" $(sources 0) -lm \
+        -o "$scratch/image.elf" 2>"$scratch/found" || { tap 1 "$name"; return 0; }
+    "$ARM_NM" "$scratch/image.elf" | awk '{ print $NF }' |
+        grep -x 'pzs_estimate_tick\|pzs_feed_forward\|pzs_quantise\|pzs_fault_detector_tick' | sort >"$scratch/found"
+    printf '%s\n' "$@" | sed '/^$/d' | sort | cmp -s - "$scratch/found"
+    tap $? "$name: ${*:-nothing}"
+}
+
 # Without position independence a table of functions stays in read-only data.
 check 'host, float' "$CC" "$NM" "$leaf" -fno-pie -DPZS_REAL_BITS=32
 check 'host, double' "$CC" "$NM" "$leaf" -fno-pie -DPZS_REAL_BITS=64
@@ -96,4 +125,10 @@ check 'Cortex-M4F, double by software' "$ARM_CC" "$ARM_NM" "$leaf $integer $soft
 # shellcheck disable=SC2086
 check 'Cortex-M7, double' "$ARM_CC" "$ARM_NM" "$leaf $integer" $m7 -DPZS_REAL_BITS=64
 images
+step='{&pzs_step_block, &problem}'
+blocks "the step alone holds of the options" "$step"
+blocks 'with an estimator' "{&pzs_estimator_block, &tables}, $step" pzs_estimate_tick
+blocks 'with known loads' "{&pzs_feed_forward_block, &tables}, $step" pzs_feed_forward
+blocks 'with amplifiers' "$step, {&pzs_amplifier_block, &tables}" pzs_quantise
+blocks 'with a fault detector' "$step, {&pzs_fault_detector_block, &tables}" pzs_fault_detector_tick
 tap_end

@@ -48,6 +48,7 @@ if tap_needs "$ARM_CC" 'unit tests' && tap_needs "$QEMU" 'unit tests'; then
         check tick
         check faults
         check estimate
+        check loop_blocks
     else
         tap 1 'CMocka builds for the target'
     fi

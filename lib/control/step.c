@@ -1,0 +1,32 @@
+/* The control step, pzs_tick, as a block of the loop. */
+#include "pzs_loop.h"
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    return PZS_STEP_BLOCK_BYTES(problem->inputs, problem->outputs);
+}
+
+/* In `self`: the controller, its workspace. */
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_problem *problem = tables;
+    pzs_control *control = self;
+    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *control);
+    const pzs_status status =
+        pzs_control_init(control, problem, signals->influence, work,
+                         PZS_CONTROL_BYTES(problem->inputs, problem->outputs));
+    signals->control = control;
+    signals->where = control->info.where;
+    return status;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_control *control = self;
+    const pzs_status status = pzs_tick(control, signals->wanted, signals->measured);
+    signals->where = control->info.where;
+    return status;
+}
+
+const pzs_block_type pzs_step_block = {"step", PZS_PHASE_STEP, block_bytes, block_init, block_tick};
