@@ -51,10 +51,10 @@ typedef struct demo_nonlinear_image {
     }
 
 /* A model and a path at rest. */
-pzs_status demo_open_path(pzs_model *model, pzs_solver *path, const demo_nonlinear_image *image);
+pzs_status demo_open_path(pzs_model *model, pzs_solver *solver, const demo_nonlinear_image *image);
 
 /* pzs_equilibrium, with two lines about what was found and what it cost. */
-pzs_status demo_equilibrium(const char *name, pzs_solver *path, const pzs_real *amount);
+pzs_status demo_equilibrium(const char *name, pzs_solver *solver, const pzs_real *amount);
 
 /* Faults of the path's stages. Returns the number that failed. */
 int drill_path(const demo_nonlinear_image *image);

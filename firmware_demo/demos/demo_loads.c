@@ -43,11 +43,11 @@ int main(void)
 {
     static const demo_nonlinear_image image = DEMO_NONLINEAR_IMAGE;
     pzs_model model = {0};
-    pzs_solver path = {0};
+    pzs_solver solver = {0};
 
     board_start();
     const int failed = drill_path(&image);
-    pzs_status status = demo_open_path(&model, &path, &image);
+    pzs_status status = demo_open_path(&model, &solver, &image);
     if (!PZS_IS_ERROR(status))
         status = demo_equilibrium("loads", &path, demo_full);
     if (PZS_IS_ERROR(status)) {

@@ -4,39 +4,39 @@
 #include "../boards/board.h"
 #include "print.h"
 
-pzs_status demo_open_path(pzs_model *model, pzs_solver *path, const demo_nonlinear_image *image)
+pzs_status demo_open_path(pzs_model *model, pzs_solver *solver, const demo_nonlinear_image *image)
 {
     pzs_status status =
         pzs_model_init(model, image->structure, image->model_work, image->model_bytes);
     if (PZS_IS_ERROR(status))
         return status;
-    status = pzs_solver_init(path, model, image->nonlinear, image->path_work, image->path_bytes);
+    status = pzs_solver_init(solver, model, image->nonlinear, image->path_work, image->path_bytes);
     if (PZS_IS_ERROR(status))
         return status;
-    path->settings.tolerance = image->change;
-    path->settings.load_steps = image->steps;
-    path->settings.extrapolated_iterations = image->mixed;
-    path->settings.solve_limit = image->systems;
+    solver->settings.tolerance = image->change;
+    solver->settings.load_steps = image->steps;
+    solver->settings.extrapolated_iterations = image->mixed;
+    solver->settings.solve_limit = image->systems;
     return status;
 }
 
-pzs_status demo_equilibrium(const char *name, pzs_solver *path, const pzs_real *amount)
+pzs_status demo_equilibrium(const char *name, pzs_solver *solver, const pzs_real *amount)
 {
     const uint32_t start = board_count();
-    const pzs_status status = pzs_equilibrium(path, amount);
+    const pzs_status status = pzs_equilibrium(solver, amount);
     const uint32_t spent = board_instructions(start, board_count());
 
     print_text("equilibrium ");
     print_text(name);
     print_count("status", status);
-    print_count("steps", path->info.load_steps);
-    print_count("systems", path->info.linear_solves);
-    print_count("negative", path->info.negative_pivots);
-    print_real("residual", path->info.residual);
+    print_count("steps", solver->info.load_steps);
+    print_count("systems", solver->info.linear_solves);
+    print_count("negative", solver->info.negative_pivots);
+    print_real("residual", solver->info.residual);
     print_text("\ncost equilibrium ");
     print_text(name);
     print_count("all", spent);
-    print_count("system", path->info.linear_solves ? spent / path->info.linear_solves : 0);
+    print_count("system", solver->info.linear_solves ? spent / solver->info.linear_solves : 0);
     print_text(" instructions\n");
     return status;
 }

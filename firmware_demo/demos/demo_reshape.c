@@ -51,7 +51,7 @@ static pzs_status influence_at_rest(pzs_model *model, reshape_log *log)
     return status;
 }
 
-static pzs_status influence_at_shape(pzs_solver *path, reshape_log *log)
+static pzs_status influence_at_shape(pzs_solver *solver, reshape_log *log)
 {
     const uint32_t start = board_count();
     const pzs_status status = pzs_influence_at(path, influence);
@@ -99,7 +99,7 @@ static pzs_real shape_error(void)
 }
 
 /* Equilibrium under amount, into output. */
-static pzs_status reach(const char *name, pzs_solver *path, pzs_real *missed)
+static pzs_status reach(const char *name, pzs_solver *solver, pzs_real *missed)
 {
     const pzs_status status = demo_equilibrium(name, path, amount);
     pzs_observe(&demo_structure, path->info.displacement, output);
@@ -121,7 +121,7 @@ static void error_at_shape(void)
 static pzs_status reshape(const demo_nonlinear_image *image, reshape_log *log)
 {
     pzs_model model = {0};
-    pzs_solver path = {0};
+    pzs_solver solver = {0};
     pzs_control control = {0};
     pzs_status status = influence_at_rest(&model, log);
 
@@ -132,17 +132,17 @@ static pzs_status reshape(const demo_nonlinear_image *image, reshape_log *log)
     if (!PZS_IS_ERROR(status))
         status = choose_volts(&control, log);
     if (!PZS_IS_ERROR(status))
-        status = demo_open_path(&model, &path, image);
+        status = demo_open_path(&model, &solver, image);
     if (!PZS_IS_ERROR(status))
-        status = reach("linear-optimum", &path, &log->missed[0]);
+        status = reach("linear-optimum", &solver, &log->missed[0]);
     if (!PZS_IS_ERROR(status))
-        status = influence_at_shape(&path, log);
+        status = influence_at_shape(&solver, log);
     if (!PZS_IS_ERROR(status))
         error_at_shape();
     if (!PZS_IS_ERROR(status))
         status = choose_volts(&control, log);
     if (!PZS_IS_ERROR(status))
-        status = reach("relinearised", &path, &log->missed[1]);
+        status = reach("relinearised", &solver, &log->missed[1]);
     return status;
 }
 

@@ -66,24 +66,24 @@ int drill_model(const pzs_structure *structure, void *work, size_t bytes)
  * of the image. */
 static int drill_path_init(const demo_nonlinear_image *image, pzs_model *model)
 {
-    pzs_solver path = {0};
+    pzs_solver solver = {0};
     pzs_nonlinear damaged = *image->nonlinear;
     pzs_status status;
     int failed = 0;
 
     damaged.crc ^= 1u;
-    status = pzs_solver_init(&path, model, &damaged, image->path_work, image->path_bytes);
+    status = pzs_solver_init(&solver, model, &damaged, image->path_work, image->path_bytes);
     failed += drill_line("path-tables-damaged", status == PZS_E_CRC, status);
 
     damaged = *image->nonlinear;
     damaged.scene++;
-    status = pzs_solver_init(&path, model, &damaged, image->path_work, image->path_bytes);
+    status = pzs_solver_init(&solver, model, &damaged, image->path_work, image->path_bytes);
     failed += drill_line("path-of-another-scene", status == PZS_E_FORMAT, status);
 
-    status = pzs_solver_init(&path, model, image->nonlinear, image->path_work, sizeof(pzs_real));
+    status = pzs_solver_init(&solver, model, image->nonlinear, image->path_work, sizeof(pzs_real));
     failed += drill_line("path-work-too-small",
-                         status == PZS_E_WORKSPACE && path.info.where > 0 &&
-                             (size_t)path.info.where <= image->path_bytes,
+                         status == PZS_E_WORKSPACE && solver.info.where > 0 &&
+                             (size_t)solver.info.where <= image->path_bytes,
                          status);
     return failed;
 }
@@ -91,18 +91,19 @@ static int drill_path_init(const demo_nonlinear_image *image, pzs_model *model)
 int drill_path(const demo_nonlinear_image *image)
 {
     pzs_model model = {0};
-    pzs_solver path = {0};
+    pzs_solver solver = {0};
     const pzs_real bad = not_a_number();
     pzs_status status;
     int failed = 0;
 
-    status = pzs_equilibrium(&path, &bad);
+    status = pzs_equilibrium(&solver, &bad);
     failed += drill_line("equilibrium-before-init",
                          status == PZS_E_ARGUMENT || status == PZS_E_STAGE, status);
-    status = pzs_solver_init(&path, &model, image->nonlinear, image->path_work, image->path_bytes);
+    status =
+        pzs_solver_init(&solver, &model, image->nonlinear, image->path_work, image->path_bytes);
     failed += drill_line("path-before-model", status == PZS_E_ARGUMENT, status);
 
-    status = demo_open_path(&model, &path, image);
+    status = demo_open_path(&model, &solver, image);
     failed += drill_line("path-init", status == PZS_OK, status);
     failed += drill_path_init(image, &model);
     return failed;

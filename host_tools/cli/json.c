@@ -17,31 +17,31 @@ static void quoted(FILE *file, const char *text)
     fputc('"', file);
 }
 
-static void begin(json *j, const char *key)
+static void begin(json *json, const char *key)
 {
-    if (j->filled[j->depth]++)
-        fputc(',', j->file);
-    if (j->depth > 0)
-        fprintf(j->file, "\n%*s", 2 * j->depth, "");
+    if (json->filled[json->depth]++)
+        fputc(',', json->file);
+    if (json->depth > 0)
+        fprintf(json->file, "\n%*s", 2 * json->depth, "");
     if (key) {
-        quoted(j->file, key);
-        fputs(": ", j->file);
+        quoted(json->file, key);
+        fputs(": ", json->file);
     }
 }
 
-void json_open(json *j, const char *key, char bracket)
+void json_open(json *json, const char *key, char bracket)
 {
-    begin(j, key);
-    fputc(bracket, j->file);
-    j->filled[++j->depth] = 0;
+    begin(json, key);
+    fputc(bracket, json->file);
+    json->filled[++json->depth] = 0;
 }
 
-void json_close(json *j, char bracket)
+void json_close(json *json, char bracket)
 {
-    j->depth--;
-    fprintf(j->file, "\n%*s%c", 2 * j->depth, "", bracket);
-    if (j->depth == 0)
-        fputc('\n', j->file);
+    json->depth--;
+    fprintf(json->file, "\n%*s%c", 2 * json->depth, "", bracket);
+    if (json->depth == 0)
+        fputc('\n', json->file);
 }
 
 static void number(FILE *file, double value)
@@ -52,32 +52,32 @@ static void number(FILE *file, double value)
         fputs("null", file);
 }
 
-void json_bool(json *j, const char *key, int is_true)
+void json_bool(json *json, const char *key, int is_true)
 {
-    begin(j, key);
-    fputs(is_true ? "true" : "false", j->file);
+    begin(json, key);
+    fputs(is_true ? "true" : "false", json->file);
 }
 
-void json_number(json *j, const char *key, double value)
+void json_number(json *json, const char *key, double value)
 {
-    begin(j, key);
-    number(j->file, value);
+    begin(json, key);
+    number(json->file, value);
 }
 
-void json_string(json *j, const char *key, const char *text)
+void json_string(json *json, const char *key, const char *text)
 {
-    begin(j, key);
-    quoted(j->file, text);
+    begin(json, key);
+    quoted(json->file, text);
 }
 
-void json_numbers(json *j, const char *key, const double *value, int count)
+void json_numbers(json *json, const char *key, const double *value, int count)
 {
-    begin(j, key);
-    fputc('[', j->file);
+    begin(json, key);
+    fputc('[', json->file);
     for (int i = 0; i < count; i++) {
         if (i)
-            fputs(", ", j->file);
-        number(j->file, value[i]);
+            fputs(", ", json->file);
+        number(json->file, value[i]);
     }
-    fputc(']', j->file);
+    fputc(']', json->file);
 }

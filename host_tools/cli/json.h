@@ -11,11 +11,11 @@ typedef struct json {
 } json;
 
 /* key is NULL inside arrays. A number that is not finite is written as null. */
-void json_open(json *j, const char *key, char bracket);
-void json_close(json *j, char bracket);
-void json_number(json *j, const char *key, double value);
-void json_bool(json *j, const char *key, int is_true);
-void json_string(json *j, const char *key, const char *text);
-void json_numbers(json *j, const char *key, const double *value, int count);
+void json_open(json *json, const char *key, char bracket);
+void json_close(json *json, char bracket);
+void json_number(json *json, const char *key, double value);
+void json_bool(json *json, const char *key, int is_true);
+void json_string(json *json, const char *key, const char *text);
+void json_numbers(json *json, const char *key, const double *value, int count);
 
 #endif

@@ -42,31 +42,33 @@ static int no_scene(const char *name)
     return OPTIONS_WRONG;
 }
 
-static int open_scene(const options *o, scene *s)
+static int open_scene(const options *options, scene *scene)
 {
     char path[OPTIONS_PATH], error[SCENE_ERROR];
     struct stat there;
-    shipped_path(o->scene, path);
-    if (shipped_is_name(o->scene) && stat(path, &there) != 0)
-        return no_scene(o->scene);
-    return scene_read(s, path, o->set, o->sets, error) == 0 ? 0 : complain(error, OPTIONS_WRONG);
+    shipped_path(options->scene, path);
+    if (shipped_is_name(options->scene) && stat(path, &there) != 0)
+        return no_scene(options->scene);
+    return scene_read(scene, path, options->set, options->sets, error) == 0
+               ? 0
+               : complain(error, OPTIONS_WRONG);
 }
 
 /* Exit code of an analysis that failed: its path ended early, or the scene is wrong. */
-static int failed_code(const analysis *a)
+static int failed_code(const analysis *analysis)
 {
-    return analysis_ended_early(a) ? 1 : OPTIONS_WRONG;
+    return analysis_ended_early(analysis) ? 1 : OPTIONS_WRONG;
 }
 
 /* Sensors that cannot see the shape are refused before anything runs. */
-static int check_sensors(analysis *a, char *error)
+static int check_sensors(analysis *analysis, char *error)
 {
-    estimator e;
-    if (!a->design.scene->estimate.given)
+    estimator estimator;
+    if (!analysis->design.scene->estimate.given)
         return 0;
-    if (analysis_influence(a, error) < 0 || estimator_open(&e, a, error) < 0)
+    if (analysis_influence(analysis, error) < 0 || estimator_open(&estimator, analysis, error) < 0)
         return -1;
-    estimator_close(&e);
+    estimator_close(&estimator);
     return 0;
 }
 
@@ -74,82 +76,83 @@ static int check_sensors(analysis *a, char *error)
 typedef int command(const options *o, analysis *a);
 
 /* Warnings stand at the end of the text, or in the JSON; under --strict they are failures. */
-static int run_with_warnings(const options *o, analysis *a, command *run)
+static int run_with_warnings(const options *options, analysis *analysis, command *run)
 {
-    plausible_scene(&a->warnings, a->design.scene);
-    const int status = run(o, a);
-    if (!o->as_json)
-        plausible_print(stdout, &a->warnings);
-    return status == 0 && o->is_strict && a->warnings.count > 0 ? 1 : status;
+    plausible_scene(&analysis->warnings, analysis->design.scene);
+    const int status = run(options, analysis);
+    if (!options->as_json)
+        plausible_print(stdout, &analysis->warnings);
+    return status == 0 && options->is_strict && analysis->warnings.count > 0 ? 1 : status;
 }
 
-static int run_on_scene(const options *o, command *run)
+static int run_on_scene(const options *options, command *run)
 {
-    scene s;
-    analysis a;
+    scene scene;
+    analysis analysis;
     char error[SCENE_ERROR];
-    int status = open_scene(o, &s);
+    int status = open_scene(options, &scene);
     if (status)
         return status;
     progress_start();
     progress_stage("assembling and factoring");
-    if (analysis_prepare(&a, &s, error) == 0 && check_sensors(&a, error) == 0)
-        status = run_with_warnings(o, &a, run);
+    if (analysis_prepare(&analysis, &scene, error) == 0 && check_sensors(&analysis, error) == 0)
+        status = run_with_warnings(options, &analysis, run);
     else
         status = complain(error, OPTIONS_WRONG);
-    analysis_free(&a);
-    scene_free(&s);
+    analysis_free(&analysis);
+    scene_free(&scene);
     return status;
 }
 
 /* ---- solve ------------------------------------------------------------ */
 
-static int write_vtu(const analysis *a, const double *u, const char *path)
+static int write_vtu(const analysis *analysis, const double *u, const char *path)
 {
-    const mesh *m = &a->design.mesh;
-    double *vector = calloc(3 * (size_t)m->nodes, sizeof *vector);
+    const mesh *mesh = &analysis->design.mesh;
+    double *vector = calloc(3 * (size_t)mesh->nodes, sizeof *vector);
     outfile f;
     const int status = vector ? outfile_begin(&f, path) : complain("out of memory", 1);
     if (status) {
         free(vector);
         return status;
     }
-    report_displacement(m, u, vector);
+    report_displacement(mesh, u, vector);
     const report_field field = {"displacement", vector};
-    const int failed = report_vtu(f.file, m, &field, 1);
+    const int failed = report_vtu(f.file, mesh, &field, 1);
     free(vector);
     return outfile_end(&f, failed);
 }
 
-static int solved(const options *o, analysis *a, const double *u)
+static int solved(const options *options, analysis *analysis, const double *u)
 {
-    const pzs_structure *s = &a->design.structure;
-    double *value = calloc((size_t)s->output.count + 1, sizeof *value);
+    const pzs_structure *structure = &analysis->design.structure;
+    double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
     outfile f;
     int status = 0;
     if (!value)
         return complain("out of memory", 1);
-    pzs_observe(s, u, value);
-    plausible_result(&a->warnings, &a->design.mesh, u, !a->nonlinear, "the solution");
+    pzs_observe(structure, u, value);
+    plausible_result(&analysis->warnings, &analysis->design.mesh, u, !analysis->nonlinear,
+                     "the solution");
     progress_stop();
-    (o->as_json ? print_solve_json : print_solve)(a, value);
-    if (o->vtu)
-        status = write_vtu(a, u, o->vtu);
-    if (o->report && status == 0 && (status = outfile_begin(&f, o->report)) == 0)
-        status = outfile_end(&f, report_solve(f.file, a, u, value));
+    (options->as_json ? print_solve_json : print_solve)(analysis, value);
+    if (options->vtu)
+        status = write_vtu(analysis, u, options->vtu);
+    if (options->report && status == 0 && (status = outfile_begin(&f, options->report)) == 0)
+        status = outfile_end(&f, report_solve(f.file, analysis, u, value));
     free(value);
     return status;
 }
 
-static int command_solve(const options *o, analysis *a)
+static int command_solve(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR] = "out of memory";
-    double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
-    progress_stage(a->nonlinear ? "equilibrium" : "solving");
-    progress_solves(a->nonlinear ? &a->path.run.info.linear_solves : NULL);
-    const int failed = u && analysis_solve(a, u, error) == 0 ? 0 : complain(error, 1);
+    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
+    progress_solves(analysis->nonlinear ? &analysis->path.run.info.linear_solves : NULL);
+    const int failed = u && analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
-    const int status = u && (!failed || a->nonlinear) ? solved(o, a, u) : 0;
+    const int status = u && (!failed || analysis->nonlinear) ? solved(options, analysis, u) : 0;
     free(u);
     return failed ? failed : status;
 }
@@ -159,11 +162,11 @@ static int command_solve(const options *o, analysis *a)
 /* The scene without any voltages. */
 static int shape_before(shape_run *run, char *error)
 {
-    const design *d = &run->analysis->design;
-    double *none = calloc((size_t)d->amplifiers, sizeof *none);
-    const int failed = none
-                           ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
-                           : scene_fault(d->scene, d->scene->limits.at, error, "out of memory");
+    const design *design = &run->analysis->design;
+    double *none = calloc((size_t)design->amplifiers, sizeof *none);
+    const int failed =
+        none ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
+             : scene_fault(design->scene, design->scene->limits.at, error, "out of memory");
     free(none);
     return failed;
 }
@@ -173,60 +176,63 @@ static int shape_before(shape_run *run, char *error)
  * least squares clipped, and regularised before with the best parameter, then the scene's volts to
  * compare.
  */
-static int shape_results(shape_run *run, const options *o, char *error)
+static int shape_results(shape_run *run, const options *options, char *error)
 {
-    analysis *a = run->analysis;
-    const scene *s = a->design.scene;
+    analysis *analysis = run->analysis;
+    const scene *scene = analysis->design.scene;
     const common_limits own = {.source = LIMITS_SCENE}, none = {.source = LIMITS_NONE};
-    const common_limits *limit = o->limits ? o->limit : &own;
-    const int limits = o->limits ? o->limits : 1;
-    const size_t most = 1 + 4 * (size_t)limits + (size_t)s->compares;
+    const common_limits *limit = options->limits ? options->limit : &own;
+    const int limits = options->limits ? options->limits : 1;
+    const size_t most = 1 + 4 * (size_t)limits + (size_t)scene->compares;
     run->volts = calloc(most, sizeof *run->volts);
     if (!run->volts)
-        return scene_fault(s, s->limits.at, error, "%zu sets of voltages do not fit into memory",
-                           most);
+        return scene_fault(scene, scene->limits.at, error,
+                           "%zu sets of voltages do not fit into memory", most);
     progress_stage("voltages");
     if (shape_before(run, error) < 0 ||
-        voltages_optimum(a, none, &run->volts[run->count++], error) < 0)
+        voltages_optimum(analysis, none, &run->volts[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < limits; i++) {
         progress_count(i, limits);
-        if (voltages_optimum(a, limit[i], &run->volts[run->count++], error) < 0 ||
-            (a->nonlinear && voltages_linear(a, limit[i], &run->volts[run->count++], error) < 0) ||
-            voltages_clipped(a, limit[i], &run->volts[run->count++], error) < 0 ||
-            voltages_regularised(a, limit[i], &run->volts[run->count++], error) < 0)
+        if (voltages_optimum(analysis, limit[i], &run->volts[run->count++], error) < 0 ||
+            (analysis->nonlinear &&
+             voltages_linear(analysis, limit[i], &run->volts[run->count++], error) < 0) ||
+            voltages_clipped(analysis, limit[i], &run->volts[run->count++], error) < 0 ||
+            voltages_regularised(analysis, limit[i], &run->volts[run->count++], error) < 0)
             return -1;
     }
     run->compared = run->count;
-    for (int i = 0; i < s->compares; i++)
-        if (voltages_given(a, s->compare[i].name, s->compare[i].value, &run->volts[run->count++],
-                           error) < 0)
+    for (int i = 0; i < scene->compares; i++)
+        if (voltages_given(analysis, scene->compare[i].name, scene->compare[i].value,
+                           &run->volts[run->count++], error) < 0)
             return -1;
     progress_stage("modes of the target");
-    return modes_run(&run->modes, a, limit, limits, error);
+    return modes_run(&run->modes, analysis, limit, limits, error);
 }
 
-static int command_shape(const options *o, analysis *a)
+static int command_shape(const options *options, analysis *analysis)
 {
     shape_run run;
     char error[SCENE_ERROR];
     outfile f;
     int status = 0;
     memset(&run, 0, sizeof run);
-    run.analysis = a;
-    a->nonlinear = a->design.scene->kinematics != KINEMATICS_LINEAR;
+    run.analysis = analysis;
+    analysis->nonlinear = analysis->design.scene->kinematics != KINEMATICS_LINEAR;
     progress_stage("influence matrix");
-    if (analysis_influence(a, error) == 0 && shape_results(&run, o, error) == 0) {
+    if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.volts[1];
-        plausible_voltages(&a->warnings, a->design.scene, best->volt, best->name);
-        plausible_result(&a->warnings, &a->design.mesh, best->u, !a->nonlinear, best->name);
+        plausible_voltages(&analysis->warnings, analysis->design.scene, best->volt, best->name);
+        plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
+                         best->name);
         progress_stop();
-        (o->as_json ? print_shape_json : print_shape)(&run);
-        status = o->vtu ? write_vtu(a, run.volts[1].u, o->vtu) : 0;
-        if (o->report && status == 0 && (status = outfile_begin(&f, o->report)) == 0)
-            status = outfile_end(&f, report_shape(f.file, a, run.volts, run.count, &run.modes));
+        (options->as_json ? print_shape_json : print_shape)(&run);
+        status = options->vtu ? write_vtu(analysis, run.volts[1].u, options->vtu) : 0;
+        if (options->report && status == 0 && (status = outfile_begin(&f, options->report)) == 0)
+            status =
+                outfile_end(&f, report_shape(f.file, analysis, run.volts, run.count, &run.modes));
     } else {
-        status = complain(error, failed_code(a));
+        status = complain(error, failed_code(analysis));
     }
     for (int i = 0; i < run.count; i++)
         voltages_free(&run.volts[i]);
@@ -240,16 +246,16 @@ static int command_shape(const options *o, analysis *a)
 
 /* All ticks, then what was best; the lines of a CSV file where one is asked for. Returns 0, or an
  * exit code. */
-static int run_simulation(simulation *run, const options *o, simulate_record *record)
+static int run_simulation(simulation *run, const options *options, simulate_record *record)
 {
     char error[SCENE_ERROR];
     outfile csv = {NULL, NULL, "", -1};
-    const int status = o->csv ? outfile_begin(&csv, o->csv) : 0;
+    const int status = options->csv ? outfile_begin(&csv, options->csv) : 0;
     if (status)
         return status;
     if (print_run(run, record, csv.file, error) == 0)
-        return o->csv ? outfile_end(&csv, 0) : 0;
-    if (o->csv)
+        return options->csv ? outfile_end(&csv, 0) : 0;
+    if (options->csv)
         outfile_drop(&csv);
     return complain(error, 1);
 }
@@ -257,17 +263,18 @@ static int run_simulation(simulation *run, const options *o, simulate_record *re
 /* The plant's displacements under the controller, at the end of each phase. */
 static void check_phases(plausible *warnings, const simulation *run)
 {
-    const analysis *a = &run->plant.analysis;
+    const analysis *analysis = &run->plant.analysis;
     for (int k = 0; k < run->phases; k++) {
         const double *u = run->phase[k].course[LAW_CONTROLLER].u;
         if (u)
-            plausible_result(warnings, &a->design.mesh, u, !a->nonlinear, "the plant");
+            plausible_result(warnings, &analysis->design.mesh, u, !analysis->nonlinear,
+                             "the plant");
     }
 }
 
-static int command_simulate(const options *o, analysis *a)
+static int command_simulate(const options *options, analysis *analysis)
 {
-    const scene *s = a->design.scene;
+    const scene *scene = analysis->design.scene;
     simulation run;
     simulate_record record;
     outfile f;
@@ -275,26 +282,27 @@ static int command_simulate(const options *o, analysis *a)
     int status = 0;
     memset(&run, 0, sizeof run);
     memset(&record, 0, sizeof record);
-    if (!s->simulate.given)
-        scene_fault(s, s->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
+    if (!scene->simulate.given)
+        scene_fault(scene, scene->limits.at, error,
+                    "nothing to simulate: add `simulate: {ticks: 400}`");
     progress_stage("influence matrix");
-    const int has_influence = s->simulate.given && analysis_influence(a, error) == 0;
+    const int has_influence = scene->simulate.given && analysis_influence(analysis, error) == 0;
     progress_stage("stability of the loop");
     if (has_influence)
-        certificate_make(&a->certificate, a);
-    a->quasi_static = 1;
+        certificate_make(&analysis->certificate, analysis);
+    analysis->quasi_static = 1;
     progress_stage("tables of the controller");
-    if (!has_influence || simulate_open(&run, a, error) < 0) {
+    if (!has_influence || simulate_open(&run, analysis, error) < 0) {
         status = complain(error, OPTIONS_WRONG);
-    } else if (o->device && simulate_device(&run, o->device, error) < 0) {
+    } else if (options->device && simulate_device(&run, options->device, error) < 0) {
         status = complain(error, 1);
     } else if (record_open(&record, &run) < 0) {
-        status = options_refuse("out of memory for", o->scene);
-    } else if ((status = run_simulation(&run, o, &record)) == 0) {
-        check_phases(&a->warnings, &run);
+        status = options_refuse("out of memory for", options->scene);
+    } else if ((status = run_simulation(&run, options, &record)) == 0) {
+        check_phases(&analysis->warnings, &run);
         progress_stop();
-        (o->as_json ? print_simulation_json : print_simulation)(&run);
-        if (o->report && (status = outfile_begin(&f, o->report)) == 0)
+        (options->as_json ? print_simulation_json : print_simulation)(&run);
+        if (options->report && (status = outfile_begin(&f, options->report)) == 0)
             status = outfile_end(&f, report_simulate(f.file, &run, &record));
         status |= run.count[LAW_CONTROLLER].beyond > 0 ||
                   run.count[LAW_CONTROLLER].not_finite > 0 ||
@@ -309,9 +317,9 @@ static int command_simulate(const options *o, analysis *a)
 /* ---- modes ------------------------------------------------------------ */
 
 /* A field of the VTU file for each mode. */
-static int write_modes(const vibration *v, const mesh *m, const char *path)
+static int write_modes(const vibration *vibration, const mesh *mesh, const char *path)
 {
-    const size_t length = 3 * (size_t)m->nodes, count = (size_t)v->count;
+    const size_t length = 3 * (size_t)mesh->nodes, count = (size_t)vibration->count;
     double *vector = calloc(length * count, sizeof *vector);
     report_field *field = calloc(count, sizeof *field);
     char(*name)[32] = calloc(count, sizeof *name);
@@ -320,10 +328,11 @@ static int write_modes(const vibration *v, const mesh *m, const char *path)
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
             snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
-            report_displacement(m, v->shape + i * (size_t)m->dof, vector + i * length);
+            report_displacement(mesh, vibration->shape + i * (size_t)mesh->dof,
+                                vector + i * length);
             field[i] = (report_field){name[i], vector + i * length};
         }
-        status = outfile_end(&f, report_vtu(f.file, m, field, v->count));
+        status = outfile_end(&f, report_vtu(f.file, mesh, field, vibration->count));
     }
     free(vector);
     free(field);
@@ -332,48 +341,48 @@ static int write_modes(const vibration *v, const mesh *m, const char *path)
 }
 
 /* Frequencies and mode shapes of a structure that is ready for them. Returns an exit code. */
-static int modes_of(const options *o, const design *d)
+static int modes_of(const options *options, const design *design)
 {
     enum { USUAL_NUMBER = 10 };
-    vibration v;
+    vibration vibration;
     char error[SCENE_ERROR];
-    const int number = o->number ? o->number : USUAL_NUMBER;
+    const int number = options->number ? options->number : USUAL_NUMBER;
     progress_stage("natural frequencies");
-    if (vibration_solve(&v, d, number, MASS_LUMPED, error) < 0)
+    if (vibration_solve(&vibration, design, number, MASS_LUMPED, error) < 0)
         return complain(error, OPTIONS_WRONG);
     progress_stop();
-    (o->as_json ? print_vibration_json : print_vibration)(d, &v);
-    const int status = o->vtu ? write_modes(&v, &d->mesh, o->vtu) : 0;
-    vibration_free(&v);
+    (options->as_json ? print_vibration_json : print_vibration)(design, &vibration);
+    const int status = options->vtu ? write_modes(&vibration, &design->mesh, options->vtu) : 0;
+    vibration_free(&vibration);
     return status;
 }
 
 /* The structure alone, which supports may leave loose. */
-static int run_modes(const options *o)
+static int run_modes(const options *options)
 {
-    scene s;
-    design d;
+    scene scene;
+    design design;
     char error[SCENE_ERROR];
-    int status = open_scene(o, &s);
+    int status = open_scene(options, &scene);
     if (status)
         return status;
     progress_start();
     progress_stage("mesh and elements");
-    if (design_build(&d, &s, error) < 0)
+    if (design_build(&design, &scene, error) < 0)
         status = complain(error, OPTIONS_WRONG);
     else
-        status = modes_of(o, &d);
-    design_free(&d);
-    scene_free(&s);
+        status = modes_of(options, &design);
+    design_free(&design);
+    scene_free(&scene);
     return status;
 }
 
 /* ---- tables, check, list ---------------------------------------------- */
 
 /* A C identifier from the prefix given or the scene's name. */
-static void table_prefix(const options *o, const scene *s, char prefix[SCENE_NAME])
+static void table_prefix(const options *options, const scene *scene, char prefix[SCENE_NAME])
 {
-    snprintf(prefix, SCENE_NAME, "%s", o->prefix ? o->prefix : s->name);
+    snprintf(prefix, SCENE_NAME, "%s", options->prefix ? options->prefix : scene->name);
     for (char *c = prefix; *c; c++)
         if (!((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || *c == '_' ||
               (c > prefix && *c >= '0' && *c <= '9')))
@@ -381,109 +390,111 @@ static void table_prefix(const options *o, const scene *s, char prefix[SCENE_NAM
 }
 
 /* The output file; in a folder it takes the prefix as its name. */
-static const char *table_path(const options *o, const char *prefix, char path[OPTIONS_PATH])
+static const char *table_path(const options *options, const char *prefix, char path[OPTIONS_PATH])
 {
     struct stat there;
-    if (stat(o->output, &there) == 0 && S_ISDIR(there.st_mode))
-        snprintf(path, OPTIONS_PATH, "%s/%s.h", o->output, prefix);
+    if (stat(options->output, &there) == 0 && S_ISDIR(there.st_mode))
+        snprintf(path, OPTIONS_PATH, "%s/%s.h", options->output, prefix);
     else
-        snprintf(path, OPTIONS_PATH, "%s", o->output);
+        snprintf(path, OPTIONS_PATH, "%s", options->output);
     return path;
 }
 
 /* A control loop that vibration makes unstable is not handed to a firmware unasked. Returns 0, or
  * -1 with error filled. */
-static int judge_loop(analysis *a, char *error)
+static int judge_loop(analysis *analysis, char *error)
 {
-    const certificate *c = &a->certificate;
-    const scene *s = a->design.scene;
-    if (a->design.problem.inputs == 0)
+    const certificate *certificate = &analysis->certificate;
+    const scene *scene = analysis->design.scene;
+    if (analysis->design.problem.inputs == 0)
         return 0;
-    certificate_make(&a->certificate, a);
-    if (a->quasi_static || !certificate_refuses(c))
+    certificate_make(&analysis->certificate, analysis);
+    if (analysis->quasi_static || !certificate_refuses(certificate))
         return 0;
     return scene_fault(
-        s, s->simulate.at, error,
+        scene, scene->simulate.at, error,
         "unstable at %g ticks a second: the control step has no vibration model, first "
         "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
         "the tables all the same",
-        c->rate, certificate_first(c), c->radius, c->rate_to);
+        certificate->rate, certificate_first(certificate), certificate->radius,
+        certificate->rate_to);
 }
 
 /*
  * Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem
  * where it has a target. A control image: the influence that the scene's simulation has.
  */
-static int prepare_tables(analysis *a, tables_image image, char *error)
+static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {
-    const scene *s = a->design.scene;
-    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && s->target.given)) &&
-        analysis_influence(a, error) < 0)
+    const scene *scene = analysis->design.scene;
+    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && scene->target.given)) &&
+        analysis_influence(analysis, error) < 0)
         return -1;
-    if (judge_loop(a, error) < 0)
+    if (judge_loop(analysis, error) < 0)
         return -1;
-    if (image == TABLES_CONTROL && simulate_tables(a, error) < 0)
+    if (image == TABLES_CONTROL && simulate_tables(analysis, error) < 0)
         return -1;
-    if (image != TABLES_CONTROL && s->target.frees > 0)
-        return scene_fault(s, s->target.free[0].at, error,
+    if (image != TABLES_CONTROL && scene->target.frees > 0)
+        return scene_fault(scene, scene->target.free[0].at, error,
                            "target.free is taken out of the influence matrix of a control "
                            "image; the device makes that of a %s image itself: use --level control "
                            "or remove target.free",
                            tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
         return 0;
-    if (s->kinematics == KINEMATICS_LINEAR)
-        return scene_fault(s, s->at_surface, error,
+    if (scene->kinematics == KINEMATICS_LINEAR)
+        return scene_fault(scene, scene->at_surface, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
-    double *u = calloc((size_t)a->design.mesh.dof, sizeof *u);
-    a->nonlinear = 1;
-    const int failed =
-        u ? analysis_solve(a, u, error) : scene_fault(s, s->at_surface, error, "out of memory");
+    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    analysis->nonlinear = 1;
+    const int failed = u ? analysis_solve(analysis, u, error)
+                         : scene_fault(scene, scene->at_surface, error, "out of memory");
     free(u);
-    if (failed || (s->target.given && analysis_influence(a, error) < 0))
+    if (failed || (scene->target.given && analysis_influence(analysis, error) < 0))
         return -1;
-    return judge_loop(a, error);
+    return judge_loop(analysis, error);
 }
 
-static void print_tables(const options *o, const analysis *a, const char *path)
+static void print_tables(const options *options, const analysis *analysis, const char *path)
 {
-    const design *d = &a->design;
+    const design *design = &analysis->design;
     printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", path,
-           tables_image_name[o->image], d->scene->name, d->amplifiers, d->targets, d->mesh.dof);
-    if (o->image == TABLES_NONLINEAR)
-        printf("condition %.1e after scaling: %s\n", a->model.info.condition,
-               tables_fit_float(a) ? "float or double" : "refused in float");
+           tables_image_name[options->image], design->scene->name, design->amplifiers,
+           design->targets, design->mesh.dof);
+    if (options->image == TABLES_NONLINEAR)
+        printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
+               tables_fit_float(analysis) ? "float or double" : "refused in float");
 }
 
-static int command_tables(const options *o, analysis *a)
+static int command_tables(const options *options, analysis *analysis)
 {
     outfile f;
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
-    a->quasi_static = o->quasi_static;
+    analysis->quasi_static = options->quasi_static;
     progress_stage("tables");
-    if (prepare_tables(a, o->image, error) < 0)
-        return complain(error, failed_code(a));
-    table_prefix(o, a->design.scene, prefix);
-    int status = outfile_begin(&f, table_path(o, prefix, path));
+    if (prepare_tables(analysis, options->image, error) < 0)
+        return complain(error, failed_code(analysis));
+    table_prefix(options, analysis->design.scene, prefix);
+    int status = outfile_begin(&f, table_path(options, prefix, path));
     if (status == 0)
-        status = outfile_end(&f, tables_write(f.file, a, o->image, prefix, &size));
+        status = outfile_end(&f, tables_write(f.file, analysis, options->image, prefix, &size));
     progress_stop();
     if (status == 0)
-        print_tables(o, a, path);
+        print_tables(options, analysis, path);
     return status;
 }
 
-static int command_check(const options *o, analysis *a)
+static int command_check(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR];
     progress_stage("influence matrix");
-    if (a->design.scene->target.given && analysis_influence(a, error) < 0)
+    if (analysis->design.scene->target.given && analysis_influence(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
     progress_stage("stability of the loop");
-    certificate_make(&a->certificate, a);
+    certificate_make(&analysis->certificate, analysis);
     progress_stop();
-    (o->as_json ? print_check_json : print_check)(a);
+    (options->as_json ? print_check_json : print_check)(analysis);
     return 0;
 }
 
@@ -503,13 +514,13 @@ static void list_line(const char *name, const char *about)
 
 static int list_scene(void *context, const char *name)
 {
-    const options o = {.scene = name};
-    scene s;
+    const options options = {.scene = name};
+    scene scene;
     (void)context;
-    if (open_scene(&o, &s))
+    if (open_scene(&options, &scene))
         return 1;
-    list_line(s.name, s.about ? s.about : "");
-    scene_free(&s);
+    list_line(scene.name, scene.about ? scene.about : "");
+    scene_free(&scene);
     return 0;
 }
 
@@ -522,41 +533,41 @@ static int command_list(void)
     return failed ? OPTIONS_WRONG : 0;
 }
 
-static int command_new(const options *o)
+static int command_new(const options *options)
 {
-    const char *text = templates_text(o->word ? o->word : templates_name[0]);
+    const char *text = templates_text(options->word ? options->word : templates_name[0]);
     if (!text)
         return options_refuse(
             "scenes from measured influence matrices come with a later release; write plate, mirror or panel, not",
-            o->word);
+            options->word);
     return fputs(text, stdout) < 0;
 }
 
 /* ---- commands --------------------------------------------------------- */
 
-static int print_help(const options *o)
+static int print_help(const options *options)
 {
-    if (o->word)
-        help_command(stdout, command_find(o->word));
+    if (options->word)
+        help_command(stdout, command_find(options->word));
     else
         help_all(stdout);
     return 0;
 }
 
-static int run_command(command_id id, const options *o)
+static int run_command(command_id id, const options *options)
 {
     switch (id) {
     case COMMAND_LIST: return command_list();
-    case COMMAND_CHECK: return run_on_scene(o, command_check);
-    case COMMAND_SOLVE: return run_on_scene(o, command_solve);
-    case COMMAND_SHAPE: return run_on_scene(o, command_shape);
-    case COMMAND_MODES: return run_modes(o);
-    case COMMAND_TABLES: return run_on_scene(o, command_tables);
-    case COMMAND_SIMULATE: return run_on_scene(o, command_simulate);
-    case COMMAND_NEW: return command_new(o);
+    case COMMAND_CHECK: return run_on_scene(options, command_check);
+    case COMMAND_SOLVE: return run_on_scene(options, command_solve);
+    case COMMAND_SHAPE: return run_on_scene(options, command_shape);
+    case COMMAND_MODES: return run_modes(options);
+    case COMMAND_TABLES: return run_on_scene(options, command_tables);
+    case COMMAND_SIMULATE: return run_on_scene(options, command_simulate);
+    case COMMAND_NEW: return command_new(options);
     case COMMAND_COMPLETION: manual_completion(stdout); return 0;
     case COMMAND_MAN: manual_page(stdout); return 0;
-    case COMMAND_HELP: return print_help(o);
+    case COMMAND_HELP: return print_help(options);
     case COMMANDS: break;
     }
     return OPTIONS_WRONG;
@@ -572,7 +583,7 @@ static int asks_for(option_id option, int argc, char **argv, int from)
 
 static int run_line(int argc, char **argv)
 {
-    options o;
+    options options;
     if (argc < 2) {
         help_all(stderr);
         return OPTIONS_WRONG;
@@ -591,8 +602,8 @@ static int run_line(int argc, char **argv)
         help_command(stdout, id);
         return 0;
     }
-    const int wrong = options_read(&o, id, argc, argv);
-    return wrong ? wrong : run_command(id, &o);
+    const int wrong = options_read(&options, id, argc, argv);
+    return wrong ? wrong : run_command(id, &options);
 }
 
 int main(int argc, char **argv)

@@ -91,11 +91,11 @@ static bool read_voltage(const char *text, char stop, double *voltage, char **en
 }
 
 /* V: from -V to V. LOWEST,HIGHEST: those. Returns 0, or an exit code. */
-static int take_limit(options *o, const char *value)
+static int take_limit(options *options, const char *value)
 {
     common_limits limit = {.source = LIMITS_GIVEN};
     char *end;
-    if (o->limits == MOST_LIMITS)
+    if (options->limits == MOST_LIMITS)
         return options_refuse("too many limits at", value);
     if (!strchr(value, ',')) {
         if (!read_voltage(value, '\0', &limit.upper, &end) || !(limit.upper > 0))
@@ -110,33 +110,34 @@ static int take_limit(options *o, const char *value)
             return options_refuse(
                 "--limit LOWEST,HIGHEST: the lowest voltage is above the highest in", value);
     }
-    o->limit[o->limits++] = limit;
+    options->limit[options->limits++] = limit;
     return 0;
 }
 
-static int take_number(options *o, const char *value)
+static int take_number(options *options, const char *value)
 {
     enum { MOST_MODES = 200 };
     char *end;
     const long number = strtol(value, &end, 10);
     if (end == value || *end || number < 1 || number > MOST_MODES)
         return options_refuse("--number wants a whole number from 1 to 200, not", value);
-    o->number = (int)number;
+    options->number = (int)number;
     return 0;
 }
 
-static int take_set(options *o, const char *value)
+static int take_set(options *options, const char *value)
 {
-    if (o->sets == MOST_SETS)
+    if (options->sets == MOST_SETS)
         return options_refuse("too many changes at", value);
-    o->set[o->sets++] = value;
+    options->set[options->sets++] = value;
     return 0;
 }
 
-static int take_level(options *o, const char *value)
+static int take_level(options *options, const char *value)
 {
-    for (o->image = 0; o->image < TABLES_IMAGES && strcmp(value, tables_image_name[o->image]) != 0;)
-        o->image++;
+    for (options->image = 0;
+         options->image < TABLES_IMAGES && strcmp(value, tables_image_name[options->image]) != 0;)
+        options->image++;
     return 0;
 }
 
@@ -147,52 +148,52 @@ static int take_file(const char **file, const char *value)
 }
 
 /* Take one option; value is NULL where it has none. Returns 0, or an exit code. */
-static int take_option(options *o, option_id option, const char *value)
+static int take_option(options *options, option_id option, const char *value)
 {
     const option_entry *entry = &option_table[option];
-    if (!command_takes(o->command, option))
-        return foreign_option(o->command, option);
+    if (!command_takes(options->command, option))
+        return foreign_option(options->command, option);
     if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, value))
         return wrong_choice(entry->name, entry->choices, value);
     switch (option) {
-    case OPTION_SET: return take_set(o, value);
-    case OPTION_LIMIT: return take_limit(o, value);
-    case OPTION_NUMBER: return take_number(o, value);
-    case OPTION_LEVEL: return take_level(o, value);
-    case OPTION_JSON: o->as_json = 1; return 0;
-    case OPTION_STRICT: o->is_strict = 1; return 0;
-    case OPTION_QUASI_STATIC: o->quasi_static = 1; return 0;
-    case OPTION_REPORT: return take_file(&o->report, value);
-    case OPTION_VTU: return take_file(&o->vtu, value);
-    case OPTION_CSV: return take_file(&o->csv, value);
-    case OPTION_PREFIX: return take_file(&o->prefix, value);
-    case OPTION_OUTPUT: return take_file(&o->output, value);
-    case OPTION_DEVICE: o->device = device_find(value); return 0;
+    case OPTION_SET: return take_set(options, value);
+    case OPTION_LIMIT: return take_limit(options, value);
+    case OPTION_NUMBER: return take_number(options, value);
+    case OPTION_LEVEL: return take_level(options, value);
+    case OPTION_JSON: options->as_json = 1; return 0;
+    case OPTION_STRICT: options->is_strict = 1; return 0;
+    case OPTION_QUASI_STATIC: options->quasi_static = 1; return 0;
+    case OPTION_REPORT: return take_file(&options->report, value);
+    case OPTION_VTU: return take_file(&options->vtu, value);
+    case OPTION_CSV: return take_file(&options->csv, value);
+    case OPTION_PREFIX: return take_file(&options->prefix, value);
+    case OPTION_OUTPUT: return take_file(&options->output, value);
+    case OPTION_DEVICE: options->device = device_find(value); return 0;
     case OPTION_HELP:
     case OPTION_VERSION:
     case OPTIONS: break;
     }
-    return unknown_option(o->command, entry->name);
+    return unknown_option(options->command, entry->name);
 }
 
 /* Take a word that is no option. Returns 0, or an exit code. */
-static int take_word(options *o, const char *word)
+static int take_word(options *options, const char *word)
 {
-    const command_entry *entry = &command_table[o->command];
+    const command_entry *entry = &command_table[options->command];
     if (entry->kind == ARGUMENT_NONE)
         return options_refuse("this command takes no argument; unexpected", word);
-    if (entry->kind == ARGUMENT_SCENE && o->scene)
+    if (entry->kind == ARGUMENT_SCENE && options->scene)
         return options_refuse("one scene at a time; unexpected", word);
-    if (o->word)
+    if (options->word)
         return options_refuse("one argument at a time; unexpected", word);
     if (entry->kind == ARGUMENT_CHOICE && !is_choice(entry->choices, word))
         return wrong_choice("the argument", entry->choices, word);
     if (entry->kind == ARGUMENT_COMMAND && command_find(word) == COMMANDS)
         return options_unknown_command(word);
     if (entry->kind == ARGUMENT_SCENE)
-        o->scene = word;
+        options->scene = word;
     else
-        o->word = word;
+        options->word = word;
     return 0;
 }
 
@@ -203,34 +204,34 @@ static int is_own_prefix(const char *prefix)
            tolower((unsigned char)prefix[1]) == 'z' && tolower((unsigned char)prefix[2]) == 's';
 }
 
-static int parse(options *o, int argc, char **argv)
+static int parse(options *options, int argc, char **argv)
 {
     int wrong = 0;
     for (int i = 2; i < argc && !wrong; i++) {
         const option_id option = option_find(argv[i]);
         const int has_value = option < OPTIONS && option_table[option].kind != ARGUMENT_NONE;
         if (argv[i][0] != '-')
-            wrong = take_word(o, argv[i]);
+            wrong = take_word(options, argv[i]);
         else if (option == OPTIONS)
-            wrong = unknown_option(o->command, argv[i]);
+            wrong = unknown_option(options->command, argv[i]);
         else if (has_value && i + 1 == argc)
             wrong = options_refuse("a value is missing after", argv[i]);
         else
-            wrong = take_option(o, option, has_value ? argv[i + 1] : NULL);
+            wrong = take_option(options, option, has_value ? argv[i + 1] : NULL);
         i += has_value;
     }
     return wrong;
 }
 
 /* What a command cannot do without, and a prefix that the library has itself. */
-static int check_words(const options *o)
+static int check_words(const options *options)
 {
-    const command_entry *entry = &command_table[o->command];
-    if (o->prefix && is_own_prefix(o->prefix))
-        return options_refuse("the library's own names start with --prefix", o->prefix);
-    if (entry->kind == ARGUMENT_SCENE && !o->scene)
+    const command_entry *entry = &command_table[options->command];
+    if (options->prefix && is_own_prefix(options->prefix))
+        return options_refuse("the library's own names start with --prefix", options->prefix);
+    if (entry->kind == ARGUMENT_SCENE && !options->scene)
         return options_refuse("name a scene for", entry->name);
-    if (o->command == COMMAND_TABLES && !o->output)
+    if (options->command == COMMAND_TABLES && !options->output)
         return options_refuse("say where to write with -o FILE for", entry->name);
     return 0;
 }
@@ -260,11 +261,12 @@ static int same_file(const char *a, const char *b)
 }
 
 /* No file is written over another, nor over the scene. */
-static int check_files(const options *o)
+static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];
-    const char *const file[5] = {scene_path, o->report, o->vtu, o->csv, o->output};
-    shipped_path(o->scene, scene_path);
+    const char *const file[5] = {scene_path, options->report, options->vtu, options->csv,
+                                 options->output};
+    shipped_path(options->scene, scene_path);
     for (int i = 1; i < 5; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && same_file(file[i], file[j]))
@@ -272,14 +274,14 @@ static int check_files(const options *o)
     return 0;
 }
 
-int options_read(options *o, command_id command, int argc, char **argv)
+int options_read(options *options, command_id command, int argc, char **argv)
 {
-    memset(o, 0, sizeof *o);
-    o->command = command;
-    int wrong = parse(o, argc, argv);
+    memset(options, 0, sizeof *options);
+    options->command = command;
+    int wrong = parse(options, argc, argv);
     if (!wrong)
-        wrong = check_words(o);
-    if (!wrong && o->scene)
-        wrong = check_files(o);
+        wrong = check_words(options);
+    if (!wrong && options->scene)
+        wrong = check_files(options);
     return wrong;
 }

@@ -26,7 +26,7 @@ typedef struct options {
 
 /* Read the words after the command, argv[1]. Returns 0, or an exit code after saying what is wrong.
  */
-int options_read(options *o, command_id command, int argc, char **argv);
+int options_read(options *options, command_id command, int argc, char **argv);
 
 /* Say what is wrong with a word of the command line. Returns OPTIONS_WRONG. */
 int options_refuse(const char *what, const char *value);

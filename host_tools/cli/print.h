@@ -19,30 +19,30 @@ typedef struct shape_run {
 
 /* Name, mesh, condition, and what the sensors of an estimate see; influence: at what shape, in
  * words. */
-void print_head(const analysis *a, const char *influence);
+void print_head(const analysis *analysis, const char *influence);
 
 /* What the sensors of an estimate see, under `estimate`. */
-void print_estimate_json(json *j, const estimator *e);
+void print_estimate_json(json *json, const estimator *estimator);
 
 /* Size of the scene and what its images need of a device. */
-void print_check(const analysis *a);
-void print_check_json(const analysis *a);
+void print_check(const analysis *analysis);
+void print_check_json(const analysis *analysis);
 
 /* A displacement's outputs, then the electrodes. value [output rows] in */
-void print_solve(analysis *a, const double *value);
-void print_solve_json(analysis *a, const double *value);
+void print_solve(analysis *analysis, const double *value);
+void print_solve_json(analysis *analysis, const double *value);
 
 /* Volts, charge and capacitance of each electrode; how much stiffer open ones make the shell.
  * Nothing without sensors. */
-void print_electrodes(analysis *a);
-void print_electrodes_json(json *j, analysis *a);
+void print_electrodes(analysis *analysis);
+void print_electrodes_json(json *json, analysis *analysis);
 
 /* Sets of volts and their errors. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 
 /* What is left of each mode, nothing where there is none. */
-void print_modes(const scene *s, const modes *m);
-void print_modes_json(json *j, const scene *s, const modes *m);
+void print_modes(const scene *scene, const modes *modes);
+void print_modes_json(json *json, const scene *scene, const modes *modes);
 
 #endif

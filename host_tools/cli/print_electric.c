@@ -5,61 +5,62 @@
 #include "words.h"
 
 /* Name of electrode k, and how it is connected. */
-static const char *connection(const design *d, int k, char name[SCENE_LABEL])
+static const char *connection(const design *design, int k, char name[SCENE_LABEL])
 {
-    const int input = d->electrodes.input[k];
-    if (input < d->amplifiers) {
-        scene_amplifier_name(d->scene, input, name);
+    const int input = design->electrodes.input[k];
+    if (input < design->amplifiers) {
+        scene_amplifier_name(design->scene, input, name);
         return "driven";
     }
-    scene_sensor_name(d->scene, input - d->sensor_first, name);
-    return d->electrodes.open[k] ? "open" : "short";
+    scene_sensor_name(design->scene, input - design->sensor_first, name);
+    return design->electrodes.open[k] ? "open" : "short";
 }
 
-void print_electrodes(analysis *a)
+void print_electrodes(analysis *analysis)
 {
-    const design *d = &a->design;
+    const design *design = &analysis->design;
     char name[SCENE_LABEL], unit[2][WORDS_UNIT], head[2][2 * WORDS_UNIT];
-    if (d->electrodes.count == 0)
+    if (design->electrodes.count == 0)
         return;
-    words_unit(d->scene, QUANTITY_VOLTAGE, unit[0]);
-    words_unit(d->scene, QUANTITY_CHARGE, unit[1]);
+    words_unit(design->scene, QUANTITY_VOLTAGE, unit[0]);
+    words_unit(design->scene, QUANTITY_CHARGE, unit[1]);
     for (int k = 0; k < 2; k++)
         snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", k ? "charge" : "volts",
                  unit[k]);
     printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", head[0], head[1],
            "capacitance, held", "free");
-    for (int k = 0; k < d->electrodes.count; k++) {
-        const char *circuit = connection(d, k, name);
+    for (int k = 0; k < design->electrodes.count; k++) {
+        const char *circuit = connection(design, k, name);
         printf("  %-20s %-8s %14.6e %14.6e %18.6e ", name, circuit,
-               a->amount[d->electrodes.input[k]], a->charge[k], analysis_capacitance(a, k, 0));
-        if (isfinite(analysis_capacitance(a, k, 1)))
-            printf("%18.6e\n", analysis_capacitance(a, k, 1));
+               analysis->amount[design->electrodes.input[k]], analysis->charge[k],
+               analysis_capacitance(analysis, k, 0));
+        if (isfinite(analysis_capacitance(analysis, k, 1)))
+            printf("%18.6e\n", analysis_capacitance(analysis, k, 1));
         else
             puts("                 -");
     }
-    const double ratio = analysis_stiffening(a);
+    const double ratio = analysis_stiffening(analysis);
     if (isfinite(ratio))
         printf(
             "  open electrodes make the loaded shell stiffer than short ones by a factor of %.6f (coupling k2 = %.6f)\n",
             ratio, 1 - 1 / ratio);
 }
 
-void print_electrodes_json(json *j, analysis *a)
+void print_electrodes_json(json *json, analysis *analysis)
 {
-    const design *d = &a->design;
+    const design *design = &analysis->design;
     char name[SCENE_LABEL];
-    json_open(j, "electrodes", '{');
-    for (int k = 0; k < d->electrodes.count; k++) {
-        const char *circuit = connection(d, k, name);
-        json_open(j, name, '{');
-        json_string(j, "circuit", circuit);
-        json_number(j, "volts", a->amount[d->electrodes.input[k]]);
-        json_number(j, "charge", a->charge[k]);
-        json_number(j, "capacitance_held", analysis_capacitance(a, k, 0));
-        json_number(j, "capacitance_free", analysis_capacitance(a, k, 1));
-        json_close(j, '}');
+    json_open(json, "electrodes", '{');
+    for (int k = 0; k < design->electrodes.count; k++) {
+        const char *circuit = connection(design, k, name);
+        json_open(json, name, '{');
+        json_string(json, "circuit", circuit);
+        json_number(json, "volts", analysis->amount[design->electrodes.input[k]]);
+        json_number(json, "charge", analysis->charge[k]);
+        json_number(json, "capacitance_held", analysis_capacitance(analysis, k, 0));
+        json_number(json, "capacitance_free", analysis_capacitance(analysis, k, 1));
+        json_close(json, '}');
     }
-    json_close(j, '}');
-    json_number(j, "open_over_short_stiffness", analysis_stiffening(a));
+    json_close(json, '}');
+    json_number(json, "open_over_short_stiffness", analysis_stiffening(analysis));
 }

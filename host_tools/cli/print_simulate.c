@@ -9,24 +9,25 @@ static const char *const law_name[LAWS] = {"controller", "clipped", "regularised
 
 /* ---- CSV -------------------------------------------------------------- */
 
-static void print_csv_head(FILE *file, const scene *s, int estimates)
+static void print_csv_head(FILE *file, const scene *scene, int estimates)
 {
     fprintf(file, "tick,time,error,active,passes,status,lost%s", estimates ? ",missed" : "");
-    for (int k = 0; k < s->amplifiers; k++) {
+    for (int k = 0; k < scene->amplifiers; k++) {
         char name[SCENE_LABEL];
-        scene_amplifier_name(s, k, name);
+        scene_amplifier_name(scene, k, name);
         fprintf(file, ",%s", name);
     }
     fputc('\n', file);
 }
 
-static void print_csv_tick(FILE *file, const scene *s, int estimates, const simulate_sample *sample)
+static void print_csv_tick(FILE *file, const scene *scene, int estimates,
+                           const simulate_sample *sample)
 {
-    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / s->simulate.rate,
+    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / scene->simulate.rate,
             sample->error, sample->active, sample->passes, (int)sample->status, sample->lost);
     if (estimates)
         fprintf(file, ",%.17g", sample->missed);
-    for (int k = 0; k < s->amplifiers; k++)
+    for (int k = 0; k < scene->amplifiers; k++)
         fprintf(file, ",%.17g", sample->volt[k]);
     fputc('\n', file);
 }
@@ -49,42 +50,43 @@ static void look(void *context, const simulate_sample *sample)
     progress_count(sample->tick + 1, w->scene->simulate.ticks);
 }
 
-int print_run(simulation *s, simulate_record *record, FILE *csv, char *error)
+int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *error)
 {
-    onlookers w = {s->nominal->design.scene, record, csv, s->estimates};
+    onlookers w = {simulation->nominal->design.scene, record, csv, simulation->estimates};
     if (csv)
-        print_csv_head(csv, w.scene, s->estimates);
+        print_csv_head(csv, w.scene, simulation->estimates);
     progress_stage("simulating the controller");
-    if (simulate_run(s, LAW_CONTROLLER, look, &w, error) < 0)
+    if (simulate_run(simulation, LAW_CONTROLLER, look, &w, error) < 0)
         return -1;
     progress_stage("simulating clipped voltages");
-    if (simulate_run(s, LAW_CLAMP, look, &w, error) < 0)
+    if (simulate_run(simulation, LAW_CLAMP, look, &w, error) < 0)
         return -1;
     progress_stage("simulating regularised, then clipped voltages");
-    if (simulate_run(s, LAW_REGULARISED, look, &w, error) < 0)
+    if (simulate_run(simulation, LAW_REGULARISED, look, &w, error) < 0)
         return -1;
     progress_stage("optimum of each phase");
-    return simulate_optima(s, error);
+    return simulate_optima(simulation, error);
 }
 
 /* ---- text ------------------------------------------------------------- */
 
-static void print_plant(const simulation *s)
+static void print_plant(const simulation *simulation)
 {
-    const scene_simulate *simulate = &s->nominal->design.scene->simulate;
-    const char *unit = s->nominal->design.scene->unit_length;
+    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
+    const char *unit = simulation->nominal->design.scene->unit_length;
     puts("  quasi-static plant: no inertia; each shape is an equilibrium");
-    print_certificate(&s->nominal->certificate);
-    printf("  plant: %s", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < s->plant.scene.materials; i++)
-        printf("%s %s stiffness x %g, d x %g", i ? ";" : ",", s->plant.scene.material[i].name,
+    print_certificate(&simulation->nominal->certificate);
+    printf("  plant: %s", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    for (int i = 0; i < simulation->plant.scene.materials; i++)
+        printf("%s %s stiffness x %g, d x %g", i ? ";" : ",",
+               simulation->plant.scene.material[i].name,
                simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     printf("; hysteresis %g\n  sensors: ", simulate->hysteresis);
-    if (s->estimates)
-        printf("%d, with the noise of their readings", s->estimator.sensors);
+    if (simulation->estimates)
+        printf("%d, with the noise of their readings", simulation->estimator.sensors);
     else
-        printf("%d, noise %g%s%s", s->nominal->design.targets, simulate->noise, *unit ? " " : "",
-               unit);
+        printf("%d, noise %g%s%s", simulation->nominal->design.targets, simulate->noise,
+               *unit ? " " : "", unit);
     printf(", delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->delay,
            simulate->step, simulate->dead_band);
     printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
@@ -92,29 +94,29 @@ static void print_plant(const simulation *s)
            simulate->rate);
 }
 
-static void print_settled(const simulate_phase *p)
+static void print_settled(const simulate_phase *phase)
 {
-    const simulate_course *c = &p->course[LAW_CONTROLLER];
-    if (c->settled < 0)
+    const simulate_course *course = &phase->course[LAW_CONTROLLER];
+    if (course->settled < 0)
         printf("%9s", "-");
     else
-        printf("%9d", c->settled);
-    printf(" %6d", c->slew_ticks);
+        printf("%9d", course->settled);
+    printf(" %6d", course->slew_ticks);
 }
 
-static void print_phases(const simulation *s)
+static void print_phases(const simulation *simulation)
 {
     printf("  %-7s %-46s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum", "steady",
            "clipped", "regularised", "worst", "settled", "slew");
-    for (int k = 0; k < s->phases; k++) {
-        const simulate_phase *p = &s->phase[k];
+    for (int k = 0; k < simulation->phases; k++) {
+        const simulate_phase *phase = &simulation->phase[k];
         char name[WORDS_PHASE];
-        words_phase(s, p, name);
-        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", p->from, name,
-               100 * p->optimum, 100 * p->course[LAW_CONTROLLER].steady,
-               100 * p->course[LAW_CLAMP].steady, 100 * p->course[LAW_REGULARISED].steady,
-               100 * p->course[LAW_CONTROLLER].worst);
-        print_settled(p);
+        words_phase(simulation, phase, name);
+        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", phase->from, name,
+               100 * phase->optimum, 100 * phase->course[LAW_CONTROLLER].steady,
+               100 * phase->course[LAW_CLAMP].steady, 100 * phase->course[LAW_REGULARISED].steady,
+               100 * phase->course[LAW_CONTROLLER].worst);
+        print_settled(phase);
         putchar('\n');
     }
     puts(
@@ -125,151 +127,154 @@ static void print_phases(const simulation *s)
         "  the answer");
 }
 
-static void print_count(const simulation *s, simulate_law law)
+static void print_count(const simulation *simulation, simulate_law law)
 {
-    const simulate_count *c = &s->count[law];
-    const long run = simulate_ran(c);
+    const simulate_count *count = &simulation->count[law];
+    const long run = simulate_ran(count);
     printf(
         "  %-11s %ld volts beyond a limit or the slew, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
         "%ld out of passes\n",
-        law_name[law], c->beyond, c->not_finite, run, c->lost, c->status[PZS_W_HELD],
-        c->status[PZS_W_SENSOR], c->status[PZS_W_ITERATIONS]);
+        law_name[law], count->beyond, count->not_finite, run, count->lost,
+        count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
     if (law == LAW_CONTROLLER)
         printf("  %-10s passes of the optimiser: %.2f a tick, %d at most of %d\n", "",
-               run ? (double)c->passes / (double)run : 0, c->passes_most, PZS_STEP_ITERATIONS);
+               run ? (double)count->passes / (double)run : 0, count->passes_most,
+               PZS_STEP_ITERATIONS);
 }
 
 /* What was estimated, at its worst. */
-static void print_estimated(const simulation *s)
+static void print_estimated(const simulation *simulation)
 {
-    const simulate_phase *worst = s->phase;
-    if (!s->estimates)
+    const simulate_phase *worst = simulation->phase;
+    if (!simulation->estimates)
         return;
-    for (int k = 1; k < s->phases; k++)
-        worst = s->phase[k].course[LAW_CONTROLLER].missed > worst->course[LAW_CONTROLLER].missed
-                    ? &s->phase[k]
+    for (int k = 1; k < simulation->phases; k++)
+        worst = simulation->phase[k].course[LAW_CONTROLLER].missed >
+                        worst->course[LAW_CONTROLLER].missed
+                    ? &simulation->phase[k]
                     : worst;
     printf(
         "  %-10s %d nodes estimated from %d sensors: off by %.3f%% of the target at the end of the phase from tick %d, less in the "
         "others\n",
-        "", s->nominal->design.targets, s->estimator.sensors,
+        "", simulation->nominal->design.targets, simulation->estimator.sensors,
         100 * worst->course[LAW_CONTROLLER].missed, worst->from);
 }
 
-static void print_found(const simulation *s)
+static void print_found(const simulation *simulation)
 {
-    const simulate_count *c = &s->count[LAW_CONTROLLER];
-    if (s->nominal->design.scene->simulate.finds)
+    const simulate_count *count = &simulation->count[LAW_CONTROLLER];
+    if (simulation->nominal->design.scene->simulate.finds)
         printf(
             "  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of them in good order\n",
-            "", c->found, c->search, c->wrong);
+            "", count->found, count->search, count->wrong);
 }
 
-static void print_board(const simulation *s)
+static void print_board(const simulation *simulation)
 {
-    const simulate_count *c = &s->count[LAW_CONTROLLER];
-    if (!s->board)
+    const simulate_count *count = &simulation->count[LAW_CONTROLLER];
+    if (!simulation->board)
         return;
-    printf("  %-10s the firmware of %s, %s", "", s->board->name,
-           s->board->bits == 32 ? "float" : "double");
-    if (s->board->twin)
+    printf("  %-10s the firmware of %s, %s", "", simulation->board->name,
+           simulation->board->bits == 32 ? "float" : "double");
+    if (simulation->board->twin)
         printf(", under QEMU: %ld of %ld ticks with the bits of the same C on this computer",
-               c->same, simulate_ran(c));
+               count->same, simulate_ran(count));
     putchar('\n');
 }
 
-void print_simulation(const simulation *s)
+void print_simulation(const simulation *simulation)
 {
-    print_head(s->nominal, words_influence(s->nominal->design.scene));
-    print_plant(s);
-    print_phases(s);
-    print_count(s, LAW_CONTROLLER);
-    print_estimated(s);
-    print_found(s);
-    print_board(s);
-    print_count(s, LAW_CLAMP);
-    print_count(s, LAW_REGULARISED);
+    print_head(simulation->nominal, words_influence(simulation->nominal->design.scene));
+    print_plant(simulation);
+    print_phases(simulation);
+    print_count(simulation, LAW_CONTROLLER);
+    print_estimated(simulation);
+    print_found(simulation);
+    print_board(simulation);
+    print_count(simulation, LAW_CLAMP);
+    print_count(simulation, LAW_REGULARISED);
     double seconds = 0;
     for (int law = 0; law < LAWS; law++)
-        seconds += s->count[law].seconds;
-    printf("  %.2f s, %ld linear systems of the plant\n", seconds, s->plant.systems);
+        seconds += simulation->count[law].seconds;
+    printf("  %.2f s, %ld linear systems of the plant\n", seconds, simulation->plant.systems);
 }
 
 /* ---- JSON ------------------------------------------------------------- */
 
-static void json_course(json *j, const simulation *s, const simulate_course *c, simulate_law law)
+static void json_course(json *json, const simulation *simulation, const simulate_course *course,
+                        simulate_law law)
 {
-    json_open(j, law_name[law], '{');
-    json_number(j, "steady", c->steady);
-    json_number(j, "worst", c->worst);
-    if (s->estimates)
-        json_number(j, "missed", c->missed);
-    json_number(j, "settled", c->settled);
-    json_number(j, "slew_ticks", c->slew_ticks);
-    json_numbers(j, "volts", c->volt, s->nominal->design.amplifiers);
-    json_close(j, '}');
+    json_open(json, law_name[law], '{');
+    json_number(json, "steady", course->steady);
+    json_number(json, "worst", course->worst);
+    if (simulation->estimates)
+        json_number(json, "missed", course->missed);
+    json_number(json, "settled", course->settled);
+    json_number(json, "slew_ticks", course->slew_ticks);
+    json_numbers(json, "volts", course->volt, simulation->nominal->design.amplifiers);
+    json_close(json, '}');
 }
 
-static void json_phase(json *j, const simulation *s, const simulate_phase *p)
+static void json_phase(json *json, const simulation *simulation, const simulate_phase *phase)
 {
     char name[WORDS_PHASE];
-    words_phase(s, p, name);
-    json_open(j, NULL, '{');
-    json_string(j, "phase", name);
-    json_number(j, "from", p->from);
-    json_number(j, "until", p->until);
-    json_number(j, "optimum", p->optimum);
+    words_phase(simulation, phase, name);
+    json_open(json, NULL, '{');
+    json_string(json, "phase", name);
+    json_number(json, "from", phase->from);
+    json_number(json, "until", phase->until);
+    json_number(json, "optimum", phase->optimum);
     for (int law = 0; law < LAWS; law++)
-        json_course(j, s, &p->course[law], (simulate_law)law);
-    json_close(j, '}');
+        json_course(json, simulation, &phase->course[law], (simulate_law)law);
+    json_close(json, '}');
 }
 
-static void json_count(json *j, const simulate_count *c, simulate_law law)
+static void json_count(json *json, const simulate_count *count, simulate_law law)
 {
-    json_open(j, law_name[law], '{');
-    json_number(j, "beyond", (double)c->beyond);
-    json_number(j, "not_finite", (double)c->not_finite);
-    json_number(j, "ran", (double)simulate_ran(c));
-    json_number(j, "lost", (double)c->lost);
-    json_number(j, "held", (double)c->status[PZS_W_HELD]);
-    json_number(j, "doubted", (double)c->status[PZS_W_SENSOR]);
-    json_number(j, "out_of_passes", (double)c->status[PZS_W_ITERATIONS]);
-    json_number(j, "found", (double)c->found);
-    json_number(j, "found_wrong", (double)c->wrong);
-    json_number(j, "found_ticks", c->search);
-    json_number(j, "passes", (double)c->passes);
-    json_number(j, "passes_most", c->passes_most);
-    json_close(j, '}');
+    json_open(json, law_name[law], '{');
+    json_number(json, "beyond", (double)count->beyond);
+    json_number(json, "not_finite", (double)count->not_finite);
+    json_number(json, "ran", (double)simulate_ran(count));
+    json_number(json, "lost", (double)count->lost);
+    json_number(json, "held", (double)count->status[PZS_W_HELD]);
+    json_number(json, "doubted", (double)count->status[PZS_W_SENSOR]);
+    json_number(json, "out_of_passes", (double)count->status[PZS_W_ITERATIONS]);
+    json_number(json, "found", (double)count->found);
+    json_number(json, "found_wrong", (double)count->wrong);
+    json_number(json, "found_ticks", count->search);
+    json_number(json, "passes", (double)count->passes);
+    json_number(json, "passes_most", count->passes_most);
+    json_close(json, '}');
 }
 
-void print_simulation_json(const simulation *s)
+void print_simulation_json(const simulation *simulation)
 {
-    const scene *scene = s->nominal->design.scene;
-    json j = {stdout, 0, {0}};
-    json_open(&j, NULL, '{');
-    json_string(&j, "scene", scene->name);
-    json_string(&j, "plant", s->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    json_string(&j, "dynamics", "quasi-static");
-    print_certificate_json(&j, &s->nominal->certificate);
-    json_number(&j, "ticks", scene->simulate.ticks);
-    if (s->board) {
-        json_string(&j, "device", s->board->name);
-        json_number(&j, "device_bits", s->board->bits);
-        json_number(&j, "device_same", (double)s->count[LAW_CONTROLLER].same);
+    const scene *scene = simulation->nominal->design.scene;
+    json json = {stdout, 0, {0}};
+    json_open(&json, NULL, '{');
+    json_string(&json, "scene", scene->name);
+    json_string(&json, "plant", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    json_string(&json, "dynamics", "quasi-static");
+    print_certificate_json(&json, &simulation->nominal->certificate);
+    json_number(&json, "ticks", scene->simulate.ticks);
+    if (simulation->board) {
+        json_string(&json, "device", simulation->board->name);
+        json_number(&json, "device_bits", simulation->board->bits);
+        json_number(&json, "device_same", (double)simulation->count[LAW_CONTROLLER].same);
     }
-    if (s->estimates)
-        print_estimate_json(&j, &s->estimator);
-    json_number(&j, "amplifiers", s->nominal->design.amplifiers);
-    json_number(&j, "targets", s->nominal->design.targets);
-    json_number(&j, "regularisation", s->regularisation);
-    json_open(&j, "phases", '[');
-    for (int k = 0; k < s->phases; k++)
-        json_phase(&j, s, &s->phase[k]);
-    json_close(&j, ']');
-    json_open(&j, "counts", '{');
+    if (simulation->estimates)
+        print_estimate_json(&json, &simulation->estimator);
+    json_number(&json, "amplifiers", simulation->nominal->design.amplifiers);
+    json_number(&json, "targets", simulation->nominal->design.targets);
+    json_number(&json, "regularisation", simulation->regularisation);
+    json_open(&json, "phases", '[');
+    for (int k = 0; k < simulation->phases; k++)
+        json_phase(&json, simulation, &simulation->phase[k]);
+    json_close(&json, ']');
+    json_open(&json, "counts", '{');
     for (int law = 0; law < LAWS; law++)
-        json_count(&j, &s->count[law], (simulate_law)law);
-    json_close(&j, '}');
-    plausible_json(&j, &s->nominal->warnings);
-    json_close(&j, '}');
+        json_count(&json, &simulation->count[law], (simulate_law)law);
+    json_close(&json, '}');
+    plausible_json(&json, &simulation->nominal->warnings);
+    json_close(&json, '}');
 }

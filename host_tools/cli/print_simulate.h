@@ -11,10 +11,10 @@
  *   csv     in      takes the names, then a line for each tick of the controller's law; or NULL
  * Returns 0, or -1 with error filled.
  */
-int print_run(simulation *s, simulate_record *record, FILE *csv, char *error);
+int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *error);
 
 /* Both on standard output, after that. */
-void print_simulation(const simulation *s);
-void print_simulation_json(const simulation *s);
+void print_simulation(const simulation *simulation);
+void print_simulation_json(const simulation *simulation);
 
 #endif

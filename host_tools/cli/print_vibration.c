@@ -8,18 +8,18 @@
 /* ---- modes ------------------------------------------------------------ */
 
 /* Largest displacement of a node in a mode by a unit of an input; NAN in a rigid motion. */
-static double moved_by(const design *d, const vibration *v, int mode, int input)
+static double moved_by(const design *design, const vibration *vibration, int mode, int input)
 {
-    return v->largest[mode] * vibration_static(v, d, mode, input);
+    return vibration->largest[mode] * vibration_static(vibration, design, mode, input);
 }
 
 /* The amplifier that moves a mode most, or -1. */
-static int strongest(const design *d, const vibration *v, int mode)
+static int strongest(const design *design, const vibration *vibration, int mode)
 {
     int best = -1;
     double most = 0;
-    for (int k = 0; k < d->amplifiers; k++) {
-        const double size = fabs(moved_by(d, v, mode, k));
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double size = fabs(moved_by(design, vibration, mode, k));
         if (size > most) {
             most = size;
             best = k;
@@ -28,75 +28,77 @@ static int strongest(const design *d, const vibration *v, int mode)
     return best;
 }
 
-static void print_mode(const design *d, const vibration *v, int mode)
+static void print_mode(const design *design, const vibration *vibration, int mode)
 {
-    const int input = strongest(d, v, mode);
-    printf("  %4d %16.6g", mode + 1, v->frequency[mode]);
+    const int input = strongest(design, vibration, mode);
+    printf("  %4d %16.6g", mode + 1, vibration->frequency[mode]);
     for (int axis = 0; axis < 3; axis++)
-        printf(" %8.2f%%", 100 * v->effective[mode][axis] / v->mass);
+        printf(" %8.2f%%", 100 * vibration->effective[mode][axis] / vibration->mass);
     if (input >= 0) {
         char name[SCENE_LABEL];
-        scene_amplifier_name(d->scene, input, name);
-        printf("   %-16s %12.4e", name, fabs(moved_by(d, v, mode, input)));
+        scene_amplifier_name(design->scene, input, name);
+        printf("   %-16s %12.4e", name, fabs(moved_by(design, vibration, mode, input)));
     }
     putchar('\n');
 }
 
-void print_vibration(const design *d, const vibration *v)
+void print_vibration(const design *design, const vibration *vibration)
 {
-    const scene *s = d->scene;
+    const scene *scene = design->scene;
     char unit[WORDS_UNIT];
     double sum[3] = {0, 0, 0};
-    words_unit(s, QUANTITY_LENGTH, unit);
-    printf("%s: natural frequencies in the reference state, electrodes short-circuited\n", s->name);
-    printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", v->mass,
-           s->dynamics.damping,
-           s->dynamics.damping_given ? "given" : "assumed: the scene gives none", v->solves);
+    words_unit(scene, QUANTITY_LENGTH, unit);
+    printf("%s: natural frequencies in the reference state, electrodes short-circuited\n",
+           scene->name);
+    printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", vibration->mass,
+           scene->dynamics.damping,
+           scene->dynamics.damping_given ? "given" : "assumed: the scene gives none",
+           vibration->solves);
     printf("\n  %4s %16s %9s %9s %9s", "mode", "frequency (Hz)", "mass x", "mass y", "mass z");
-    if (d->amplifiers > 0)
+    if (design->amplifiers > 0)
         printf("   %-16s largest displacement by 1 V%s%s%s", "strongest input", *unit ? " (" : "",
                unit, *unit ? ")" : "");
     putchar('\n');
-    for (int i = 0; i < v->count; i++) {
-        print_mode(d, v, i);
+    for (int i = 0; i < vibration->count; i++) {
+        print_mode(design, vibration, i);
         for (int axis = 0; axis < 3; axis++)
-            sum[axis] += v->effective[i][axis] / v->mass;
+            sum[axis] += vibration->effective[i][axis] / vibration->mass;
     }
     printf("  %-21s %8.2f%% %8.2f%% %8.2f%%\n", "together", 100 * sum[0], 100 * sum[1],
            100 * sum[2]);
 }
 
-static void json_mode(json *j, const design *d, const vibration *v, int mode)
+static void json_mode(json *json, const design *design, const vibration *vibration, int mode)
 {
-    json_open(j, NULL, '{');
-    json_number(j, "frequency", v->frequency[mode]);
-    json_numbers(j, "effective_mass", v->effective[mode], 3);
-    json_open(j, "controllability", '{');
-    for (int k = 0; k < d->amplifiers; k++) {
+    json_open(json, NULL, '{');
+    json_number(json, "frequency", vibration->frequency[mode]);
+    json_numbers(json, "effective_mass", vibration->effective[mode], 3);
+    json_open(json, "controllability", '{');
+    for (int k = 0; k < design->amplifiers; k++) {
         char name[SCENE_LABEL];
-        scene_amplifier_name(d->scene, k, name);
-        json_number(j, name, moved_by(d, v, mode, k));
+        scene_amplifier_name(design->scene, k, name);
+        json_number(json, name, moved_by(design, vibration, mode, k));
     }
-    json_close(j, '}');
-    json_close(j, '}');
+    json_close(json, '}');
+    json_close(json, '}');
 }
 
-void print_vibration_json(const design *d, const vibration *v)
+void print_vibration_json(const design *design, const vibration *vibration)
 {
-    json j = {stdout, 0, {0}};
-    json_open(&j, NULL, '{');
-    json_string(&j, "scene", d->scene->name);
-    json_number(&j, "mass", v->mass);
-    json_number(&j, "rigid", v->rigid);
-    json_number(&j, "damping", d->scene->dynamics.damping);
-    json_string(&j, "damping_from", d->scene->dynamics.damping_given ? "scene" : "assumed");
-    json_number(&j, "linear_solves", v->solves);
-    json_numbers(&j, "frequency", v->frequency, v->count);
-    json_open(&j, "modes", '[');
-    for (int i = 0; i < v->count; i++)
-        json_mode(&j, d, v, i);
-    json_close(&j, ']');
-    json_close(&j, '}');
+    json json = {stdout, 0, {0}};
+    json_open(&json, NULL, '{');
+    json_string(&json, "scene", design->scene->name);
+    json_number(&json, "mass", vibration->mass);
+    json_number(&json, "rigid", vibration->rigid);
+    json_number(&json, "damping", design->scene->dynamics.damping);
+    json_string(&json, "damping_from", design->scene->dynamics.damping_given ? "scene" : "assumed");
+    json_number(&json, "linear_solves", vibration->solves);
+    json_numbers(&json, "frequency", vibration->frequency, vibration->count);
+    json_open(&json, "modes", '[');
+    for (int i = 0; i < vibration->count; i++)
+        json_mode(&json, design, vibration, i);
+    json_close(&json, ']');
+    json_close(&json, '}');
 }
 
 /* ---- certificate ------------------------------------------------------ */
@@ -110,39 +112,41 @@ static void print_lines(const char *text)
     fputs(*text ? "\n" : "", stdout);
 }
 
-void print_certificate(const certificate *c)
+void print_certificate(const certificate *certificate)
 {
     char text[3 * SCENE_ERROR];
-    if (!c->made)
+    if (!certificate->made)
         return;
-    if (!c->vibrates) {
-        printf("  vibration not known: %s\n", c->why_not);
+    if (!certificate->vibrates) {
+        printf("  vibration not known: %s\n", certificate->why_not);
         return;
     }
-    printf("  first natural frequency %.4g Hz; damping ratio %g, %s\n", certificate_first(c),
-           c->damping, c->damping_given ? "given" : "assumed");
-    certificate_text(c, text);
+    printf("  first natural frequency %.4g Hz; damping ratio %g, %s\n",
+           certificate_first(certificate), certificate->damping,
+           certificate->damping_given ? "given" : "assumed");
+    certificate_text(certificate, text);
     print_lines(text);
 }
 
-void print_certificate_json(json *j, const certificate *c)
+void print_certificate_json(json *json, const certificate *certificate)
 {
-    if (!c->made)
+    if (!certificate->made)
         return;
-    json_open(j, "vibration", '{');
-    if (c->vibrates)
-        json_numbers(j, "frequency", c->vibration.frequency, c->vibration.count);
+    json_open(json, "vibration", '{');
+    if (certificate->vibrates)
+        json_numbers(json, "frequency", certificate->vibration.frequency,
+                     certificate->vibration.count);
     else
-        json_string(j, "missing", c->why_not);
-    if (c->vibrates && c->why_not[0])
-        json_string(j, "not_judged", c->why_not);
-    if (c->is_judged) {
-        json_number(j, "damping", c->damping);
-        json_number(j, "modes", c->modes);
-        json_number(j, "radius", c->radius);
-        if (c->rate > 0)
-            json_bool(j, "stable", !certificate_refuses(c));
-        json_number(j, "rate_to", c->rate_to);
+        json_string(json, "missing", certificate->why_not);
+    if (certificate->vibrates && certificate->why_not[0])
+        json_string(json, "not_judged", certificate->why_not);
+    if (certificate->is_judged) {
+        json_number(json, "damping", certificate->damping);
+        json_number(json, "modes", certificate->modes);
+        json_number(json, "radius", certificate->radius);
+        if (certificate->rate > 0)
+            json_bool(json, "stable", !certificate_refuses(certificate));
+        json_number(json, "rate_to", certificate->rate_to);
     }
-    json_close(j, '}');
+    json_close(json, '}');
 }

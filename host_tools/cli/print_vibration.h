@@ -6,14 +6,14 @@
 #include "json.h"
 
 /* Modes of `pzs modes`: frequency, mass that takes part, and the input that moves each most. */
-void print_vibration(const design *d, const vibration *v);
-void print_vibration_json(const design *d, const vibration *v);
+void print_vibration(const design *design, const vibration *vibration);
+void print_vibration_json(const design *design, const vibration *vibration);
 
 /*
  * First frequency and verdict on the loop, or why they are not known; nothing where
  * certificate_make has not run.
  */
-void print_certificate(const certificate *c);
-void print_certificate_json(json *j, const certificate *c);
+void print_certificate(const certificate *certificate);
+void print_certificate_json(json *json, const certificate *certificate);
 
 #endif

@@ -35,17 +35,17 @@ static int invert(double *a, int n, int stride)
 }
 
 /* Stiffness in the ply's own axes from its engineering constants. */
-static int ply_stiffness(const scene_material *m, double c[6][6])
+static int ply_stiffness(const scene_material *material, double c[6][6])
 {
     memset(c, 0, 36 * sizeof(double));
     for (int i = 0; i < 3; i++)
-        c[i][i] = 1 / m->e[i];
-    c[0][1] = c[1][0] = -m->nu12 / m->e[0];
-    c[0][2] = c[2][0] = -m->nu13 / m->e[0];
-    c[1][2] = c[2][1] = -m->nu23 / m->e[1];
-    c[3][3] = m->g23;
-    c[4][4] = m->g13;
-    c[5][5] = m->g12;
+        c[i][i] = 1 / material->e[i];
+    c[0][1] = c[1][0] = -material->nu12 / material->e[0];
+    c[0][2] = c[2][0] = -material->nu13 / material->e[0];
+    c[1][2] = c[2][1] = -material->nu23 / material->e[1];
+    c[3][3] = material->g23;
+    c[4][4] = material->g13;
+    c[5][5] = material->g12;
     return invert(&c[0][0], 3, 6);
 }
 
@@ -75,21 +75,21 @@ static void turn_back(double t[6][6], const double x[6], double y[6])
 }
 
 /* Stress in the ply's axes of a held ply per unit of field along its poling: C d or e. */
-static void field_stress(const scene_material *m, double c[6][6], double stress[6])
+static void field_stress(const scene_material *material, double c[6][6], double stress[6])
 {
-    const double strain[3] = {m->d31, m->d32, m->d33};
+    const double strain[3] = {material->d31, material->d32, material->d33};
     memset(stress, 0, 6 * sizeof *stress);
     for (int i = 0; i < 3; i++) {
-        stress[i] = m->has_e ? m->piezo_e[i] : 0;
-        for (int j = 0; m->has_d && j < 3; j++)
+        stress[i] = material->has_e ? material->piezo_e[i] : 0;
+        for (int j = 0; material->has_d && j < 3; j++)
             stress[i] += c[i][j] * strain[j];
     }
 }
 
-static int build_ply(const scene_material *m, const scene_layer *layer, laminate_ply *ply)
+static int build_ply(const scene_material *material, const scene_layer *layer, laminate_ply *ply)
 {
     double c[6][6], t[6][6], half[6][6], stress[6];
-    if (ply_stiffness(m, c) < 0)
+    if (ply_stiffness(material, c) < 0)
         return -1;
     turn(layer->angle, t);
     for (int i = 0; i < 6; i++)
@@ -102,44 +102,44 @@ static int build_ply(const scene_material *m, const scene_layer *layer, laminate
         }
     /* A volt across the ply is the field -1/h along e3; the free strain d E makes the given stress
      * -C d E. */
-    field_stress(m, c, stress);
+    field_stress(material, c, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
     turn_back(t, stress, ply->volt);
     for (int i = 0; i < 6; i++) {
         stress[i] = 0;
         for (int j = 0; j < 3; j++)
-            stress[i] -= c[i][j] * m->alpha[j];
+            stress[i] -= c[i][j] * material->alpha[j];
     }
     turn_back(t, stress, ply->kelvin);
     /* D3 = e strain + permittivity E3 + p kelvin along the poling; the upper electrode holds -D3.
      */
-    ply->capacitance = m->permittivity / layer->thickness;
-    ply->pyro = layer->poling < 0 ? m->pyroelectric : -m->pyroelectric;
-    ply->weight = m->density;
+    ply->capacitance = material->permittivity / layer->thickness;
+    ply->pyro = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
+    ply->weight = material->density;
     return 0;
 }
 
-int laminate_build(const scene *s, laminate *l, char *error)
+int laminate_build(const scene *scene, laminate *laminate, char *error)
 {
-    memset(l, 0, sizeof *l);
-    if (s->layers > LAMINATE_LAYERS)
-        return scene_fault(s, s->at_layers, error, "%d layers; at most %d are possible", s->layers,
-                           LAMINATE_LAYERS);
-    for (int i = 0; i < s->layers; i++)
-        l->h += s->layer[i].thickness;
-    l->z[0] = s->reference_is_middle ? -l->h / 2 : -s->reference;
-    l->z[1] = l->z[0] + l->h;
-    l->plies = s->layers;
-    double z = l->z[0];
-    for (int i = 0; i < s->layers; i++) {
-        laminate_ply *ply = &l->ply[i];
-        const scene_material *material = &s->material[s->layer[i].material];
+    memset(laminate, 0, sizeof *laminate);
+    if (scene->layers > LAMINATE_LAYERS)
+        return scene_fault(scene, scene->at_layers, error, "%d layers; at most %d are possible",
+                           scene->layers, LAMINATE_LAYERS);
+    for (int i = 0; i < scene->layers; i++)
+        laminate->h += scene->layer[i].thickness;
+    laminate->z[0] = scene->reference_is_middle ? -laminate->h / 2 : -scene->reference;
+    laminate->z[1] = laminate->z[0] + laminate->h;
+    laminate->plies = scene->layers;
+    double z = laminate->z[0];
+    for (int i = 0; i < scene->layers; i++) {
+        laminate_ply *ply = &laminate->ply[i];
+        const scene_material *material = &scene->material[scene->layer[i].material];
         ply->z[0] = z;
-        ply->z[1] = z += s->layer[i].thickness;
-        if (build_ply(material, &s->layer[i], ply) < 0)
+        ply->z[1] = z += scene->layer[i].thickness;
+        if (build_ply(material, &scene->layer[i], ply) < 0)
             return scene_fault(
-                s, material->at, error,
+                scene, material->at, error,
                 "material '%s' has no positive definite stiffness; lower its Poisson's ratios",
                 material->name);
     }
@@ -169,13 +169,13 @@ static double metric_at(const scene_element *element, const laminate_place *plac
 
 /* D(i,j) = sum over plies of integral of N_i N_j C c1 c2/(s_i s_j) dz; N = 1 for a mean, height
  * over h for a difference. */
-static void integrate_stiffness(const laminate *l, const scene_element *element,
+static void integrate_stiffness(const laminate *laminate, const scene_element *element,
                                 const laminate_place *place, double d[N][N])
 {
-    const double middle = (l->z[0] + l->z[1]) / 2;
+    const double middle = (laminate->z[0] + laminate->z[1]) / 2;
     memset(d, 0, N * N * sizeof(double));
-    for (int p = 0; p < l->plies; p++) {
-        const laminate_ply *ply = &l->ply[p];
+    for (int p = 0; p < laminate->plies; p++) {
+        const laminate_ply *ply = &laminate->ply[p];
         const double half = (ply->z[1] - ply->z[0]) / 2;
         for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
@@ -183,8 +183,8 @@ static void integrate_stiffness(const laminate *l, const scene_element *element,
             const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
             for (int i = 0; i < N; i++)
                 for (int j = 0; j < N; j++)
-                    d[i][j] += weight * (is_difference[i] ? (z - middle) / l->h : 1) *
-                               (is_difference[j] ? (z - middle) / l->h : 1) *
+                    d[i][j] += weight * (is_difference[i] ? (z - middle) / laminate->h : 1) *
+                               (is_difference[j] ? (z - middle) / laminate->h : 1) *
                                ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
         }
     }
@@ -194,13 +194,14 @@ static void integrate_stiffness(const laminate *l, const scene_element *element,
  * Size of a field at height z, in its unit. Across a curved ply the flux is constant and the field
  * falls with 1/(c1 c2); over the mean field volt / thickness it is 1/(c1 c2) over its mean.
  */
-static double field_at(const laminate *l, const scene_element *element, const laminate_place *place,
-                       const laminate_field *field, double z)
+static double field_at(const laminate *laminate, const scene_element *element,
+                       const laminate_place *place, const laminate_field *field, double z)
 {
     double share[6], mean = 0;
     if (field->ply < 0)
-        return field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * (z - l->z[0]) / l->h;
-    const double *face = l->ply[field->ply].z;
+        return field->kelvin[0] +
+               (field->kelvin[1] - field->kelvin[0]) * (z - laminate->z[0]) / laminate->h;
+    const double *face = laminate->ply[field->ply].z;
     for (int g = 0; g < POINTS; g++)
         mean += gauss_w[g] / 2 /
                 metric_at(element, place,
@@ -209,9 +210,9 @@ static double field_at(const laminate *l, const scene_element *element, const la
 }
 
 /* Stress of a unit of the field in ply p. */
-static const double *field_stress_of(const laminate *l, const laminate_field *field, int p)
+static const double *field_stress_of(const laminate *laminate, const laminate_field *field, int p)
 {
-    return field->ply >= 0 ? l->ply[p].volt : l->ply[p].kelvin;
+    return field->ply >= 0 ? laminate->ply[p].volt : laminate->ply[p].kelvin;
 }
 
 static int field_acts(const laminate_place *place, const laminate_field *field, int p)
@@ -220,19 +221,19 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
 }
 
 /* h0 += integral of N stress field c1 c2/s dz over a ply */
-static void integrate_stress(const laminate *l, const scene_element *element,
+static void integrate_stress(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_ply *ply,
                              const laminate_field *field, const double stress[6], double h0[N])
 {
-    const double half = (ply->z[1] - ply->z[0]) / 2, middle = (l->z[0] + l->z[1]) / 2;
+    const double half = (ply->z[1] - ply->z[0]) / 2, middle = (laminate->z[0] + laminate->z[1]) / 2;
     for (int g = 0; g < POINTS; g++) {
         const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
         double share[6];
         const double weight = half * gauss_w[g] * metric_at(element, place, z, share) *
-                              field_at(l, element, place, field, z);
+                              field_at(laminate, element, place, field, z);
         for (int i = 0; i < N; i++)
-            h0[i] += weight * (is_difference[i] ? (z - middle) / l->h : 1) * stress[voigt[i]] /
-                     share[voigt[i]];
+            h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->h : 1) *
+                     stress[voigt[i]] / share[voigt[i]];
     }
 }
 
@@ -317,16 +318,16 @@ static double bubble_share(double inverse[N][N], double h, const laminate_place 
  * Flexibility that the two transverse shears of a mode take from bending: rho f L_a^2/12, times
  * the bubble's share in the modes 01 and 10. The published element has rho = 0.
  */
-static void shear_flexibility(const laminate *l, const scene_element *element,
+static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
                               double flexibility[2])
 {
-    const double f = element->rho * bending_flexibility(inverse, l->h) / 12;
+    const double f = element->rho * bending_flexibility(inverse, laminate->h) / 12;
     for (int a = 0; a < 2; a++)
         flexibility[a] = f * place->chord[a] * place->chord[a];
     for (int a = 0; a < 2 && element->rho > 0; a++)
         if (mode == 1 + a)
-            flexibility[a] *= bubble_share(inverse, l->h, place, a);
+            flexibility[a] *= bubble_share(inverse, laminate->h, place, a);
 }
 
 /*
@@ -353,18 +354,18 @@ static int soften_shear(double m[N][N], int mode, const double flexibility[2])
     return 0;
 }
 
-int laminate_modes(const laminate *l, const scene_element *element, const laminate_place *place,
-                   double packed[4][LAMINATE_PACKED])
+int laminate_modes(const laminate *laminate, const scene_element *element,
+                   const laminate_place *place, double packed[4][LAMINATE_PACKED])
 {
     static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
     double d[N][N], inverse[N][N], m[N][N], flexibility[2];
-    integrate_stiffness(l, element, place, d);
+    integrate_stiffness(laminate, element, place, d);
     if (element->lin33 && relax_e33(d) < 0)
         return -1;
     if (inverse_of(d, inverse) < 0)
         return -1;
     for (int mode = 0; mode < 4; mode++) {
-        shear_flexibility(l, element, place, inverse, mode, flexibility);
+        shear_flexibility(laminate, element, place, inverse, mode, flexibility);
         if (mode_matrix(d, inverse, mode, element->hr, m) < 0 ||
             soften_shear(m, mode, flexibility) < 0)
             return -1;
@@ -389,27 +390,27 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element, co
 
 /* Thickness strain that holds a field back: that of the plies' free thickening, in the mean over
  * the package. */
-static double held_thickening(const laminate *l, const laminate_place *place,
+static double held_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
 {
     double held = 0;
-    for (int p = 0; p < l->plies; p++) {
-        const laminate_ply *ply = &l->ply[p];
-        const double share = ((ply->z[0] + ply->z[1]) / 2 - l->z[0]) / l->h;
+    for (int p = 0; p < laminate->plies; p++) {
+        const laminate_ply *ply = &laminate->ply[p];
+        const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->h;
         const double mean =
             field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * share;
         if (field_acts(place, field, p))
-            held += field_stress_of(l, field, p)[2] / ply->c[2][2] * mean *
-                    (ply->z[1] - ply->z[0]) / l->h;
+            held += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
+                    (ply->z[1] - ply->z[0]) / laminate->h;
     }
     return held;
 }
 
 /* D with the linear part of e33 relaxed. */
-static int relaxed_stiffness(const laminate *l, const scene_element *element,
+static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double d[N][N])
 {
-    integrate_stiffness(l, element, place, d);
+    integrate_stiffness(laminate, element, place, d);
     return relax_e33(d);
 }
 
@@ -417,29 +418,29 @@ static int relaxed_stiffness(const laminate *l, const scene_element *element,
  * With lin33 each ply thickens freely, by -s33/C_33 in the mean, and the mean of e33 takes it up:
  * besides the plies' stresses there are resultants that hold this thickening back.
  */
-void laminate_resultants(const laminate *l, const scene_element *element,
+void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double h0[N])
 {
-    const double held = element->lin33 ? held_thickening(l, place, field) : 0;
+    const double held = element->lin33 ? held_thickening(laminate, place, field) : 0;
     double d[N][N];
     memset(h0, 0, N * sizeof *h0);
-    for (int p = 0; p < l->plies; p++) {
+    for (int p = 0; p < laminate->plies; p++) {
         double stress[6];
         if (!field_acts(place, field, p))
             continue;
-        ply_stress(&l->ply[p], element, field_stress_of(l, field, p), stress);
-        integrate_stress(l, element, place, &l->ply[p], field, stress, h0);
+        ply_stress(&laminate->ply[p], element, field_stress_of(laminate, field, p), stress);
+        integrate_stress(laminate, element, place, &laminate->ply[p], field, stress, h0);
     }
-    const int thickens = element->lin33 && relaxed_stiffness(l, element, place, d) == 0;
+    const int thickens = element->lin33 && relaxed_stiffness(laminate, element, place, d) == 0;
     for (int i = 0; i < N; i++)
         h0[i] = (h0[i] + (thickens ? d[i][M33] * held : 0)) * place->area;
 }
 
-void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place,
-                    int ply, double h0[N])
+void laminate_given(const laminate *laminate, const scene_element *element,
+                    const laminate_place *place, int ply, double h0[N])
 {
     const laminate_field field = {ply, {1, 1}};
-    laminate_resultants(l, element, place, &field, h0);
+    laminate_resultants(laminate, element, place, &field, h0);
 }
 
 /*
@@ -448,25 +449,26 @@ void laminate_given(const laminate *l, const scene_element *element, const lamin
  * all, n_p - n; these strains do work on each other, which leaves the integral of C33 n_p n_p' less
  * n n' D_33 to the charge.
  */
-double laminate_charge(const laminate *l, const scene_element *element, const laminate_place *place,
-                       int ply, const laminate_field *field)
+double laminate_charge(const laminate *laminate, const scene_element *element,
+                       const laminate_place *place, int ply, const laminate_field *field)
 {
     const laminate_field voltage = {ply, {0, 0}};
-    const laminate_ply *own = &l->ply[ply];
+    const laminate_ply *own = &laminate->ply[ply];
     const double half = (own->z[1] - own->z[0]) / 2;
     const double direct = field->ply >= 0 ? own->capacitance : own->pyro;
     const double thickening =
-        element->lin33 ? own->volt[2] * field_stress_of(l, field, ply)[2] / own->c[2][2] : 0;
+        element->lin33 ? own->volt[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2] : 0;
     double d[N][N], share[6], charge = 0;
     for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
         const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
         charge += half * gauss_w[g] * metric_at(element, place, z, share) *
-                  (direct / (2 * half) + thickening) * field_at(l, element, place, &voltage, z) *
-                  field_at(l, element, place, field, z);
+                  (direct / (2 * half) + thickening) *
+                  field_at(laminate, element, place, &voltage, z) *
+                  field_at(laminate, element, place, field, z);
     }
     if (element->lin33 && place->present >> ply & 1u &&
-        relaxed_stiffness(l, element, place, d) == 0)
-        charge -=
-            held_thickening(l, place, &voltage) * held_thickening(l, place, field) * d[M33][M33];
+        relaxed_stiffness(laminate, element, place, d) == 0)
+        charge -= held_thickening(laminate, place, &voltage) *
+                  held_thickening(laminate, place, field) * d[M33][M33];
     return charge * place->area;
 }

@@ -37,14 +37,14 @@ typedef struct laminate_place {
 } laminate_place;
 
 /* Plies of a scene. Returns 0, or -1 with error filled (stiffness not positive definite). */
-int laminate_build(const scene *s, laminate *l, char *error);
+int laminate_build(const scene *scene, laminate *laminate, char *error);
 
 /*
  * D of the four modes times area/3^(r1+r2), packed lower triangles. d [4][55] out.
  * Returns 0, or -1 where nothing is present.
  */
-int laminate_modes(const laminate *l, const scene_element *element, const laminate_place *place,
-                   double d[4][LAMINATE_PACKED]);
+int laminate_modes(const laminate *laminate, const scene_element *element,
+                   const laminate_place *place, double d[4][LAMINATE_PACKED]);
 
 /* A field that is given: a volt across a ply, or where ply < 0 a temperature, linear between the
  * faces. */
@@ -54,19 +54,19 @@ typedef struct laminate_field {
 } laminate_field;
 
 /* H0 of the stresses of a field, times area. h0 [10] out. */
-void laminate_resultants(const laminate *l, const scene_element *element,
+void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field,
                          double h0[LAMINATE_STRAINS]);
 
 /* The same for a volt across a ply, or a uniform kelvin where ply < 0. */
-void laminate_given(const laminate *l, const scene_element *element, const laminate_place *place,
-                    int ply, double h0[LAMINATE_STRAINS]);
+void laminate_given(const laminate *laminate, const scene_element *element,
+                    const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
  * Charge that a field draws to the upper electrode of a ply while the strains are held, times area.
  * The charge of an electrode is this less H0 of its volt times the strains of mode 00.
  */
-double laminate_charge(const laminate *l, const scene_element *element, const laminate_place *place,
-                       int ply, const laminate_field *field);
+double laminate_charge(const laminate *laminate, const scene_element *element,
+                       const laminate_place *place, int ply, const laminate_field *field);
 
 #endif

@@ -33,22 +33,22 @@ typedef struct mesh {
 
 /* Build from a checked scene, which must outlive the mesh. Returns 0, or -1 with error filled and
  * *m empty. */
-int mesh_build(mesh *m, const scene *s, char *error);
-void mesh_free(mesh *m);
+int mesh_build(mesh *mesh, const scene *scene, char *error);
+void mesh_free(mesh *mesh);
 
 /* Node at line i of theta1 and line j of theta2; closed directions wrap. */
-int mesh_node(const mesh *m, int i, int j);
+int mesh_node(const mesh *mesh, int i, int j);
 
 /* A node's place, for the value of an expression there. */
-expr_point mesh_place(const mesh *m, int node);
+expr_point mesh_place(const mesh *mesh, int node);
 
 /* Nodes of a set, in node order. node [nodes] out. Returns their number. */
-int mesh_select(const mesh *m, const scene_where *where, int *node);
+int mesh_select(const mesh *mesh, const scene_where *where, int *node);
 
 /* Parameters of an element's corners: theta1[2], theta2[2]. */
-void mesh_cell(const mesh *m, int element, double theta1[2], double theta2[2]);
+void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]);
 
 /* Widest row of the factor below the diagonal. */
-int mesh_half_bandwidth(const mesh *m);
+int mesh_half_bandwidth(const mesh *mesh);
 
 #endif

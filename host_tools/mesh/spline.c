@@ -89,58 +89,58 @@ static void add_not_a_knot(double *band, const double *t, int c, int k)
     condition(band, c, k + 1, SECOND, -before);
 }
 
-static void fill_band(double *band, double (*x)[2], const spline *s, const double (*tangent)[2],
-                      double smoothing)
+static void fill_band(double *band, double (*x)[2], const spline *spline,
+                      const double (*tangent)[2], double smoothing)
 {
-    const int n = s->n;
+    const int n = spline->n;
     for (int i = 0; i < n; i++) {
         *entry(band, 3 * i + VALUE, 3 * i + VALUE) = 1;
-        memcpy(x[3 * i + VALUE], s->y[i], sizeof *x);
+        memcpy(x[3 * i + VALUE], spline->y[i], sizeof *x);
     }
     for (int i = 0; i < n - 1; i++) {
-        const double h = smoothing * (s->t[i + 1] - s->t[i]);
+        const double h = smoothing * (spline->t[i + 1] - spline->t[i]);
         *entry(band, 3 * i + SECOND, 3 * i + SECOND) += h / 3;
         *entry(band, 3 * i + SECOND, 3 * i + 3 + SECOND) += h / 6;
         *entry(band, 3 * i + 3 + SECOND, 3 * i + SECOND) += h / 6;
         *entry(band, 3 * i + 3 + SECOND, 3 * i + 3 + SECOND) += h / 3;
     }
     for (int i = 1; i < n - 1; i++) {
-        add_slope(band, s->t, i, i - 1, i, -1);
-        add_slope(band, s->t, i, i, i, 1);
+        add_slope(band, spline->t, i, i - 1, i, -1);
+        add_slope(band, spline->t, i, i, i, 1);
     }
     for (int end = 0; end < 2; end++) {
         const int c = end ? n - 1 : 0;
         if (!tangent) {
-            add_not_a_knot(band, s->t, c, end ? n - 2 : 1);
+            add_not_a_knot(band, spline->t, c, end ? n - 2 : 1);
             continue;
         }
-        add_slope(band, s->t, c, end ? n - 2 : 0, c, 1);
+        add_slope(band, spline->t, c, end ? n - 2 : 0, c, 1);
         for (int k = 0; k < 2; k++)
             x[3 * c + MULTIPLIER][k] = tangent[end][k] / hypot(tangent[end][0], tangent[end][1]);
     }
 }
 
 /* Fit in lengths relative to the whole, so that the unit of length does not matter. */
-static int fit(spline *s, const double (*tangent)[2], double smoothing)
+static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 {
-    const int n = s->n;
-    const double whole = s->t[n - 1];
+    const int n = spline->n;
+    const double whole = spline->t[n - 1];
     double *band = calloc((size_t)n * 3 * ROW, sizeof *band),
            (*x)[2] = calloc((size_t)n * 3, sizeof *x), sum = 0;
     if (band && x) {
         for (int i = 0; i < n; i++) {
-            s->t[i] /= whole;
+            spline->t[i] /= whole;
             for (int k = 0; k < 2; k++)
-                s->y[i][k] /= whole;
+                spline->y[i][k] /= whole;
         }
-        fill_band(band, x, s, tangent, smoothing / whole / whole / whole);
+        fill_band(band, x, spline, tangent, smoothing / whole / whole / whole);
         solve_band(band, x, 3 * n);
         for (int i = 0; i < n; i++) {
-            s->t[i] *= whole;
+            spline->t[i] *= whole;
             for (int k = 0; k < 2; k++) {
-                s->y[i][k] = whole * x[3 * i + VALUE][k];
-                s->m[i][k] = x[3 * i + SECOND][k] / whole;
-                sum += s->y[i][k] + s->m[i][k];
+                spline->y[i][k] = whole * x[3 * i + VALUE][k];
+                spline->m[i][k] = x[3 * i + SECOND][k] / whole;
+                sum += spline->y[i][k] + spline->m[i][k];
             }
         }
     }
@@ -150,18 +150,19 @@ static int fit(spline *s, const double (*tangent)[2], double smoothing)
     return good;
 }
 
-static int start(spline *s, int n, const double (*point)[2])
+static int start(spline *spline, int n, const double (*point)[2])
 {
-    s->n = n;
-    s->t = calloc((size_t)n, sizeof *s->t);
-    s->y = calloc((size_t)n, sizeof *s->y);
-    s->m = calloc((size_t)n, sizeof *s->m);
-    if (!s->t || !s->y || !s->m)
+    spline->n = n;
+    spline->t = calloc((size_t)n, sizeof *spline->t);
+    spline->y = calloc((size_t)n, sizeof *spline->y);
+    spline->m = calloc((size_t)n, sizeof *spline->m);
+    if (!spline->t || !spline->y || !spline->m)
         return 0;
-    memcpy(s->y, point, (size_t)n * sizeof *s->y);
+    memcpy(spline->y, point, (size_t)n * sizeof *spline->y);
     for (int i = 1; i < n; i++) {
-        s->t[i] = s->t[i - 1] + hypot(point[i][0] - point[i - 1][0], point[i][1] - point[i - 1][1]);
-        if (!(s->t[i] > s->t[i - 1]))
+        spline->t[i] =
+            spline->t[i - 1] + hypot(point[i][0] - point[i - 1][0], point[i][1] - point[i - 1][1]);
+        if (!(spline->t[i] > spline->t[i - 1]))
             return 0;
     }
     return 1;
@@ -169,35 +170,35 @@ static int start(spline *s, int n, const double (*point)[2])
 
 spline *spline_fit(int n, const double (*point)[2], const double (*tangent)[2], double smoothing)
 {
-    spline *s = calloc(1, sizeof *s);
-    if (s && start(s, n, point) && fit(s, tangent, smoothing))
-        return s;
-    spline_free(s);
+    spline *spline = calloc(1, sizeof *spline);
+    if (spline && start(spline, n, point) && fit(spline, tangent, smoothing))
+        return spline;
+    spline_free(spline);
     return NULL;
 }
 
-void spline_free(spline *s)
+void spline_free(spline *spline)
 {
-    if (!s)
+    if (!spline)
         return;
-    free(s->t);
-    free(s->y);
-    free(s->m);
-    free(s);
+    free(spline->t);
+    free(spline->y);
+    free(spline->m);
+    free(spline);
 }
 
-double spline_length(const spline *s)
+double spline_length(const spline *spline)
 {
-    return s->t[s->n - 1];
+    return spline->t[spline->n - 1];
 }
 
 /* Index of the piece that holds t. */
-static int piece(const spline *s, double t)
+static int piece(const spline *spline, double t)
 {
-    int low = 0, high = s->n - 1;
+    int low = 0, high = spline->n - 1;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        if (s->t[middle] <= t)
+        if (spline->t[middle] <= t)
             low = middle;
         else
             high = middle;
@@ -205,20 +206,21 @@ static int piece(const spline *s, double t)
     return low;
 }
 
-double spline_next_knot(const spline *s, double t)
+double spline_next_knot(const spline *spline, double t)
 {
-    if (t < s->t[0])
-        return s->t[0];
-    const int low = piece(s, t);
-    return t < s->t[low + 1] ? s->t[low + 1] : HUGE_VAL;
+    if (t < spline->t[0])
+        return spline->t[0];
+    const int low = piece(spline, t);
+    return t < spline->t[low + 1] ? spline->t[low + 1] : HUGE_VAL;
 }
 
-void spline_at(const spline *s, double t, double x[2], double d1[2], double d2[2])
+void spline_at(const spline *spline, double t, double x[2], double d1[2], double d2[2])
 {
-    const int low = piece(s, t), high = low + 1;
-    const double h = s->t[high] - s->t[low], b = (t - s->t[low]) / h, a = 1 - b;
+    const int low = piece(spline, t), high = low + 1;
+    const double h = spline->t[high] - spline->t[low], b = (t - spline->t[low]) / h, a = 1 - b;
     for (int k = 0; k < 2; k++) {
-        const double y0 = s->y[low][k], y1 = s->y[high][k], m0 = s->m[low][k], m1 = s->m[high][k];
+        const double y0 = spline->y[low][k], y1 = spline->y[high][k], m0 = spline->m[low][k],
+                     m1 = spline->m[high][k];
         x[k] = a * y0 + b * y1 + h * h / 6 * ((a * a * a - a) * m0 + (b * b * b - b) * m1);
         d1[k] = (y1 - y0) / h + h / 6 * ((1 - 3 * a * a) * m0 + (3 * b * b - 1) * m1);
         d2[k] = a * m0 + b * m1;

@@ -14,16 +14,16 @@ typedef struct spline spline;
  * coincide or the numbers leave the range of a double; spline_free releases it.
  */
 spline *spline_fit(int n, const double (*point)[2], const double (*tangent)[2], double smoothing);
-void spline_free(spline *s);
+void spline_free(spline *spline);
 
 /* Parameter of the last point; the first has 0. */
-double spline_length(const spline *s);
+double spline_length(const spline *spline);
 
 /* The first knot above t, where the third derivative may jump; infinite after the last one. */
-double spline_next_knot(const spline *s, double t);
+double spline_next_knot(const spline *spline, double t);
 
 /* Position, first, second derivative at t (outside [0, length] the end pieces go on). [2] out each
  */
-void spline_at(const spline *s, double t, double x[2], double d1[2], double d2[2]);
+void spline_at(const spline *spline, double t, double x[2], double d1[2], double d2[2]);
 
 #endif

@@ -31,12 +31,12 @@ static double dot(const double a[3], const double b[3])
  * Derivative along direction a, at corner r, of a unit tilt of the director of node p along
  * e_(j+1).
  */
-static void tilt_derivative(const pzs_element_type *kind, int r, int a, int p, int j, double out[3])
+static void tilt_derivative(const pzs_element_type *type, int r, int a, int p, int j, double out[3])
 {
     for (int i = 0; i < 3; i++) {
-        out[i] = r == p ? kind->s[r][a][i][j] : 0;
+        out[i] = r == p ? type->s[r][a][i][j] : 0;
         if (neighbour[r][a] == p)
-            out[i] += kind->t[r][a][i][j];
+            out[i] += type->t[r][a][i][j];
     }
 }
 
@@ -44,13 +44,13 @@ static void tilt_derivative(const pzs_element_type *kind, int r, int a, int p, i
  * Add the strains at corner r of a tilt of node p along e_(j+1), as they enter the modes of the
  * rows.
  */
-static void add_corner(const pzs_element_type *kind, int r, int p, int j, double row[ROWS],
+static void add_corner(const pzs_element_type *type, int r, int p, int j, double row[ROWS],
                        double *y)
 {
-    const double h = kind->thickness, *g1 = kind->g_mean[r][0], *g2 = kind->g_mean[r][1];
+    const double h = type->thickness, *g1 = type->g_mean[r][0], *g2 = type->g_mean[r][1];
     double along1[3], along2[3];
-    tilt_derivative(kind, r, 0, p, j, along1);
-    tilt_derivative(kind, r, 1, p, j, along2);
+    tilt_derivative(type, r, 0, p, j, along1);
+    tilt_derivative(type, r, 1, p, j, along2);
     const double e11 = h * dot(g1, along1), e22 = h * dot(g2, along2);
     const double e13 = r == p ? g1[j] : 0, e23 = r == p ? g2[j] : 0;
     const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23,
@@ -60,13 +60,13 @@ static void add_corner(const pzs_element_type *kind, int r, int p, int j, double
     *y += h * (dot(g1, along2) + dot(g2, along1)) / 4;
 }
 
-static void fill_system(const pzs_element_type *kind, tilt_system *s)
+static void fill_system(const pzs_element_type *type, tilt_system *s)
 {
     memset(s, 0, sizeof *s);
     for (int p = 0; p < 4; p++)
         for (int j = 0; j < 2; j++)
             for (int r = 0; r < 4; r++)
-                add_corner(kind, r, p, j, s->a[2 * p + j], &s->y[2 * p + j]);
+                add_corner(type, r, p, j, s->a[2 * p + j], &s->y[2 * p + j]);
 }
 
 /*
@@ -169,18 +169,18 @@ static int solve(tilt_system *s, double c[ROWS])
     return 0;
 }
 
-int warp_fill(pzs_element_type *kind, double share)
+int warp_fill(pzs_element_type *type, double share)
 {
     tilt_system system;
     double c[ROWS];
-    memset(kind->warp, 0, sizeof kind->warp);
+    memset(type->warp, 0, sizeof type->warp);
     if (!(fabs(share) > 0))
         return 0;
-    fill_system(kind, &system);
+    fill_system(type, &system);
     if (solve(&system, c) < 0)
         return -1;
-    kind->warp[0] = share;
+    type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        kind->warp[1 + k] = 0 - share * c[k]; /* not -0 */
+        type->warp[1 + k] = 0 - share * c[k]; /* not -0 */
     return 0;
 }

@@ -16,6 +16,6 @@
  *   share in  tau (L1^2 k1 + L2^2 k2)/(12 h) (1); 0: no warp
  * Returns 0, or -1 where the eight rows cannot take the directors out: an element without extent.
  */
-int warp_fill(pzs_element_type *kind, double share);
+int warp_fill(pzs_element_type *type, double share);
 
 #endif

@@ -159,75 +159,77 @@ typedef struct gains {
     int as_measured;   /* an estimate's sensors are left out */
 } gains;
 
-static size_t list_amplifiers(const design *d, size_t *amplifier)
+static size_t list_amplifiers(const design *design, size_t *amplifier)
 {
     size_t n = 0;
-    for (int k = 0; k < d->amplifiers; k++)
-        if (d->lower[k] < d->upper[k])
+    for (int k = 0; k < design->amplifiers; k++)
+        if (design->lower[k] < design->upper[k])
             amplifier[n++] = (size_t)k;
     return n;
 }
 
 static int factor_hessian(gains *g)
 {
-    const design *d = &g->a->design;
+    const design *design = &g->a->design;
     double trace = 0;
     for (size_t i = 0; i < g->n; i++)
         for (size_t j = 0; j < g->n; j++)
             g->factor[i * g->n + j] =
-                d->hessian[g->amplifier[i] * (size_t)d->amplifiers + g->amplifier[j]];
+                design->hessian[g->amplifier[i] * (size_t)design->amplifiers + g->amplifier[j]];
     for (size_t i = 0; i < g->n; i++)
         trace += g->factor[i * g->n + i];
     for (size_t i = 0; i < g->n; i++)
         g->factor[i * g->n + i] +=
-            d->problem.regularisation + least_regularisation * trace / (double)g->n;
+            design->problem.regularisation + least_regularisation * trace / (double)g->n;
     return g->n > 0 && cholesky(g->factor, g->n);
 }
 
 /*
  * Does every reading of the estimate show a displacement? Then its rows are those of the structure.
  */
-static int reads_displacements(const scene *s)
+static int reads_displacements(const scene *scene)
 {
-    for (int i = 0; i < s->estimate.readings; i++)
-        if (s->output[s->estimate.reading[i].output].electric != ELECTRIC_NONE)
+    for (int i = 0; i < scene->estimate.readings; i++)
+        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
             return 0;
     return 1;
 }
 
 /* The shape estimated from what the sensors show of a displacement u. */
-static void estimated_shape(const gains *g, const estimator *e, const double *u)
+static void estimated_shape(const gains *g, const estimator *estimator, const double *u)
 {
-    const design *d = &g->a->design;
-    const scene *s = d->scene;
+    const design *design = &g->a->design;
+    const scene *scene = design->scene;
     int sensor = 0;
-    memset(g->shape, 0, (size_t)d->targets * sizeof *g->shape);
-    for (int i = 0; i < s->estimate.readings; i++) {
-        const int output = s->estimate.reading[i].output;
-        for (int row = d->named_first[output]; row < d->named_first[output + 1]; row++) {
-            const double shown = pzs_model_observe_row(&d->structure, u, (uint32_t)row);
-            for (int t = 0; t < d->targets; t++)
-                g->shape[t] += e->gain[(size_t)t * (size_t)e->sensors + (size_t)sensor] * shown;
+    memset(g->shape, 0, (size_t)design->targets * sizeof *g->shape);
+    for (int i = 0; i < scene->estimate.readings; i++) {
+        const int output = scene->estimate.reading[i].output;
+        for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++) {
+            const double shown = pzs_model_observe_row(&design->structure, u, (uint32_t)row);
+            for (int t = 0; t < design->targets; t++)
+                g->shape[t] +=
+                    estimator->gain[(size_t)t * (size_t)estimator->sensors + (size_t)sensor] *
+                    shown;
             sensor++;
         }
     }
 }
 
 /* Column of g F that belongs to a mode. */
-static void fill_column(gains *g, const estimator *e, size_t mode)
+static void fill_column(gains *g, const estimator *estimator, size_t mode)
 {
-    const design *d = &g->a->design;
-    const size_t dof = (size_t)d->mesh.dof;
+    const design *design = &g->a->design;
+    const size_t dof = (size_t)design->mesh.dof;
     const double *u = g->v->shape + ((size_t)g->v->rigid + mode) * dof;
-    if (e)
-        estimated_shape(g, e, u);
+    if (estimator)
+        estimated_shape(g, estimator, u);
     else
-        design_shape(d, u, g->shape);
+        design_shape(design, u, g->shape);
     for (size_t j = 0; j < g->n; j++) {
         g->x[j] = 0;
-        for (int t = 0; t < d->targets; t++)
-            g->x[j] += d->influence[(size_t)t * (size_t)d->amplifiers + g->amplifier[j]] *
-                       d->weight[t] * d->weight[t] * g->shape[t];
+        for (int t = 0; t < design->targets; t++)
+            g->x[j] += design->influence[(size_t)t * (size_t)design->amplifiers + g->amplifier[j]] *
+                       design->weight[t] * design->weight[t] * g->shape[t];
     }
     cholesky_solve(g->factor, g->n, g->x);
     for (size_t i = 0; i < g->modes; i++) {
@@ -240,9 +242,9 @@ static void fill_column(gains *g, const estimator *e, size_t mode)
 
 static int fill_gains(gains *g)
 {
-    estimator e;
+    estimator estimator;
     char ignored[SCENE_ERROR];
-    const scene *s = g->a->design.scene;
+    const scene *scene = g->a->design.scene;
     g->n = list_amplifiers(&g->a->design, g->amplifier);
     if (!factor_hessian(g))
         return 0;
@@ -250,26 +252,27 @@ static int fill_gains(gains *g)
         for (size_t j = 0; j < g->n; j++)
             g->given[i * g->n + j] =
                 vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
-    const int wanted = s->estimate.given && s->simulate.sight != SIGHT_MEASURED;
+    const int wanted = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
     const int estimates =
-        wanted && reads_displacements(s) && estimator_open(&e, g->a, ignored) == 0;
+        wanted && reads_displacements(scene) && estimator_open(&estimator, g->a, ignored) == 0;
     g->as_measured = wanted && !estimates;
     for (size_t mode = 0; mode < g->modes; mode++)
-        fill_column(g, estimates ? &e : NULL, mode);
+        fill_column(g, estimates ? &estimator : NULL, mode);
     if (estimates)
-        estimator_close(&e);
+        estimator_close(&estimator);
     return 1;
 }
 
 /* g F of the lowest modes that are no rigid motion, to be freed; NULL where it cannot be made. */
-static double *loop_gains(const analysis *a, const vibration *v, int modes, int *as_measured)
+static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
+                          int *as_measured)
 {
-    const size_t amplifiers = (size_t)a->design.amplifiers;
-    gains g = {.a = a, .v = v, .modes = (size_t)modes};
+    const size_t amplifiers = (size_t)analysis->design.amplifiers;
+    gains g = {.a = analysis, .v = vibration, .modes = (size_t)modes};
     g.amplifier = malloc(amplifiers * sizeof *g.amplifier);
     g.factor = malloc(amplifiers * amplifiers * sizeof *g.factor);
     g.x = malloc(amplifiers * sizeof *g.x);
-    g.shape = malloc((size_t)a->design.targets * sizeof *g.shape);
+    g.shape = malloc((size_t)analysis->design.targets * sizeof *g.shape);
     g.given = malloc(g.modes * amplifiers * sizeof *g.given);
     g.loop = malloc(g.modes * g.modes * sizeof *g.loop);
     const int filled =
@@ -331,121 +334,129 @@ static double scan_rates(const judged_loop *l)
     return rate < end ? stable : HUGE_VAL;
 }
 
-static void judge(certificate *c, const analysis *a)
+static void judge(certificate *certificate, const analysis *analysis)
 {
-    const scene *s = a->design.scene;
-    const int first = vibration_first(&c->vibration), delay = s->simulate.delay,
+    const scene *scene = analysis->design.scene;
+    const int first = vibration_first(&certificate->vibration), delay = scene->simulate.delay,
               most = MOST_STATES / (delay + 3);
-    const double *square = c->vibration.square + first;
-    c->modes = c->vibration.count - first;
-    c->modes = c->modes < most ? c->modes : most;
-    if (c->modes < 1 || a->design.problem.inputs == 0)
+    const double *square = certificate->vibration.square + first;
+    certificate->modes = certificate->vibration.count - first;
+    certificate->modes = certificate->modes < most ? certificate->modes : most;
+    if (certificate->modes < 1 || analysis->design.problem.inputs == 0)
         return;
     if (delay > MOST_DELAY) {
-        snprintf(c->why_not, sizeof c->why_not, "sensors %d ticks late: at most %d can be judged",
-                 delay, MOST_DELAY);
+        snprintf(certificate->why_not, sizeof certificate->why_not,
+                 "sensors %d ticks late: at most %d can be judged", delay, MOST_DELAY);
         return;
     }
-    double *loop = loop_gains(a, &c->vibration, c->modes, &c->as_measured);
+    double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
+                              &certificate->as_measured);
     if (!loop) {
-        snprintf(c->why_not, sizeof c->why_not,
+        snprintf(certificate->why_not, sizeof certificate->why_not,
                  "its gains cannot be computed; add a regularisation, limits.effort");
         return;
     }
-    c->is_judged = 1;
-    if (c->rate > 0) {
-        c->radius =
-            certificate_radius(loop, square, c->modes, c->damping, delay, 1 / c->rate, EXACT);
-        c->gain = 2 * c->damping * sqrt(square[0]) / c->rate;
+    certificate->is_judged = 1;
+    if (certificate->rate > 0) {
+        certificate->radius =
+            certificate_radius(loop, square, certificate->modes, certificate->damping, delay,
+                               1 / certificate->rate, EXACT);
+        certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
-    const judged_loop judged = {loop, square, c->modes, delay, c->damping};
-    c->rate_to = scan_rates(&judged);
+    const judged_loop judged = {loop, square, certificate->modes, delay, certificate->damping};
+    certificate->rate_to = scan_rates(&judged);
     free(loop);
 }
 
-void certificate_make(certificate *c, const analysis *a)
+void certificate_make(certificate *certificate, const analysis *analysis)
 {
-    const scene *s = a->design.scene;
-    if (c->made)
+    const scene *scene = analysis->design.scene;
+    if (certificate->made)
         return;
-    memset(c, 0, sizeof *c);
-    c->made = 1;
-    c->damping = s->dynamics.damping;
-    c->damping_given = s->dynamics.damping_given;
-    c->rate = s->simulate.given ? s->simulate.rate : 0;
-    c->radius = c->gain = c->rate_to = (double)NAN;
-    c->vibrates =
-        vibration_solve(&c->vibration, &a->design, s->dynamics.modes, MASS_LUMPED, c->why_not) == 0;
-    if (c->vibrates)
-        judge(c, a);
+    memset(certificate, 0, sizeof *certificate);
+    certificate->made = 1;
+    certificate->damping = scene->dynamics.damping;
+    certificate->damping_given = scene->dynamics.damping_given;
+    certificate->rate = scene->simulate.given ? scene->simulate.rate : 0;
+    certificate->radius = certificate->gain = certificate->rate_to = (double)NAN;
+    certificate->vibrates =
+        vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,
+                        MASS_LUMPED, certificate->why_not) == 0;
+    if (certificate->vibrates)
+        judge(certificate, analysis);
 }
 
-void certificate_free(certificate *c)
+void certificate_free(certificate *certificate)
 {
-    vibration_free(&c->vibration);
-    memset(c, 0, sizeof *c);
+    vibration_free(&certificate->vibration);
+    memset(certificate, 0, sizeof *certificate);
 }
 
-int certificate_refuses(const certificate *c)
+int certificate_refuses(const certificate *certificate)
 {
-    return c->is_judged && c->rate > 0 && !(c->radius < 1);
+    return certificate->is_judged && certificate->rate > 0 && !(certificate->radius < 1);
 }
 
-double certificate_first(const certificate *c)
+double certificate_first(const certificate *certificate)
 {
-    const int first = vibration_first(&c->vibration);
-    return c->vibrates && first < c->vibration.count ? c->vibration.frequency[first] : (double)NAN;
+    const int first = vibration_first(&certificate->vibration);
+    return certificate->vibrates && first < certificate->vibration.count
+               ? certificate->vibration.frequency[first]
+               : (double)NAN;
 }
 
 /* ---- words ------------------------------------------------------------ */
 
 /* The range of rates, behind the verdict. */
-static void range_text(const certificate *c, char text[SCENE_ERROR])
+static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 {
-    if (!isfinite(c->rate_to))
+    if (!isfinite(certificate->rate_to))
         snprintf(text, SCENE_ERROR, "Every rate is stable.");
-    else if (c->rate_to <= 0)
+    else if (certificate->rate_to <= 0)
         snprintf(text, SCENE_ERROR,
                  "No rate was found at which it is stable; wait for a vibration model.");
-    else if (certificate_refuses(c))
+    else if (certificate_refuses(certificate))
         snprintf(text, SCENE_ERROR,
                  "Run it at most at %.3g ticks a second, or wait for a vibration model.",
-                 c->rate_to);
+                 certificate->rate_to);
     else
-        snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.", c->rate_to);
+        snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.",
+                 certificate->rate_to);
 }
 
 /* The verdict at the scene's rate. */
-static void rate_text(const certificate *c, char text[SCENE_ERROR])
+static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
-    if (certificate_refuses(c))
+    if (certificate_refuses(certificate))
         snprintf(
             text, SCENE_ERROR,
             "The control step has no vibration model. At %g ticks a second (T = %g s) a structure\n"
             "with first mode %.4g Hz and damping ratio %g is stable only at step gain below about\n"
             "2 zeta w1 T = %.2g; the step limit does not help: vibration grows %.4g times a "
             "tick.\n",
-            c->rate, 1 / c->rate, certificate_first(c), c->damping, c->gain, c->radius);
+            certificate->rate, 1 / certificate->rate, certificate_first(certificate),
+            certificate->damping, certificate->gain, certificate->radius);
     else
         snprintf(
             text, SCENE_ERROR,
             "The control step has no vibration model. At %g ticks a second the loop is stable:\n"
             "vibration decays to %.4g of itself a tick.\n",
-            c->rate, c->radius);
+            certificate->rate, certificate->radius);
 }
 
-void certificate_text(const certificate *c, char text[3 * SCENE_ERROR])
+void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR])
 {
     char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
     text[0] = '\0';
-    if (c->made && c->vibrates && !c->is_judged && c->why_not[0])
+    if (certificate->made && certificate->vibrates && !certificate->is_judged &&
+        certificate->why_not[0])
         snprintf(text, 3 * SCENE_ERROR, "The stability of the control loop is not known: %s",
-                 c->why_not);
-    if (!c->is_judged)
+                 certificate->why_not);
+    if (!certificate->is_judged)
         return;
-    if (c->rate > 0)
-        rate_text(c, verdict);
-    range_text(c, range);
+    if (certificate->rate > 0)
+        rate_text(certificate, verdict);
+    range_text(certificate, range);
     snprintf(text, 3 * SCENE_ERROR, "%s%s%s", verdict, range,
-             c->as_measured ? "\nJudged as if every target node were measured." : "");
+             certificate->as_measured ? "\nJudged as if every target node were measured." : "");
 }

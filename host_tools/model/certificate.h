@@ -42,14 +42,14 @@ typedef struct certificate {
  *   a in  after analysis_influence where the scene has a target, and before simulate_tables
  * Nothing here is an error of the scene: what could not be found is told by the members.
  */
-void certificate_make(certificate *c, const struct analysis *a);
-void certificate_free(certificate *c);
+void certificate_make(certificate *certificate, const struct analysis *analysis);
+void certificate_free(certificate *certificate);
 
 /* Is the loop known to be unstable at the scene's rate? */
-int certificate_refuses(const certificate *c);
+int certificate_refuses(const certificate *certificate);
 
 /* First natural frequency, rigid motions left out; NAN where there is none. */
-double certificate_first(const certificate *c);
+double certificate_first(const certificate *certificate);
 
 /*
  * Spectral radius of the loop.
@@ -66,6 +66,6 @@ double certificate_radius(const double *loop, const double *square, int modes, d
  * The verdict in sentences, separated by line feeds; empty where nothing
  * is to be said.
  */
-void certificate_text(const certificate *c, char text[3 * SCENE_ERROR]);
+void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]);
 
 #endif

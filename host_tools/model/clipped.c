@@ -23,14 +23,14 @@ static bool is_held(const clipped *c, size_t k)
  */
 static double part(clipped *c)
 {
-    const design *d = c->design;
-    const size_t n = (size_t)d->amplifiers;
+    const design *design = c->design;
+    const size_t n = (size_t)design->amplifiers;
     double trace = 0;
-    for (size_t i = 0; i < (size_t)d->targets; i++) {
-        const double *row = d->influence + i * n;
+    for (size_t i = 0; i < (size_t)design->targets; i++) {
+        const double *row = design->influence + i * n;
         c->left[i] = c->wanted[i];
         for (size_t k = 0; k < n; k++) {
-            trace += pow(d->weight[i] * row[k], 2) / (double)n;
+            trace += pow(design->weight[i] * row[k], 2) / (double)n;
             c->influence[i * n + k] = is_held(c, k) ? 0 : row[k];
             c->left[i] -= is_held(c, k) ? row[k] * c->lower[k] : 0;
         }
@@ -38,12 +38,15 @@ static double part(clipped *c)
     return trace;
 }
 
-int clipped_open(clipped *c, const design *d, const double *lower, const double *upper,
+int clipped_open(clipped *c, const design *design, const double *lower, const double *upper,
                  const double *wanted)
 {
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets;
-    *c = (clipped){
-        .design = d, .lower = lower, .upper = upper, .wanted = wanted, .problem = d->problem};
+    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
+    *c = (clipped){.design = design,
+                   .lower = lower,
+                   .upper = upper,
+                   .wanted = wanted,
+                   .problem = design->problem};
     c->arrays = calloc(m * n + 2 * m + n * n, sizeof *c->arrays);
     c->work = malloc(PZS_CONTROL_BYTES(n, m));
     if (!c->arrays || !c->work)
@@ -53,13 +56,13 @@ int clipped_open(clipped *c, const design *d, const double *lower, const double 
     c->shape = c->left + m;
     double *hessian = c->shape + m;
     c->scale = part(c);
-    memcpy(hessian, d->hessian, n * n * sizeof *hessian);
+    memcpy(hessian, design->hessian, n * n * sizeof *hessian);
     for (size_t j = 0; j < n; j++)
         for (size_t k = 0; k < n; k++)
             if (is_held(c, j) || is_held(c, k))
                 hessian[j * n + k] = 0;
     c->problem.influence = c->influence;
-    c->problem.hessian = d->problem.hessian ? hessian : NULL;
+    c->problem.hessian = design->problem.hessian ? hessian : NULL;
     c->problem.lower = lower;
     c->problem.upper = upper;
     return 0;

@@ -31,7 +31,7 @@ typedef struct clipped {
  *   wanted [targets]          in
  * All must outlive *c. Returns 0, or -1 where memory runs out; clipped_close in either case.
  */
-int clipped_open(clipped *c, const design *d, const double *lower, const double *upper,
+int clipped_open(clipped *c, const design *design, const double *lower, const double *upper,
                  const double *wanted);
 void clipped_close(clipped *c);
 

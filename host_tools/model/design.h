@@ -62,14 +62,14 @@ typedef struct design {
 
 /* Build mesh, columns and rows of a checked scene, which must outlive the design. Returns 0, or -1
  * with error filled. */
-int design_build(design *d, const scene *s, char *error);
+int design_build(design *design, const scene *scene, char *error);
 
 /*
  * Build the voltage problem.
  *   influence [outputs][inputs] in  of the whole structure, from pzs_influence
  * Returns 0, or -1 with error filled.
  */
-int design_control(design *d, const double *influence, char *error);
+int design_control(design *design, const double *influence, char *error);
 
 /*
  * Voltage limits of every amplifier.
@@ -77,12 +77,13 @@ int design_control(design *d, const double *influence, char *error);
  *   lower, upper [amplifiers] out
  * Returns 0, or -1 with error filled: an amplifier has no voltage left.
  */
-int design_limits(const design *d, common_limits common, double *lower, double *upper, char *error);
+int design_limits(const design *design, common_limits common, double *lower, double *upper,
+                  char *error);
 
 /* Is the amplifier held, so that its limits leave it one voltage? */
-bool design_is_held(const design *d, int amplifier);
+bool design_is_held(const design *design, int amplifier);
 
-void design_free(design *d);
+void design_free(design *design);
 
 /*
  * Resultants of a volt (a kelvin) of an actuator's amplifier in one element.
@@ -90,23 +91,23 @@ void design_free(design *d);
  *   h0 [10] out times the element's area
  * Returns whether it acts there.
  */
-int design_actuation(const mesh *m, const scene_actuator *actuator, int cell, int element,
+int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,
                      double h0[LAMINATE_STRAINS]);
 
 /* Temperatures of the inner and outer face under a temperature load; resultants of it in one
  * element, h0 [10] out. */
 laminate_field design_kelvin(const scene_load *load);
-void design_warming(const mesh *m, const scene_load *load, int element,
+void design_warming(const mesh *mesh, const scene_load *load, int element,
                     double h0[LAMINATE_STRAINS]);
 
 /* Patch of a grid, second index fastest, on which the element lies, or -1. */
-int design_patch(const mesh *m, int element, const scene_patches *patches);
+int design_patch(const mesh *mesh, int element, const scene_patches *patches);
 
 /*
  * A wanted displacement at the target's nodes, the free functions taken out. value [targets] out.
  * Returns 0, or -1 with error filled: not finite.
  */
-int design_target_values(const design *d, const expr *wanted, scene_at at, double *value,
+int design_target_values(const design *design, const expr *wanted, scene_at at, double *value,
                          char *error);
 
 /*
@@ -117,32 +118,32 @@ int design_target_values(const design *d, const expr *wanted, scene_at at, doubl
  * what the stretched chords of a ring hold in balance, whatever their angles. flat [2][2] out
  * without their lean; lean [2] out what counts of it. Returns the area they span.
  */
-double design_chords(const mesh *m, int element, int r, scene_face face, double flat[2][2],
+double design_chords(const mesh *mesh, int element, int r, scene_face face, double flat[2][2],
                      double lean[2]);
 
 /* Values of a load at the nodes. value [nodes] out. Returns 0, or -1 with error filled: a value is
  * not finite. */
-int design_load_values(const mesh *m, const scene_load *load, double *value, char *error);
+int design_load_values(const mesh *mesh, const scene_load *load, double *value, char *error);
 
 /* Applied volts of the scene's actuators. volt [amplifiers] out */
-void design_applied(const design *d, double *voltage);
+void design_applied(const design *design, double *voltage);
 
 /* Target rows of a displacement. u [dof] in, shape [targets] out */
-void design_shape(const design *d, const double *u, double *shape);
+void design_shape(const design *design, const double *u, double *shape);
 
 /*
  * |W P (x - y)|^2, or |W P x|^2 where y is NULL; P takes the free functions out. x, y [targets] in
  */
-double design_squares(const design *d, const double *x, const double *y);
+double design_squares(const design *design, const double *x, const double *y);
 
 /*
  * misfit [targets] out = P (x - y), as above. Returns the weighted sum of its squares in the rows
  * that cannot move.
  */
-double design_misfit(const design *d, const double *x, const double *y, double *misfit);
+double design_misfit(const design *design, const double *x, const double *y, double *misfit);
 
 /* x := P x. x [targets] in/out */
-void design_take_free(const design *d, double *x);
+void design_take_free(const design *design, double *x);
 
 /*
  * P B, 0 in rows that cannot move.
@@ -150,17 +151,17 @@ void design_take_free(const design *d, double *x);
  *   column [targets]                room
  *   out [targets][amplifiers]   out
  */
-void design_influence_free(const design *d, const double *influence, size_t stride, double *column,
-                           double *out);
+void design_influence_free(const design *design, const double *influence, size_t stride,
+                           double *column, double *out);
 
 /*
  * Rows that cannot move, free functions, then the wanted displacement. Returns 0, or -1 with error
  * filled.
  */
-int design_target_rows(design *d, char *error);
+int design_target_rows(design *design, char *error);
 
 /* Quarter areas of the elements at each node. area [nodes] out */
-void design_node_areas(const mesh *m, double *area);
+void design_node_areas(const mesh *mesh, double *area);
 
 /*
  * Arrays under construction: room for count items of a size, or *full set and the old array; and
@@ -173,7 +174,7 @@ void design_release(const void *table);
  * Displacement of a node as weights on its unknowns, (mean, difference/h) order.
  *   weight [7] out
  */
-void design_output_weights(const mesh *m, int node, scene_component component, scene_face face,
+void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7]);
 
 #endif

@@ -7,20 +7,21 @@
 #include "../../lib/core/guard.h"
 
 /* B'W^2 B, and the effort in m2/V2. */
-static double build_hessian(design *d)
+static double build_hessian(design *design)
 {
-    const size_t n = (size_t)d->amplifiers;
+    const size_t n = (size_t)design->amplifiers;
     double trace = 0;
-    for (int i = 0; i < d->targets; i++)
+    for (int i = 0; i < design->targets; i++)
         for (size_t j = 0; j < n; j++)
             for (size_t k = 0; k < n; k++)
-                d->hessian[j * n + k] += d->weight[i] * d->weight[i] *
-                                         d->influence[(size_t)i * n + j] *
-                                         d->influence[(size_t)i * n + k];
+                design->hessian[j * n + k] += design->weight[i] * design->weight[i] *
+                                              design->influence[(size_t)i * n + j] *
+                                              design->influence[(size_t)i * n + k];
     for (size_t j = 0; j < n; j++)
-        trace += d->hessian[j * n + j];
-    return d->scene->limits.effort_is_relative ? d->scene->limits.effort * trace / d->amplifiers
-                                               : d->scene->limits.effort;
+        trace += design->hessian[j * n + j];
+    return design->scene->limits.effort_is_relative
+               ? design->scene->limits.effort * trace / design->amplifiers
+               : design->scene->limits.effort;
 }
 
 /* ---- limits ----------------------------------------------------------- */
@@ -119,23 +120,24 @@ static int check_limits(const limits *l, const char *which, char *error)
  * The limits of the scene: of its amplifiers where they have their own, else common, within the
  * depolarisation fields.
  */
-static int build_limits(const design *d, char *error)
+static int build_limits(const design *design, char *error)
 {
-    const limits l = {d->scene, d->lower, d->upper};
-    set_all(&l, d->scene->limits.lower, d->scene->limits.upper);
+    const limits l = {design->scene, design->lower, design->upper};
+    set_all(&l, design->scene->limits.lower, design->scene->limits.upper);
     take_own(&l);
     narrow_by_fields(&l);
-    for (int k = 0; k < d->amplifiers; k++)
-        d->slew[k] = d->scene->limits.slew;
+    for (int k = 0; k < design->amplifiers; k++)
+        design->slew[k] = design->scene->limits.slew;
     return check_limits(&l, "", error);
 }
 
-int design_limits(const design *d, common_limits common, double *lower, double *upper, char *error)
+int design_limits(const design *design, common_limits common, double *lower, double *upper,
+                  char *error)
 {
-    const limits l = {d->scene, lower, upper};
-    const size_t bytes = (size_t)d->amplifiers * sizeof *lower;
-    memcpy(lower, d->lower, bytes);
-    memcpy(upper, d->upper, bytes);
+    const limits l = {design->scene, lower, upper};
+    const size_t bytes = (size_t)design->amplifiers * sizeof *lower;
+    memcpy(lower, design->lower, bytes);
+    memcpy(upper, design->upper, bytes);
     if (common.source == LIMITS_NONE)
         open_others(&l);
     if (common.source != LIMITS_GIVEN)
@@ -147,66 +149,68 @@ int design_limits(const design *d, common_limits common, double *lower, double *
     return check_limits(&l, "the limits asked for, ", error);
 }
 
-bool design_is_held(const design *d, int amplifier)
+bool design_is_held(const design *design, int amplifier)
 {
-    return d->lower[amplifier] == d->upper[amplifier];
+    return design->lower[amplifier] == design->upper[amplifier];
 }
 
 /* ---- voltage problem -------------------------------------------------- */
 
-static int allocate_control(design *d)
+static int allocate_control(design *design)
 {
-    const size_t n = (size_t)d->amplifiers;
-    d->wanted = calloc((size_t)d->targets, sizeof *d->wanted);
-    d->influence = calloc((size_t)d->targets * n, sizeof *d->influence);
-    d->hessian = calloc(n * n, sizeof *d->hessian);
-    d->lower = calloc(n, sizeof *d->lower);
-    d->upper = calloc(n, sizeof *d->upper);
-    d->slew = calloc(n, sizeof *d->slew);
-    d->prefer = calloc(n, sizeof *d->prefer);
-    return d->wanted && d->influence && d->hessian && d->lower && d->upper && d->slew && d->prefer;
+    const size_t n = (size_t)design->amplifiers;
+    design->wanted = calloc((size_t)design->targets, sizeof *design->wanted);
+    design->influence = calloc((size_t)design->targets * n, sizeof *design->influence);
+    design->hessian = calloc(n * n, sizeof *design->hessian);
+    design->lower = calloc(n, sizeof *design->lower);
+    design->upper = calloc(n, sizeof *design->upper);
+    design->slew = calloc(n, sizeof *design->slew);
+    design->prefer = calloc(n, sizeof *design->prefer);
+    return design->wanted && design->influence && design->hessian && design->lower &&
+           design->upper && design->slew && design->prefer;
 }
 
-int design_control(design *d, const double *influence, char *error)
+int design_control(design *design, const double *influence, char *error)
 {
-    const size_t n = (size_t)d->amplifiers, inputs = d->structure.input.count;
-    pzs_problem *p = &d->problem;
-    if (!d->scene->target.given)
-        return scene_fault(d->scene, d->scene->limits.at, error,
+    const size_t n = (size_t)design->amplifiers, inputs = design->structure.input.count;
+    pzs_problem *problem = &design->problem;
+    if (!design->scene->target.given)
+        return scene_fault(design->scene, design->scene->limits.at, error,
                            "no target: add `target: {u3: middle, at: nodes, value: ...}`");
     if (n == 0)
-        return scene_fault(d->scene, d->scene->limits.at, error, "no amplifiers: add `actuators`");
-    if (!allocate_control(d))
-        return scene_fault(d->scene, d->scene->limits.at, error,
-                           "%d amplifiers do not fit into memory", d->amplifiers);
-    if (d->fixed_rows == d->targets)
-        return scene_fault(d->scene, d->scene->target.what.at, error,
+        return scene_fault(design->scene, design->scene->limits.at, error,
+                           "no amplifiers: add `actuators`");
+    if (!allocate_control(design))
+        return scene_fault(design->scene, design->scene->limits.at, error,
+                           "%d amplifiers do not fit into memory", design->amplifiers);
+    if (design->fixed_rows == design->targets)
+        return scene_fault(design->scene, design->scene->target.what.at, error,
                            "all %d target rows lie on constrained dof and "
                            "cannot move; choose other nodes or another direction",
-                           d->targets);
-    design_influence_free(d, influence, inputs, d->wanted, d->influence);
-    for (size_t i = 0; i < (size_t)d->targets; i++) {
-        d->wanted[i] = 0;
-        for (size_t load = n; load < n + (size_t)d->loads; load++)
-            d->wanted[i] += influence[i * inputs + load];
+                           design->targets);
+    design_influence_free(design, influence, inputs, design->wanted, design->influence);
+    for (size_t i = 0; i < (size_t)design->targets; i++) {
+        design->wanted[i] = 0;
+        for (size_t load = n; load < n + (size_t)design->loads; load++)
+            design->wanted[i] += influence[i * inputs + load];
     }
-    design_take_free(d, d->wanted);
-    for (int i = 0; i < d->targets; i++)
-        d->wanted[i] = d->target[i] - d->wanted[i];
-    p->regularisation = build_hessian(d);
-    if (build_limits(d, error) < 0)
+    design_take_free(design, design->wanted);
+    for (int i = 0; i < design->targets; i++)
+        design->wanted[i] = design->target[i] - design->wanted[i];
+    problem->regularisation = build_hessian(design);
+    if (build_limits(design, error) < 0)
         return -1;
-    p->format = PZS_TABLE_FORMAT;
-    p->scene = d->scene->hash;
-    p->inputs = (uint16_t)n;
-    p->outputs = (uint16_t)d->targets;
-    p->influence = d->influence;
-    p->hessian = d->hessian;
-    p->weight = d->weight;
-    p->lower = d->lower;
-    p->upper = d->upper;
-    p->step_limit = d->slew;
-    p->reference_voltage = d->prefer;
-    p->crc = pzs_problem_crc(p);
+    problem->format = PZS_TABLE_FORMAT;
+    problem->scene = design->scene->hash;
+    problem->inputs = (uint16_t)n;
+    problem->outputs = (uint16_t)design->targets;
+    problem->influence = design->influence;
+    problem->hessian = design->hessian;
+    problem->weight = design->weight;
+    problem->lower = design->lower;
+    problem->upper = design->upper;
+    problem->step_limit = design->slew;
+    problem->reference_voltage = design->prefer;
+    problem->crc = pzs_problem_crc(problem);
     return 0;
 }

@@ -16,32 +16,32 @@
 
 /* ---- rows that cannot move -------------------------------------------- */
 
-static bool is_prescribed(const mesh *m, uint16_t dof)
+static bool is_prescribed(const mesh *mesh, uint16_t dof)
 {
-    for (int k = 0; k < m->prescribed_count; k++)
-        if (m->prescribed_dof[k] == dof)
+    for (int k = 0; k < mesh->prescribed_count; k++)
+        if (mesh->prescribed_dof[k] == dof)
             return true;
     return false;
 }
 
 /* Is the displacement of a target row made of constrained dof alone? */
-static bool is_constrained(const design *d, int row)
+static bool is_constrained(const design *design, int row)
 {
-    const pzs_rows *rows = &d->structure.output;
+    const pzs_rows *rows = &design->structure.output;
     for (uint32_t t = rows->start[row]; t < rows->start[row + 1]; t++)
-        if (!is_prescribed(&d->mesh, rows->dof[t]))
+        if (!is_prescribed(&design->mesh, rows->dof[t]))
             return false;
     return true;
 }
 
 /* Rows that cannot move have no weight; what it would be is kept aside. */
-static void part_rows(design *d)
+static void part_rows(design *design)
 {
-    for (int i = 0; i < d->targets; i++)
-        if (is_constrained(d, i)) {
-            d->fixed_weight[i] = d->weight[i];
-            d->weight[i] = 0;
-            d->fixed_rows++;
+    for (int i = 0; i < design->targets; i++)
+        if (is_constrained(design, i)) {
+            design->fixed_weight[i] = design->weight[i];
+            design->weight[i] = 0;
+            design->fixed_rows++;
         }
 }
 
@@ -53,12 +53,12 @@ static double difference(const double *x, const double *y, int i)
 }
 
 /* What is left of x - y in row i without `count` free functions times c. */
-static double left_of(const design *d, const double *x, const double *y, const double *c, int count,
-                      int i)
+static double left_of(const design *design, const double *x, const double *y, const double *c,
+                      int count, int i)
 {
     double left = difference(x, y, i);
     for (int j = 0; j < count; j++)
-        left -= c[j] * d->free_value[(size_t)j * (size_t)d->targets + (size_t)i];
+        left -= c[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
     return left;
 }
 
@@ -66,16 +66,18 @@ static double left_of(const design *d, const double *x, const double *y, const d
  * c [count] out: weighted least-squares fit of the first free functions to x - y, in two iterations
  * against rounding.
  */
-static void fit(const design *d, const double *x, const double *y, int count, double *c)
+static void fit(const design *design, const double *x, const double *y, int count, double *c)
 {
     double more[DESIGN_FREE];
     memset(c, 0, (size_t)count * sizeof *c);
     for (int again = 0; again < 2; again++) {
         memset(more, 0, sizeof more);
-        for (int i = 0; i < d->targets; i++) {
-            const double left = d->weight[i] * d->weight[i] * left_of(d, x, y, c, count, i);
+        for (int i = 0; i < design->targets; i++) {
+            const double left =
+                design->weight[i] * design->weight[i] * left_of(design, x, y, c, count, i);
             for (int j = 0; j < count; j++)
-                more[j] += left * d->free_value[(size_t)j * (size_t)d->targets + (size_t)i];
+                more[j] +=
+                    left * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
         }
         for (int j = 0; j < count; j++)
             c[j] += more[j];
@@ -83,112 +85,112 @@ static void fit(const design *d, const double *x, const double *y, int count, do
 }
 
 /* |W x|^2 */
-static double weighted_squares(const design *d, const double *x)
+static double weighted_squares(const design *design, const double *x)
 {
     double sum = 0;
-    for (int i = 0; i < d->targets; i++)
-        sum += pow(d->weight[i] * x[i], 2);
+    for (int i = 0; i < design->targets; i++)
+        sum += pow(design->weight[i] * x[i], 2);
     return sum;
 }
 
 /* Rounding-error bound of the weighted size of what a fit leaves, relative to the vector. */
-static double rounding(const design *d)
+static double rounding(const design *design)
 {
-    return 8 * DBL_EPSILON * sqrt((double)d->targets);
+    return 8 * DBL_EPSILON * sqrt((double)design->targets);
 }
 
 /*
  * x := x less its fit by the first `count` functions; rows with weight are zero where rounding
  * alone is left.
  */
-static void take_out(const design *d, int count, double *x)
+static void take_out(const design *design, int count, double *x)
 {
     double c[DESIGN_FREE];
-    const double before = weighted_squares(d, x);
-    fit(d, x, NULL, count, c);
-    for (int i = 0; i < d->targets; i++)
-        x[i] = left_of(d, x, NULL, c, count, i);
-    if (weighted_squares(d, x) > pow(rounding(d), 2) * before)
+    const double before = weighted_squares(design, x);
+    fit(design, x, NULL, count, c);
+    for (int i = 0; i < design->targets; i++)
+        x[i] = left_of(design, x, NULL, c, count, i);
+    if (weighted_squares(design, x) > pow(rounding(design), 2) * before)
         return;
-    for (int i = 0; i < d->targets; i++)
-        x[i] = d->weight[i] > 0 ? 0 : x[i];
+    for (int i = 0; i < design->targets; i++)
+        x[i] = design->weight[i] > 0 ? 0 : x[i];
 }
 
 /* Function j at the target's nodes, orthogonal to those before it and of weighted size 1. */
-static int add_free(design *d, int j, char *error)
+static int add_free(design *design, int j, char *error)
 {
-    const scene_mode *from = &d->scene->target.free[j];
-    double *value = d->free_value + (size_t)j * (size_t)d->targets;
-    if (design_target_values(d, from->value, from->at, value, error) < 0)
+    const scene_mode *from = &design->scene->target.free[j];
+    double *value = design->free_value + (size_t)j * (size_t)design->targets;
+    if (design_target_values(design, from->value, from->at, value, error) < 0)
         return -1;
-    take_out(d, j, value);
-    const double size = sqrt(weighted_squares(d, value));
+    take_out(design, j, value);
+    const double size = sqrt(weighted_squares(design, value));
     if (!(size > 0))
-        return scene_fault(d->scene, from->at, error,
+        return scene_fault(design->scene, from->at, error,
                            "free function '%s' is zero at the nodes of the target that can "
                            "move, or a combination of the free functions before it; remove it",
                            from->name);
-    for (int i = 0; i < d->targets; i++)
+    for (int i = 0; i < design->targets; i++)
         value[i] /= size;
-    d->free_functions = j + 1;
+    design->free_functions = j + 1;
     return 0;
 }
 
-void design_take_free(const design *d, double *x)
+void design_take_free(const design *design, double *x)
 {
-    if (d->free_functions > 0)
-        take_out(d, d->free_functions, x);
+    if (design->free_functions > 0)
+        take_out(design, design->free_functions, x);
 }
 
-double design_misfit(const design *d, const double *x, const double *y, double *misfit)
+double design_misfit(const design *design, const double *x, const double *y, double *misfit)
 {
     double c[DESIGN_FREE], sum = 0;
-    fit(d, x, y, d->free_functions, c);
-    for (int i = 0; i < d->targets; i++) {
-        misfit[i] = left_of(d, x, y, c, d->free_functions, i);
-        sum += pow(d->fixed_weight[i] * misfit[i], 2);
+    fit(design, x, y, design->free_functions, c);
+    for (int i = 0; i < design->targets; i++) {
+        misfit[i] = left_of(design, x, y, c, design->free_functions, i);
+        sum += pow(design->fixed_weight[i] * misfit[i], 2);
     }
     return sum;
 }
 
-double design_squares(const design *d, const double *x, const double *y)
+double design_squares(const design *design, const double *x, const double *y)
 {
     double c[DESIGN_FREE], sum = 0;
-    fit(d, x, y, d->free_functions, c);
-    for (int i = 0; i < d->targets; i++)
-        sum += pow(d->weight[i] * left_of(d, x, y, c, d->free_functions, i), 2);
+    fit(design, x, y, design->free_functions, c);
+    for (int i = 0; i < design->targets; i++)
+        sum += pow(design->weight[i] * left_of(design, x, y, c, design->free_functions, i), 2);
     return sum;
 }
 
-void design_influence_free(const design *d, const double *influence, size_t stride, double *column,
-                           double *out)
+void design_influence_free(const design *design, const double *influence, size_t stride,
+                           double *column, double *out)
 {
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets;
+    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
     for (size_t i = 0; i < m; i++)
         memcpy(out + i * n, influence + i * stride, n * sizeof *out);
-    for (size_t k = 0; k < n && d->free_functions > 0; k++) {
+    for (size_t k = 0; k < n && design->free_functions > 0; k++) {
         for (size_t i = 0; i < m; i++)
             column[i] = out[i * n + k];
-        design_take_free(d, column);
+        design_take_free(design, column);
         for (size_t i = 0; i < m; i++)
-            out[i * n + k] = d->weight[i] > 0 ? column[i] : 0;
+            out[i * n + k] = design->weight[i] > 0 ? column[i] : 0;
     }
 }
 
-int design_target_rows(design *d, char *error)
+int design_target_rows(design *design, char *error)
 {
-    const scene_target *target = &d->scene->target;
-    const size_t m = (size_t)d->targets;
+    const scene_target *target = &design->scene->target;
+    const size_t m = (size_t)design->targets;
     if (!target->given)
         return 0;
-    d->fixed_weight = calloc(m, sizeof *d->fixed_weight);
-    d->free_value = calloc(m * (size_t)target->frees + 1, sizeof *d->free_value);
-    if (!d->fixed_weight || !d->free_value)
-        return scene_fault(d->scene, target->what.at, error,
-                           "%d target nodes do not fit into memory", d->targets);
-    part_rows(d);
-    for (int j = 0; j < target->frees && d->fixed_rows < d->targets; j++)
-        if (add_free(d, j, error) < 0)
+    design->fixed_weight = calloc(m, sizeof *design->fixed_weight);
+    design->free_value = calloc(m * (size_t)target->frees + 1, sizeof *design->free_value);
+    if (!design->fixed_weight || !design->free_value)
+        return scene_fault(design->scene, target->what.at, error,
+                           "%d target nodes do not fit into memory", design->targets);
+    part_rows(design);
+    for (int j = 0; j < target->frees && design->fixed_rows < design->targets; j++)
+        if (add_free(design, j, error) < 0)
             return -1;
-    return design_target_values(d, target->value, target->what.at, d->target, error);
+    return design_target_values(design, target->value, target->what.at, design->target, error);
 }

@@ -11,14 +11,14 @@ typedef struct across {
 
 /* Those of one actuator or sensor whose first input is `first`; the plies of different drives may
  * be the same. */
-static int append_across(const mesh *m, const scene_actuator *a, int first, int element,
+static int append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
                          across *list)
 {
     int count = 0;
-    for (int k = 0; k < a->drives; k++) {
-        const scene_patches *patches = &m->scene->patches[a->drive[k].patches];
-        const int patch = design_patch(m, element, patches);
-        const across one = {first + patch, patches->layer, a->drive[k].factor};
+    for (int k = 0; k < actuator->drives; k++) {
+        const scene_patches *patches = &mesh->scene->patches[actuator->drive[k].patches];
+        const int patch = design_patch(mesh, element, patches);
+        const across one = {first + patch, patches->layer, actuator->drive[k].factor};
         if (patch >= 0)
             list[count++] = one;
     }
@@ -26,66 +26,69 @@ static int append_across(const mesh *m, const scene_actuator *a, int first, int 
 }
 
 /* All in one element. list [patch grids] out */
-static int all_across(const design *d, int element, across *list)
+static int all_across(const design *design, int element, across *list)
 {
-    const scene *s = d->scene;
+    const scene *scene = design->scene;
     int count = 0;
-    for (int k = 0; k < s->actuators; k++)
-        count +=
-            append_across(&d->mesh, &s->actuator[k], s->actuator[k].first, element, list + count);
-    for (int k = 0; k < s->sensors; k++)
-        count += append_across(&d->mesh, &s->sensor[k], d->sensor_first + s->sensor[k].first,
+    for (int k = 0; k < scene->actuators; k++)
+        count += append_across(&design->mesh, &scene->actuator[k], scene->actuator[k].first,
                                element, list + count);
+    for (int k = 0; k < scene->sensors; k++)
+        count +=
+            append_across(&design->mesh, &scene->sensor[k],
+                          design->sensor_first + scene->sensor[k].first, element, list + count);
     return count;
 }
 
 /* Charge per unit of every input on the electrodes of one element, held. dense [electrodes][inputs]
  * in/out */
-static void add_element(const design *d, int element, across *list, double *dense)
+static void add_element(const design *design, int element, across *list, double *dense)
 {
-    const mesh *m = &d->mesh;
-    const scene *s = d->scene;
-    const laminate_place *place = &m->place[m->element_kind[element]];
-    const int count = all_across(d, element, list);
+    const mesh *mesh = &design->mesh;
+    const scene *scene = design->scene;
+    const laminate_place *place = &mesh->place[mesh->element_kind[element]];
+    const int count = all_across(design, element, list);
     for (int i = 0; i < count; i++) {
         const across *own = &list[i];
-        double *row = dense + (size_t)electrodes_of(d, own->input) * d->structure.input.count;
+        double *row =
+            dense + (size_t)electrodes_of(design, own->input) * design->structure.input.count;
         for (int j = 0; j < count; j++) {
             const laminate_field voltage = {list[j].ply, {0, 0}};
             row[list[j].input] +=
                 own->factor * list[j].factor *
-                laminate_charge(&m->laminate, &s->element, place, own->ply, &voltage);
+                laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &voltage);
         }
-        for (int k = 0; k < s->actuators; k++) {
+        for (int k = 0; k < scene->actuators; k++) {
             const laminate_field kelvin = {-1, {1, 1}};
-            if (s->actuator[k].is_temperature)
-                row[s->actuator[k].first] +=
+            if (scene->actuator[k].is_temperature)
+                row[scene->actuator[k].first] +=
                     own->factor *
-                    laminate_charge(&m->laminate, &s->element, place, own->ply, &kelvin);
+                    laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);
         }
-        for (int k = 0; k < s->loads; k++)
-            if (s->load[k].type == LOAD_TEMPERATURE) {
-                const laminate_field kelvin = design_kelvin(&s->load[k]);
-                row[d->amplifiers + k] += own->factor * laminate_charge(&m->laminate, &s->element,
-                                                                        place, own->ply, &kelvin);
+        for (int k = 0; k < scene->loads; k++)
+            if (scene->load[k].type == LOAD_TEMPERATURE) {
+                const laminate_field kelvin = design_kelvin(&scene->load[k]);
+                row[design->amplifiers + k] +=
+                    own->factor *
+                    laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);
             }
     }
 }
 
 /* Inputs that are volts: amplifiers but those of a temperature, then the sensors' electrodes. */
-static uint16_t list_inputs(const design *d, uint16_t *input, uint8_t *open)
+static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open)
 {
-    const scene *s = d->scene;
+    const scene *scene = design->scene;
     uint16_t count = 0;
-    for (int k = 0; k < s->actuators; k++)
-        for (int c = 0;
-             c < s->actuator[k].grid[0] * s->actuator[k].grid[1] && !s->actuator[k].is_temperature;
+    for (int k = 0; k < scene->actuators; k++)
+        for (int c = 0; c < scene->actuator[k].grid[0] * scene->actuator[k].grid[1] &&
+                        !scene->actuator[k].is_temperature;
              c++)
-            input[count++] = (uint16_t)(s->actuator[k].first + c);
-    for (int k = 0; k < s->sensors; k++)
-        for (int c = 0; c < s->sensor[k].grid[0] * s->sensor[k].grid[1]; c++) {
-            open[count] = (uint8_t)s->sensor[k].open;
-            input[count++] = (uint16_t)(d->sensor_first + s->sensor[k].first + c);
+            input[count++] = (uint16_t)(scene->actuator[k].first + c);
+    for (int k = 0; k < scene->sensors; k++)
+        for (int c = 0; c < scene->sensor[k].grid[0] * scene->sensor[k].grid[1]; c++) {
+            open[count] = (uint8_t)scene->sensor[k].open;
+            input[count++] = (uint16_t)(design->sensor_first + scene->sensor[k].first + c);
         }
     return count;
 }
@@ -104,66 +107,66 @@ static void sparse(const double *dense, size_t rows, size_t columns, uint32_t *s
     }
 }
 
-static int is_wanted(const scene *s)
+static int is_wanted(const scene *scene)
 {
-    int wanted = s->sensors > 0;
-    for (int k = 0; k < s->outputs; k++)
-        wanted |= s->output[k].electric != ELECTRIC_NONE;
+    int wanted = scene->sensors > 0;
+    for (int k = 0; k < scene->outputs; k++)
+        wanted |= scene->output[k].electric != ELECTRIC_NONE;
     return wanted;
 }
 
-int electrodes_build(design *d, char *error)
+int electrodes_build(design *design, char *error)
 {
-    const size_t inputs = d->structure.input.count;
-    pzs_electrodes *t = &d->electrodes;
+    const size_t inputs = design->structure.input.count;
+    pzs_electrodes *tables = &design->electrodes;
     uint16_t *input = calloc(inputs + 1, sizeof *input), *dof = NULL;
     uint8_t *open = calloc(inputs + 1, sizeof *open);
     uint32_t *start = calloc(inputs + 1, sizeof *start);
-    across *list = calloc((size_t)d->scene->patch_grids + 1, sizeof *list);
+    across *list = calloc((size_t)design->scene->patch_grids + 1, sizeof *list);
     double *dense = NULL, *value = NULL;
-    const int wanted = is_wanted(d->scene), ready = input && open && start && list;
-    t->input = input;
-    t->open = open;
-    t->count = wanted && ready ? list_inputs(d, input, open) : 0;
-    dense = calloc(t->count * inputs + 1, sizeof *dense);
-    dof = calloc(t->count * inputs + 1, sizeof *dof);
-    value = calloc(t->count * inputs + 1, sizeof *value);
+    const int wanted = is_wanted(design->scene), ready = input && open && start && list;
+    tables->input = input;
+    tables->open = open;
+    tables->count = wanted && ready ? list_inputs(design, input, open) : 0;
+    dense = calloc(tables->count * inputs + 1, sizeof *dense);
+    dof = calloc(tables->count * inputs + 1, sizeof *dof);
+    value = calloc(tables->count * inputs + 1, sizeof *value);
     if (ready && dense && dof && value) {
-        for (int e = 0; e < d->mesh.elements && t->count > 0; e++)
-            add_element(d, e, list, dense);
-        sparse(dense, t->count, inputs, start, dof, value);
+        for (int e = 0; e < design->mesh.elements && tables->count > 0; e++)
+            add_element(design, e, list, dense);
+        sparse(dense, tables->count, inputs, start, dof, value);
     }
-    const pzs_rows direct = {t->count, start, dof, value};
-    t->direct = direct;
-    t->format = PZS_TABLE_FORMAT;
-    t->scene = d->scene->hash;
+    const pzs_rows direct = {tables->count, start, dof, value};
+    tables->direct = direct;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->scene = design->scene->hash;
     free(list);
     free(dense);
     if (!ready || !dense || !dof || !value)
-        return scene_fault(d->scene, d->scene->at_surface, error,
+        return scene_fault(design->scene, design->scene->at_surface, error,
                            "electrodes do not fit into memory");
-    t->crc = pzs_electrode_crc(t, (uint32_t)inputs);
+    tables->crc = pzs_electrode_crc(tables, (uint32_t)inputs);
     return 0;
 }
 
-void electrodes_free(design *d)
+void electrodes_free(design *design)
 {
-    design_release(d->electrodes.input);
-    design_release(d->electrodes.open);
-    design_release(d->electrodes.direct.start);
-    design_release(d->electrodes.direct.dof);
-    design_release(d->electrodes.direct.value);
+    design_release(design->electrodes.input);
+    design_release(design->electrodes.open);
+    design_release(design->electrodes.direct.start);
+    design_release(design->electrodes.direct.dof);
+    design_release(design->electrodes.direct.value);
 }
 
-int electrodes_of(const design *d, int input)
+int electrodes_of(const design *design, int input)
 {
-    for (int k = 0; k < d->electrodes.count; k++)
-        if (d->electrodes.input[k] == input)
+    for (int k = 0; k < design->electrodes.count; k++)
+        if (design->electrodes.input[k] == input)
             return k;
     return -1;
 }
 
-int electrodes_input(const design *d, const scene_output *output, int i)
+int electrodes_input(const design *design, const scene_output *output, int i)
 {
-    return (output->of_sensor ? d->sensor_first : 0) + output->first + i;
+    return (output->of_sensor ? design->sensor_first : 0) + output->first + i;
 }

@@ -9,13 +9,13 @@
 
 /* Fill d->electrodes where the scene has sensors or asks for a charge. Returns 0, or -1 with error
  * filled. */
-int electrodes_build(design *d, char *error);
-void electrodes_free(design *d);
+int electrodes_build(design *design, char *error);
+void electrodes_free(design *design);
 
 /* Electrode of an input, or -1. */
-int electrodes_of(const design *d, int input);
+int electrodes_of(const design *design, int input);
 
 /* Input of the i-th electrode of an electric output. */
-int electrodes_input(const design *d, const scene_output *output, int i);
+int electrodes_input(const design *design, const scene_output *output, int i);
 
 #endif

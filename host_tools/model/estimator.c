@@ -60,11 +60,11 @@ static size_t input_of(const bench *b, size_t disturbance)
 
 static void find_sizes(bench *b)
 {
-    const design *d = &b->a->design;
-    const scene_estimate *say = &d->scene->estimate;
+    const design *design = &b->a->design;
+    const scene_estimate *say = &design->scene->estimate;
     for (size_t i = 0; i < b->p; i++) {
         const double half =
-            i < b->loads ? 0 : (d->upper[i - b->loads] - d->lower[i - b->loads]) / 2;
+            i < b->loads ? 0 : (design->upper[i - b->loads] - design->lower[i - b->loads]) / 2;
         b->sigma[i] = i < b->loads      ? say->loads
                       : say->volts >= 0 ? say->volts
                       : isfinite(half)  ? half / 10
@@ -76,26 +76,28 @@ static void find_sizes(bench *b)
  * electrodes free. */
 static int see_input(bench *b, size_t input, double *amount, double *charge)
 {
-    const analysis *a = b->a;
-    const design *d = &a->design;
-    const size_t inputs = d->structure.input.count;
+    const analysis *analysis = b->a;
+    const design *design = &analysis->design;
+    const size_t inputs = design->structure.input.count;
     size_t row = 0;
     memset(amount, 0, inputs * sizeof *amount);
     amount[input] = 1;
-    if (a->electric.state.model && (pzs_open_voltages(&a->electric, amount) != PZS_OK ||
-                                    pzs_charges(&a->electric, amount, charge) != PZS_OK))
+    if (analysis->electric.state.model &&
+        (pzs_open_voltages(&analysis->electric, amount) != PZS_OK ||
+         pzs_charges(&analysis->electric, amount, charge) != PZS_OK))
         return -1;
-    for (int r = 0; r < d->scene->estimate.readings; r++) {
-        const int k = d->scene->estimate.reading[r].output;
-        const scene_output *output = &d->scene->output[k];
-        for (int i = 0; i < analysis_outputs(a, k); i++, row++) {
-            const int of = output->electric != ELECTRIC_NONE ? electrodes_input(d, output, i) : -1;
+    for (int r = 0; r < design->scene->estimate.readings; r++) {
+        const int k = design->scene->estimate.reading[r].output;
+        const scene_output *output = &design->scene->output[k];
+        for (int i = 0; i < analysis_outputs(analysis, k); i++, row++) {
+            const int of =
+                output->electric != ELECTRIC_NONE ? electrodes_input(design, output, i) : -1;
             b->seen[row * inputs + input] =
                 output->electric == ELECTRIC_NONE
-                    ? a->influence[(size_t)(d->named_first[k] + i) * inputs + input]
+                    ? analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input]
                 : output->electric == ELECTRIC_VOLTAGE ? amount[of]
-                                                       : charge[electrodes_of(d, of)];
-            b->noise[row] = d->scene->estimate.reading[r].noise;
+                                                       : charge[electrodes_of(design, of)];
+            b->noise[row] = design->scene->estimate.reading[r].noise;
         }
     }
     return 0;
@@ -117,12 +119,12 @@ static int see(bench *b)
 /* W A, N^-1 C and its square. */
 static void form(bench *b)
 {
-    const design *d = &b->a->design;
-    const size_t inputs = d->structure.input.count;
+    const design *design = &b->a->design;
+    const size_t inputs = design->structure.input.count;
     for (size_t j = 0; j < b->p; j++) {
         for (size_t i = 0; i < b->m; i++)
             b->shape[i * b->p + j] =
-                d->weight[i] * b->a->influence[i * inputs + input_of(b, j)] * b->sigma[j];
+                design->weight[i] * b->a->influence[i * inputs + input_of(b, j)] * b->sigma[j];
         for (size_t i = 0; i < b->k; i++)
             b->clear[i * b->p + j] =
                 b->seen[i * inputs + input_of(b, j)] * b->sigma[j] / b->noise[i];
@@ -166,7 +168,7 @@ static void filter(bench *b)
 /* ---- gains ------------------------------------------------------------ */
 
 /* Row i of G: that of A, C' and the filter; row [m] of A without its weight. */
-static void make_gains(bench *b, estimator *e)
+static void make_gains(bench *b, estimator *estimator)
 {
     const size_t inputs = b->a->design.structure.input.count;
     for (size_t i = 0; i < b->m; i++) {
@@ -178,11 +180,13 @@ static void make_gains(bench *b, estimator *e)
         }
         filter(b);
         for (size_t k = 0; k < b->k; k++)
-            e->gain[i * b->k + k] = b->side[k] / b->noise[k];
+            estimator->gain[i * b->k + k] = b->side[k] / b->noise[k];
     }
     for (size_t k = 0; k < b->k; k++) {
-        memcpy(e->direct + k * b->n, b->seen + k * inputs, b->n * sizeof *e->direct);
-        memcpy(e->shown + k * b->loads, b->seen + k * inputs + b->n, b->loads * sizeof *e->shown);
+        memcpy(estimator->direct + k * b->n, b->seen + k * inputs,
+               b->n * sizeof *estimator->direct);
+        memcpy(estimator->shown + k * b->loads, b->seen + k * inputs + b->n,
+               b->loads * sizeof *estimator->shown);
     }
 }
 
@@ -223,7 +227,7 @@ static double length(const double *x, size_t n)
 
 /* What the disturbances do, and what is missed of it, in the mean: the traces of A A' and of what
  * is left. */
-static void measure(bench *b, estimator *e)
+static void measure(bench *b, estimator *estimator)
 {
     double all = 0, left = 0;
     for (size_t i = 0; i < b->m; i++) {
@@ -235,12 +239,12 @@ static void measure(bench *b, estimator *e)
             left += row[j] * b->left[j];
         }
     }
-    e->disturbed = sqrt(all);
-    e->missed = sqrt(fmax(left, 0));
+    estimator->disturbed = sqrt(all);
+    estimator->missed = sqrt(fmax(left, 0));
 }
 
 /* The direction missed most, by the power method. */
-static void find_worst(bench *b, estimator *e)
+static void find_worst(bench *b, estimator *estimator)
 {
     for (size_t i = 0; i < b->m; i++)
         b->way[i] = 1 + (double)i / (double)b->m;
@@ -248,144 +252,150 @@ static void find_worst(bench *b, estimator *e)
         const double size = length(b->way, b->m);
         for (size_t i = 0; i < b->m; i++)
             b->way[i] /= size > 0 ? size : 1;
-        e->worst_disturbed = pull_back(b, b->way);
+        estimator->worst_disturbed = pull_back(b, b->way);
         miss(b, b->left);
         for (size_t i = 0; i < b->m; i++) {
             b->way[i] = 0;
             for (size_t j = 0; j < b->p; j++)
                 b->way[i] += b->shape[i * b->p + j] * b->left[j];
         }
-        e->worst_missed = sqrt(length(b->way, b->m));
+        estimator->worst_missed = sqrt(length(b->way, b->m));
     }
-    const design *d = &b->a->design;
+    const design *design = &b->a->design;
     for (size_t i = 0; i < b->m; i++) {
-        e->worst[i] = d->weight[i] > 0 ? b->way[i] / d->weight[i] : 0;
-        if (fabs(e->worst[i]) > fabs(e->worst[e->worst_target]))
-            e->worst_target = (int)i;
+        estimator->worst[i] = design->weight[i] > 0 ? b->way[i] / design->weight[i] : 0;
+        if (fabs(estimator->worst[i]) > fabs(estimator->worst[estimator->worst_target]))
+            estimator->worst_target = (int)i;
     }
-    const double most = e->worst[e->worst_target];
+    const double most = estimator->worst[estimator->worst_target];
     for (size_t i = 0; i < b->m && fabs(most) > 0; i++)
-        e->worst[i] /= most;
+        estimator->worst[i] /= most;
 }
 
-static void rate(const bench *b, estimator *e)
+static void rate(const bench *b, estimator *estimator)
 {
     double least = HUGE_VAL, most = 0;
     for (size_t i = 0; i < b->k; i++) {
         const double clear = sqrt(eigenvalue(b, i));
         most = fmax(most, clear);
         least = clear > 1 ? fmin(least, clear) : least;
-        e->rank += clear > 1;
+        estimator->rank += clear > 1;
     }
-    e->condition = e->rank > 0 ? most / least : HUGE_VAL;
+    estimator->condition = estimator->rank > 0 ? most / least : HUGE_VAL;
 }
 
 /* ---- open ------------------------------------------------------------- */
 
-static int no_memory(const analysis *a, char *error)
+static int no_memory(const analysis *analysis, char *error)
 {
-    return scene_fault(a->design.scene, a->design.scene->estimate.at, error, "out of memory");
+    return scene_fault(analysis->design.scene, analysis->design.scene->estimate.at, error,
+                       "out of memory");
 }
 
-static void fill_tables(estimator *e, const design *d)
+static void fill_tables(estimator *estimator, const design *design)
 {
-    const pzs_problem *p = &d->problem;
-    const pzs_estimator t = {p->format, p->scene, 0, p->inputs, p->outputs, (uint16_t)e->sensors,
-                             e->direct, e->gain};
-    const pzs_feed_forward_table known = {p->format,          p->scene,   0,
-                                          (uint16_t)d->loads, p->outputs, e->known};
+    const pzs_problem *problem = &design->problem;
+    const pzs_estimator tables = {problem->format,   problem->scene,   0,
+                                  problem->inputs,   problem->outputs, (uint16_t)estimator->sensors,
+                                  estimator->direct, estimator->gain};
+    const pzs_feed_forward_table known = {
+        problem->format,         problem->scene,   0,
+        (uint16_t)design->loads, problem->outputs, estimator->known};
     const pzs_feed_forward_table shown = {
-        p->format, p->scene, 0, (uint16_t)d->loads, (uint16_t)e->sensors, e->shown};
-    e->tables = t;
-    e->tables.crc = e->sensors > 0 ? pzs_estimate_crc(&t) : 0;
-    e->known_tables = known;
-    e->known_tables.crc = pzs_estimate_known_crc(&known);
-    e->shown_tables = shown;
-    e->shown_tables.crc = pzs_estimate_known_crc(&shown);
+        problem->format, problem->scene, 0, (uint16_t)design->loads, (uint16_t)estimator->sensors,
+        estimator->shown};
+    estimator->tables = tables;
+    estimator->tables.crc = estimator->sensors > 0 ? pzs_estimate_crc(&tables) : 0;
+    estimator->known_tables = known;
+    estimator->known_tables.crc = pzs_estimate_known_crc(&known);
+    estimator->shown_tables = shown;
+    estimator->shown_tables.crc = pzs_estimate_known_crc(&shown);
 }
 
-static int refuse(const estimator *e, const analysis *a, char *error)
+static int refuse(const estimator *estimator, const analysis *analysis, char *error)
 {
-    const scene_estimate *say = &a->design.scene->estimate;
+    const scene_estimate *say = &analysis->design.scene->estimate;
     char text[SCENE_ERROR];
-    if (!(e->disturbed > 0))
-        return scene_fault(a->design.scene, say->at, error,
+    if (!(estimator->disturbed > 0))
+        return scene_fault(analysis->design.scene, say->at, error,
                            "nothing disturbs the shape; give loads, or volts above 0");
-    if (!(e->missed > say->tolerance * e->disturbed))
+    if (!(estimator->missed > say->tolerance * estimator->disturbed))
         return 0;
-    estimator_text(e, a, text);
-    return scene_fault(a->design.scene, say->at, error,
+    estimator_text(estimator, analysis, text);
+    return scene_fault(analysis->design.scene, say->at, error,
                        "these readings cannot see the shape: %s; add one there, or raise tolerance",
                        text);
 }
 
-static int build(bench *b, estimator *e, char *error)
+static int build(bench *b, estimator *estimator, char *error)
 {
-    const design *d = &b->a->design;
-    const size_t inputs = d->structure.input.count;
-    e->known = calloc(b->m * b->loads + 1, sizeof *e->known);
-    e->shown = calloc(b->k * b->loads + 1, sizeof *e->shown);
-    e->direct = calloc(b->k * b->n + 1, sizeof *e->direct);
-    e->gain = calloc(b->m * b->k + 1, sizeof *e->gain);
-    e->worst = calloc(b->m + 1, sizeof *e->worst);
-    if (!e->known || !e->shown || !e->direct || !e->gain || !e->worst || !take(b))
+    const design *design = &b->a->design;
+    const size_t inputs = design->structure.input.count;
+    estimator->known = calloc(b->m * b->loads + 1, sizeof *estimator->known);
+    estimator->shown = calloc(b->k * b->loads + 1, sizeof *estimator->shown);
+    estimator->direct = calloc(b->k * b->n + 1, sizeof *estimator->direct);
+    estimator->gain = calloc(b->m * b->k + 1, sizeof *estimator->gain);
+    estimator->worst = calloc(b->m + 1, sizeof *estimator->worst);
+    if (!estimator->known || !estimator->shown || !estimator->direct || !estimator->gain ||
+        !estimator->worst || !take(b))
         return no_memory(b->a, error);
     for (size_t i = 0; i < b->m; i++)
-        memcpy(e->known + i * b->loads, b->a->influence + i * inputs + b->n,
-               b->loads * sizeof *e->known);
+        memcpy(estimator->known + i * b->loads, b->a->influence + i * inputs + b->n,
+               b->loads * sizeof *estimator->known);
     if (b->k > 0) {
         find_sizes(b);
         if (see(b) < 0)
             return no_memory(b->a, error);
         form(b);
         diagonalise(b);
-        make_gains(b, e);
-        measure(b, e);
-        find_worst(b, e);
-        rate(b, e);
+        make_gains(b, estimator);
+        measure(b, estimator);
+        find_worst(b, estimator);
+        rate(b, estimator);
     }
-    fill_tables(e, d);
-    return b->k > 0 ? refuse(e, b->a, error) : 0;
+    fill_tables(estimator, design);
+    return b->k > 0 ? refuse(estimator, b->a, error) : 0;
 }
 
-int estimator_open(estimator *e, const analysis *a, char *error)
+int estimator_open(estimator *estimator, const analysis *analysis, char *error)
 {
-    const design *d = &a->design;
-    bench b = {.a = a,
-               .m = (size_t)d->targets,
-               .n = (size_t)d->amplifiers,
-               .loads = (size_t)d->loads,
-               .p = (size_t)(d->loads + d->amplifiers)};
-    memset(e, 0, sizeof *e);
-    for (int r = 0; r < d->scene->estimate.readings; r++)
-        b.k += (size_t)analysis_outputs(a, d->scene->estimate.reading[r].output);
-    e->sensors = (int)b.k;
-    e->disturbances = (int)b.p;
-    const int failed = build(&b, e, error);
+    const design *design = &analysis->design;
+    bench b = {.a = analysis,
+               .m = (size_t)design->targets,
+               .n = (size_t)design->amplifiers,
+               .loads = (size_t)design->loads,
+               .p = (size_t)(design->loads + design->amplifiers)};
+    memset(estimator, 0, sizeof *estimator);
+    for (int r = 0; r < design->scene->estimate.readings; r++)
+        b.k += (size_t)analysis_outputs(analysis, design->scene->estimate.reading[r].output);
+    estimator->sensors = (int)b.k;
+    estimator->disturbances = (int)b.p;
+    const int failed = build(&b, estimator, error);
     give_back(&b);
     if (failed)
-        estimator_close(e);
+        estimator_close(estimator);
     return failed;
 }
 
-void estimator_close(estimator *e)
+void estimator_close(estimator *estimator)
 {
-    free(e->direct);
-    free(e->gain);
-    free(e->known);
-    free(e->shown);
-    free(e->worst);
-    memset(e, 0, sizeof *e);
+    free(estimator->direct);
+    free(estimator->gain);
+    free(estimator->known);
+    free(estimator->shown);
+    free(estimator->worst);
+    memset(estimator, 0, sizeof *estimator);
 }
 
-void estimator_text(const estimator *e, const analysis *a, char text[SCENE_ERROR])
+void estimator_text(const estimator *estimator, const analysis *analysis, char text[SCENE_ERROR])
 {
-    const mesh *m = &a->design.mesh;
-    const double *theta = m->theta[a->design.target_node[e->worst_target]];
+    const mesh *mesh = &analysis->design.mesh;
+    const double *theta = mesh->theta[analysis->design.target_node[estimator->worst_target]];
     snprintf(
         text, SCENE_ERROR,
         "%d sensors tell %d of %d disturbances from noise (condition %.1e) and miss %.1f%% of the shape; worst "
         "direction missed by %.0f%%, largest at theta1 = %g, theta2 = %g",
-        e->sensors, e->rank, e->disturbances, e->condition, 100 * e->missed / e->disturbed,
-        100 * e->worst_missed / e->worst_disturbed, theta[0], theta[1]);
+        estimator->sensors, estimator->rank, estimator->disturbances, estimator->condition,
+        100 * estimator->missed / estimator->disturbed,
+        100 * estimator->worst_missed / estimator->worst_disturbed, theta[0], theta[1]);
 }

@@ -34,10 +34,10 @@ typedef struct estimator {
  * Returns 0, or -1 with error filled and *e empty: also where the estimate would miss more than the
  * scene's tolerance.
  */
-int estimator_open(estimator *e, const analysis *a, char *error);
-void estimator_close(estimator *e);
+int estimator_open(estimator *estimator, const analysis *analysis, char *error);
+void estimator_close(estimator *estimator);
 
 /* What the sensors see, in one line for people. */
-void estimator_text(const estimator *e, const analysis *a, char text[SCENE_ERROR]);
+void estimator_text(const estimator *estimator, const analysis *analysis, char text[SCENE_ERROR]);
 
 #endif

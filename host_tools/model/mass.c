@@ -31,19 +31,19 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
  * Integrals of density f f' (1 + k1 z)(1 + k2 z) over the plies that are present, per area of the
  * reference surface.
  */
-static void moments(const laminate *l, const laminate_place *place, double per_area,
+static void moments(const laminate *laminate, const laminate_place *place, double per_area,
                     double m[FUNCTIONS][FUNCTIONS])
 {
-    const double middle = (l->z[0] + l->z[1]) / 2;
+    const double middle = (laminate->z[0] + laminate->z[1]) / 2;
     memset(m, 0, sizeof(double[FUNCTIONS][FUNCTIONS]));
-    add_moments(0, l->h, per_area, m);
-    for (int p = 0; p < l->plies; p++) {
-        const laminate_ply *ply = &l->ply[p];
+    add_moments(0, laminate->h, per_area, m);
+    for (int p = 0; p < laminate->plies; p++) {
+        const laminate_ply *ply = &laminate->ply[p];
         const double half = (ply->z[1] - ply->z[0]) / 2, centre = (ply->z[0] + ply->z[1]) / 2;
         for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
             const double z = centre + half * gauss_x[g];
             const double metric = (1 + place->k[0] * z) * (1 + place->k[1] * z);
-            add_moments(z - middle, l->h, half * gauss_w[g] * ply->weight * metric, m);
+            add_moments(z - middle, laminate->h, half * gauss_w[g] * ply->weight * metric, m);
         }
     }
 }
@@ -70,12 +70,12 @@ static double between(const surface_point *p, int a, const surface_point *q, int
 static void fill_element(const mesh *mesh, int element, double lumped,
                          double m[FUNCTIONS][FUNCTIONS], double *entry)
 {
-    const int unknowns = (int)mesh->unknowns;
+    const int dof_per_node = (int)mesh->unknowns;
     const double area = mesh->place[mesh->element_kind[element]].area;
-    for (int row = 0; row < 4 * unknowns; row++)
+    for (int row = 0; row < 4 * dof_per_node; row++)
         for (int column = 0; column <= row; column++) {
-            const int r = row / unknowns, s = column / unknowns, i = row % unknowns,
-                      j = column % unknowns;
+            const int r = row / dof_per_node, s = column / dof_per_node, i = row % dof_per_node,
+                      j = column % dof_per_node;
             const surface_point *p = &mesh->point[mesh->element[element][r]],
                                 *q = &mesh->point[mesh->element[element][s]];
             const double cosine = between(p, component_of[i], q, component_of[j]);
@@ -88,67 +88,67 @@ static size_t entries(const mesh *mesh)
     return SHELL_PACKED(4 * (size_t)mesh->unknowns);
 }
 
-int mass_missing(const scene *s, char names[SCENE_ERROR])
+int mass_missing(const scene *scene, char names[SCENE_ERROR])
 {
     int missing = 0;
     size_t length = 0;
     names[0] = '\0';
-    for (int k = 0; k < s->materials; k++) {
+    for (int k = 0; k < scene->materials; k++) {
         int used = 0;
-        for (int i = 0; i < s->layers; i++)
-            used |= s->layer[i].material == k;
-        if (!used || s->material[k].density > 0)
+        for (int i = 0; i < scene->layers; i++)
+            used |= scene->layer[i].material == k;
+        if (!used || scene->material[k].density > 0)
             continue;
         if (length + SCENE_NAME + 8 < SCENE_ERROR / 2)
             length += (size_t)snprintf(names + length, SCENE_ERROR - length, "%s'%s'",
-                                       missing ? ", " : "", s->material[k].name);
+                                       missing ? ", " : "", scene->material[k].name);
         missing++;
     }
     return missing;
 }
 
 /* Refuse a scene whose mass is not known. */
-static int check_densities(const scene *s, char *error)
+static int check_densities(const scene *scene, char *error)
 {
     char names[SCENE_ERROR];
-    const int missing = mass_missing(s, names);
+    const int missing = mass_missing(scene, names);
     if (missing == 0)
         return 0;
-    return scene_fault(s, s->at_layers, error,
+    return scene_fault(scene, scene->at_layers, error,
                        "no density in %s%.200s: vibration needs the mass; add `density` to "
                        "materials, 7800 for steel in kg/m3",
                        missing == 1 ? "material " : "materials ", names);
 }
 
-int mass_build(mass *m, const mesh *mesh, double lumped, char *error)
+int mass_build(mass *mass, const mesh *mesh, double lumped, char *error)
 {
-    const scene *s = mesh->scene;
-    memset(m, 0, sizeof *m);
-    if (check_densities(s, error) < 0)
+    const scene *scene = mesh->scene;
+    memset(mass, 0, sizeof *mass);
+    if (check_densities(scene, error) < 0)
         return -1;
-    m->mesh = mesh;
-    m->entry = malloc((size_t)mesh->elements * entries(mesh) * sizeof *m->entry);
-    if (!m->entry)
-        return scene_fault(s, s->line[0].at, error,
+    mass->mesh = mesh;
+    mass->entry = malloc((size_t)mesh->elements * entries(mesh) * sizeof *mass->entry);
+    if (!mass->entry)
+        return scene_fault(scene, scene->line[0].at, error,
                            "the mass of %d elements does not fit into memory", mesh->elements);
     for (int e = 0; e < mesh->elements; e++) {
         double integral[FUNCTIONS][FUNCTIONS];
-        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], s->dynamics.mass_per_area,
+        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], scene->dynamics.mass_per_area,
                 integral);
-        fill_element(mesh, e, lumped, integral, m->entry + (size_t)e * entries(mesh));
+        fill_element(mesh, e, lumped, integral, mass->entry + (size_t)e * entries(mesh));
     }
     return 0;
 }
 
-void mass_free(mass *m)
+void mass_free(mass *mass)
 {
-    free(m->entry);
-    memset(m, 0, sizeof *m);
+    free(mass->entry);
+    memset(mass, 0, sizeof *mass);
 }
 
-const double *mass_element(const mass *m, int element)
+const double *mass_element(const mass *mass, int element)
 {
-    return m->entry + (size_t)element * entries(m->mesh);
+    return mass->entry + (size_t)element * entries(mass->mesh);
 }
 
 /* f = M_e u of one element.  u, f [4 unknowns] */
@@ -166,14 +166,14 @@ static void multiply_element(const double *entry, int n, const double *u, double
     }
 }
 
-void mass_multiply(const mass *m, const pzs_model *model, const double *u, double *f)
+void mass_multiply(const mass *mass, const pzs_model *model, const double *u, double *f)
 {
-    memset(f, 0, (size_t)m->mesh->dof * sizeof *f);
-    for (int e = 0; e < m->mesh->elements; e++) {
+    memset(f, 0, (size_t)mass->mesh->dof * sizeof *f);
+    for (int e = 0; e < mass->mesh->elements; e++) {
         double local[SHELL_MAX], force[SHELL_MAX];
-        pzs_model_gather(model, m->mesh->element[e], SHELL_NODES, u, local);
-        multiply_element(mass_element(m, e), 4 * (int)m->mesh->unknowns, local, force);
-        pzs_model_scatter(model, m->mesh->element[e], SHELL_NODES, 1, force, f);
+        pzs_model_gather(model, mass->mesh->element[e], SHELL_NODES, u, local);
+        multiply_element(mass_element(mass, e), 4 * (int)mass->mesh->unknowns, local, force);
+        pzs_model_scatter(model, mass->mesh->element[e], SHELL_NODES, 1, force, f);
     }
 }
 
@@ -205,25 +205,25 @@ static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], co
         }
 }
 
-double mass_rigid(const mass *m, const pzs_model *model, const double shift[3],
+double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3],
                   const double spin[3], double *force)
 {
-    const int unknowns = (int)m->mesh->unknowns;
+    const int dof_per_node = (int)mass->mesh->unknowns;
     double sum = 0;
     if (force)
-        memset(force, 0, (size_t)m->mesh->dof * sizeof *force);
-    for (int e = 0; e < m->mesh->elements; e++) {
+        memset(force, 0, (size_t)mass->mesh->dof * sizeof *force);
+    for (int e = 0; e < mass->mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
         for (int r = 0; r < SHELL_NODES; r++) {
             double of_node[7];
-            rigid_unknowns(m->mesh, m->mesh->element[e][r], shift, spin, of_node);
-            memcpy(u + r * unknowns, of_node, (size_t)unknowns * sizeof *u);
+            rigid_unknowns(mass->mesh, mass->mesh->element[e][r], shift, spin, of_node);
+            memcpy(u + r * dof_per_node, of_node, (size_t)dof_per_node * sizeof *u);
         }
-        multiply_element(mass_element(m, e), 4 * unknowns, u, f);
-        for (int i = 0; i < 4 * unknowns; i++)
+        multiply_element(mass_element(mass, e), 4 * dof_per_node, u, f);
+        for (int i = 0; i < 4 * dof_per_node; i++)
             sum += u[i] * f[i];
         if (force)
-            pzs_model_scatter(model, m->mesh->element[e], SHELL_NODES, 1, f, force);
+            pzs_model_scatter(model, mass->mesh->element[e], SHELL_NODES, 1, f, force);
     }
     return sum;
 }

@@ -30,27 +30,27 @@ typedef struct mass {
  * the scene's mass per area. Returns 0, or -1 with error filled: a layer's material has no density,
  * or memory ran out.
  */
-int mass_build(mass *m, const mesh *mesh, double lumped, char *error);
-void mass_free(mass *m);
+int mass_build(mass *mass, const mesh *mesh, double lumped, char *error);
+void mass_free(mass *mass);
 
 /* Entries of an element's matrix. */
-const double *mass_element(const mass *m, int element);
+const double *mass_element(const mass *mass, int element);
 
 /* f = M u over the dof of a model of the same mesh, nothing where held.  u, f [dof] */
-void mass_multiply(const mass *m, const pzs_model *model, const double *u, double *f);
+void mass_multiply(const mass *mass, const pzs_model *model, const double *u, double *f);
 
 /*
  * The rigid motion u = shift + spin x position of the whole mesh, supports included.
  *   force [dof] out  M u; NULL: not wanted
  * Returns u . M u: the mass for a unit shift, the moment of inertia for a unit spin.
  */
-double mass_rigid(const mass *m, const pzs_model *model, const double shift[3],
+double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3],
                   const double spin[3], double *force);
 
 /*
  * Materials of the layers that have no density, their names quoted and separated by commas. Returns
  * their number.
  */
-int mass_missing(const scene *s, char names[SCENE_ERROR]);
+int mass_missing(const scene *scene, char names[SCENE_ERROR]);
 
 #endif

@@ -6,25 +6,26 @@
 #include "../cli/progress.h"
 
 /* Without limits, once for all of them. */
-static int run_unlimited(analysis *a, mode *m, char *error)
+static int run_unlimited(analysis *analysis, mode *m, char *error)
 {
-    voltages v;
-    const int failed = voltages_optimum(a, (common_limits){.source = LIMITS_NONE}, &v, error);
-    m->unlimited = v.error;
-    for (int k = 0; !failed && k < v.volts; k++)
-        m->volt = fmax(m->volt, fabs(v.volt[k]));
-    voltages_free(&v);
+    voltages result;
+    const int failed =
+        voltages_optimum(analysis, (common_limits){.source = LIMITS_NONE}, &result, error);
+    m->unlimited = result.error;
+    for (int k = 0; !failed && k < result.volts; k++)
+        m->volt = fmax(m->volt, fabs(result.volt[k]));
+    voltages_free(&result);
     return failed;
 }
 
-static int run_limited(analysis *a, common_limits limit, mode_left *left, char *error)
+static int run_limited(analysis *analysis, common_limits limit, mode_left *left, char *error)
 {
     voltages best, cut, tuned;
     memset(&cut, 0, sizeof cut);
     memset(&tuned, 0, sizeof tuned);
-    const int failed = voltages_optimum(a, limit, &best, error) < 0 ||
-                       voltages_clipped(a, limit, &cut, error) < 0 ||
-                       voltages_regularised(a, limit, &tuned, error) < 0;
+    const int failed = voltages_optimum(analysis, limit, &best, error) < 0 ||
+                       voltages_clipped(analysis, limit, &cut, error) < 0 ||
+                       voltages_regularised(analysis, limit, &tuned, error) < 0;
     memcpy(left->limit, best.limit, sizeof left->limit);
     left->optimum = best.error;
     left->active = best.active;
@@ -37,64 +38,64 @@ static int run_limited(analysis *a, common_limits limit, mode_left *left, char *
 }
 
 /* Root mean square of the target, by its weights. */
-static double target_size(const design *d)
+static double target_size(const design *design)
 {
     double weights = 0;
-    for (int i = 0; i < d->targets; i++)
-        weights += pow(d->weight[i], 2);
-    return sqrt(design_squares(d, d->target, NULL) / weights);
+    for (int i = 0; i < design->targets; i++)
+        weights += pow(design->weight[i], 2);
+    return sqrt(design_squares(design, design->target, NULL) / weights);
 }
 
 /* Mode k of the target in the target's place, what the scene's loads move taken off as there.
  * loaded [targets] in */
-static int run_mode(modes *m, int k, analysis *a, const double *loaded, const common_limits *limit,
-                    char *error)
+static int run_mode(modes *modes, int k, analysis *analysis, const double *loaded,
+                    const common_limits *limit, char *error)
 {
-    design *d = &a->design;
-    const scene_mode *wanted = &d->scene->target.mode[k];
-    if (design_target_values(d, wanted->value, wanted->at, d->target, error) < 0)
+    design *design = &analysis->design;
+    const scene_mode *wanted = &design->scene->target.mode[k];
+    if (design_target_values(design, wanted->value, wanted->at, design->target, error) < 0)
         return -1;
-    for (int i = 0; i < d->targets; i++)
-        d->wanted[i] = d->target[i] - loaded[i];
-    m->mode[k].size = target_size(d);
-    int failed = run_unlimited(a, &m->mode[k], error);
-    for (int l = 0; !failed && l < m->limits; l++)
-        failed = run_limited(a, limit[l], &m->left[k * m->limits + l], error);
+    for (int i = 0; i < design->targets; i++)
+        design->wanted[i] = design->target[i] - loaded[i];
+    modes->mode[k].size = target_size(design);
+    int failed = run_unlimited(analysis, &modes->mode[k], error);
+    for (int l = 0; !failed && l < modes->limits; l++)
+        failed = run_limited(analysis, limit[l], &modes->left[k * modes->limits + l], error);
     return failed;
 }
 
-int modes_run(modes *m, analysis *a, const common_limits *limit, int limits, char *error)
+int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits, char *error)
 {
-    design *d = &a->design;
-    const size_t n = (size_t)d->targets, count = (size_t)d->scene->target.modes;
-    memset(m, 0, sizeof *m);
-    m->limits = limits;
-    m->mode = calloc(count + 1, sizeof *m->mode);
-    m->left = calloc(count * (size_t)limits + 1, sizeof *m->left);
+    design *design = &analysis->design;
+    const size_t n = (size_t)design->targets, count = (size_t)design->scene->target.modes;
+    memset(modes, 0, sizeof *modes);
+    modes->limits = limits;
+    modes->mode = calloc(count + 1, sizeof *modes->mode);
+    modes->left = calloc(count * (size_t)limits + 1, sizeof *modes->left);
     double *kept = calloc(3 * n + 1, sizeof *kept); /* target, wanted, and their difference */
-    int failed = !m->mode || !m->left || !kept
-                     ? scene_fault(d->scene, d->scene->target.what.at, error,
+    int failed = !modes->mode || !modes->left || !kept
+                     ? scene_fault(design->scene, design->scene->target.what.at, error,
                                    "%zu modes do not fit into memory", count)
                      : 0;
     if (!failed) {
-        memcpy(kept, d->target, n * sizeof *kept);
-        memcpy(kept + n, d->wanted, n * sizeof *kept);
+        memcpy(kept, design->target, n * sizeof *kept);
+        memcpy(kept + n, design->wanted, n * sizeof *kept);
         for (size_t i = 0; i < n; i++)
             kept[2 * n + i] = kept[i] - kept[n + i];
-        for (; !failed && m->count < (int)count; m->count++) {
-            progress_count(m->count, (int)count);
-            failed = run_mode(m, m->count, a, kept + 2 * n, limit, error);
+        for (; !failed && modes->count < (int)count; modes->count++) {
+            progress_count(modes->count, (int)count);
+            failed = run_mode(modes, modes->count, analysis, kept + 2 * n, limit, error);
         }
-        memcpy(d->target, kept, n * sizeof *kept);
-        memcpy(d->wanted, kept + n, n * sizeof *kept);
+        memcpy(design->target, kept, n * sizeof *kept);
+        memcpy(design->wanted, kept + n, n * sizeof *kept);
     }
     free(kept);
     return failed;
 }
 
-void modes_free(modes *m)
+void modes_free(modes *modes)
 {
-    free(m->mode);
-    free(m->left);
-    memset(m, 0, sizeof *m);
+    free(modes->mode);
+    free(modes->left);
+    memset(modes, 0, sizeof *modes);
 }

@@ -33,7 +33,8 @@ typedef struct modes {
  * before afterwards. limit  in  [limits] as in voltages_optimum Returns 0, or -1 with error filled;
  * modes_free in either case.
  */
-int modes_run(modes *m, analysis *a, const common_limits *limit, int limits, char *error);
-void modes_free(modes *m);
+int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,
+              char *error);
+void modes_free(modes *modes);
 
 #endif

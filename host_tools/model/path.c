@@ -20,122 +20,127 @@ typedef struct builder {
 } builder;
 
 /* Row of value that holds h0; added if new. */
-static size_t row_of(builder *b, const double h0[LAMINATE_STRAINS])
+static size_t row_of(builder *builder, const double h0[LAMINATE_STRAINS])
 {
-    for (size_t i = b->values; i > 0; i--)
-        if (memcmp(b->value[i - 1], h0, sizeof *b->value) == 0)
+    for (size_t i = builder->values; i > 0; i--)
+        if (memcmp(builder->value[i - 1], h0, sizeof *builder->value) == 0)
             return i - 1;
-    if (b->values == b->room_values) {
-        b->room_values = 2 * b->room_values + 16;
-        b->value = design_grow(b->value, b->room_values, sizeof *b->value, &b->full);
+    if (builder->values == builder->room_values) {
+        builder->room_values = 2 * builder->room_values + 16;
+        builder->value = design_grow(builder->value, builder->room_values, sizeof *builder->value,
+                                     &builder->full);
     }
-    if (!b->full)
-        memcpy(b->value[b->values], h0, sizeof *b->value);
-    return b->full ? 0 : b->values++;
+    if (!builder->full)
+        memcpy(builder->value[builder->values], h0, sizeof *builder->value);
+    return builder->full ? 0 : builder->values++;
 }
 
-static void append(builder *b, int element, const double h0[LAMINATE_STRAINS])
+static void append(builder *builder, int element, const double h0[LAMINATE_STRAINS])
 {
-    const size_t row = row_of(b, h0);
-    if (b->entries == b->room) {
-        b->room = 2 * b->room + 64;
-        b->element = design_grow(b->element, b->room, sizeof *b->element, &b->full);
-        b->which = design_grow(b->which, b->room, sizeof *b->which, &b->full);
+    const size_t row = row_of(builder, h0);
+    if (builder->entries == builder->room) {
+        builder->room = 2 * builder->room + 64;
+        builder->element =
+            design_grow(builder->element, builder->room, sizeof *builder->element, &builder->full);
+        builder->which =
+            design_grow(builder->which, builder->room, sizeof *builder->which, &builder->full);
     }
-    if (b->full)
+    if (builder->full)
         return;
-    b->element[b->entries] = (uint16_t)element;
-    b->which[b->entries++] = (uint16_t)row;
+    builder->element[builder->entries] = (uint16_t)element;
+    builder->which[builder->entries++] = (uint16_t)row;
 }
 
 /* The entries of one actuator's amplifiers or one sensor's electrodes; first: input of the first of
  * them. */
-static void append_actuator(builder *b, const mesh *m, const scene_actuator *actuator, int first)
+static void append_actuator(builder *builder, const mesh *mesh, const scene_actuator *actuator,
+                            int first)
 {
     double h0[LAMINATE_STRAINS];
     for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
-        for (int e = 0; e < m->elements; e++)
-            if (design_actuation(m, actuator, c, e, h0))
-                append(b, e, h0);
-        b->start[first + c + 1] = (uint32_t)b->entries;
+        for (int e = 0; e < mesh->elements; e++)
+            if (design_actuation(mesh, actuator, c, e, h0))
+                append(builder, e, h0);
+        builder->start[first + c + 1] = (uint32_t)builder->entries;
     }
 }
 
 static pzs_status build_given(path *p, double *value)
 {
-    const design *d = p->design;
-    const scene *s = d->scene;
-    const int inputs = d->structure.input.count;
-    builder b;
-    memset(&b, 0, sizeof b);
-    b.start = calloc((size_t)inputs + 1, sizeof *b.start);
-    if (!b.start)
+    const design *design = p->design;
+    const scene *scene = design->scene;
+    const int inputs = design->structure.input.count;
+    builder builder;
+    memset(&builder, 0, sizeof builder);
+    builder.start = calloc((size_t)inputs + 1, sizeof *builder.start);
+    if (!builder.start)
         return PZS_E_WORKSPACE;
-    for (int k = 0; k < s->actuators; k++)
-        append_actuator(&b, &d->mesh, &s->actuator[k], s->actuator[k].first);
-    for (int k = 0; k < d->sensor_first - d->amplifiers; k++) {
+    for (int k = 0; k < scene->actuators; k++)
+        append_actuator(&builder, &design->mesh, &scene->actuator[k], scene->actuator[k].first);
+    for (int k = 0; k < design->sensor_first - design->amplifiers; k++) {
         double h0[LAMINATE_STRAINS];
         char error[SCENE_ERROR];
-        if (k < s->loads && s->load[k].type == LOAD_TEMPERATURE &&
-            design_load_values(&d->mesh, &s->load[k], value, error) == 0)
-            for (int e = 0; e < d->mesh.elements; e++) {
-                design_warming(&d->mesh, &s->load[k], e, h0);
-                append(&b, e, h0);
+        if (k < scene->loads && scene->load[k].type == LOAD_TEMPERATURE &&
+            design_load_values(&design->mesh, &scene->load[k], value, error) == 0)
+            for (int e = 0; e < design->mesh.elements; e++) {
+                design_warming(&design->mesh, &scene->load[k], e, h0);
+                append(&builder, e, h0);
             }
-        b.start[d->amplifiers + k + 1] = (uint32_t)b.entries;
+        builder.start[design->amplifiers + k + 1] = (uint32_t)builder.entries;
     }
-    for (int k = 0; k < s->sensors; k++)
-        append_actuator(&b, &d->mesh, &s->sensor[k], d->sensor_first + s->sensor[k].first);
-    p->tables.given.start = b.start;
-    p->tables.given.element = b.element;
-    p->tables.given.which = b.which;
-    p->tables.given.value = (const double(*)[LAMINATE_STRAINS])b.value;
-    p->tables.given.values = (uint16_t)b.values;
-    return b.full || b.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
+    for (int k = 0; k < scene->sensors; k++)
+        append_actuator(&builder, &design->mesh, &scene->sensor[k],
+                        design->sensor_first + scene->sensor[k].first);
+    p->tables.given.start = builder.start;
+    p->tables.given.element = builder.element;
+    p->tables.given.which = builder.which;
+    p->tables.given.value = (const double(*)[LAMINATE_STRAINS])builder.value;
+    p->tables.given.values = (uint16_t)builder.values;
+    return builder.full || builder.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
 }
 
 /* ---- follower loads --------------------------------------------------- */
 
-static void set_corner(const mesh *m, int element, int r, const pzs_follower *f, double *area,
+static void set_corner(const mesh *mesh, int element, int r, const pzs_follower *f, double *area,
                        double lean[2])
 {
-    const surface_point *point = &m->point[m->element[element][r]];
-    const double z = m->laminate.z[f->normal_face];
+    const surface_point *point = &mesh->point[mesh->element[element][r]];
+    const double z = mesh->laminate.z[f->normal_face];
     double flat[2][2];
     const double size =
-        design_chords(m, element, r, f->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
+        design_chords(mesh, element, r, f->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
     if (f->true_area)
         *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
 }
 
 static pzs_status build_follower(path *p, const scene_load *load, uint16_t input)
 {
-    const mesh *m = &p->design->mesh;
+    const mesh *mesh = &p->design->mesh;
     pzs_follower *f = &p->follower[p->followers++];
-    double *pressure = calloc((size_t)m->nodes, sizeof *pressure);
-    double(*area)[4] = calloc((size_t)m->kinds, sizeof *area), (*lean)[4][2] = NULL;
+    double *pressure = calloc((size_t)mesh->nodes, sizeof *pressure);
+    double(*area)[4] = calloc((size_t)mesh->kinds, sizeof *area), (*lean)[4][2] = NULL;
     char error[SCENE_ERROR];
     f->pressure = pressure;
     f->area = (const double(*)[4])area;
-    if (m->scene->element.cartesian)
-        lean = calloc((size_t)m->kinds, sizeof *lean);
+    if (mesh->scene->element.cartesian)
+        lean = calloc((size_t)mesh->kinds, sizeof *lean);
     f->lean = (const double(*)[4][2])lean;
-    if (!pressure || !area || (m->scene->element.cartesian && !lean))
+    if (!pressure || !area || (mesh->scene->element.cartesian && !lean))
         return PZS_E_WORKSPACE;
-    if (design_load_values(m, load, pressure, error) < 0)
+    if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
     f->input = input;
     f->load_face = load->face == FACE_INNER ? 0 : load->face == FACE_OUTER ? 1 : 2;
     f->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
     f->true_area = load->follower == FOLLOWER_PRESSURE;
     for (int i = 0; i < 3; i++)
-        f->share[i] = m->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
-    for (int e = 0; e < m->elements; e++)
+        f->share[i] = mesh->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
+    for (int e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++) {
-            const uint16_t kind = m->element_kind[e];
-            area[kind][r] = m->place[kind].area;
+            const uint16_t kind = mesh->element_kind[e];
+            area[kind][r] = mesh->place[kind].area;
             if (lean)
-                set_corner(m, e, r, f, &area[kind][r], lean[kind][r]);
+                set_corner(mesh, e, r, f, &area[kind][r], lean[kind][r]);
         }
     f->format = PZS_TABLE_FORMAT;
     f->scene = p->design->structure.scene;
@@ -193,9 +198,9 @@ static void build_body(path *p, double size)
 
 static pzs_status build_contact(path *p, uint16_t input)
 {
-    const mesh *m = &p->design->mesh;
+    const mesh *mesh = &p->design->mesh;
     const scene_contact *contact = &p->design->scene->contact;
-    const size_t nodes = (size_t)m->nodes, bytes = PZS_CONTACT_BYTES(nodes);
+    const size_t nodes = (size_t)mesh->nodes, bytes = PZS_CONTACT_BYTES(nodes);
     double(*place)[3] = calloc(nodes, sizeof *place), (*triad)[3][3] = calloc(nodes, sizeof *triad);
     double *area = calloc(nodes, sizeof *area), low[3], high[3];
     p->face.place = (const double(*)[3])place;
@@ -208,11 +213,12 @@ static pzs_status build_contact(path *p, uint16_t input)
     p->face.face = contact->face == FACE_OUTER;
     p->face.input = input;
     memcpy(p->face.motion, contact->move, sizeof p->face.motion);
-    design_node_areas(m, area);
+    design_node_areas(mesh, area);
     for (size_t n = 0; n < nodes; n++)
         for (int i = 0; i < 3; i++) {
-            place[n][i] = m->point[n].x[i] + m->laminate.z[p->face.face] * m->point[n].e[2][i];
-            memcpy(triad[n][i], m->point[n].e[i], sizeof triad[n][i]);
+            place[n][i] =
+                mesh->point[n].x[i] + mesh->laminate.z[p->face.face] * mesh->point[n].e[2][i];
+            memcpy(triad[n][i], mesh->point[n].e[i], sizeof triad[n][i]);
             low[i] = n ? fmin(low[i], place[n][i]) : place[n][i];
             high[i] = n ? fmax(high[i], place[n][i]) : place[n][i];
         }
@@ -242,44 +248,44 @@ double path_contact_output(const path *p, const scene_output *output, int node)
 }
 
 /* What to do about a penetration. */
-static const char *penetration_cure(const pzs_contact *c, pzs_status status)
+static const char *penetration_cure(const pzs_contact *contact, pzs_status status)
 {
     if (status == PZS_W_BEHIND)
         return "the shell has passed through itself, or both of its faces would touch";
-    if (c->info.side != c->state.face->face)
+    if (contact->info.side != contact->state.face->face)
         return "it comes from behind: let contact.face be the face that it meets, or move the body";
-    if (c->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
+    if (contact->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
         return "refine the mesh there, or enlarge the body";
-    if (c->info.penetration == PZS_PENETRATION_PASSED)
+    if (contact->info.penetration == PZS_PENETRATION_PASSED)
         return "raise equilibrium.steps, or refine the mesh there";
     return "the node is held or faces away: start the body clear of the shell";
 }
 
 void path_penetration(const path *p, pzs_status status, char *text)
 {
-    const mesh *m = &p->design->mesh;
-    const pzs_contact *c = &p->contact;
-    const char *face = c->info.side ? "outer" : "inner";
+    const mesh *mesh = &p->design->mesh;
+    const pzs_contact *contact = &p->contact;
+    const char *face = contact->info.side ? "outer" : "inner";
     char unit[SCENE_NAME + 1];
-    const uint16_t *corner = m->element[c->info.element];
-    const double *low = m->theta[corner[0]], *high = m->theta[corner[2]];
+    const uint16_t *corner = mesh->element[contact->info.element];
+    const double *low = mesh->theta[corner[0]], *high = mesh->theta[corner[2]];
     char what[SCENE_NAME + 128];
     const char *length_unit = p->design->scene->unit_length;
     snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
-    if (c->info.penetration == PZS_PENETRATION_PASSED)
+    if (contact->info.penetration == PZS_PENETRATION_PASSED)
         snprintf(what, sizeof what, "it passes through the %s face in one load step", face);
-    else if (c->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
-        snprintf(what, sizeof what, "between the nodes, %.3g%s deep in the %s face", c->info.depth,
-                 unit, face);
+    else if (contact->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
+        snprintf(what, sizeof what, "between the nodes, %.3g%s deep in the %s face",
+                 contact->info.depth, unit, face);
     else
-        snprintf(what, sizeof what, "%.3g%s deep at node %u of the %s face", c->info.depth, unit,
-                 c->info.node, face);
-    const int length =
-        snprintf(text, SCENE_ERROR,
-                 "element %u (theta1 = %.4g to %.4g, theta2 = %.4g to %.4g), "
-                 "at (%.4g, %.4g, %.4g): %s; %s",
-                 c->info.element, low[0], high[0], low[1], high[1], c->info.spot[0],
-                 c->info.spot[1], c->info.spot[2], what, penetration_cure(c, status));
+        snprintf(what, sizeof what, "%.3g%s deep at node %u of the %s face", contact->info.depth,
+                 unit, contact->info.node, face);
+    const int length = snprintf(text, SCENE_ERROR,
+                                "element %u (theta1 = %.4g to %.4g, theta2 = %.4g to %.4g), "
+                                "at (%.4g, %.4g, %.4g): %s; %s",
+                                contact->info.element, low[0], high[0], low[1], high[1],
+                                contact->info.spot[0], contact->info.spot[1], contact->info.spot[2],
+                                what, penetration_cure(contact, status));
     if (length >= SCENE_ERROR)
         memcpy(&text[SCENE_ERROR - 4], "...", 4);
 }
@@ -341,72 +347,74 @@ void path_return(path *p, const void *state)
 /* Full loads and applied volts; a follower's amount is that of its extra input. */
 static void set_full(path *p)
 {
-    const design *d = p->design;
-    design_applied(d, p->full);
-    for (int k = 0; k < d->loads; k++)
-        p->full[d->amplifiers + k] = d->scene->load[k].follower == FOLLOWER_NONE;
-    for (int k = d->amplifiers + d->loads; k < d->sensor_first; k++)
+    const design *design = p->design;
+    design_applied(design, p->full);
+    for (int k = 0; k < design->loads; k++)
+        p->full[design->amplifiers + k] = design->scene->load[k].follower == FOLLOWER_NONE;
+    for (int k = design->amplifiers + design->loads; k < design->sensor_first; k++)
         p->full[k] = 1;
 }
 
 static pzs_status start(path *p, pzs_model *model)
 {
-    const design *d = p->design;
-    const pzs_structure *s = &d->structure;
-    const size_t bytes = PZS_SOLVER_BYTES(s->free_dof, s->elements, s->input.count);
-    int input = d->amplifiers + d->loads;
-    p->full = calloc((size_t)s->input.count + 1, sizeof *p->full);
-    p->follower = calloc((size_t)d->loads + 1, sizeof *p->follower);
-    p->load = calloc((size_t)d->loads + 1, sizeof *p->load);
+    const design *design = p->design;
+    const pzs_structure *structure = &design->structure;
+    const size_t bytes =
+        PZS_SOLVER_BYTES(structure->free_dof, structure->elements, structure->input.count);
+    int input = design->amplifiers + design->loads;
+    p->full = calloc((size_t)structure->input.count + 1, sizeof *p->full);
+    p->follower = calloc((size_t)design->loads + 1, sizeof *p->follower);
+    p->load = calloc((size_t)design->loads + 1, sizeof *p->load);
     p->work = malloc(bytes);
     p->bytes = bytes;
-    double *value = calloc((size_t)s->nodes, sizeof *value);
+    double *value = calloc((size_t)structure->nodes, sizeof *value);
     pzs_status status = p->full && p->follower && p->load && p->work && value
                             ? build_given(p, value)
                             : PZS_E_WORKSPACE;
     free(value);
     p->tables.format = PZS_TABLE_FORMAT;
-    p->tables.scene = s->scene;
-    for (int k = 0; k < d->loads; k++)
-        input += d->scene->load[k].follower != FOLLOWER_NONE;
-    p->tables.prescribed.count = (uint16_t)d->mesh.prescribed_count;
+    p->tables.scene = structure->scene;
+    for (int k = 0; k < design->loads; k++)
+        input += design->scene->load[k].follower != FOLLOWER_NONE;
+    p->tables.prescribed.count = (uint16_t)design->mesh.prescribed_count;
     p->tables.prescribed.input = (uint16_t)input;
-    p->tables.prescribed.dof = d->mesh.prescribed_dof;
-    p->tables.prescribed.value = d->mesh.prescribed_value;
-    p->tables.crc = status == PZS_OK ? pzs_nonlinear_crc(&p->tables, s) : 0;
+    p->tables.prescribed.dof = design->mesh.prescribed_dof;
+    p->tables.prescribed.value = design->mesh.prescribed_value;
+    p->tables.crc = status == PZS_OK ? pzs_nonlinear_crc(&p->tables, structure) : 0;
     return status == PZS_OK ? pzs_solver_init(&p->run, model, &p->tables, p->work, bytes) : status;
 }
 
 static pzs_status build_circuit(path *p)
 {
-    const design *d = p->design;
-    const uint32_t open = pzs_electrode_open_count(&d->electrodes);
-    const size_t bytes = PZS_CIRCUIT_BYTES(d->electrodes.count, open);
+    const design *design = p->design;
+    const uint32_t open = pzs_electrode_open_count(&design->electrodes);
+    const size_t bytes = PZS_CIRCUIT_BYTES(design->electrodes.count, open);
     if (open == 0)
         return PZS_OK;
     p->circuit_work = malloc(bytes);
     p->circuit_bytes = bytes;
-    return p->circuit_work
-               ? pzs_attach_circuit(&p->run, &p->circuit, &d->electrodes, p->circuit_work, bytes)
-               : PZS_E_WORKSPACE;
+    return p->circuit_work ? pzs_attach_circuit(&p->run, &p->circuit, &design->electrodes,
+                                                p->circuit_work, bytes)
+                           : PZS_E_WORKSPACE;
 }
 
 static pzs_status attach(path *p)
 {
-    const design *d = p->design;
-    int input = d->amplifiers + d->loads;
+    const design *design = p->design;
+    int input = design->amplifiers + design->loads;
     pzs_status status = build_circuit(p);
-    for (int k = 0; k < d->loads && status == PZS_OK; k++)
-        if (d->scene->load[k].follower != FOLLOWER_NONE)
-            status = build_follower(p, &d->scene->load[k], (uint16_t)input++);
-    input += d->mesh.prescribed_count > 0;
-    return status == PZS_OK && d->scene->contact.given ? build_contact(p, (uint16_t)input) : status;
+    for (int k = 0; k < design->loads && status == PZS_OK; k++)
+        if (design->scene->load[k].follower != FOLLOWER_NONE)
+            status = build_follower(p, &design->scene->load[k], (uint16_t)input++);
+    input += design->mesh.prescribed_count > 0;
+    return status == PZS_OK && design->scene->contact.given ? build_contact(p, (uint16_t)input)
+                                                            : status;
 }
 
-pzs_status path_open(path *p, const design *d, pzs_model *model)
+pzs_status path_open(path *p, const design *design, pzs_model *model)
 {
     memset(p, 0, sizeof *p);
-    p->design = d;
+    p->design = design;
     pzs_status status = start(p, model);
     if (status == PZS_OK)
         status = attach(p);
@@ -414,7 +422,7 @@ pzs_status path_open(path *p, const design *d, pzs_model *model)
         path_close(p);
         return status;
     }
-    const scene_equilibrium *choice = &d->scene->equilibrium;
+    const scene_equilibrium *choice = &design->scene->equilibrium;
     set_full(p);
     p->run.settings.load_steps = (uint16_t)choice->steps;
     p->run.settings.tolerance = choice->change;

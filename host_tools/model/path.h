@@ -29,7 +29,7 @@ typedef struct path {
  *   model  in/out initialised on d's structure
  * Returns PZS_OK, or the library's status; on failure *p is empty.
  */
-pzs_status path_open(path *p, const design *d, pzs_model *model);
+pzs_status path_open(path *p, const design *design, pzs_model *model);
 void path_close(path *p);
 
 /*

@@ -51,25 +51,26 @@ static int is_repeated(const plausible_warning *w, const struct rule *rule, cons
  * Room for a warning: that of the same rule on an earlier result, or the next. NULL where a worse
  * or the same one stands, or no room is left.
  */
-static plausible_warning *place(plausible *p, const struct rule *rule, const measured *found)
+static plausible_warning *place(plausible *warnings, const struct rule *rule, const measured *found)
 {
-    for (int i = 0; i < p->count; i++) {
-        if (is_repeated(&p->warning[i], rule, found))
+    for (int i = 0; i < warnings->count; i++) {
+        if (is_repeated(&warnings->warning[i], rule, found))
             return NULL;
-        if (rule->of == SUBJECT_RESULT && strcmp(p->warning[i].rule, rule->name) == 0)
-            return found->value > p->warning[i].value ? &p->warning[i] : NULL;
+        if (rule->of == SUBJECT_RESULT && strcmp(warnings->warning[i].rule, rule->name) == 0)
+            return found->value > warnings->warning[i].value ? &warnings->warning[i] : NULL;
     }
-    if (p->count == PLAUSIBLE_MOST) {
-        p->dropped++;
+    if (warnings->count == PLAUSIBLE_MOST) {
+        warnings->dropped++;
         return NULL;
     }
-    return &p->warning[p->count++];
+    return &warnings->warning[warnings->count++];
 }
 
-static void warn(plausible *p, const scene *s, const struct rule *rule, const measured *found)
+static void warn(plausible *warnings, const scene *scene, const struct rule *rule,
+                 const measured *found)
 {
     const int is_above = found->value > rule->high;
-    plausible_warning *w = place(p, rule, found);
+    plausible_warning *w = place(warnings, rule, found);
     if (!w)
         return;
     w->rule = rule->name;
@@ -77,12 +78,12 @@ static void warn(plausible *p, const scene *s, const struct rule *rule, const me
     w->limit = is_above ? rule->high : rule->low;
     w->unit = rule->unit;
     w->at = found->at;
-    scene_fault(s, found->at, w->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
+    scene_fault(scene, found->at, w->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
                 *rule->unit ? " " : "", rule->unit, is_above ? "above" : "below", w->limit,
                 rule->cure);
 }
 
-static void apply(plausible *p, const struct rule *rule, const subject *of)
+static void apply(plausible *warnings, const struct rule *rule, const subject *of)
 {
     measured found;
     for (int k = 0;; k++) {
@@ -91,62 +92,65 @@ static void apply(plausible *p, const struct rule *rule, const subject *of)
         if (!rule->measure(of, k, &found))
             return;
         if (found.value > rule->high || found.value < rule->low)
-            warn(p, of->scene, rule, &found);
+            warn(warnings, of->scene, rule, &found);
     }
 }
 
-static void apply_all(plausible *p, subject_type type, const subject *of)
+static void apply_all(plausible *warnings, subject_type type, const subject *of)
 {
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
         if (rules[i].of == type)
-            apply(p, &rules[i], of);
+            apply(warnings, &rules[i], of);
 }
 
-void plausible_scene(plausible *p, const scene *s)
+void plausible_scene(plausible *warnings, const scene *scene)
 {
-    const subject of = {.scene = s, .name = ""};
-    apply_all(p, SUBJECT_SCENE, &of);
+    const subject of = {.scene = scene, .name = ""};
+    apply_all(warnings, SUBJECT_SCENE, &of);
 }
 
-void plausible_result(plausible *p, const mesh *m, const double *u, int is_linear, const char *name)
+void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,
+                      const char *name)
 {
-    const subject of = {.scene = m->scene, .mesh = m, .u = u, .is_linear = is_linear, .name = name};
-    apply_all(p, SUBJECT_RESULT, &of);
+    const subject of = {
+        .scene = mesh->scene, .mesh = mesh, .u = u, .is_linear = is_linear, .name = name};
+    apply_all(warnings, SUBJECT_RESULT, &of);
 }
 
-void plausible_voltages(plausible *p, const scene *s, const double *voltage, const char *name)
+void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
+                        const char *name)
 {
-    const subject of = {.scene = s, .volt = voltage, .name = name};
-    apply_all(p, SUBJECT_VOLTAGES, &of);
+    const subject of = {.scene = scene, .volt = voltage, .name = name};
+    apply_all(warnings, SUBJECT_VOLTAGES, &of);
 }
 
 /* ---- output ----------------------------------------------------------- */
 
-void plausible_print(FILE *file, const plausible *p)
+void plausible_print(FILE *file, const plausible *warnings)
 {
-    if (p->count == 0)
+    if (warnings->count == 0)
         return;
     fprintf(file, "\nWarnings:\n");
-    for (int i = 0; i < p->count; i++)
-        fprintf(file, "  %s: %s\n", p->warning[i].rule, p->warning[i].text);
-    if (p->dropped > 0)
-        fprintf(file, "  and %d more\n", p->dropped);
+    for (int i = 0; i < warnings->count; i++)
+        fprintf(file, "  %s: %s\n", warnings->warning[i].rule, warnings->warning[i].text);
+    if (warnings->dropped > 0)
+        fprintf(file, "  and %d more\n", warnings->dropped);
 }
 
-void plausible_json(json *j, const plausible *p)
+void plausible_json(json *json, const plausible *warnings)
 {
-    json_open(j, "warnings", '[');
-    for (int i = 0; i < p->count; i++) {
-        const plausible_warning *w = &p->warning[i];
-        json_open(j, NULL, '{');
-        json_string(j, "rule", w->rule);
-        json_number(j, "value", w->value);
-        json_number(j, "limit", w->limit);
-        json_string(j, "unit", w->unit);
-        json_number(j, "line", w->at.line);
-        json_number(j, "column", w->at.column);
-        json_string(j, "text", w->text);
-        json_close(j, '}');
+    json_open(json, "warnings", '[');
+    for (int i = 0; i < warnings->count; i++) {
+        const plausible_warning *w = &warnings->warning[i];
+        json_open(json, NULL, '{');
+        json_string(json, "rule", w->rule);
+        json_number(json, "value", w->value);
+        json_number(json, "limit", w->limit);
+        json_string(json, "unit", w->unit);
+        json_number(json, "line", w->at.line);
+        json_number(json, "column", w->at.column);
+        json_string(json, "text", w->text);
+        json_close(json, '}');
     }
-    json_close(j, ']');
+    json_close(json, ']');
 }

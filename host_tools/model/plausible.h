@@ -32,7 +32,7 @@ typedef struct plausible {
 } plausible;
 
 /* Rules on the numbers of a checked scene. */
-void plausible_scene(plausible *p, const scene *s);
+void plausible_scene(plausible *warnings, const scene *scene);
 
 /*
  * Rules on a displacement; of several displacements the worst is kept for each rule.
@@ -40,17 +40,18 @@ void plausible_scene(plausible *p, const scene *s);
  *   is_linear       in  found with small displacements
  *   name            in  of the result, for the text
  */
-void plausible_result(plausible *p, const mesh *m, const double *u, int is_linear,
+void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,
                       const char *name);
 
 /* Rules on voltages that were found. volt [amplifiers] in */
-void plausible_voltages(plausible *p, const scene *s, const double *voltage, const char *name);
+void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
+                        const char *name);
 
 /* A block of lines, nothing where there are no warnings. */
-void plausible_print(FILE *file, const plausible *p);
+void plausible_print(FILE *file, const plausible *warnings);
 
 /* The list `warnings`, empty where there are none. */
-void plausible_json(json *j, const plausible *p);
+void plausible_json(json *json, const plausible *warnings);
 
 /*
  * Largest principal strain in the middle of the elements, on both faces, without its sign: of first
@@ -58,6 +59,6 @@ void plausible_json(json *j, const plausible *p);
  * of first order) have none. where [2] out  theta1, theta2 of the element's middle Returns the
  * strain, or NAN where memory runs out.
  */
-double plausible_strain(const mesh *m, const double *u, int is_linear, double where[2]);
+double plausible_strain(const mesh *mesh, const double *u, int is_linear, double where[2]);
 
 #endif

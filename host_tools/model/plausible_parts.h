@@ -34,15 +34,15 @@ measure measure_found_field, measure_displacement, measure_strain;
 
 /* The k-th pair of an actuator of voltages and a grid of patches that it drives; returns 0 where
  * there is none. */
-int plausible_drive(const scene *s, int k, const scene_actuator **actuator,
+int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive);
 
 /* The largest of the amplifiers of an actuator: of volt, or where it is NULL of what the limits
  * allow. */
-double plausible_voltage(const scene *s, const scene_actuator *a, const double *voltage);
+double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage);
 
 /* The field of a voltage in the layer of a drive, into found->value: NAN where the material has a
  * limit of its own. */
-void plausible_field(const scene *s, const scene_drive *drive, double voltage, measured *found);
+void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found);
 
 #endif

@@ -13,30 +13,30 @@
 /* Only where the scene's limits do not tell as much already. */
 int measure_found_field(const subject *of, int k, measured *found)
 {
-    const scene_actuator *a;
+    const scene_actuator *actuator;
     const scene_drive *drive;
-    if (!plausible_drive(of->scene, k, &a, &drive))
+    if (!plausible_drive(of->scene, k, &actuator, &drive))
         return 0;
-    const double voltage = plausible_voltage(of->scene, a, of->volt),
-                 most = plausible_voltage(of->scene, a, NULL);
+    const double voltage = plausible_voltage(of->scene, actuator, of->volt),
+                 most = plausible_voltage(of->scene, actuator, NULL);
     if (isinf(most) || most < voltage)
         plausible_field(of->scene, drive, voltage, found);
-    found->at = a->at;
+    found->at = actuator->at;
     snprintf(found->what, WHAT, "electric field in patches '%s' under %g of '%s' (%s)",
-             of->scene->patches[drive->patches].name, voltage, a->name, of->name);
+             of->scene->patches[drive->patches].name, voltage, actuator->name, of->name);
     return 1;
 }
 
 /* ---- displacement and strain ------------------------------------------ */
 
 /* A component of a node's displacement. */
-static double displacement_of(const mesh *m, const double *u, int node, scene_component component,
-                              scene_face face)
+static double displacement_of(const mesh *mesh, const double *u, int node,
+                              scene_component component, scene_face face)
 {
     double weight[7], sum = 0;
-    design_output_weights(m, node, component, face, weight);
-    for (unsigned k = 0; k < m->unknowns; k++) {
-        const uint16_t dof = m->node_dof[(size_t)node * m->unknowns + k];
+    design_output_weights(mesh, node, component, face, weight);
+    for (unsigned k = 0; k < mesh->unknowns; k++) {
+        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->unknowns + k];
         if (dof != PZS_CONSTRAINED)
             sum += weight[k] * u[dof];
     }
@@ -67,20 +67,22 @@ typedef struct cell {
 } cell;
 
 /* Both faces of all nodes. point, moved [nodes][2][3] out */
-static void face_points(const mesh *m, const double *u, double (*point)[2][3],
+static void face_points(const mesh *mesh, const double *u, double (*point)[2][3],
                         double (*moved)[2][3])
 {
     static const scene_face faces[2] = {FACE_INNER, FACE_OUTER};
-    for (int node = 0; node < m->nodes; node++)
+    for (int node = 0; node < mesh->nodes; node++)
         for (int f = 0; f < 2; f++)
             for (int i = 0; i < 3; i++) {
                 const scene_component axis = (scene_component)((int)COMPONENT_X + i);
-                point[node][f][i] = m->point[node].x[i] + m->laminate.z[f] * m->point[node].e[2][i];
-                moved[node][f][i] = displacement_of(m, u, node, axis, faces[f]);
+                point[node][f][i] =
+                    mesh->point[node].x[i] + mesh->laminate.z[f] * mesh->point[node].e[2][i];
+                moved[node][f][i] = displacement_of(mesh, u, node, axis, faces[f]);
             }
 }
 
-static cell cell_of(const mesh *m, int element, int f, double (*point)[2][3], double (*moved)[2][3])
+static cell cell_of(const mesh *mesh, int element, int f, double (*point)[2][3],
+                    double (*moved)[2][3])
 {
     static const double sign[2][4] = {{-0.5, 0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5, 0.5}};
     cell c;
@@ -88,7 +90,7 @@ static cell cell_of(const mesh *m, int element, int f, double (*point)[2][3], do
     for (int a = 0; a < 2; a++)
         for (int r = 0; r < 4; r++)
             for (int i = 0; i < 3; i++) {
-                const int node = m->element[element][r];
+                const int node = mesh->element[element][r];
                 c.x[a][i] += sign[a][r] * point[node][f][i];
                 c.u[a][i] += sign[a][r] * moved[node][f][i];
             }
@@ -118,19 +120,19 @@ static double principal_strain(const cell *c, int is_linear)
     return fabs(half) + sqrt(fmax(half * half - product, 0));
 }
 
-double plausible_strain(const mesh *m, const double *u, int is_linear, double where[2])
+double plausible_strain(const mesh *mesh, const double *u, int is_linear, double where[2])
 {
-    double(*point)[2][3] = calloc((size_t)m->nodes, sizeof *point);
-    double(*moved)[2][3] = calloc((size_t)m->nodes, sizeof *moved);
+    double(*point)[2][3] = calloc((size_t)mesh->nodes, sizeof *point);
+    double(*moved)[2][3] = calloc((size_t)mesh->nodes, sizeof *moved);
     double most = point && moved ? -1 : (double)NAN;
     if (point && moved)
-        face_points(m, u, point, moved);
-    for (int k = 0; point && moved && k < 2 * m->elements; k++) {
-        const cell c = cell_of(m, k / 2, k % 2, point, moved);
+        face_points(mesh, u, point, moved);
+    for (int k = 0; point && moved && k < 2 * mesh->elements; k++) {
+        const cell c = cell_of(mesh, k / 2, k % 2, point, moved);
         const double strain = principal_strain(&c, is_linear);
         if (strain > most) {
             double theta1[2], theta2[2];
-            mesh_cell(m, k / 2, theta1, theta2);
+            mesh_cell(mesh, k / 2, theta1, theta2);
             where[0] = (theta1[0] + theta1[1]) / 2;
             where[1] = (theta2[0] + theta2[1]) / 2;
             most = strain;

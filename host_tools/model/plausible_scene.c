@@ -17,54 +17,56 @@ static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 static const units_unit length_unit = {{1, 0, 0, 0, 0, 0}, 0, 0};
 
 /* A number of the scene in SI units, NAN where the scene's own are not known. */
-static double in_si(const scene *s, double value, const units_unit *unit)
+static double in_si(const scene *scene, double value, const units_unit *unit)
 {
     int ten;
-    return scene_units_ten(s, unit, &ten) < 0 ? value * pow(10, -ten) : (double)NAN;
+    return scene_units_ten(scene, unit, &ten) < 0 ? value * pow(10, -ten) : (double)NAN;
 }
 
 /* ---- constants of materials and layers -------------------------------- */
 
 enum { MODULI = 6, CONSTANTS = 5 };
 
-static int is_isotropic(const scene_material *m)
+static int is_isotropic(const scene_material *material)
 {
-    const int is_cubic = m->e[0] == m->e[1] && m->e[1] == m->e[2] && m->g12 == m->g13 &&
-                         m->g13 == m->g23 && m->nu12 == m->nu13 && m->nu13 == m->nu23;
-    return is_cubic && m->g12 == m->e[0] / (2 * (1 + m->nu12));
+    const int is_cubic = material->e[0] == material->e[1] && material->e[1] == material->e[2] &&
+                         material->g12 == material->g13 && material->g13 == material->g23 &&
+                         material->nu12 == material->nu13 && material->nu13 == material->nu23;
+    return is_cubic && material->g12 == material->e[0] / (2 * (1 + material->nu12));
 }
 
 /* In the isotropic case the shear modulus follows from E and is not judged. */
 int measure_modulus(const subject *of, int k, measured *found)
 {
     static const char *const name[MODULI] = {"E1", "E2", "E3", "G12", "G13", "G23"};
-    const scene *s = of->scene;
-    if (k >= MODULI * s->materials)
+    const scene *scene = of->scene;
+    if (k >= MODULI * scene->materials)
         return 0;
-    const scene_material *m = &s->material[k / MODULI];
-    const double value[MODULI] = {m->e[0], m->e[1], m->e[2], m->g12, m->g13, m->g23};
-    const int isotropic = is_isotropic(m);
+    const scene_material *material = &scene->material[k / MODULI];
+    const double value[MODULI] = {material->e[0], material->e[1], material->e[2],
+                                  material->g12,  material->g13,  material->g23};
+    const int isotropic = is_isotropic(material);
     const int i = k % MODULI;
     if (isotropic && i > 0)
         return 1;
-    found->value = in_si(s, value[i], &modulus_unit);
-    found->at = m->at;
+    found->value = in_si(scene, value[i], &modulus_unit);
+    found->at = material->at;
     snprintf(found->what, WHAT, "%s of material '%s', %g in the scene's units",
-             isotropic ? "E" : name[i], m->name, value[i]);
+             isotropic ? "E" : name[i], material->name, value[i]);
     return 1;
 }
 
 int measure_density(const subject *of, int k, measured *found)
 {
-    const scene *s = of->scene;
-    if (k >= s->materials)
+    const scene *scene = of->scene;
+    if (k >= scene->materials)
         return 0;
-    const scene_material *m = &s->material[k];
-    if (m->density > 0)
-        found->value = in_si(s, m->density, &density_unit);
-    found->at = m->at;
-    snprintf(found->what, WHAT, "density of material '%s', %g in the scene's units", m->name,
-             m->density);
+    const scene_material *material = &scene->material[k];
+    if (material->density > 0)
+        found->value = in_si(scene, material->density, &density_unit);
+    found->at = material->at;
+    snprintf(found->what, WHAT, "density of material '%s', %g in the scene's units", material->name,
+             material->density);
     return 1;
 }
 
@@ -72,32 +74,34 @@ int measure_density(const subject *of, int k, measured *found)
 int measure_piezo(const subject *of, int k, measured *found)
 {
     static const char *const name[CONSTANTS] = {"31", "32", "33", "24", "15"};
-    const scene *s = of->scene;
-    if (k >= CONSTANTS * s->materials)
+    const scene *scene = of->scene;
+    if (k >= CONSTANTS * scene->materials)
         return 0;
-    const scene_material *m = &s->material[k / CONSTANTS];
-    const double d[CONSTANTS] = {m->d31, m->d32, m->d33, m->d24, m->d15};
-    const double stiff = fmax(m->e[0], fmax(m->e[1], m->e[2]));
+    const scene_material *material = &scene->material[k / CONSTANTS];
+    const double d[CONSTANTS] = {material->d31, material->d32, material->d33, material->d24,
+                                 material->d15};
+    const double stiff = fmax(material->e[0], fmax(material->e[1], material->e[2]));
     const int i = k % CONSTANTS;
-    const double value = m->has_e ? m->piezo_e[i] / stiff : d[i];
+    const double value = material->has_e ? material->piezo_e[i] / stiff : d[i];
     if (value != 0)
-        found->value = in_si(s, fabs(value), &piezo_unit);
-    found->at = m->at;
+        found->value = in_si(scene, fabs(value), &piezo_unit);
+    found->at = material->at;
     snprintf(found->what, WHAT, "|%s%s%s| of material '%s', %g in the scene's units",
-             m->has_e ? "e" : "d", name[i], m->has_e ? "/E" : "", m->name, fabs(value));
+             material->has_e ? "e" : "d", name[i], material->has_e ? "/E" : "", material->name,
+             fabs(value));
     return 1;
 }
 
 int measure_thickness(const subject *of, int k, measured *found)
 {
-    const scene *s = of->scene;
-    if (k >= s->layers)
+    const scene *scene = of->scene;
+    if (k >= scene->layers)
         return 0;
-    found->value = in_si(s, s->layer[k].thickness, &length_unit);
-    found->at = s->layer[k].at;
+    found->value = in_si(scene, scene->layer[k].thickness, &length_unit);
+    found->at = scene->layer[k].at;
     snprintf(found->what, WHAT,
              "thickness of layer %d (from the inner face, the first is 0), %g in the scene's units",
-             k, s->layer[k].thickness);
+             k, scene->layer[k].thickness);
     return 1;
 }
 
@@ -105,27 +109,27 @@ int measure_thickness(const subject *of, int k, measured *found)
 
 /* The k-th pair of an actuator of voltages and a grid of patches that it drives; returns 0 where
  * there is none. */
-int plausible_drive(const scene *s, int k, const scene_actuator **actuator,
+int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive)
 {
-    for (int i = 0; i < s->actuators; i++) {
-        *actuator = &s->actuator[i];
-        if (k < s->actuator[i].drives) {
-            *drive = &s->actuator[i].drive[k];
+    for (int i = 0; i < scene->actuators; i++) {
+        *actuator = &scene->actuator[i];
+        if (k < scene->actuator[i].drives) {
+            *drive = &scene->actuator[i].drive[k];
             return 1;
         }
-        k -= s->actuator[i].drives;
+        k -= scene->actuator[i].drives;
     }
     return 0;
 }
 
 /* Largest voltage that the scene's limits allow an amplifier, without its sign; its own limits go
  * before the common ones. */
-static double allowed(const scene *s, int amplifier)
+static double allowed(const scene *scene, int amplifier)
 {
-    double most = fmax(fabs(s->limits.lower), fabs(s->limits.upper));
-    for (int i = 0; i < s->limits.each_count; i++) {
-        const scene_limit *own = &s->limits.each[i];
+    double most = fmax(fabs(scene->limits.lower), fabs(scene->limits.upper));
+    for (int i = 0; i < scene->limits.each_count; i++) {
+        const scene_limit *own = &scene->limits.each[i];
         if (amplifier >= own->first && amplifier < own->first + own->count)
             most = fmax(fabs(own->lower), fabs(own->upper));
     }
@@ -134,49 +138,49 @@ static double allowed(const scene *s, int amplifier)
 
 /* The largest of a property of the amplifiers of an actuator: of volt, or where it is NULL what
  * their limits allow. */
-double plausible_voltage(const scene *s, const scene_actuator *a, const double *voltage)
+double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage)
 {
     double most = 0;
-    for (int k = a->first; k < a->first + a->grid[0] * a->grid[1]; k++)
-        most = fmax(most, voltage ? fabs(voltage[k]) : allowed(s, k));
+    for (int k = actuator->first; k < actuator->first + actuator->grid[0] * actuator->grid[1]; k++)
+        most = fmax(most, voltage ? fabs(voltage[k]) : allowed(scene, k));
     return most;
 }
 
 /* Field of a voltage in the layer of a drive; none where the material has a limit of its own, which
  * the design keeps. */
-void plausible_field(const scene *s, const scene_drive *drive, double voltage, measured *found)
+void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
-    const scene_layer *layer = &s->layer[s->patches[drive->patches].layer];
-    const scene_material *m = &s->material[layer->material];
-    if (m->field_limit > 0 || !isfinite(voltage))
+    const scene_layer *layer = &scene->layer[scene->patches[drive->patches].layer];
+    const scene_material *material = &scene->material[layer->material];
+    if (material->field_limit > 0 || !isfinite(voltage))
         return;
-    found->value = in_si(s, fabs(voltage * drive->factor) / layer->thickness, &field_unit);
+    found->value = in_si(scene, fabs(voltage * drive->factor) / layer->thickness, &field_unit);
 }
 
 int measure_limit_field(const subject *of, int k, measured *found)
 {
-    const scene_actuator *a;
+    const scene_actuator *actuator;
     const scene_drive *drive;
-    if (!plausible_drive(of->scene, k, &a, &drive))
+    if (!plausible_drive(of->scene, k, &actuator, &drive))
         return 0;
-    const double voltage = plausible_voltage(of->scene, a, NULL);
+    const double voltage = plausible_voltage(of->scene, actuator, NULL);
     plausible_field(of->scene, drive, voltage, found);
     found->at = of->scene->limits.at;
     snprintf(found->what, WHAT, "electric field in patches '%s' at the voltage limit %g of '%s'",
-             of->scene->patches[drive->patches].name, voltage, a->name);
+             of->scene->patches[drive->patches].name, voltage, actuator->name);
     return 1;
 }
 
 int measure_applied_field(const subject *of, int k, measured *found)
 {
-    const scene_actuator *a;
+    const scene_actuator *actuator;
     const scene_drive *drive;
-    if (!plausible_drive(of->scene, k, &a, &drive))
+    if (!plausible_drive(of->scene, k, &actuator, &drive))
         return 0;
-    plausible_field(of->scene, drive, a->applied, found);
-    found->at = a->at;
+    plausible_field(of->scene, drive, actuator->applied, found);
+    found->at = actuator->at;
     snprintf(found->what, WHAT, "electric field in patches '%s' under %g applied to '%s'",
-             of->scene->patches[drive->patches].name, a->applied, a->name);
+             of->scene->patches[drive->patches].name, actuator->applied, actuator->name);
     return 1;
 }
 
@@ -214,24 +218,25 @@ static double elements_needed(const bend *b)
     return fmin(2 * pow(slender, 0.25) * sqrt(b->radius / b->length), quarter * sqrt(slender));
 }
 
-static bend bend_at(const scene *s, const int node[2], int direction)
+static bend bend_at(const scene *scene, const int node[2], int direction)
 {
     const int across = 1 - direction;
     const surface_point p =
-        surface_at(&s->surface, s->line[0].point[node[0]], s->line[1].point[node[1]]);
-    bend b = {HUGE_VAL, 0, p.a[across] * span_of(&s->line[across]),
-              p.a[direction] * element_at(&s->line[direction], node[direction])};
+        surface_at(&scene->surface, scene->line[0].point[node[0]], scene->line[1].point[node[1]]);
+    bend b = {HUGE_VAL, 0, p.a[across] * span_of(&scene->line[across]),
+              p.a[direction] * element_at(&scene->line[direction], node[direction])};
     if (p.k[direction] != 0)
         b.radius = 1 / fabs(p.k[direction]);
-    for (int i = 0; i < s->layers; i++)
-        b.thickness += s->layer[i].thickness;
+    for (int i = 0; i < scene->layers; i++)
+        b.thickness += scene->layer[i].thickness;
     return b;
 }
 
 /* A force at a node, along one direction: elements needed over elements there. */
-static void measure_point(const scene *s, const scene_load *load, int direction, measured *found)
+static void measure_point(const scene *scene, const scene_load *load, int direction,
+                          measured *found)
 {
-    const bend b = bend_at(s, load->where.node, direction);
+    const bend b = bend_at(scene, load->where.node, direction);
     if (!isfinite(b.radius))
         return;
     const double needed = elements_needed(&b), there = quarter * b.radius / b.size;
@@ -241,12 +246,12 @@ static void measure_point(const scene *s, const scene_load *load, int direction,
              "are needed (%.0f "
              "on the whole mesh)",
              there, direction + 1, ceil(needed),
-             ceil(s->line[direction].elements * needed / there));
+             ceil(scene->line[direction].elements * needed / there));
 }
 
 /* A load on an edge: the size of elements across the edge over the bending length of the curve
  * along it, the least. */
-static void measure_edge(const scene *s, const scene_load *load, int direction, measured *found)
+static void measure_edge(const scene *scene, const scene_load *load, int direction, measured *found)
 {
     const int is_theta1 =
         load->where.edge == EDGE_THETA1_MINUS || load->where.edge == EDGE_THETA1_PLUS;
@@ -256,8 +261,8 @@ static void measure_edge(const scene *s, const scene_load *load, int direction, 
     if (direction != across)
         return;
     int node[2] = {0, 0};
-    node[across] = is_plus ? s->line[across].elements : 0;
-    const bend along = bend_at(s, node, 1 - across), b = bend_at(s, node, across);
+    node[across] = is_plus ? scene->line[across].elements : 0;
+    const bend along = bend_at(scene, node, 1 - across), b = bend_at(scene, node, across);
     if (!isfinite(along.radius))
         return;
     const double bending = sqrt(along.radius * along.thickness);
@@ -266,19 +271,19 @@ static void measure_edge(const scene *s, const scene_load *load, int direction, 
         found->what, WHAT,
         "size of elements at a load on an edge, %.3g across it where the bending length is %.3g "
         "(%.0f elements along theta%d)",
-        b.size, bending, ceil(s->line[across].elements * found->value), across + 1);
+        b.size, bending, ceil(scene->line[across].elements * found->value), across + 1);
 }
 
 int measure_resolution(const subject *of, int k, measured *found)
 {
-    const scene *s = of->scene;
-    if (k >= 2 * s->loads)
+    const scene *scene = of->scene;
+    if (k >= 2 * scene->loads)
         return 0;
-    const scene_load *load = &s->load[k / 2];
+    const scene_load *load = &scene->load[k / 2];
     found->at = load->at;
     if (load->type == LOAD_POINT)
-        measure_point(s, load, k % 2, found);
+        measure_point(scene, load, k % 2, found);
     if (load->type == LOAD_LINE)
-        measure_edge(s, load, k % 2, found);
+        measure_edge(scene, load, k % 2, found);
     return 1;
 }

@@ -59,7 +59,7 @@ typedef struct search {
 static linalg_inertia factor(search *s, double times, int keep_scale)
 {
     linalg_inertia failed = {0, -1, 0, 0};
-    const mesh *m = s->mass.mesh;
+    const mesh *mesh = s->mass.mesh;
     if (pzs_assemble(&s->model, NULL, s->held) != PZS_OK)
         return failed;
     if (!keep_scale) {
@@ -68,8 +68,8 @@ static linalg_inertia factor(search *s, double times, int keep_scale)
         if (pzs_assemble(&s->model, NULL, s->held) != PZS_OK)
             return failed;
     }
-    for (int e = 0; e < m->elements && times != 0; e++)
-        pzs_model_add_matrix(&s->model, m->element[e], 4, times, mass_element(&s->mass, e));
+    for (int e = 0; e < mesh->elements && times != 0; e++)
+        pzs_model_add_matrix(&s->model, mesh->element[e], 4, times, mass_element(&s->mass, e));
     pzs_linalg_apply_scale(&s->model.state.stiffness, s->model.state.scale);
     const double norm = pzs_linalg_norm1(&s->model.state.stiffness, s->model.state.work);
     const linalg_inertia inertia = pzs_linalg_factor(&s->model.state.stiffness);
@@ -375,9 +375,9 @@ static int find_modes(search *s, size_t number, char *error)
  */
 static double largest_displacement(const search *s, const double *x, double *sign)
 {
-    const mesh *m = s->mass.mesh;
+    const mesh *mesh = s->mass.mesh;
     double largest = 0, leading = 0;
-    for (int node = 0; node < m->nodes; node++) {
+    for (int node = 0; node < mesh->nodes; node++) {
         const uint16_t at = (uint16_t)node;
         double u[7], sum = 0;
         pzs_model_gather(&s->model, &at, 1, x, u);
@@ -409,56 +409,57 @@ static void take_shape(search *s, size_t i, double *x)
 /* x' K x, formed from strains: a rigid motion has none, to rounding of rounding. */
 static double energy(const search *s, const double *x)
 {
-    const mesh *m = s->mass.mesh;
+    const mesh *mesh = s->mass.mesh;
     double sum = 0;
-    for (int e = 0; e < m->elements; e++) {
+    for (int e = 0; e < mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
-        pzs_model_gather(&s->model, m->element[e], SHELL_NODES, x, u);
-        pzs_shell_force(&m->kind[m->element_kind[e]], m->unknowns, u, f);
-        sum += dot(u, f, SHELL_NODES * (size_t)m->unknowns);
+        pzs_model_gather(&s->model, mesh->element[e], SHELL_NODES, x, u);
+        pzs_shell_force(&mesh->kind[mesh->element_kind[e]], mesh->unknowns, u, f);
+        sum += dot(u, f, SHELL_NODES * (size_t)mesh->unknowns);
     }
     return sum;
 }
 
-static void take_modes(search *s, vibration *v)
+static void take_modes(search *s, vibration *vibration)
 {
-    for (int i = 0; i < v->count; i++) {
-        double *x = v->shape + (size_t)i * s->n, sign;
+    for (int i = 0; i < vibration->count; i++) {
+        double *x = vibration->shape + (size_t)i * s->n, sign;
         take_shape(s, (size_t)i, x);
         const double square = energy(s, x);
         const int is_rigid = s->shift > 0 && square < rigid_below * s->shift;
-        v->rigid += is_rigid;
-        v->square[i] = is_rigid ? 0 : square;
-        v->frequency[i] = sqrt(v->square[i]) / two_pi;
-        v->largest[i] = largest_displacement(s, x, &sign);
+        vibration->rigid += is_rigid;
+        vibration->square[i] = is_rigid ? 0 : square;
+        vibration->frequency[i] = sqrt(vibration->square[i]) / two_pi;
+        vibration->largest[i] = largest_displacement(s, x, &sign);
     }
-    v->solves = s->solves;
+    vibration->solves = s->solves;
 }
 
 /* Effective masses: (x' M r)^2 of unit rigid translations r. */
-static void take_masses(search *s, vibration *v)
+static void take_masses(search *s, vibration *vibration)
 {
     const double still[3] = {0, 0, 0};
     for (int axis = 0; axis < 3; axis++) {
         double shift[3] = {0, 0, 0};
         shift[axis] = 1;
-        v->mass = mass_rigid(&s->mass, &s->model, shift, still, s->mw);
-        for (int i = 0; i < v->count; i++) {
-            const double part = dot(v->shape + (size_t)i * s->n, s->mw, s->n);
-            v->effective[i][axis] = part * part;
+        vibration->mass = mass_rigid(&s->mass, &s->model, shift, still, s->mw);
+        for (int i = 0; i < vibration->count; i++) {
+            const double part = dot(vibration->shape + (size_t)i * s->n, s->mw, s->n);
+            vibration->effective[i][axis] = part * part;
         }
     }
 }
 
-static int allocate_results(vibration *v, size_t count, size_t n)
+static int allocate_results(vibration *vibration, size_t count, size_t n)
 {
-    v->count = (int)count;
-    v->frequency = calloc(count, sizeof *v->frequency);
-    v->square = calloc(count, sizeof *v->square);
-    v->largest = calloc(count, sizeof *v->largest);
-    v->shape = calloc(count * n, sizeof *v->shape);
-    v->effective = calloc(count, sizeof *v->effective);
-    return v->frequency && v->square && v->largest && v->shape && v->effective;
+    vibration->count = (int)count;
+    vibration->frequency = calloc(count, sizeof *vibration->frequency);
+    vibration->square = calloc(count, sizeof *vibration->square);
+    vibration->largest = calloc(count, sizeof *vibration->largest);
+    vibration->shape = calloc(count * n, sizeof *vibration->shape);
+    vibration->effective = calloc(count, sizeof *vibration->effective);
+    return vibration->frequency && vibration->square && vibration->largest && vibration->shape &&
+           vibration->effective;
 }
 
 /* ---- whole ------------------------------------------------------------ */
@@ -466,7 +467,7 @@ static int allocate_results(vibration *v, size_t count, size_t n)
 static int allocate_search(search *s, size_t number)
 {
     const pzs_structure *structure = &s->d->structure;
-    const mesh *m = &s->d->mesh;
+    const mesh *mesh = &s->d->mesh;
     const size_t bytes = PZS_MODEL_BYTES(
         structure->free_dof, pzs_linalg_reals(structure->first_column, structure->free_dof));
     s->n = structure->free_dof;
@@ -484,8 +485,8 @@ static int allocate_search(search *s, size_t number)
     if (!s->work || !s->held || !s->basis || !s->h || !s->ritz || !s->turn || !s->order || !s->w ||
         !s->mw)
         return 0;
-    for (int i = 0; i < m->prescribed_count; i++)
-        s->held[m->prescribed_dof[i]] = 1;
+    for (int i = 0; i < mesh->prescribed_count; i++)
+        s->held[mesh->prescribed_dof[i]] = 1;
     return pzs_model_init(&s->model, structure, s->work, bytes) == PZS_OK;
 }
 
@@ -503,7 +504,7 @@ static void free_search(search *s)
     free(s->mw);
 }
 
-static int run(search *s, vibration *v, size_t number, char *error)
+static int run(search *s, vibration *vibration, size_t number, char *error)
 {
     const scene *of = s->d->scene;
     if (!choose_shift(s, (int)number))
@@ -515,59 +516,60 @@ static int run(search *s, vibration *v, size_t number, char *error)
         inject(s);
     if (find_modes(s, number, error) < 0)
         return -1;
-    if (!allocate_results(v, number, s->n))
+    if (!allocate_results(vibration, number, s->n))
         return scene_fault(of, of->at_surface, error, "%zu modes do not fit into memory", number);
-    take_modes(s, v);
-    take_masses(s, v);
+    take_modes(s, vibration);
+    take_masses(s, vibration);
     return 0;
 }
 
-int vibration_solve(vibration *v, const design *d, int number, double lumped, char *error)
+int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
+                    char *error)
 {
     search s;
-    memset(v, 0, sizeof *v);
+    memset(vibration, 0, sizeof *vibration);
     memset(&s, 0, sizeof s);
-    s.d = d;
-    const int most = d->mesh.dof - d->mesh.prescribed_count;
+    s.d = design;
+    const int most = design->mesh.dof - design->mesh.prescribed_count;
     const int wanted = number < most ? number : most;
-    if (mass_build(&s.mass, &d->mesh, lumped, error) < 0)
+    if (mass_build(&s.mass, &design->mesh, lumped, error) < 0)
         return -1;
     int failed = -1;
     if (wanted < 1)
-        scene_fault(d->scene, d->scene->at_surface, error,
+        scene_fault(design->scene, design->scene->at_surface, error,
                     "%d modes of %d free dof; ask for at least 1", number, most);
     else if (!allocate_search(&s, (size_t)wanted))
-        scene_fault(d->scene, d->scene->line[0].at, error,
+        scene_fault(design->scene, design->scene->line[0].at, error,
                     "%d modes of %d free dof do not fit into memory", wanted, most);
     else
-        failed = run(&s, v, (size_t)wanted, error);
+        failed = run(&s, vibration, (size_t)wanted, error);
     free_search(&s);
     if (failed)
-        vibration_free(v);
+        vibration_free(vibration);
     return failed;
 }
 
-void vibration_free(vibration *v)
+void vibration_free(vibration *vibration)
 {
-    free(v->frequency);
-    free(v->square);
-    free(v->largest);
-    free(v->shape);
-    free(v->effective);
-    memset(v, 0, sizeof *v);
+    free(vibration->frequency);
+    free(vibration->square);
+    free(vibration->largest);
+    free(vibration->shape);
+    free(vibration->effective);
+    memset(vibration, 0, sizeof *vibration);
 }
 
-int vibration_first(const vibration *v)
+int vibration_first(const vibration *vibration)
 {
-    return v->rigid;
+    return vibration->rigid;
 }
 
-double vibration_static(const vibration *v, const design *d, int mode, int input)
+double vibration_static(const vibration *vibration, const design *design, int mode, int input)
 {
-    const pzs_rows *in = &d->structure.input;
-    const double *x = v->shape + (size_t)mode * (size_t)d->mesh.dof;
+    const pzs_rows *in = &design->structure.input;
+    const double *x = vibration->shape + (size_t)mode * (size_t)design->mesh.dof;
     double sum = 0;
     for (uint32_t t = in->start[input]; t < in->start[input + 1]; t++)
         sum += in->value[t] * x[in->dof[t]];
-    return mode < v->rigid ? (double)NAN : sum / v->square[mode];
+    return mode < vibration->rigid ? (double)NAN : sum / vibration->square[mode];
 }

@@ -31,17 +31,18 @@ typedef struct vibration {
  * Returns 0, or -1 with error filled and *v empty: a density is missing, no convergence, a mode was
  * missed.
  */
-int vibration_solve(vibration *v, const design *d, int number, double lumped, char *error);
-void vibration_free(vibration *v);
+int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
+                    char *error);
+void vibration_free(vibration *vibration);
 
 /* Index of the first mode that is no rigid motion; v->count where there is none. */
-int vibration_first(const vibration *v);
+int vibration_first(const vibration *vibration);
 
 /*
  * Modal coordinate x'f/w^2 that a unit of an input, held for good, makes; NAN in a rigid motion.
  *   input in  of the design's structure
  * Multiplied by the largest displacement of x it is what that input moves by this mode.
  */
-double vibration_static(const vibration *v, const design *d, int mode, int input);
+double vibration_static(const vibration *vibration, const design *design, int mode, int input);
 
 #endif

@@ -30,17 +30,18 @@ static void trial_free(trial *t)
  * influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits
  * do not overlap.
  */
-static pzs_status trial_start(trial *t, const design *d, common_limits common,
+static pzs_status trial_start(trial *t, const design *design, common_limits common,
                               const double *influence, char *error)
 {
-    const size_t n = (size_t)d->amplifiers, bytes = PZS_CONTROL_BYTES(d->amplifiers, d->targets);
+    const size_t n = (size_t)design->amplifiers,
+                 bytes = PZS_CONTROL_BYTES(design->amplifiers, design->targets);
     memset(t, 0, sizeof *t);
-    t->problem = d->problem;
+    t->problem = design->problem;
     t->bounds = calloc(3 * n, sizeof *t->bounds);
     t->work = malloc(bytes);
     if (!t->bounds || !t->work)
         return PZS_E_WORKSPACE;
-    if (design_limits(d, common, t->bounds, t->bounds + n, error) < 0)
+    if (design_limits(design, common, t->bounds, t->bounds + n, error) < 0)
         return PZS_E_LIMITS;
     for (size_t k = 0; k < n; k++)
         t->bounds[2 * n + k] = HUGE_VAL;
@@ -60,32 +61,32 @@ static pzs_status trial_start(trial *t, const design *d, common_limits common,
  * The widest range of any amplifier, how many have less or are held, and how many of `volt` are at
  * a limit.
  */
-static void note_limits(const pzs_problem *p, const double *voltage, voltages *v)
+static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
     double lowest = HUGE_VAL, highest = -HUGE_VAL;
-    v->active = v->held = v->narrower = 0;
-    for (int k = 0; k < p->inputs; k++) {
-        if (p->lower[k] == p->upper[k]) {
-            v->held++;
+    result->active = result->held = result->narrower = 0;
+    for (int k = 0; k < problem->inputs; k++) {
+        if (problem->lower[k] == problem->upper[k]) {
+            result->held++;
             continue;
         }
-        lowest = fmin(lowest, p->lower[k]);
-        highest = fmax(highest, p->upper[k]);
-        v->active += voltage[k] == p->lower[k] || voltage[k] == p->upper[k];
+        lowest = fmin(lowest, problem->lower[k]);
+        highest = fmax(highest, problem->upper[k]);
+        result->active += voltage[k] == problem->lower[k] || voltage[k] == problem->upper[k];
     }
-    for (int k = 0; k < p->inputs; k++)
-        v->narrower +=
-            p->lower[k] != p->upper[k] && (p->lower[k] > lowest || p->upper[k] < highest);
-    v->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
-    v->limit[1] = fmax(lowest, highest);
+    for (int k = 0; k < problem->inputs; k++)
+        result->narrower += problem->lower[k] != problem->upper[k] &&
+                            (problem->lower[k] > lowest || problem->upper[k] < highest);
+    result->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
+    result->limit[1] = fmax(lowest, highest);
 }
 
 /* The message of a status that is about the voltage problem. Returns -1. */
-static int explain(const analysis *a, pzs_status status, char *error)
+static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
         return -1; /* design_limits has named the amplifier */
-    return scene_fault(a->design.scene, a->design.scene->limits.at, error, "%s",
+    return scene_fault(analysis->design.scene, analysis->design.scene->limits.at, error, "%s",
                        pzs_status_text(status));
 }
 
@@ -96,13 +97,13 @@ static int explain(const analysis *a, pzs_status status, char *error)
  *   reach            in     most change of any volt from `volt`, or INFINITY
  *   volt [amplifiers] in/out
  */
-static pzs_status best_volts(const design *d, common_limits common, const double *influence,
-                             const double *wanted, double reach, voltages *v, double *voltage,
+static pzs_status best_volts(const design *design, common_limits common, const double *influence,
+                             const double *wanted, double reach, voltages *result, double *voltage,
                              char *error)
 {
     trial t;
-    pzs_status status = trial_start(&t, d, common, influence, error);
-    for (int k = 0; status == PZS_OK && isfinite(reach) && k < d->amplifiers; k++) {
+    pzs_status status = trial_start(&t, design, common, influence, error);
+    for (int k = 0; status == PZS_OK && isfinite(reach) && k < design->amplifiers; k++) {
         t.control.state.lower[k] = fmax(t.problem.lower[k], voltage[k] - reach);
         t.control.state.upper[k] = fmin(t.problem.upper[k], voltage[k] + reach);
     }
@@ -110,17 +111,17 @@ static pzs_status best_volts(const design *d, common_limits common, const double
         status = pzs_control_start(&t.control, voltage);
     for (int again = 0; status == PZS_OK && again < 10; again++) {
         status = pzs_step(&t.control, wanted);
-        v->passes += t.control.info.iterations;
+        result->passes += t.control.info.iterations;
         if (status != PZS_W_ITERATIONS)
             break;
         status = PZS_OK;
     }
     if (!PZS_IS_ERROR(status)) {
-        memcpy(voltage, t.control.info.voltage, (size_t)d->amplifiers * sizeof *voltage);
+        memcpy(voltage, t.control.info.voltage, (size_t)design->amplifiers * sizeof *voltage);
         pzs_report report;
         (void)pzs_assess(&t.control, wanted, &report);
-        v->optimality = report.kkt_violation;
-        note_limits(&t.problem, voltage, v);
+        result->optimality = report.kkt_violation;
+        note_limits(&t.problem, voltage, result);
         status = PZS_OK;
     }
     trial_free(&t);
@@ -129,32 +130,32 @@ static pzs_status best_volts(const design *d, common_limits common, const double
 
 /* ---- volts and their shape -------------------------------------------- */
 
-static int start(const analysis *a, voltages *v, const char *name)
+static int start(const analysis *analysis, voltages *result, const char *name)
 {
-    memset(v, 0, sizeof *v);
-    snprintf(v->name, sizeof v->name, "%s", name);
-    v->volts = a->design.amplifiers;
-    v->volt = calloc((size_t)a->design.amplifiers, sizeof *v->volt);
-    v->shape = calloc((size_t)a->design.targets, sizeof *v->shape);
-    v->aim = calloc((size_t)a->design.targets, sizeof *v->aim);
-    v->u = calloc((size_t)a->design.mesh.dof, sizeof *v->u);
-    v->optimality = (double)NAN;
-    v->limit[0] = -HUGE_VAL;
-    v->limit[1] = HUGE_VAL;
-    return v->volt && v->shape && v->aim && v->u ? 0 : -1;
+    memset(result, 0, sizeof *result);
+    snprintf(result->name, sizeof result->name, "%s", name);
+    result->volts = analysis->design.amplifiers;
+    result->volt = calloc((size_t)analysis->design.amplifiers, sizeof *result->volt);
+    result->shape = calloc((size_t)analysis->design.targets, sizeof *result->shape);
+    result->aim = calloc((size_t)analysis->design.targets, sizeof *result->aim);
+    result->u = calloc((size_t)analysis->design.mesh.dof, sizeof *result->u);
+    result->optimality = (double)NAN;
+    result->limit[0] = -HUGE_VAL;
+    result->limit[1] = HUGE_VAL;
+    return result->volt && result->shape && result->aim && result->u ? 0 : -1;
 }
 
-static int out_of_memory(const analysis *a, char *error)
+static int out_of_memory(const analysis *analysis, char *error)
 {
-    return analysis_explain(a, PZS_E_WORKSPACE, error);
+    return analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
 /* Weighted squares of what is wanted in the rows that cannot move. */
-static double wanted_fixed(const design *d)
+static double wanted_fixed(const design *design)
 {
     double sum = 0;
-    for (int i = 0; i < d->targets; i++)
-        sum += pow(d->fixed_weight[i] * d->wanted[i], 2);
+    for (int i = 0; i < design->targets; i++)
+        sum += pow(design->fixed_weight[i] * design->wanted[i], 2);
     return sum;
 }
 
@@ -164,62 +165,64 @@ static double relative(double missed, double wanted)
 }
 
 /* v->shape, v->aim and the errors of v->u. */
-static void measure(const analysis *a, voltages *v)
+static void measure(const analysis *analysis, voltages *result)
 {
-    const design *d = &a->design;
+    const design *design = &analysis->design;
     double most = 0;
-    design_shape(d, v->u, v->shape);
-    const double missed = design_squares(d, v->shape, d->target),
-                 wanted = design_squares(d, d->wanted, NULL);
-    const double missed_fixed = design_misfit(d, v->shape, d->target, v->aim);
-    v->fixed_off = 0;
-    for (int i = 0; i < d->targets; i++)
-        most = fmax(most, fabs(d->target[i]));
-    for (int i = 0; i < d->targets; i++)
-        v->fixed_off += d->fixed_weight[i] > 0 && fabs(v->aim[i]) > 1e-9 * most;
-    for (int i = 0; i < d->targets; i++)
-        v->aim[i] = v->shape[i] - v->aim[i];
-    v->error = relative(missed, wanted);
-    v->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(d));
+    design_shape(design, result->u, result->shape);
+    const double missed = design_squares(design, result->shape, design->target),
+                 wanted = design_squares(design, design->wanted, NULL);
+    const double missed_fixed = design_misfit(design, result->shape, design->target, result->aim);
+    result->fixed_off = 0;
+    for (int i = 0; i < design->targets; i++)
+        most = fmax(most, fabs(design->target[i]));
+    for (int i = 0; i < design->targets; i++)
+        result->fixed_off += design->fixed_weight[i] > 0 && fabs(result->aim[i]) > 1e-9 * most;
+    for (int i = 0; i < design->targets; i++)
+        result->aim[i] = result->shape[i] - result->aim[i];
+    result->error = relative(missed, wanted);
+    result->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(design));
 }
 
 /* Shape of v->volt on the structure asked about. */
-static int reach(analysis *a, voltages *v, int warm, char *error)
+static int reach(analysis *analysis, voltages *result, int warm, char *error)
 {
-    if (analysis_reach(a, v->volt, warm, v->u, error) < 0)
+    if (analysis_reach(analysis, result->volt, warm, result->u, error) < 0)
         return -1;
-    measure(a, v);
-    v->residual = a->nonlinear ? a->path.run.info.residual : a->model.info.residual;
-    v->systems += a->nonlinear ? (int)a->path.run.info.linear_solves : 0;
+    measure(analysis, result);
+    result->residual =
+        analysis->nonlinear ? analysis->path.run.info.residual : analysis->model.info.residual;
+    result->systems += analysis->nonlinear ? (int)analysis->path.run.info.linear_solves : 0;
     return 0;
 }
 
 /* The same from rest; where the load steps end early, error is NAN and the shape the last
  * equilibrium. */
-static int reach_or_none(analysis *a, voltages *v, char *error)
+static int reach_or_none(analysis *analysis, voltages *result, char *error)
 {
-    if (reach(a, v, 0, error) == 0)
+    if (reach(analysis, result, 0, error) == 0)
         return 0;
-    measure(a, v);
-    v->error = v->error_all = (double)NAN;
-    return a->nonlinear && analysis_ended_early(a) ? 0 : -1;
+    measure(analysis, result);
+    result->error = result->error_all = (double)NAN;
+    return analysis->nonlinear && analysis_ended_early(analysis) ? 0 : -1;
 }
 
-int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
+int voltages_linear(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    if (start(a, v,
+    if (start(analysis, result,
               common.source == LIMITS_NONE ? "linear optimum, no limits"
                                            : "linear optimum in limits") < 0)
-        return out_of_memory(a, error);
-    const pzs_status status =
-        best_volts(&a->design, common, NULL, a->design.wanted, HUGE_VAL, v, v->volt, error);
+        return out_of_memory(analysis, error);
+    const pzs_status status = best_volts(&analysis->design, common, NULL, analysis->design.wanted,
+                                         HUGE_VAL, result, result->volt, error);
     if (status != PZS_OK)
-        return explain(a, status, error);
-    if (reach_or_none(a, v, error) < 0)
+        return explain(analysis, status, error);
+    if (reach_or_none(analysis, result, error) < 0)
         return -1;
-    if (a->nonlinear)
-        v->optimality = (double)NAN; /* no claim on another structure than the one it was found for
-                                      */
+    if (analysis->nonlinear)
+        result->optimality = (double)NAN; /* no claim on another structure than the one it was found
+                                           * for
+                                           */
     return 0;
 }
 
@@ -227,77 +230,80 @@ int voltages_linear(analysis *a, common_limits common, voltages *v, char *error)
  * Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error
  * of the linear model.
  */
-static pzs_status clipped_volts(const design *d, common_limits common, bool tuned, voltages *v,
-                                char *error)
+static pzs_status clipped_volts(const design *design, common_limits common, bool tuned,
+                                voltages *result, char *error)
 {
     trial t;
     clipped c;
     memset(&c, 0, sizeof c);
-    pzs_status status = trial_start(&t, d, common, NULL, error);
-    if (status == PZS_OK && clipped_open(&c, d, t.problem.lower, t.problem.upper, d->wanted) < 0)
+    pzs_status status = trial_start(&t, design, common, NULL, error);
+    if (status == PZS_OK &&
+        clipped_open(&c, design, t.problem.lower, t.problem.upper, design->wanted) < 0)
         status = PZS_E_WORKSPACE;
     if (status == PZS_OK)
-        status =
-            tuned ? clipped_tune(&c, v->volt, &v->regularisation) : clipped_solve(&c, 0, v->volt);
+        status = tuned ? clipped_tune(&c, result->volt, &result->regularisation)
+                       : clipped_solve(&c, 0, result->volt);
     if (status == PZS_OK)
-        note_limits(&t.problem, v->volt, v);
+        note_limits(&t.problem, result->volt, result);
     clipped_close(&c);
     trial_free(&t);
     return status;
 }
 
-static int clip(analysis *a, common_limits common, bool tuned, voltages *v, char *error)
+static int clip(analysis *analysis, common_limits common, bool tuned, voltages *result, char *error)
 {
-    if (start(a, v, tuned ? "regularised, then clipped" : "clipped least squares") < 0)
-        return out_of_memory(a, error);
-    const pzs_status status = clipped_volts(&a->design, common, tuned, v, error);
+    if (start(analysis, result, tuned ? "regularised, then clipped" : "clipped least squares") < 0)
+        return out_of_memory(analysis, error);
+    const pzs_status status = clipped_volts(&analysis->design, common, tuned, result, error);
     if (status != PZS_OK)
-        return explain(a, status, error);
-    return reach_or_none(a, v, error);
+        return explain(analysis, status, error);
+    return reach_or_none(analysis, result, error);
 }
 
-int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error)
+int voltages_clipped(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    return clip(a, common, false, v, error);
+    return clip(analysis, common, false, result, error);
 }
 
-int voltages_regularised(analysis *a, common_limits common, voltages *v, char *error)
+int voltages_regularised(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    return clip(a, common, true, v, error);
+    return clip(analysis, common, true, result, error);
 }
 
-int voltages_given(analysis *a, const char *name, const double *voltage, voltages *v, char *error)
+int voltages_given(analysis *analysis, const char *name, const double *voltage, voltages *result,
+                   char *error)
 {
-    if (start(a, v, name) < 0)
-        return out_of_memory(a, error);
-    memcpy(v->volt, voltage, (size_t)a->design.amplifiers * sizeof *v->volt);
-    return reach_or_none(a, v, error);
+    if (start(analysis, result, name) < 0)
+        return out_of_memory(analysis, error);
+    memcpy(result->volt, voltage, (size_t)analysis->design.amplifiers * sizeof *result->volt);
+    return reach_or_none(analysis, result, error);
 }
 
-void voltages_free(voltages *v)
+void voltages_free(voltages *result)
 {
-    free(v->volt);
-    free(v->shape);
-    free(v->aim);
-    free(v->u);
-    memset(v, 0, sizeof *v);
+    free(result->volt);
+    free(result->shape);
+    free(result->aim);
+    free(result->u);
+    memset(result, 0, sizeof *result);
 }
 
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
 /* A misfit and the effort in its unit. */
-static double with_effort(const analysis *a, const voltages *v, double sum)
+static double with_effort(const analysis *analysis, const voltages *result, double sum)
 {
-    const design *d = &a->design;
-    for (int k = 0; k < d->amplifiers; k++)
-        sum += d->problem.regularisation * pow(v->volt[k] - d->prefer[k], 2);
+    const design *design = &analysis->design;
+    for (int k = 0; k < design->amplifiers; k++)
+        sum += design->problem.regularisation * pow(result->volt[k] - design->prefer[k], 2);
     return sum;
 }
 
 /* What the optimum makes small. */
-static double objective(const analysis *a, const voltages *v)
+static double objective(const analysis *analysis, const voltages *result)
 {
-    return with_effort(a, v, design_squares(&a->design, v->shape, a->design.target));
+    return with_effort(analysis, result,
+                       design_squares(&analysis->design, result->shape, analysis->design.target));
 }
 
 /* Arrays of one Gauss-Newton run; one allocation, at `all`. */
@@ -312,69 +318,76 @@ typedef struct newton {
 } newton;
 
 /* What v holds is the best so far; and back to it. */
-static void keep(const analysis *a, newton *g, const voltages *v)
+static void keep(const analysis *analysis, newton *newton, const voltages *result)
 {
-    const voltages own = g->best;
-    path_keep(&a->path, g->state);
-    g->best = *v;
-    g->best.volt = memcpy(own.volt, v->volt, (size_t)v->volts * sizeof *v->volt);
-    g->best.shape = memcpy(own.shape, v->shape, (size_t)a->design.targets * sizeof *v->shape);
-    g->best.aim = memcpy(own.aim, v->aim, (size_t)a->design.targets * sizeof *v->aim);
-    g->best.u = memcpy(own.u, v->u, (size_t)a->design.mesh.dof * sizeof *v->u);
+    const voltages own = newton->best;
+    path_keep(&analysis->path, newton->state);
+    newton->best = *result;
+    newton->best.volt =
+        memcpy(own.volt, result->volt, (size_t)result->volts * sizeof *result->volt);
+    newton->best.shape =
+        memcpy(own.shape, result->shape, (size_t)analysis->design.targets * sizeof *result->shape);
+    newton->best.aim =
+        memcpy(own.aim, result->aim, (size_t)analysis->design.targets * sizeof *result->aim);
+    newton->best.u =
+        memcpy(own.u, result->u, (size_t)analysis->design.mesh.dof * sizeof *result->u);
 }
 
-static void go_back(analysis *a, const newton *g, voltages *v)
+static void go_back(analysis *analysis, const newton *newton, voltages *result)
 {
-    path_return(&a->path, g->state);
-    memcpy(v->volt, g->best.volt, (size_t)v->volts * sizeof *v->volt);
-    memcpy(v->shape, g->best.shape, (size_t)a->design.targets * sizeof *v->shape);
-    memcpy(v->u, g->best.u, (size_t)a->design.mesh.dof * sizeof *v->u);
-    memcpy(v->aim, g->best.aim, (size_t)a->design.targets * sizeof *v->aim);
-    v->error = g->best.error;
-    v->error_all = g->best.error_all;
-    v->fixed_off = g->best.fixed_off;
-    v->residual = g->best.residual;
-    v->active = g->best.active;
-    v->optimality = g->best.optimality;
+    path_return(&analysis->path, newton->state);
+    memcpy(result->volt, newton->best.volt, (size_t)result->volts * sizeof *result->volt);
+    memcpy(result->shape, newton->best.shape,
+           (size_t)analysis->design.targets * sizeof *result->shape);
+    memcpy(result->u, newton->best.u, (size_t)analysis->design.mesh.dof * sizeof *result->u);
+    memcpy(result->aim, newton->best.aim, (size_t)analysis->design.targets * sizeof *result->aim);
+    result->error = newton->best.error;
+    result->error_all = newton->best.error_all;
+    result->fixed_off = newton->best.fixed_off;
+    result->residual = newton->best.residual;
+    result->active = newton->best.active;
+    result->optimality = newton->best.optimality;
 }
 
 /* Influence at the shape reached. */
-static pzs_status relinearise(analysis *a, newton *g, voltages *v)
+static pzs_status relinearise(analysis *analysis, newton *newton, voltages *result)
 {
-    const design *d = &a->design;
-    const size_t n = (size_t)d->amplifiers;
-    const pzs_status status = pzs_influence_at(&a->path.run, g->all);
+    const design *design = &analysis->design;
+    const size_t n = (size_t)design->amplifiers;
+    const pzs_status status = pzs_influence_at(&analysis->path.run, newton->all);
     if (status == PZS_OK)
-        design_influence_free(d, g->all, d->structure.input.count, g->column, g->influence);
-    for (size_t i = 0; status == PZS_OK && i < (size_t)d->targets; i++) {
-        g->wanted[i] = v->aim[i] - v->shape[i];
+        design_influence_free(design, newton->all, design->structure.input.count, newton->column,
+                              newton->influence);
+    for (size_t i = 0; status == PZS_OK && i < (size_t)design->targets; i++) {
+        newton->wanted[i] = result->aim[i] - result->shape[i];
         for (size_t k = 0; k < n; k++)
-            g->wanted[i] += g->influence[i * n + k] * v->volt[k];
+            newton->wanted[i] += newton->influence[i * n + k] * result->volt[k];
     }
-    v->relinearised++;
-    keep(a, g, v);
+    result->relinearised++;
+    keep(analysis, newton, result);
     return status;
 }
 
 /* The objective that the linearised structure promises for v->volt. */
-static double promised(const analysis *a, const newton *g, const voltages *v)
+static double promised(const analysis *analysis, const newton *newton, const voltages *result)
 {
-    const design *d = &a->design;
+    const design *design = &analysis->design;
     double sum = 0;
-    for (int i = 0; i < d->targets; i++) {
-        double miss = -g->wanted[i];
-        for (int k = 0; k < d->amplifiers; k++)
-            miss += g->influence[(size_t)i * (size_t)d->amplifiers + (size_t)k] * v->volt[k];
-        sum += pow(d->weight[i] * miss, 2);
+    for (int i = 0; i < design->targets; i++) {
+        double miss = -newton->wanted[i];
+        for (int k = 0; k < design->amplifiers; k++)
+            miss += newton->influence[(size_t)i * (size_t)design->amplifiers + (size_t)k] *
+                    result->volt[k];
+        sum += pow(design->weight[i] * miss, 2);
     }
-    return with_effort(a, v, sum);
+    return with_effort(analysis, result, sum);
 }
 
-static double largest_change(const analysis *a, const newton *g, const voltages *v)
+static double largest_change(const analysis *analysis, const newton *newton, const voltages *result)
 {
     double most = 0;
-    for (int k = 0; k < a->design.amplifiers; k++)
-        most = fmax(most, fabs(v->volt[k] - g->best.volt[k]));
+    for (int k = 0; k < analysis->design.amplifiers; k++)
+        most = fmax(most, fabs(result->volt[k] - newton->best.volt[k]));
     return most;
 }
 
@@ -383,75 +396,79 @@ static double largest_change(const analysis *a, const newton *g, const voltages 
  * kept, and a move that helps nothing is taken back and tried again closer. Returns the part of the
  * objective it fell by; 0: nothing helps.
  */
-static double improve(analysis *a, common_limits common, newton *g, voltages *v, pzs_status *status,
-                      char *error)
+static double improve(analysis *analysis, common_limits common, newton *newton, voltages *result,
+                      pzs_status *status, char *error)
 {
-    const double before = objective(a, v);
+    const double before = objective(analysis, result);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status =
-            best_volts(&a->design, common, g->influence, g->wanted, g->reach, v, v->volt, error);
+        *status = best_volts(&analysis->design, common, newton->influence, newton->wanted,
+                             newton->reach, result, result->volt, error);
         if (*status != PZS_OK)
             return 0;
-        const double change = largest_change(a, g, v), promise = promised(a, g, v);
-        const int reached = reach(a, v, 1, error) == 0;
-        const double kept = (before - objective(a, v)) / (before - promise);
+        const double change = largest_change(analysis, newton, result),
+                     promise = promised(analysis, newton, result);
+        const int reached = reach(analysis, result, 1, error) == 0;
+        const double kept = (before - objective(analysis, result)) / (before - promise);
         if (!reached || !(kept > 0.75))
-            g->reach = change / (kept > 0.25 && reached ? 1 : 4);
-        else if (change >= 0.99 * g->reach)
-            g->reach = 2 * change;
-        if (reached && objective(a, v) < before)
-            return 1 - objective(a, v) / before;
-        go_back(a, g, v);
+            newton->reach = change / (kept > 0.25 && reached ? 1 : 4);
+        else if (change >= 0.99 * newton->reach)
+            newton->reach = 2 * change;
+        if (reached && objective(analysis, result) < before)
+            return 1 - objective(analysis, result) / before;
+        go_back(analysis, newton, result);
     }
     return 0;
 }
 
-static int gauss_newton(analysis *a, common_limits common, voltages *v, char *error)
+static int gauss_newton(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    const design *d = &a->design;
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets,
-                 inputs = d->structure.input.count;
-    const size_t all = (size_t)d->structure.output.count * inputs;
+    const design *design = &analysis->design;
+    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+                 inputs = design->structure.input.count;
+    const size_t all = (size_t)design->structure.output.count * inputs;
     double fell = 1;
-    newton g = {.reach = HUGE_VAL,
-                .all = calloc(all + m * n + 2 * m, sizeof *g.all),
-                .state = malloc(path_state_bytes(&a->path))};
-    g.influence = g.all + all;
-    g.wanted = g.influence + m * n;
-    g.column = g.wanted + m;
-    pzs_status status = start(a, &g.best, "") == 0 && g.all && g.state ? PZS_OK : PZS_E_WORKSPACE;
-    while (status == PZS_OK && fell > 1e-3 && v->relinearised < MOST_RELINEARISED) {
-        status = relinearise(a, &g, v);
+    newton newton = {.reach = HUGE_VAL,
+                     .all = calloc(all + m * n + 2 * m, sizeof *newton.all),
+                     .state = malloc(path_state_bytes(&analysis->path))};
+    newton.influence = newton.all + all;
+    newton.wanted = newton.influence + m * n;
+    newton.column = newton.wanted + m;
+    pzs_status status = start(analysis, &newton.best, "") == 0 && newton.all && newton.state
+                            ? PZS_OK
+                            : PZS_E_WORKSPACE;
+    while (status == PZS_OK && fell > 1e-3 && result->relinearised < MOST_RELINEARISED) {
+        status = relinearise(analysis, &newton, result);
         if (status == PZS_OK)
-            fell = improve(a, common, &g, v, &status, error);
+            fell = improve(analysis, common, &newton, result, &status, error);
     }
-    voltages_free(&g.best);
-    free(g.state);
-    free(g.all);
-    return status == PZS_OK ? 0 : analysis_explain(a, status, error);
+    voltages_free(&newton.best);
+    free(newton.state);
+    free(newton.all);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
 /* Halve the volts, within their limits, until there is an equilibrium. */
-static int retreat(analysis *a, common_limits common, voltages *v, char *error)
+static int retreat(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     trial t;
-    const pzs_status status = trial_start(&t, &a->design, common, NULL, error);
+    const pzs_status status = trial_start(&t, &analysis->design, common, NULL, error);
     int failed = -1;
     for (int tries = 0; status == PZS_OK && failed && tries < MOST_REFUSED; tries++) {
-        for (int k = 0; k < v->volts; k++)
-            v->volt[k] = fmin(fmax(v->volt[k] / 2, t.problem.lower[k]), t.problem.upper[k]);
-        failed = reach(a, v, 0, error);
+        for (int k = 0; k < result->volts; k++)
+            result->volt[k] =
+                fmin(fmax(result->volt[k] / 2, t.problem.lower[k]), t.problem.upper[k]);
+        failed = reach(analysis, result, 0, error);
     }
     trial_free(&t);
     return failed;
 }
 
-int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error)
+int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    if (voltages_linear(a, common, v, error) < 0 ||
-        (isnan(v->error) && retreat(a, common, v, error) < 0))
+    if (voltages_linear(analysis, common, result, error) < 0 ||
+        (isnan(result->error) && retreat(analysis, common, result, error) < 0))
         return -1;
-    snprintf(v->name, sizeof v->name, "%s",
+    snprintf(result->name, sizeof result->name, "%s",
              common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
-    return a->nonlinear ? gauss_newton(a, common, v, error) : 0;
+    return analysis->nonlinear ? gauss_newton(analysis, common, result, error) : 0;
 }

@@ -44,11 +44,12 @@ typedef struct voltages {
  * smallest error of the linear model after cutting, chosen knowing that error. voltages_given:
  * voltages as they are. Each returns 0, or -1 with error filled.
  */
-int voltages_optimum(analysis *a, common_limits common, voltages *v, char *error);
-int voltages_linear(analysis *a, common_limits common, voltages *v, char *error);
-int voltages_clipped(analysis *a, common_limits common, voltages *v, char *error);
-int voltages_regularised(analysis *a, common_limits common, voltages *v, char *error);
-int voltages_given(analysis *a, const char *name, const double *voltage, voltages *v, char *error);
-void voltages_free(voltages *v);
+int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error);
+int voltages_linear(analysis *analysis, common_limits common, voltages *result, char *error);
+int voltages_clipped(analysis *analysis, common_limits common, voltages *result, char *error);
+int voltages_regularised(analysis *analysis, common_limits common, voltages *result, char *error);
+int voltages_given(analysis *analysis, const char *name, const double *voltage, voltages *result,
+                   char *error);
+void voltages_free(voltages *result);
 
 #endif

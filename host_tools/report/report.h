@@ -22,19 +22,20 @@ typedef struct report_field {
  * numerics. u       [dof]            displacement output  [output rows]    values of the
  * structure's output rows
  */
-int report_solve(FILE *file, const analysis *a, const double *u, const double *output);
+int report_solve(FILE *file, const analysis *analysis, const double *u, const double *output);
 
 /*
  * HTML page of `pzs shape`: target and reached shape, misfit maps, voltages on their patches, error
  * table, and what is left of each of the target's modes. volts [count] results, each drawn; one
  * solve each
  */
-int report_shape(FILE *file, analysis *a, const voltages *voltages, int count, const modes *modes);
+int report_shape(FILE *file, analysis *analysis, const voltages *voltages, int count,
+                 const modes *modes);
 
 /* Legacy VTK file: quadrilaterals with one displacement vector field per entry. */
-int report_vtu(FILE *file, const mesh *m, const report_field *field, int fields);
+int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields);
 
 /* Cartesian displacement of the middle surface at the nodes. u [dof] in, vector [nodes][3] out. */
-void report_displacement(const mesh *m, const double *u, double *vector);
+void report_displacement(const mesh *mesh, const double *u, double *vector);
 
 #endif

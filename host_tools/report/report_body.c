@@ -32,13 +32,14 @@ static void tangents(const double normal[3], double along[2][3])
 }
 
 /* The node nearest to the body: its foot on it, the normal there. */
-static void nearest(const analysis *a, const double *vector, double foot[3], double normal[3])
+static void nearest(const analysis *analysis, const double *vector, double foot[3],
+                    double normal[3])
 {
     double least = HUGE_VAL;
-    for (int n = 0; n < a->design.mesh.nodes; n++) {
+    for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], out[3];
-        draw_place(&a->design.mesh, n, vector, 1, x);
-        const double gap = gap_at(&a->path, x, out);
+        draw_place(&analysis->design.mesh, n, vector, 1, x);
+        const double gap = gap_at(&analysis->path, x, out);
         if (!(gap < least))
             continue;
         least = gap;
@@ -51,15 +52,15 @@ static void nearest(const analysis *a, const double *vector, double foot[3], dou
 
 /* How far the nodes near the body reach along the tangents at a foot, with a margin. reach [2][2]
  * out */
-static void reach_of(const analysis *a, const double *vector, const double foot[3],
+static void reach_of(const analysis *analysis, const double *vector, const double foot[3],
                      double along[2][3], double reach[2][2])
 {
-    const double size = a->path.face.size, near = 0.12 * size, margin = 0.04 * size;
+    const double size = analysis->path.face.size, near = 0.12 * size, margin = 0.04 * size;
     memset(reach, 0, 4 * sizeof **reach);
-    for (int n = 0; n < a->design.mesh.nodes; n++) {
+    for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], unused[3];
-        draw_place(&a->design.mesh, n, vector, 1, x);
-        if (gap_at(&a->path, x, unused) > near)
+        draw_place(&analysis->design.mesh, n, vector, 1, x);
+        if (gap_at(&analysis->path, x, unused) > near)
             continue;
         for (int i = 0; i < 3; i++)
             x[i] -= foot[i];
@@ -75,17 +76,17 @@ static void reach_of(const analysis *a, const double *vector, const double foot[
     }
 }
 
-void body_find(body_net *net, const analysis *a, const double *vector)
+void body_find(body_net *net, const analysis *analysis, const double *vector)
 {
     enum { PULLS = 4 };
     double foot[3] = {0, 0, 0}, along[2][3], reach[2][2];
     memset(net, 0, sizeof *net);
-    net->given = a->nonlinear && a->design.scene->contact.given;
+    net->given = analysis->nonlinear && analysis->design.scene->contact.given;
     if (!net->given)
         return;
-    nearest(a, vector, foot, net->normal);
+    nearest(analysis, vector, foot, net->normal);
     tangents(net->normal, along);
-    reach_of(a, vector, foot, along, reach);
+    reach_of(analysis, vector, foot, along, reach);
     for (int i = 0; i < BODY_LINES; i++)
         for (int j = 0; j < BODY_LINES; j++) {
             double *x = net->x[i][j], out[3];
@@ -94,7 +95,7 @@ void body_find(body_net *net, const analysis *a, const double *vector)
             for (int k = 0; k < 3; k++)
                 x[k] = foot[k] + s * along[0][k] + t * along[1][k];
             for (int pull = 0; pull < PULLS; pull++) {
-                const double gap = gap_at(&a->path, x, out);
+                const double gap = gap_at(&analysis->path, x, out);
                 for (int k = 0; k < 3; k++)
                     x[k] -= gap * out[k];
             }

@@ -16,7 +16,7 @@ typedef struct body_net {
 
 /* Lay the net over the body where it stands at the equilibrium reached. vector [nodes][3] in
  * displacement of the shell */
-void body_find(body_net *net, const analysis *a, const double *vector);
+void body_find(body_net *net, const analysis *analysis, const double *vector);
 
 /* Include the net in a view; draw it where it stands between the shell and the eye (in_front) or
  * else behind the shell. */

@@ -35,17 +35,17 @@ double draw_between(const double corner[4], double s, double t)
 }
 
 /* Do all corners of the element from line i, j on have a value? */
-static int is_whole(const mesh *m, const double *value, int i, int j)
+static int is_whole(const mesh *mesh, const double *value, int i, int j)
 {
-    return !isnan(value[mesh_node(m, i, j)]) && !isnan(value[mesh_node(m, i + 1, j)]) &&
-           !isnan(value[mesh_node(m, i, j + 1)]) && !isnan(value[mesh_node(m, i + 1, j + 1)]);
+    return !isnan(value[mesh_node(mesh, i, j)]) && !isnan(value[mesh_node(mesh, i + 1, j)]) &&
+           !isnan(value[mesh_node(mesh, i, j + 1)]) && !isnan(value[mesh_node(mesh, i + 1, j + 1)]);
 }
 
-int draw_is_lone(const mesh *m, const double *value, int i, int j)
+int draw_is_lone(const mesh *mesh, const double *value, int i, int j)
 {
-    const scene_line *line = m->scene->line;
-    const int closed[2] = {m->lines[0] == line[0].elements, m->lines[1] == line[1].elements};
-    if (isnan(value[mesh_node(m, i, j)]))
+    const scene_line *line = mesh->scene->line;
+    const int closed[2] = {mesh->lines[0] == line[0].elements, mesh->lines[1] == line[1].elements};
+    if (isnan(value[mesh_node(mesh, i, j)]))
         return 0;
     for (int k = 0; k < 4; k++) {
         int at[2] = {i - k % 2, j - k / 2};
@@ -53,7 +53,7 @@ int draw_is_lone(const mesh *m, const double *value, int i, int j)
             if (at[a] < 0 && closed[a])
                 at[a] += line[a].elements;
         if (at[0] >= 0 && at[1] >= 0 && at[0] < line[0].elements && at[1] < line[1].elements &&
-            is_whole(m, value, at[0], at[1]))
+            is_whole(mesh, value, at[0], at[1]))
             return 0;
     }
     return 1;
@@ -165,14 +165,14 @@ static void look_from(draw_view *view, double azimuth, double elevation)
             view->axis[a][i] = axis[a][i];
 }
 
-void draw_view_begin(draw_view *view, const mesh *m)
+void draw_view_begin(draw_view *view, const mesh *mesh)
 {
     static const double azimuth[4] = {-58, 32, 122, 212};
     double normal[3] = {0, 0, 0}, best = -2;
     int chosen = 0;
-    for (int n = 0; n < m->nodes; n++)
+    for (int n = 0; n < mesh->nodes; n++)
         for (int i = 0; i < 3; i++)
-            normal[i] += m->point[n].e[2][i] / m->nodes;
+            normal[i] += mesh->point[n].e[2][i] / mesh->nodes;
     for (int k = 0; k < 4; k++) {
         look_from(view, azimuth[k], 30);
         const double shown = draw_dot3(normal, view->axis[2]);
@@ -216,8 +216,8 @@ void draw_project(const draw_view *view, const double x[3], double at[2])
             view->zoom * (draw_dot3(view->axis[1], x) - (view->low[1] + view->high[1]) / 2);
 }
 
-void draw_place(const mesh *m, int node, const double *vector, double factor, double x[3])
+void draw_place(const mesh *mesh, int node, const double *vector, double factor, double x[3])
 {
     for (int i = 0; i < 3; i++)
-        x[i] = m->point[node].x[i] + (vector ? factor * vector[3 * node + i] : 0);
+        x[i] = mesh->point[node].x[i] + (vector ? factor * vector[3 * node + i] : 0);
 }

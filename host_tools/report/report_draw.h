@@ -45,7 +45,7 @@ typedef struct draw_view {
 
 /* Look down from where the outer side shows most; include every point to be seen; fit into a
  * picture of a width and a largest height. */
-void draw_view_begin(draw_view *view, const mesh *m);
+void draw_view_begin(draw_view *view, const mesh *mesh);
 void draw_view_include(draw_view *view, const double x[3]);
 void draw_view_fit(draw_view *view, double width, double height);
 
@@ -53,7 +53,7 @@ void draw_view_fit(draw_view *view, double width, double height);
 void draw_project(const draw_view *view, const double x[3], double at[2]);
 
 /* Position of a node moved by factor times vector [nodes][3]; vector may be NULL. */
-void draw_place(const mesh *m, int node, const double *vector, double factor, double x[3]);
+void draw_place(const mesh *mesh, int node, const double *vector, double factor, double x[3]);
 
 /* Lines to skip so that at most that many parts are drawn; the next line, the last one included. */
 int draw_stride(int elements, int most);
@@ -64,7 +64,7 @@ double draw_between(const double corner[4], double s, double t);
 
 /* Has the node at line i of theta1 and j of theta2 a value that no element around it can show, for
  * others have none? value [nodes] */
-int draw_is_lone(const mesh *m, const double *value, int i, int j);
+int draw_is_lone(const mesh *mesh, const double *value, int i, int j);
 
 /* Unit vector along a component at a point of the surface, in x, y, z. */
 void draw_direction(const surface_point *p, scene_component component, double along[3]);

@@ -15,18 +15,18 @@ typedef struct frame {
 } frame;
 
 /* Coordinate, 0 or 1, that an output's nodes run along, or -1; node [nodes] out. */
-static int line_of(const analysis *a, int k, int *node)
+static int line_of(const analysis *analysis, int k, int *node)
 {
-    const mesh *m = &a->design.mesh;
-    const scene_output *output = &a->design.scene->output[k];
+    const mesh *mesh = &analysis->design.mesh;
+    const scene_output *output = &analysis->design.scene->output[k];
     int differs[2] = {0, 0};
     if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE ||
         output->where.type == WHERE_POINT)
         return -1;
-    const int count = mesh_select(m, &output->where, node);
+    const int count = mesh_select(mesh, &output->where, node);
     for (int i = 1; i < count; i++)
         for (int t = 0; t < 2; t++)
-            differs[t] |= m->theta[node[i]][t] != m->theta[node[0]][t];
+            differs[t] |= mesh->theta[node[i]][t] != mesh->theta[node[0]][t];
     return differs[0] == differs[1] ? -1 : differs[1];
 }
 
@@ -41,19 +41,20 @@ static double y_of(const frame *f, double value)
                             : HEIGHT / 2.0;
 }
 
-static frame frame_of(const analysis *a, const double *output, int along, int *node)
+static frame frame_of(const analysis *analysis, const double *output, int along, int *node)
 {
-    const scene_line *line = &a->design.scene->line[along];
+    const scene_line *line = &analysis->design.scene->line[along];
     frame f = {line->point[0], line->point[line->elements], 0, 0};
-    for (int k = 0; k < a->design.scene->outputs; k++)
-        for (int i = 0; line_of(a, k, node) == along && i < analysis_outputs(a, k); i++) {
-            f.low = fmin(f.low, analysis_output(a, k, i, output));
-            f.high = fmax(f.high, analysis_output(a, k, i, output));
+    for (int k = 0; k < analysis->design.scene->outputs; k++)
+        for (int i = 0; line_of(analysis, k, node) == along && i < analysis_outputs(analysis, k);
+             i++) {
+            f.low = fmin(f.low, analysis_output(analysis, k, i, output));
+            f.high = fmax(f.high, analysis_output(analysis, k, i, output));
         }
     return f;
 }
 
-static void draw_axes(FILE *file, const scene *s, const frame *f, int along)
+static void draw_axes(FILE *file, const scene *scene, const frame *f, int along)
 {
     char unit[WORDS_UNIT];
     const double value[3] = {f->low, 0, f->high},
@@ -76,7 +77,7 @@ static void draw_axes(FILE *file, const scene *s, const frame *f, int along)
     }
     fprintf(file, "<text class=\"value\" x=\"%d\" y=\"%d\">&theta;%s", LEFT + WIDTH / 2,
             HEIGHT + 29, along ? "&#8322;" : "&#8321;");
-    words_unit(s, words_of_theta(s, along), unit);
+    words_unit(scene, words_of_theta(scene, along), unit);
     fprintf(file, *unit ? " (%s)</text>\n" : "%s</text>\n", unit);
 }
 
@@ -91,50 +92,51 @@ static double name_at(double y, const double *taken, int names)
     return y;
 }
 
-static void draw_curve(FILE *file, const analysis *a, const frame *f, const double *output,
+static void draw_curve(FILE *file, const analysis *analysis, const frame *f, const double *output,
                        int along, int k, const int *node, double name)
 {
-    const mesh *m = &a->design.mesh;
-    const int count = analysis_outputs(a, k);
+    const mesh *mesh = &analysis->design.mesh;
+    const int count = analysis_outputs(analysis, k);
     fputs("<path class=\"wire\" d=\"", file);
     for (int i = 0; i < count; i++)
-        fprintf(file, "%s%.1f %.1f", i ? "L" : "M", x_of(f, m->theta[node[i]][along]),
-                y_of(f, analysis_output(a, k, i, output)));
+        fprintf(file, "%s%.1f %.1f", i ? "L" : "M", x_of(f, mesh->theta[node[i]][along]),
+                y_of(f, analysis_output(analysis, k, i, output)));
     fprintf(file, "\"/><text class=\"tag\" x=\"%d\" y=\"%.1f\">", LEFT + WIDTH + 6, name + 4);
-    html_text(file, a->design.scene->output[k].name);
+    html_text(file, analysis->design.scene->output[k].name);
     fputs("</text>\n", file);
 }
 
-static void draw_lines(FILE *file, const analysis *a, const double *output, int along, int *node)
+static void draw_lines(FILE *file, const analysis *analysis, const double *output, int along,
+                       int *node)
 {
-    const frame f = frame_of(a, output, along, node);
+    const frame f = frame_of(analysis, output, along, node);
     double taken[NAMES];
     int names = 0;
     fputs("<figure style=\"max-width:760px\">\n", file);
     draw_begin_chart(file, LEFT + WIDTH + RIGHT, HEIGHT + FOOT, "Outputs along lines of the mesh");
-    draw_axes(file, a->design.scene, &f, along);
-    for (int k = 0; k < a->design.scene->outputs; k++)
-        if (line_of(a, k, node) == along) {
-            const double name =
-                name_at(y_of(&f, analysis_output(a, k, analysis_outputs(a, k) - 1, output)), taken,
-                        names < NAMES ? names : NAMES);
+    draw_axes(file, analysis->design.scene, &f, along);
+    for (int k = 0; k < analysis->design.scene->outputs; k++)
+        if (line_of(analysis, k, node) == along) {
+            const double name = name_at(
+                y_of(&f, analysis_output(analysis, k, analysis_outputs(analysis, k) - 1, output)),
+                taken, names < NAMES ? names : NAMES);
             taken[names++ % NAMES] = name;
-            draw_curve(file, a, &f, output, along, k, node, name);
+            draw_curve(file, analysis, &f, output, along, k, node, name);
         }
     draw_end_chart(file);
     fputs("<figcaption>Displacement", file);
-    if (a->design.scene->unit_length[0]) {
+    if (analysis->design.scene->unit_length[0]) {
         fputs(" in ", file);
-        html_text(file, a->design.scene->unit_length);
+        html_text(file, analysis->design.scene->unit_length);
     }
     fputs(".</figcaption></figure>\n", file);
 }
 
-void lines_section(FILE *file, const analysis *a, const double *output)
+void lines_section(FILE *file, const analysis *analysis, const double *output)
 {
-    int *node = calloc((size_t)a->design.mesh.nodes, sizeof *node), found[2] = {0, 0};
-    for (int k = 0; node && k < a->design.scene->outputs; k++) {
-        const int along = line_of(a, k, node);
+    int *node = calloc((size_t)analysis->design.mesh.nodes, sizeof *node), found[2] = {0, 0};
+    for (int k = 0; node && k < analysis->design.scene->outputs; k++) {
+        const int along = line_of(analysis, k, node);
         if (along >= 0)
             found[along] = 1;
     }
@@ -142,7 +144,7 @@ void lines_section(FILE *file, const analysis *a, const double *output)
         fputs("<section>\n<h2>Along lines</h2>\n", file);
     for (int along = 0; along < 2; along++)
         if (found[along])
-            draw_lines(file, a, output, along, node);
+            draw_lines(file, analysis, output, along, node);
     if (found[0] || found[1])
         fputs("</section>\n", file);
     free(node);

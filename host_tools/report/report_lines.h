@@ -7,6 +7,6 @@
 
 /* A section of the page with a picture for each coordinate that outputs run along; nothing where
  * none does. output as in report_solve */
-void lines_section(FILE *file, const analysis *a, const double *output);
+void lines_section(FILE *file, const analysis *analysis, const double *output);
 
 #endif

@@ -25,13 +25,13 @@ static void include(decades *d, double error)
 
 /* From a hundredth of a percent at the least, below which nobody looks, to a thousand percent at
  * the most. */
-static decades scale_of(const modes *m, int l)
+static decades scale_of(const modes *modes, int l)
 {
     decades d = {0, 0};
-    for (int k = 0; k < m->count; k++) {
-        include(&d, m->mode[k].unlimited);
-        include(&d, m->left[k * m->limits + l].optimum);
-        include(&d, m->left[k * m->limits + l].clipped);
+    for (int k = 0; k < modes->count; k++) {
+        include(&d, modes->mode[k].unlimited);
+        include(&d, modes->left[k * modes->limits + l].optimum);
+        include(&d, modes->left[k * modes->limits + l].clipped);
     }
     d.low = d.low < -4 ? -4 : d.low < -1 ? d.low : -1;
     d.high = d.high > 1 ? 1 : d.high;
@@ -73,16 +73,17 @@ static void draw_mode(FILE *file, const decades *d, const char *name, const mode
         cut, y, best, y);
 }
 
-static void draw_modes(FILE *file, const scene *s, const modes *m, int l)
+static void draw_modes(FILE *file, const scene *scene, const modes *modes, int l)
 {
-    const decades d = scale_of(m, l);
-    const int height = ROW * m->count;
+    const decades d = scale_of(modes, l);
+    const int height = ROW * modes->count;
     fputs("<figure style=\"max-width:860px\">\n", file);
     draw_begin_chart(file, MARGIN + WIDTH + 20, height + FOOT,
                      "Shape error of each mode, from the best within limits to clipping");
     draw_scale_lines(file, &d, height);
-    for (int k = 0; k < m->count; k++)
-        draw_mode(file, &d, s->target.mode[k].name, &m->mode[k], &m->left[k * m->limits + l], k);
+    for (int k = 0; k < modes->count; k++)
+        draw_mode(file, &d, scene->target.mode[k].name, &modes->mode[k],
+                  &modes->left[k * modes->limits + l], k);
     draw_end_chart(file);
     fputs(
         "<figcaption>Shape error, each decade alike: <b>disc</b> best within limits, <b>dot</b> volts without limits then clipped, <b>tick</b> "
@@ -90,27 +91,27 @@ static void draw_modes(FILE *file, const scene *s, const modes *m, int l)
         file);
 }
 
-static void table_modes(FILE *file, const scene *s, const modes *m, int l)
+static void table_modes(FILE *file, const scene *scene, const modes *modes, int l)
 {
     double size = 0, voltage = 0;
-    for (int k = 0; k < m->count; k++) {
-        size = fmax(size, m->mode[k].size);
-        voltage = fmax(voltage, m->mode[k].volt);
+    for (int k = 0; k < modes->count; k++) {
+        size = fmax(size, modes->mode[k].size);
+        voltage = fmax(voltage, modes->mode[k].volt);
     }
     html_table_begin(
         file, NULL,
         "<th scope=\"col\">Mode</th><th scope=\"col\">Wanted, rms</th><th scope=\"col\">No limits</th>"
         "<th scope=\"col\">takes</th><th scope=\"col\">Best within limits</th><th scope=\"col\">At a limit</th><th scope=\"col\">Clipped</th>");
-    for (int k = 0; k < m->count; k++) {
-        const mode_left *left = &m->left[k * m->limits + l];
+    for (int k = 0; k < modes->count; k++) {
+        const mode_left *left = &modes->left[k * modes->limits + l];
         fputs("<tr><th scope=\"row\">", file);
-        html_text(file, s->target.mode[k].name);
+        html_text(file, scene->target.mode[k].name);
         fputs("</th><td>", file);
-        html_alike(file, m->mode[k].size, size, s->unit_length);
+        html_alike(file, modes->mode[k].size, size, scene->unit_length);
         fputs("</td><td>", file);
-        html_percent(file, m->mode[k].unlimited);
+        html_percent(file, modes->mode[k].unlimited);
         fputs("</td><td>", file);
-        html_alike(file, m->mode[k].volt, voltage, s->unit_voltage);
+        html_alike(file, modes->mode[k].volt, voltage, scene->unit_voltage);
         fputs("</td><td>", file);
         html_percent(file, left->optimum);
         fprintf(file, "</td><td>%d</td><td>", left->active);
@@ -120,16 +121,16 @@ static void table_modes(FILE *file, const scene *s, const modes *m, int l)
     html_table_end(file);
 }
 
-void modes_section(FILE *file, const scene *s, const modes *m)
+void modes_section(FILE *file, const scene *scene, const modes *modes)
 {
-    for (int l = 0; m->count > 0 && l < m->limits; l++) {
+    for (int l = 0; modes->count > 0 && l < modes->limits; l++) {
         fputs("<section>\n<h2>Mode by mode within ", file);
-        html_number(file, m->left[l].limit[0]);
+        html_number(file, modes->left[l].limit[0]);
         fputs(" to ", file);
-        html_quantity(file, m->left[l].limit[1], s->unit_voltage);
+        html_quantity(file, modes->left[l].limit[1], scene->unit_voltage);
         fputs("</h2>\n", file);
-        draw_modes(file, s, m, l);
-        table_modes(file, s, m, l);
+        draw_modes(file, scene, modes, l);
+        table_modes(file, scene, modes, l);
         fputs("</section>\n", file);
     }
 }

@@ -7,6 +7,6 @@
 #include "../model/modes.h"
 
 /* A section of the page; nothing where the target lists no modes. */
-void modes_section(FILE *file, const scene *s, const modes *m);
+void modes_section(FILE *file, const scene *scene, const modes *modes);
 
 #endif

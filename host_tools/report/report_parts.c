@@ -50,57 +50,58 @@ static void path_facts(FILE *file, const pzs_solver *run)
     }
 }
 
-static void facts(FILE *file, const analysis *a, double residual, double error)
+static void facts(FILE *file, const analysis *analysis, double residual, double error)
 {
-    const mesh *m = &a->design.mesh;
-    const scene *s = a->design.scene;
+    const mesh *mesh = &analysis->design.mesh;
+    const scene *scene = analysis->design.scene;
     fputs("<dl>\n", file);
     fact(file, "Mesh");
-    fprintf(file, "%d &times; %d elements of %d kind%s, %d nodes", s->line[0].elements,
-            s->line[1].elements, m->kinds, m->kinds == 1 ? "" : "s", m->nodes);
+    fprintf(file, "%d &times; %d elements of %d kind%s, %d nodes", scene->line[0].elements,
+            scene->line[1].elements, mesh->kinds, mesh->kinds == 1 ? "" : "s", mesh->nodes);
     fact_end(file);
     fact(file, "Free unknowns");
-    fprintf(file, "%d, half bandwidth %d", m->dof, mesh_half_bandwidth(m));
+    fprintf(file, "%d, half bandwidth %d", mesh->dof, mesh_half_bandwidth(mesh));
     fact_end(file);
     fact(file, "Element");
     fprintf(file, "%s kinematics, %s metric, %u unknowns a node",
-            s->element.cartesian ? "Cartesian" : "local", s->element.metric ? "exact" : "flat",
-            m->unknowns);
+            scene->element.cartesian ? "Cartesian" : "local",
+            scene->element.metric ? "exact" : "flat", mesh->unknowns);
     fact_end(file);
     fact(file, "Thickness");
-    html_quantity(file, m->laminate.h, s->unit_length);
+    html_quantity(file, mesh->laminate.h, scene->unit_length);
     fact_end(file);
-    fact_check(file, "Condition after scaling", a->model.info.condition);
+    fact_check(file, "Condition after scaling", analysis->model.info.condition);
     fact_check(file, "Solver residual", residual);
-    if (a->nonlinear)
-        path_facts(file, &a->path.run);
+    if (analysis->nonlinear)
+        path_facts(file, &analysis->path.run);
     else
         fact_check(file, "Solver error estimate, energy norm; without the discretisation error",
                    error);
     fact(file, "Scene");
-    fprintf(file, "%08lx", (unsigned long)s->hash);
+    fprintf(file, "%08lx", (unsigned long)scene->hash);
     fact_end(file);
     fputs("</dl>\n", file);
 }
 
-void parts_head(FILE *file, const analysis *a, const char *kind, double residual, double error)
+void parts_head(FILE *file, const analysis *analysis, const char *kind, double residual,
+                double error)
 {
-    const scene *s = a->design.scene;
+    const scene *scene = analysis->design.scene;
     fprintf(file, "<header>\n<p class=\"kicker\">%s</p>\n<h1>", kind);
-    html_text(file, s->name);
+    html_text(file, scene->name);
     fputs("</h1>\n<p>", file);
-    html_text(file, s->about ? s->about : "");
+    html_text(file, scene->about ? scene->about : "");
     fputs("</p>\n", file);
-    if (words_unitless(s))
+    if (words_unitless(scene))
         fputs(
             "<p class=\"soft\">The scene names no units: its numbers are in any consistent ones, angles in rad.</p>\n",
             file);
-    for (int k = 0; k < s->sets; k++) {
+    for (int k = 0; k < scene->sets; k++) {
         fputs(k ? ", <code>" : "<p class=\"soft\">Changed: <code>", file);
-        html_text(file, s->set[k]);
-        fputs(k + 1 == s->sets ? "</code></p>\n" : "</code>", file);
+        html_text(file, scene->set[k]);
+        fputs(k + 1 == scene->sets ? "</code></p>\n" : "</code>", file);
     }
-    facts(file, a, residual, error);
+    facts(file, analysis, residual, error);
     fputs("</header>\n", file);
 }
 
@@ -109,7 +110,7 @@ void parts_head(FILE *file, const analysis *a, const char *kind, double residual
 static const char *const component_word[] = {"u1", "u2", "u3", "x", "y", "z"};
 static const char *const face_word[] = {"middle", "inner face", "outer face", "mean of the faces"};
 
-static void write_where(FILE *file, const scene *s, const scene_where *where)
+static void write_where(FILE *file, const scene *scene, const scene_where *where)
 {
     char unit[WORDS_UNIT];
     static const char *const edge[] = {"", "edge &theta;&#8321;&minus;", "edge &theta;&#8321;+",
@@ -122,29 +123,29 @@ static void write_where(FILE *file, const scene *s, const scene_where *where)
         fputs("nodes of a rectangle", file);
     else {
         fputs("point &theta;&#8321; = ", file);
-        html_quantity(file, where->theta[0], words_unit(s, words_of_theta(s, 0), unit));
+        html_quantity(file, where->theta[0], words_unit(scene, words_of_theta(scene, 0), unit));
         fputs(", &theta;&#8322; = ", file);
-        html_quantity(file, where->theta[1], words_unit(s, words_of_theta(s, 1), unit));
+        html_quantity(file, where->theta[1], words_unit(scene, words_of_theta(scene, 1), unit));
     }
 }
 
-void parts_layers(FILE *file, const scene *s)
+void parts_layers(FILE *file, const scene *scene)
 {
     double most = 0;
-    for (int k = 0; k < s->layers; k++)
-        most = fmax(most, s->layer[k].thickness);
+    for (int k = 0; k < scene->layers; k++)
+        most = fmax(most, scene->layer[k].thickness);
     html_table_begin(
         file, "Layers from the inner face to the outer face",
         "<th scope=\"col\">Layer</th><th scope=\"col\" class=\"word\">Material</th>"
         "<th scope=\"col\">Thickness</th><th scope=\"col\">Angle</th><th scope=\"col\" class=\"word\">Where</th>");
-    for (int k = 0; k < s->layers; k++) {
-        const scene_layer *layer = &s->layer[k];
+    for (int k = 0; k < scene->layers; k++) {
+        const scene_layer *layer = &scene->layer[k];
         fprintf(file, "<tr><th scope=\"row\">%d ", k + 1);
         html_text(file, layer->name);
         fputs("</th><td class=\"word\">", file);
-        html_text(file, s->material[layer->material].name);
+        html_text(file, scene->material[layer->material].name);
         fputs("</td><td>", file);
-        html_alike(file, layer->thickness, most, s->unit_length);
+        html_alike(file, layer->thickness, most, scene->unit_length);
         fputs("</td><td>", file);
         html_number(file, layer->angle);
         fprintf(file, "&deg;</td><td class=\"word\">%s</td></tr>\n",
@@ -154,7 +155,7 @@ void parts_layers(FILE *file, const scene *s)
 }
 
 /* The unknowns a support holds: both u+ and u- of a component as one word. */
-static void write_fix(FILE *file, const scene_support *support, unsigned unknowns)
+static void write_fix(FILE *file, const scene_support *support, unsigned dof_per_node)
 {
     static const struct {
         unsigned bits;
@@ -169,7 +170,7 @@ static void write_fix(FILE *file, const scene_support *support, unsigned unknown
                 {0x10, "u2 difference"},
                 {0x20, "u3 difference"},
                 {0x40, "u3M"}};
-    const unsigned all = (1u << unknowns) - 1;
+    const unsigned all = (1u << dof_per_node) - 1;
     unsigned left = support->fix & all;
     const char *comma = "";
     if (left == all) {
@@ -186,15 +187,15 @@ static void write_fix(FILE *file, const scene_support *support, unsigned unknown
 }
 
 /* The value of a load at its nodes: one number, or its range. */
-static void write_value(FILE *file, const mesh *m, const scene_load *load)
+static void write_value(FILE *file, const mesh *mesh, const scene_load *load)
 {
     char unit[WORDS_UNIT];
     double low = 0, high = 0;
     int first = 1;
-    for (int n = 0; n < m->nodes; n++) {
-        const expr_point at = mesh_place(m, n);
+    for (int n = 0; n < mesh->nodes; n++) {
+        const expr_point at = mesh_place(mesh, n);
         const scene_where *where = &load->where;
-        if (load->type == LOAD_POINT && n != mesh_node(m, where->node[0], where->node[1]))
+        if (load->type == LOAD_POINT && n != mesh_node(mesh, where->node[0], where->node[1]))
             continue;
         const double value = expr_value(load->value, &at);
         low = first ? value : fmin(low, value);
@@ -206,17 +207,17 @@ static void write_value(FILE *file, const mesh *m, const scene_load *load)
         fputs(" to ", file);
         html_number(file, high);
     }
-    html_unit(file, words_unit(m->scene, words_of_load(load), unit));
+    html_unit(file, words_unit(mesh->scene, words_of_load(load), unit));
 }
 
-static void write_load(FILE *file, const mesh *m, const scene_load *load)
+static void write_load(FILE *file, const mesh *mesh, const scene_load *load)
 {
     static const char *const type[] = {"point", "line", "face", "weight", "temperature"};
     static const char *const follows[] = {"", " at rest; turns with the surface",
                                           " as deformed; turns with the surface"};
     const int pressed = load->type == LOAD_FACE && load->follower != FOLLOWER_NONE;
     fprintf(file, "<tr><th scope=\"row\">Load: %s</th><td class=\"note\">", type[load->type]);
-    write_value(file, m, load);
+    write_value(file, mesh, load);
     if (load->type == LOAD_WEIGHT)
         fputs(" as gravity", file);
     if (pressed)
@@ -225,7 +226,7 @@ static void write_load(FILE *file, const mesh *m, const scene_load *load)
         fprintf(file, " along %s", component_word[load->component]);
     if (load->type == LOAD_POINT || load->type == LOAD_LINE) {
         fputs(", ", file);
-        write_where(file, m->scene, &load->where);
+        write_where(file, mesh->scene, &load->where);
     }
     if (load->type == LOAD_FACE || load->type == LOAD_POINT || load->type == LOAD_LINE)
         fprintf(file, ", %s", face_word[load->face]);
@@ -243,31 +244,31 @@ static void write_vector(FILE *file, const double x[3], const char *unit)
 }
 
 /* The rigid body that the shell may touch. */
-static void write_contact(FILE *file, const scene *s)
+static void write_contact(FILE *file, const scene *scene)
 {
     static const char *const place[] = {"plane through ", "cylinder around ", "sphere around ",
                                         "body psi(x, y, z) &lt; 0"};
-    const scene_body *body = &s->contact.body;
+    const scene_body *body = &scene->contact.body;
     fprintf(file, "<tr><th scope=\"row\">Contact</th><td class=\"note\">%s on a rigid %s",
-            face_word[s->contact.face], place[body->type]);
+            face_word[scene->contact.face], place[body->type]);
     if (body->type != BODY_PSI)
-        write_vector(file, body->point, s->unit_length);
+        write_vector(file, body->point, scene->unit_length);
     if (body->type == BODY_PLANE || body->type == BODY_CYLINDER) {
         fputs(body->type == BODY_PLANE ? ", normal " : ", along ", file);
         write_vector(file, body->type == BODY_PLANE ? body->normal : body->axis, "");
     }
     if (body->type == BODY_CYLINDER || body->type == BODY_SPHERE) {
         fputs(", radius ", file);
-        html_quantity(file, body->radius, s->unit_length);
+        html_quantity(file, body->radius, scene->unit_length);
     }
-    if (s->contact.move[0] != 0 || s->contact.move[1] != 0 || s->contact.move[2] != 0) {
+    if (scene->contact.move[0] != 0 || scene->contact.move[1] != 0 || scene->contact.move[2] != 0) {
         fputs("; moved by ", file);
-        write_vector(file, s->contact.move, s->unit_length);
+        write_vector(file, scene->contact.move, scene->unit_length);
     }
     fputs("</td></tr>\n", file);
 }
 
-static void write_actuator(FILE *file, const scene *s, const scene_actuator *actuator)
+static void write_actuator(FILE *file, const scene *scene, const scene_actuator *actuator)
 {
     const int count = actuator->grid[0] * actuator->grid[1];
     fputs("<tr><th scope=\"row\">Actuator: ", file);
@@ -279,68 +280,68 @@ static void write_actuator(FILE *file, const scene *s, const scene_actuator *act
         fprintf(file, "%d amplifier%s on ", count, count == 1 ? "" : "s");
     for (int k = 0; k < actuator->drives; k++) {
         fputs(k ? ", " : "patches ", file);
-        html_text(file, s->patches[actuator->drive[k].patches].name);
+        html_text(file, scene->patches[actuator->drive[k].patches].name);
         fputs(" &times; ", file);
         html_number(file, actuator->drive[k].factor);
     }
     if (actuator->applied != 0) {
         fputs("; applied ", file);
         html_quantity(file, actuator->applied,
-                      actuator->is_temperature ? s->unit_temperature : s->unit_voltage);
+                      actuator->is_temperature ? scene->unit_temperature : scene->unit_voltage);
     }
     fputs("</td></tr>\n", file);
 }
 
-void parts_conditions(FILE *file, const design *d)
+void parts_conditions(FILE *file, const design *design)
 {
-    const scene *s = d->scene;
+    const scene *scene = design->scene;
     html_table_begin(file, "Supports, loads and actuators", NULL);
-    for (int k = 0; k < s->supports; k++) {
+    for (int k = 0; k < scene->supports; k++) {
         fputs("<tr><th scope=\"row\">Support</th><td class=\"note\">", file);
-        write_where(file, s, &s->support[k].where);
+        write_where(file, scene, &scene->support[k].where);
         fputs(": ", file);
-        write_fix(file, &s->support[k], d->mesh.unknowns);
+        write_fix(file, &scene->support[k], design->mesh.unknowns);
         fputs("</td></tr>\n", file);
     }
-    for (int k = 0; k < s->loads; k++)
-        write_load(file, &d->mesh, &s->load[k]);
-    if (s->contact.given)
-        write_contact(file, s);
-    for (int k = 0; k < s->actuators; k++)
-        write_actuator(file, s, &s->actuator[k]);
+    for (int k = 0; k < scene->loads; k++)
+        write_load(file, &design->mesh, &scene->load[k]);
+    if (scene->contact.given)
+        write_contact(file, scene);
+    for (int k = 0; k < scene->actuators; k++)
+        write_actuator(file, scene, &scene->actuator[k]);
     html_table_end(file);
 }
 
 /* ---- misfit ----------------------------------------------------------- */
 
-void parts_misfit(const design *d, const double *shape, const double *target, const double *vector,
-                  double *misfit, double *wanted)
+void parts_misfit(const design *design, const double *shape, const double *target,
+                  const double *vector, double *misfit, double *wanted)
 {
-    for (int n = 0; n < d->mesh.nodes; n++)
+    for (int n = 0; n < design->mesh.nodes; n++)
         misfit[n] = wanted[3 * n] = wanted[3 * n + 1] = wanted[3 * n + 2] = (double)NAN;
-    for (int t = 0; t < d->targets; t++) {
-        const int n = d->target_node[t];
+    for (int t = 0; t < design->targets; t++) {
+        const int n = design->target_node[t];
         double along[3];
-        draw_direction(&d->mesh.point[n], d->scene->target.what.component, along);
+        draw_direction(&design->mesh.point[n], design->scene->target.what.component, along);
         misfit[n] = shape[t] - target[t];
         for (int i = 0; i < 3; i++)
             wanted[3 * n + i] = vector[3 * n + i] - misfit[n] * along[i];
     }
 }
 
-int parts_shape(FILE *file, const draw_view *view, const design *d, const double *vector,
+int parts_shape(FILE *file, const draw_view *view, const design *design, const double *vector,
                 const double *wanted, const double *misfit, double factor, const draw_scale *scale)
 {
-    const mesh *m = &d->mesh;
-    const space reached = {file, view, m, vector, factor}, aimed = {file, view, m, wanted, factor},
-                rest = {file, view, m, NULL, 0};
+    const mesh *mesh = &design->mesh;
+    const space reached = {file, view, mesh, vector, factor},
+                aimed = {file, view, mesh, wanted, factor}, rest = {file, view, mesh, NULL, 0};
     draw_begin(file, view->width, view->height,
                "Reached shape in space, coloured by its misfit, with the target as lines over it");
     space_outline(&rest);
     const int failed = space_surface(&reached, misfit, scale);
     space_wires(&aimed, "wire");
-    if (d->scene->target.what.where.type == WHERE_POINT)
-        space_dot(&aimed, d->target_node[0]);
+    if (design->scene->target.what.where.type == WHERE_POINT)
+        space_dot(&aimed, design->target_node[0]);
     space_axes(&reached);
     draw_end(file);
     return failed;
@@ -358,41 +359,41 @@ void parts_keys(FILE *file, const char *more)
 /* ---- magnification ---------------------------------------------------- */
 
 /* Largest side of the box around the structure. */
-static double box_size(const mesh *m)
+static double box_size(const mesh *mesh)
 {
     double size = 0;
     for (int i = 0; i < 3; i++) {
-        double low = m->point[0].x[i], high = low;
-        for (int n = 1; n < m->nodes; n++) {
-            low = fmin(low, m->point[n].x[i]);
-            high = fmax(high, m->point[n].x[i]);
+        double low = mesh->point[0].x[i], high = low;
+        for (int n = 1; n < mesh->nodes; n++) {
+            low = fmin(low, mesh->point[n].x[i]);
+            high = fmax(high, mesh->point[n].x[i]);
         }
         size = fmax(size, high - low);
     }
     return size;
 }
 
-double parts_magnification(const mesh *m, double most, double share)
+double parts_magnification(const mesh *mesh, double most, double share)
 {
-    const double wanted = share * box_size(m) / most;
+    const double wanted = share * box_size(mesh) / most;
     if (!(most > 0) || !isfinite(wanted) || wanted <= 0)
         return 1;
     const double power = pow(10, floor(log10(wanted))), lead = wanted / power;
     return power * (lead < 1.42 ? 1 : lead < 3.17 ? 2 : lead < 7.08 ? 5 : 10);
 }
 
-void parts_include(draw_view *view, const mesh *m, const double *vector, double factor)
+void parts_include(draw_view *view, const mesh *mesh, const double *vector, double factor)
 {
     double x[3];
-    for (int n = 0; n < m->nodes; n++) {
-        draw_place(m, n, NULL, 0, x);
+    for (int n = 0; n < mesh->nodes; n++) {
+        draw_place(mesh, n, NULL, 0, x);
         draw_view_include(view, x);
-        draw_place(m, n, vector, factor, x);
+        draw_place(mesh, n, vector, factor, x);
         draw_view_include(view, x);
     }
 }
 
-void parts_magnified(FILE *file, const mesh *m, double factor)
+void parts_magnified(FILE *file, const mesh *mesh, double factor)
 {
     if (factor == 1) {
         fputs("displacement to scale", file);
@@ -401,6 +402,6 @@ void parts_magnified(FILE *file, const mesh *m, double factor)
         html_number(file, factor);
         fputs("</b>", file);
     }
-    if (space_is_thinned(m))
+    if (space_is_thinned(mesh))
         fputs(", not every mesh line drawn", file);
 }

@@ -8,11 +8,12 @@
 
 /* Name, purpose, changes, mesh and numerics. residual and error (pzs_model) of the solves of this
  * page; negative: not checked. */
-void parts_head(FILE *file, const analysis *a, const char *kind, double residual, double error);
+void parts_head(FILE *file, const analysis *analysis, const char *kind, double residual,
+                double error);
 
 /* Tables: the layers; supports, loads and actuators. */
-void parts_layers(FILE *file, const scene *s);
-void parts_conditions(FILE *file, const design *d);
+void parts_layers(FILE *file, const scene *scene);
+void parts_conditions(FILE *file, const design *design);
 
 /*
  * What a shape misses of a target.
@@ -20,15 +21,15 @@ void parts_conditions(FILE *file, const design *d);
  *   misfit [nodes]    out  reached minus wanted; NAN where nothing is wanted
  *   wanted [nodes][3] out  vector with the target's component as wanted; NAN as above
  */
-void parts_misfit(const design *d, const double *shape, const double *target, const double *vector,
-                  double *misfit, double *wanted);
+void parts_misfit(const design *design, const double *shape, const double *target,
+                  const double *vector, double *misfit, double *wanted);
 
 /* Factor that draws the largest displacement at about a share of the structure: 1, 2 or 5 times a
  * power of ten. most (length) in */
-double parts_magnification(const mesh *m, double most, double share);
+double parts_magnification(const mesh *mesh, double most, double share);
 
 /* Include the structure at rest and moved by factor times vector [nodes][3]. */
-void parts_include(draw_view *view, const mesh *m, const double *vector, double factor);
+void parts_include(draw_view *view, const mesh *mesh, const double *vector, double factor);
 
 /*
  * Picture of a shape reached, coloured by its misfit, the target as lines over it, the edges at
@@ -36,11 +37,11 @@ void parts_include(draw_view *view, const mesh *m, const double *vector, double 
  * the misfit Returns 0, or -1 when memory runs out. parts_keys: its lines explained; more (markup)
  * beside them.
  */
-int parts_shape(FILE *file, const draw_view *view, const design *d, const double *vector,
+int parts_shape(FILE *file, const draw_view *view, const design *design, const double *vector,
                 const double *wanted, const double *misfit, double factor, const draw_scale *scale);
 void parts_keys(FILE *file, const char *more);
 
 /* Caption of a magnified drawing. */
-void parts_magnified(FILE *file, const mesh *m, double factor);
+void parts_magnified(FILE *file, const mesh *mesh, double factor);
 
 #endif

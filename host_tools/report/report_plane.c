@@ -55,16 +55,18 @@ static void fit_round(plane *p, double room)
     p->centre[1] = p->y0 - p->zoom * low[1];
 }
 
-static plane plane_of(const mesh *m)
+static plane plane_of(const mesh *mesh)
 {
-    plane p = {
-        .scene = m->scene, .x0 = 34, .y0 = 6, .polar = m->scene->surface.type == SURFACE_POLAR};
+    plane p = {.scene = mesh->scene,
+               .x0 = 34,
+               .y0 = 6,
+               .polar = mesh->scene->surface.type == SURFACE_POLAR};
     double length[2];
     for (int a = 0; a < 2; a++) {
-        const scene_line *line = &m->scene->line[a];
+        const scene_line *line = &mesh->scene->line[a];
         double metric = 0;
-        for (int n = 0; n < m->nodes; n++)
-            metric += m->point[n].a[a] / m->nodes;
+        for (int n = 0; n < mesh->nodes; n++)
+            metric += mesh->point[n].a[a] / mesh->nodes;
         p.low[a] = line->point[0];
         p.range[a] = line->point[line->elements] - line->point[0];
         length[a] = metric * p.range[a];
@@ -237,19 +239,20 @@ static double theta_at(const scene_line *line, const int around[2], double share
     return line->point[around[0]] + share * (line->point[around[1]] - line->point[around[0]]);
 }
 
-static int map_level(const mesh *m, const double *value, const draw_scale *scale, const int i[2],
+static int map_level(const mesh *mesh, const double *value, const draw_scale *scale, const int i[2],
                      const int j[2], double s, double t)
 {
-    const double corner[4] = {value[mesh_node(m, i[0], j[0])], value[mesh_node(m, i[1], j[0])],
-                              value[mesh_node(m, i[1], j[1])], value[mesh_node(m, i[0], j[1])]};
+    const double corner[4] = {
+        value[mesh_node(mesh, i[0], j[0])], value[mesh_node(mesh, i[1], j[0])],
+        value[mesh_node(mesh, i[1], j[1])], value[mesh_node(mesh, i[0], j[1])]};
     return draw_level(scale, draw_between(corner, s, t));
 }
 
 /* The map between two values of theta2, equal neighbours joined. */
-static void map_strip(FILE *file, const plane *p, const mesh *m, const double *value,
+static void map_strip(FILE *file, const plane *p, const mesh *mesh, const double *value,
                       const draw_scale *scale, const cuts *c, int strip)
 {
-    const scene_line *line = m->scene->line;
+    const scene_line *line = mesh->scene->line;
     int j[2], level = -2;
     double t[2], theta1[2] = {p->low[0], 0};
     cut_at(&line[1], &c[1], strip, j, t);
@@ -261,7 +264,7 @@ static void map_strip(FILE *file, const plane *p, const mesh *m, const double *v
         if (k < c[0].count) {
             cut_at(&line[0], &c[0], k, i, s);
             theta1[1] = theta_at(&line[0], i, s[0]);
-            next = map_level(m, value, scale, i, j, (s[0] + s[1]) / 2, (t[0] + t[1]) / 2);
+            next = map_level(mesh, value, scale, i, j, (s[0] + s[1]) / 2, (t[0] + t[1]) / 2);
         }
         if (next == level && k < c[0].count)
             continue;
@@ -277,29 +280,29 @@ static void map_strip(FILE *file, const plane *p, const mesh *m, const double *v
 }
 
 /* Nodes with a value where the map cannot show it. */
-static void lone_values(FILE *file, const plane *p, const mesh *m, const double *value,
+static void lone_values(FILE *file, const plane *p, const mesh *mesh, const double *value,
                         const draw_scale *scale)
 {
-    for (int i = 0; i < m->lines[0]; i++)
-        for (int j = 0; j < m->lines[1]; j++)
-            if (draw_is_lone(m, value, i, j)) {
+    for (int i = 0; i < mesh->lines[0]; i++)
+        for (int j = 0; j < mesh->lines[1]; j++)
+            if (draw_is_lone(mesh, value, i, j)) {
                 double at[2];
-                plane_at(p, m->scene->line[0].point[i], m->scene->line[1].point[j], at);
-                draw_disc(file, scale, value[mesh_node(m, i, j)], at);
+                plane_at(p, mesh->scene->line[0].point[i], mesh->scene->line[1].point[j], at);
+                draw_disc(file, scale, value[mesh_node(mesh, i, j)], at);
             }
 }
 
-void plane_map(FILE *file, const mesh *m, const double *value, const draw_scale *scale,
+void plane_map(FILE *file, const mesh *mesh, const double *value, const draw_scale *scale,
                const char *title)
 {
-    const plane p = plane_of(m);
-    const cuts c[2] = {cuts_of(&m->scene->line[0], MAP_FINE),
-                       cuts_of(&m->scene->line[1], p.polar ? ROUND_FINE : MAP_FINE)};
+    const plane p = plane_of(mesh);
+    const cuts c[2] = {cuts_of(&mesh->scene->line[0], MAP_FINE),
+                       cuts_of(&mesh->scene->line[1], p.polar ? ROUND_FINE : MAP_FINE)};
     draw_begin(file, plane_width, plane_room(&p), title);
     fprintf(file, "<g class=\"%s\">\n", p.polar ? "cells" : "flat");
     for (int strip = 0; strip < c[1].count; strip++)
-        map_strip(file, &p, m, value, scale, c, strip);
-    lone_values(file, &p, m, value, scale);
+        map_strip(file, &p, mesh, value, scale, c, strip);
+    lone_values(file, &p, mesh, value, scale);
     fputs("</g>\n", file);
     plane_grid(file, &p);
     plane_end(file, &p);
@@ -307,30 +310,30 @@ void plane_map(FILE *file, const mesh *m, const double *value, const draw_scale 
 
 /* ---- volts on the patches --------------------------------------------- */
 
-static int overlap(const scene_patches *p, const scene_patches *q)
+static int overlap(const scene_patches *patches, const scene_patches *q)
 {
-    return p->theta1[0] < q->theta1[1] && q->theta1[0] < p->theta1[1] &&
-           p->theta2[0] < q->theta2[1] && q->theta2[0] < p->theta2[1];
+    return patches->theta1[0] < q->theta1[1] && q->theta1[0] < patches->theta1[1] &&
+           patches->theta2[0] < q->theta2[1] && q->theta2[0] < patches->theta2[1];
 }
 
 /* Do the patches of two actuators lie over each other in the plane? */
-static int actuators_overlap(const scene *s, const scene_actuator *x, const scene_actuator *y)
+static int actuators_overlap(const scene *scene, const scene_actuator *x, const scene_actuator *y)
 {
     for (int i = 0; i < x->drives; i++)
         for (int j = 0; j < y->drives; j++)
-            if (overlap(&s->patches[x->drive[i].patches], &s->patches[y->drive[j].patches]))
+            if (overlap(&scene->patches[x->drive[i].patches], &scene->patches[y->drive[j].patches]))
                 return 1;
     return 0;
 }
 
-int plane_plans(const scene *s, int *plan)
+int plane_plans(const scene *scene, int *plan)
 {
     int plans = 0;
-    for (int k = 0; k < s->actuators; k++) {
-        plan[k] = s->actuator[k].is_temperature || s->actuator[k].drives == 0 ? -1 : 0;
+    for (int k = 0; k < scene->actuators; k++) {
+        plan[k] = scene->actuator[k].is_temperature || scene->actuator[k].drives == 0 ? -1 : 0;
         for (int other = 0; plan[k] >= 0 && other < k; other++)
             if (plan[other] == plan[k] &&
-                actuators_overlap(s, &s->actuator[k], &s->actuator[other])) {
+                actuators_overlap(scene, &scene->actuator[k], &scene->actuator[other])) {
                 plan[k]++;
                 other = -1;
             }
@@ -415,17 +418,17 @@ static void patch(FILE *file, const plane *p, int amplifier, const box *b, doubl
     fputs("</g>\n", file);
 }
 
-void plane_volts(FILE *file, const mesh *m, const int *plan, int which, const double *voltage,
+void plane_volts(FILE *file, const mesh *mesh, const int *plan, int which, const double *voltage,
                  const plane_outline *outline, const draw_scale *scale, const char *title)
 {
-    const scene *s = m->scene;
-    const plane p = plane_of(m);
+    const scene *scene = mesh->scene;
+    const plane p = plane_of(mesh);
     draw_begin_group(file, plane_width, plane_room(&p), title);
-    for (int k = 0; k < s->actuators; k++) {
-        const scene_actuator *actuator = &s->actuator[k];
+    for (int k = 0; k < scene->actuators; k++) {
+        const scene_actuator *actuator = &scene->actuator[k];
         for (int d = actuator->drives - 1; plan[k] == which && d >= 0; d--)
             for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
-                const box b = box_of(&p, &s->patches[actuator->drive[d].patches],
+                const box b = box_of(&p, &scene->patches[actuator->drive[d].patches],
                                      c / actuator->grid[1], c % actuator->grid[1]);
                 patch(file, &p, actuator->first + c, &b, voltage[actuator->first + c],
                       outline[actuator->first + c], scale);

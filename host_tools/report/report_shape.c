@@ -34,44 +34,45 @@ typedef struct page {
 
 /* ---- results ---------------------------------------------------------- */
 
-static void result_free(result *r)
+static void result_free(result *result)
 {
-    free(r->vector);
-    free(r->wanted);
-    free(r->misfit);
-    free(r->outline);
+    free(result->vector);
+    free(result->wanted);
+    free(result->misfit);
+    free(result->outline);
 }
 
-static int result_room(result *r, const design *d)
+static int result_room(result *result, const design *design)
 {
-    const size_t nodes = (size_t)d->mesh.nodes;
-    r->vector = calloc(3 * nodes, sizeof *r->vector);
-    r->wanted = calloc(3 * nodes, sizeof *r->wanted);
-    r->misfit = calloc(nodes, sizeof *r->misfit);
-    r->outline = calloc((size_t)d->amplifiers + 1, sizeof *r->outline);
-    return r->vector && r->wanted && r->misfit && r->outline ? 0 : -1;
+    const size_t nodes = (size_t)design->mesh.nodes;
+    result->vector = calloc(3 * nodes, sizeof *result->vector);
+    result->wanted = calloc(3 * nodes, sizeof *result->wanted);
+    result->misfit = calloc(nodes, sizeof *result->misfit);
+    result->outline = calloc((size_t)design->amplifiers + 1, sizeof *result->outline);
+    return result->vector && result->wanted && result->misfit && result->outline ? 0 : -1;
 }
 
-static void result_misfit(const design *d, result *r)
+static void result_misfit(const design *design, result *result)
 {
-    parts_misfit(d, r->volts->shape, r->volts->aim, r->vector, r->misfit, r->wanted);
-    for (int t = 0; t < d->targets; t++) {
-        const double miss = r->misfit[d->target_node[t]];
-        r->worst = fmax(r->worst, fabs(miss));
-        r->rms += miss * miss / d->targets;
+    parts_misfit(design, result->volts->shape, result->volts->aim, result->vector, result->misfit,
+                 result->wanted);
+    for (int t = 0; t < design->targets; t++) {
+        const double miss = result->misfit[design->target_node[t]];
+        result->worst = fmax(result->worst, fabs(miss));
+        result->rms += miss * miss / design->targets;
     }
-    r->rms = sqrt(r->rms);
+    result->rms = sqrt(result->rms);
 }
 
 /* At one of the limits this set obeyed, or beyond those of the scene. */
-static void result_outline(const design *d, result *r)
+static void result_outline(const design *design, result *r)
 {
     const voltages *v = r->volts;
-    for (int k = 0; k < d->amplifiers; k++) {
+    for (int k = 0; k < design->amplifiers; k++) {
         const double voltage = v->volt[k];
-        const int at = voltage == v->limit[0] || voltage == v->limit[1] || voltage == d->lower[k] ||
-                       voltage == d->upper[k];
-        const int beyond = voltage < d->lower[k] || voltage > d->upper[k];
+        const int at = voltage == v->limit[0] || voltage == v->limit[1] ||
+                       voltage == design->lower[k] || voltage == design->upper[k];
+        const int beyond = voltage < design->lower[k] || voltage > design->upper[k];
         r->outline[k] = v->active > 0 && at ? OUTLINE_LIMIT
                         : beyond            ? OUTLINE_BEYOND
                                             : OUTLINE_NONE;
@@ -80,295 +81,302 @@ static void result_outline(const design *d, result *r)
     }
 }
 
-static int result_fill(const analysis *a, const voltages *voltages, result *r)
+static int result_fill(const analysis *analysis, const voltages *voltages, result *result)
 {
-    r->volts = voltages;
-    if (result_room(r, &a->design) < 0)
+    result->volts = voltages;
+    if (result_room(result, &analysis->design) < 0)
         return -1;
-    report_displacement(&a->design.mesh, voltages->u, r->vector);
-    result_misfit(&a->design, r);
-    result_outline(&a->design, r);
+    report_displacement(&analysis->design.mesh, voltages->u, result->vector);
+    result_misfit(&analysis->design, result);
+    result_outline(&analysis->design, result);
     return 0;
 }
 
 /* ---- scales shared by all sets ---------------------------------------- */
 
-static double largest_vector(const mesh *m, const double *vector)
+static double largest_vector(const mesh *mesh, const double *vector)
 {
     double most = 0;
-    for (int n = 0; n < m->nodes; n++)
+    for (int n = 0; n < mesh->nodes; n++)
         most = fmax(most, draw_dot3(vector + 3 * n, vector + 3 * n));
     return sqrt(most);
 }
 
-static void page_scales(page *p)
+static void page_scales(page *page)
 {
-    const mesh *m = &p->d->mesh;
+    const mesh *mesh = &page->d->mesh;
     double most = 0;
-    p->misfit.is_signed = p->volt.is_signed = 1;
-    p->misfit.unit = p->d->scene->unit_length;
-    p->volt.unit = p->d->scene->unit_voltage;
-    for (int t = 0; t < p->d->targets; t++)
-        p->target = fmax(p->target, fabs(p->d->target[t]));
-    for (int k = 0; k < p->results; k++) {
-        p->misfit.most = fmax(p->misfit.most, p->result[k].worst);
-        p->volt.most = fmax(p->volt.most, p->result[k].volt);
-        most = fmax(most, largest_vector(m, p->result[k].vector));
+    page->misfit.is_signed = page->volt.is_signed = 1;
+    page->misfit.unit = page->d->scene->unit_length;
+    page->volt.unit = page->d->scene->unit_voltage;
+    for (int t = 0; t < page->d->targets; t++)
+        page->target = fmax(page->target, fabs(page->d->target[t]));
+    for (int k = 0; k < page->results; k++) {
+        page->misfit.most = fmax(page->misfit.most, page->result[k].worst);
+        page->volt.most = fmax(page->volt.most, page->result[k].volt);
+        most = fmax(most, largest_vector(mesh, page->result[k].vector));
     }
-    p->factor = p->a->nonlinear ? 1 : parts_magnification(m, fmax(most, p->target), 0.2);
-    draw_view_begin(&p->view, m);
-    for (int k = 0; k < p->results; k++) {
-        parts_include(&p->view, m, p->result[k].vector, p->factor);
-        parts_include(&p->view, m, p->result[k].wanted, p->factor);
+    page->factor =
+        page->a->nonlinear ? 1 : parts_magnification(mesh, fmax(most, page->target), 0.2);
+    draw_view_begin(&page->view, mesh);
+    for (int k = 0; k < page->results; k++) {
+        parts_include(&page->view, mesh, page->result[k].vector, page->factor);
+        parts_include(&page->view, mesh, page->result[k].wanted, page->factor);
     }
-    draw_view_fit(&p->view, 420, 420);
+    draw_view_fit(&page->view, 420, 420);
 }
 
 /* ---- words ------------------------------------------------------------ */
 
-static int is_limited(const voltages *v)
+static int is_limited(const voltages *result)
 {
-    return isfinite(v->limit[0]) || isfinite(v->limit[1]);
+    return isfinite(result->limit[0]) || isfinite(result->limit[1]);
 }
 
-static void write_limits(const page *p, const voltages *v)
+static void write_limits(const page *page, const voltages *result)
 {
-    if (!is_limited(v)) {
-        fputs("&ndash;", p->file);
+    if (!is_limited(result)) {
+        fputs("&ndash;", page->file);
         return;
     }
-    if (v->limit[0] == -v->limit[1]) {
-        fputs("&plusmn;&nbsp;", p->file);
-        html_quantity(p->file, v->limit[1], p->volt.unit);
+    if (result->limit[0] == -result->limit[1]) {
+        fputs("&plusmn;&nbsp;", page->file);
+        html_quantity(page->file, result->limit[1], page->volt.unit);
         return;
     }
-    html_number(p->file, v->limit[0]);
-    fputs(" to ", p->file);
-    html_quantity(p->file, v->limit[1], p->volt.unit);
+    html_number(page->file, result->limit[0]);
+    fputs(" to ", page->file);
+    html_quantity(page->file, result->limit[1], page->volt.unit);
 }
 
-static void write_name(const page *p, const voltages *v)
+static void write_name(const page *page, const voltages *result)
 {
-    html_text(p->file, v->name);
-    if (is_limited(v)) {
-        fputs(", ", p->file);
-        write_limits(p, v);
+    html_text(page->file, result->name);
+    if (is_limited(result)) {
+        fputs(", ", page->file);
+        write_limits(page, result);
     }
 }
 
 /* The first set within limits, as asked for, and what the best without limits would leave. */
-static void write_verdict(const page *p)
+static void write_verdict(const page *page)
 {
     const voltages *asked = NULL, *unlimited = NULL;
-    for (int k = 0; k < p->results; k++) {
-        const voltages *v = p->result[k].volts;
-        if (is_limited(v) && !asked)
-            asked = v;
-        if (!is_limited(v) && (!unlimited || v->error < unlimited->error))
-            unlimited = v;
+    for (int k = 0; k < page->results; k++) {
+        const voltages *result = page->result[k].volts;
+        if (is_limited(result) && !asked)
+            asked = result;
+        if (!is_limited(result) && (!unlimited || result->error < unlimited->error))
+            unlimited = result;
     }
     const voltages *best = asked ? asked : unlimited;
     if (!best)
         return;
-    fputs("<p class=\"verdict\"><b>Shape error ", p->file);
-    html_percent(p->file, best->error);
-    fputs(" of the target</b>: ", p->file);
-    write_name(p, best);
-    fprintf(p->file, ", %d of %d amplifiers at a limit.", best->active, p->d->amplifiers);
+    fputs("<p class=\"verdict\"><b>Shape error ", page->file);
+    html_percent(page->file, best->error);
+    fputs(" of the target</b>: ", page->file);
+    write_name(page, best);
+    fprintf(page->file, ", %d of %d amplifiers at a limit.", best->active, page->d->amplifiers);
     if (asked && unlimited) {
-        fputs(" Without limits ", p->file);
-        html_percent(p->file, unlimited->error);
-        fputs(" would remain.", p->file);
+        fputs(" Without limits ", page->file);
+        html_percent(page->file, unlimited->error);
+        fputs(" would remain.", page->file);
     }
-    fputs("</p>\n", p->file);
+    fputs("</p>\n", page->file);
 }
 
-static void write_row(const page *p, const result *r, double worst_error)
+static void write_row(const page *page, const result *result, double worst_error)
 {
-    FILE *file = p->file;
+    FILE *file = page->file;
     fputs("<tr><th scope=\"row\">", file);
-    html_text(file, r->volts->name);
+    html_text(file, result->volts->name);
     fputs("</th><td>", file);
-    write_limits(p, r->volts);
+    write_limits(page, result->volts);
     fputs("</td><td>", file);
-    html_percent(file, r->volts->error);
+    html_percent(file, result->volts->error);
     fprintf(
         file,
         "<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%.1f%%\"></i></span></td><td>",
-        worst_error > 0 ? fmin(100 * r->volts->error / worst_error, 100) : 0);
-    html_alike(file, r->worst, p->misfit.most, p->misfit.unit);
+        worst_error > 0 ? fmin(100 * result->volts->error / worst_error, 100) : 0);
+    html_alike(file, result->worst, page->misfit.most, page->misfit.unit);
     fputs("</td><td>", file);
-    if (is_limited(r->volts))
-        fprintf(file, "%d of %d", r->volts->active, p->d->amplifiers);
+    if (is_limited(result->volts))
+        fprintf(file, "%d of %d", result->volts->active, page->d->amplifiers);
     else
         fputs("&ndash;", file);
     fputs("</td><td>", file);
-    html_alike(file, r->volt, p->volt.most, p->volt.unit);
-    fprintf(file, "</td><td>%s%d%s</td><td>", r->beyond ? "<b>" : "", r->beyond,
-            r->beyond ? "</b>" : "");
-    html_rough(file, r->volts->optimality);
+    html_alike(file, result->volt, page->volt.most, page->volt.unit);
+    fprintf(file, "</td><td>%s%d%s</td><td>", result->beyond ? "<b>" : "", result->beyond,
+            result->beyond ? "</b>" : "");
+    html_rough(file, result->volts->optimality);
     fputs("</td></tr>\n", file);
 }
 
-static void write_table(const page *p)
+static void write_table(const page *page)
 {
     double worst = 0;
-    for (int k = 0; k < p->results; k++)
-        worst = fmax(worst, p->result[k].volts->error);
+    for (int k = 0; k < page->results; k++)
+        worst = fmax(worst, page->result[k].volts->error);
     html_table_begin(
-        p->file,
+        page->file,
         "Shape error: root of the weighted squares of the misfit over those of the target. KKT: largest violated "
         "optimality condition, relative.",
         "<th scope=\"col\">Volts</th><th scope=\"col\">Limits</th><th scope=\"col\">Shape error</th>"
         "<th scope=\"col\">Largest misfit</th><th scope=\"col\">At a limit</th><th scope=\"col\">Largest volt</th>"
         "<th scope=\"col\">Beyond the<br>scene&rsquo;s limits</th><th scope=\"col\">KKT</th>");
-    for (int k = 0; k < p->results; k++)
-        write_row(p, &p->result[k], worst);
-    html_table_end(p->file);
+    for (int k = 0; k < page->results; k++)
+        write_row(page, &page->result[k], worst);
+    html_table_end(page->file);
 }
 
 /* ---- pictures of one set ---------------------------------------------- */
 
-static int draw_reached(const page *p, const result *r)
+static int draw_reached(const page *page, const result *result)
 {
-    fputs("<figure>\n", p->file);
-    const int failed = parts_shape(p->file, &p->view, p->d, r->vector, r->wanted, r->misfit,
-                                   p->factor, &p->misfit);
-    fputs("<figcaption>Reached shape and <b>target</b> as lines, ", p->file);
-    parts_magnified(p->file, &p->d->mesh, p->factor);
-    fputs(". Misfit on one scale for all sets:", p->file);
-    draw_legend(p->file, &p->misfit);
-    fputs("</figcaption></figure>\n", p->file);
+    fputs("<figure>\n", page->file);
+    const int failed = parts_shape(page->file, &page->view, page->d, result->vector, result->wanted,
+                                   result->misfit, page->factor, &page->misfit);
+    fputs("<figcaption>Reached shape and <b>target</b> as lines, ", page->file);
+    parts_magnified(page->file, &page->d->mesh, page->factor);
+    fputs(". Misfit on one scale for all sets:", page->file);
+    draw_legend(page->file, &page->misfit);
+    fputs("</figcaption></figure>\n", page->file);
     return failed;
 }
 
-static void draw_misfit(const page *p, const result *r)
+static void draw_misfit(const page *page, const result *result)
 {
-    const draw_scale own = {1, r->worst, p->misfit.unit};
-    fputs("<figure>\n", p->file);
-    plane_map(p->file, &p->d->mesh, r->misfit, &own,
+    const draw_scale own = {1, result->worst, page->misfit.unit};
+    fputs("<figure>\n", page->file);
+    plane_map(page->file, &page->d->mesh, result->misfit, &own,
               "Misfit, reached minus target, over theta1 and theta2");
-    fputs("<figcaption>Misfit, reached minus target: largest <b>", p->file);
-    html_alike(p->file, r->worst, r->worst, own.unit);
-    fputs("</b>", p->file);
-    if (p->target > 0) {
-        fputs(" (", p->file);
-        html_percent(p->file, r->worst / p->target);
-        fputs(" of the largest target)", p->file);
+    fputs("<figcaption>Misfit, reached minus target: largest <b>", page->file);
+    html_alike(page->file, result->worst, result->worst, own.unit);
+    fputs("</b>", page->file);
+    if (page->target > 0) {
+        fputs(" (", page->file);
+        html_percent(page->file, result->worst / page->target);
+        fputs(" of the largest target)", page->file);
     }
-    fputs(", rms ", p->file);
-    html_alike(p->file, r->rms, r->worst, own.unit);
-    fputs(p->d->targets < p->d->mesh.nodes ? "; grey where nothing is wanted" : "", p->file);
-    fputs(". Scale of this set:", p->file);
-    draw_legend(p->file, &own);
-    fputs("</figcaption></figure>\n", p->file);
+    fputs(", rms ", page->file);
+    html_alike(page->file, result->rms, result->worst, own.unit);
+    fputs(page->d->targets < page->d->mesh.nodes ? "; grey where nothing is wanted" : "",
+          page->file);
+    fputs(". Scale of this set:", page->file);
+    draw_legend(page->file, &own);
+    fputs("</figcaption></figure>\n", page->file);
 }
 
 /* Names of the actuators of a plan. */
-static void write_plan(const page *p, int which)
+static void write_plan(const page *page, int which)
 {
     const char *comma = "";
-    for (int k = 0; k < p->d->scene->actuators; k++)
-        if (p->plan[k] == which) {
-            fputs(comma, p->file);
-            html_text(p->file, p->d->scene->actuator[k].name);
+    for (int k = 0; k < page->d->scene->actuators; k++)
+        if (page->plan[k] == which) {
+            fputs(comma, page->file);
+            html_text(page->file, page->d->scene->actuator[k].name);
             comma = ", ";
         }
 }
 
-static void draw_volts(const page *p, const result *r)
+static void draw_volts(const page *page, const result *result)
 {
-    const scene *s = p->d->scene;
-    fputs("<figure>\n", p->file);
-    for (int which = 0; which < p->plans; which++) {
-        if (p->plans > 1) {
-            fputs("<h3>", p->file);
-            write_plan(p, which);
-            fputs("</h3>\n", p->file);
+    const scene *scene = page->d->scene;
+    fputs("<figure>\n", page->file);
+    for (int which = 0; which < page->plans; which++) {
+        if (page->plans > 1) {
+            fputs("<h3>", page->file);
+            write_plan(page, which);
+            fputs("</h3>\n", page->file);
         }
-        plane_volts(p->file, &p->d->mesh, p->plan, which, r->volts->volt, r->outline, &p->volt,
+        plane_volts(page->file, &page->d->mesh, page->plan, which, result->volts->volt,
+                    result->outline, &page->volt,
                     "Volts of the amplifiers, written in their patches where there is room");
     }
-    fputs("<figcaption>Volts in their patches: largest <b>", p->file);
-    html_quantity(p->file, r->volt, p->volt.unit);
-    fputs("</b>", p->file);
-    for (int k = 0; k < s->actuators; k++)
-        if (p->plan[k] < 0) {
-            fputs(", ", p->file);
-            html_text(p->file, s->actuator[k].name);
-            fputc(' ', p->file);
-            html_quantity(p->file, r->volts->volt[s->actuator[k].first], s->unit_temperature);
+    fputs("<figcaption>Volts in their patches: largest <b>", page->file);
+    html_quantity(page->file, result->volt, page->volt.unit);
+    fputs("</b>", page->file);
+    for (int k = 0; k < scene->actuators; k++)
+        if (page->plan[k] < 0) {
+            fputs(", ", page->file);
+            html_text(page->file, scene->actuator[k].name);
+            fputc(' ', page->file);
+            html_quantity(page->file, result->volts->volt[scene->actuator[k].first],
+                          scene->unit_temperature);
         }
-    fputs(". One scale for all sets:", p->file);
-    draw_legend(p->file, &p->volt);
-    fputs("</figcaption></figure>\n", p->file);
+    fputs(". One scale for all sets:", page->file);
+    draw_legend(page->file, &page->volt);
+    fputs("</figcaption></figure>\n", page->file);
 }
 
-static int draw_set(const page *p, const result *r)
+static int draw_set(const page *page, const result *result)
 {
-    fputs("<article class=\"set\">\n<h3>", p->file);
-    write_name(p, r->volts);
-    fputs(" &mdash; shape error ", p->file);
-    html_percent(p->file, r->volts->error);
-    fputs("</h3>\n<div class=\"row\">\n", p->file);
-    const int failed = draw_reached(p, r);
-    draw_misfit(p, r);
-    draw_volts(p, r);
-    fputs("</div>\n</article>\n", p->file);
+    fputs("<article class=\"set\">\n<h3>", page->file);
+    write_name(page, result->volts);
+    fputs(" &mdash; shape error ", page->file);
+    html_percent(page->file, result->volts->error);
+    fputs("</h3>\n<div class=\"row\">\n", page->file);
+    const int failed = draw_reached(page, result);
+    draw_misfit(page, result);
+    draw_volts(page, result);
+    fputs("</div>\n</article>\n", page->file);
     return failed;
 }
 
 /* ---- page ------------------------------------------------------------- */
 
-static int page_fill(page *p, const voltages *voltages)
+static int page_fill(page *page, const voltages *voltages)
 {
-    p->plan = calloc((size_t)p->d->scene->actuators + 1, sizeof *p->plan);
-    p->result = calloc((size_t)p->results + 1, sizeof *p->result);
-    if (!p->plan || !p->result)
+    page->plan = calloc((size_t)page->d->scene->actuators + 1, sizeof *page->plan);
+    page->result = calloc((size_t)page->results + 1, sizeof *page->result);
+    if (!page->plan || !page->result)
         return -1;
-    p->plans = plane_plans(p->d->scene, p->plan);
-    for (int k = 0; k < p->results; k++) {
-        if (result_fill(p->a, &voltages[k], &p->result[k]) < 0)
+    page->plans = plane_plans(page->d->scene, page->plan);
+    for (int k = 0; k < page->results; k++) {
+        if (result_fill(page->a, &voltages[k], &page->result[k]) < 0)
             return -1;
-        p->residual = k ? fmax(p->residual, voltages[k].residual) : voltages[k].residual;
+        page->residual = k ? fmax(page->residual, voltages[k].residual) : voltages[k].residual;
     }
-    page_scales(p);
+    page_scales(page);
     return 0;
 }
 
-static int page_write(const page *p)
+static int page_write(const page *page)
 {
     int failed = 0;
-    html_begin(p->file, p->d->scene->name);
-    parts_head(p->file, p->a, "Volts for a wanted shape", p->residual,
-               p->a->nonlinear ? -1 : p->a->model.info.error_estimate);
-    write_verdict(p);
-    fputs("<section>\n<h2>Sets of volts</h2>\n", p->file);
-    write_table(p);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
-    parts_keys(p->file, "<span><i class=\"key stop\"></i> amplifier at its limit</span>"
-                        "<span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span>");
-    for (int k = 0; k < p->results; k++)
-        failed |= draw_set(p, &p->result[k]);
-    fputs("</section>\n", p->file);
-    modes_section(p->file, p->d->scene, p->modes);
-    fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", p->file);
-    parts_layers(p->file, p->d->scene);
-    parts_conditions(p->file, p->d);
-    fputs("</div>\n</section>\n", p->file);
-    html_end(p->file);
+    html_begin(page->file, page->d->scene->name);
+    parts_head(page->file, page->a, "Volts for a wanted shape", page->residual,
+               page->a->nonlinear ? -1 : page->a->model.info.error_estimate);
+    write_verdict(page);
+    fputs("<section>\n<h2>Sets of volts</h2>\n", page->file);
+    write_table(page);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", page->file);
+    parts_keys(page->file,
+               "<span><i class=\"key stop\"></i> amplifier at its limit</span>"
+               "<span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span>");
+    for (int k = 0; k < page->results; k++)
+        failed |= draw_set(page, &page->result[k]);
+    fputs("</section>\n", page->file);
+    modes_section(page->file, page->d->scene, page->modes);
+    fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", page->file);
+    parts_layers(page->file, page->d->scene);
+    parts_conditions(page->file, page->d);
+    fputs("</div>\n</section>\n", page->file);
+    html_end(page->file);
     return failed;
 }
 
-int report_shape(FILE *file, analysis *a, const voltages *voltages, int count, const modes *modes)
+int report_shape(FILE *file, analysis *analysis, const voltages *voltages, int count,
+                 const modes *modes)
 {
-    page p = {.file = file, .a = a, .d = &a->design, .results = count, .modes = modes};
-    int failed = page_fill(&p, voltages);
+    page page = {
+        .file = file, .a = analysis, .d = &analysis->design, .results = count, .modes = modes};
+    int failed = page_fill(&page, voltages);
     if (!failed)
-        failed = page_write(&p);
-    for (int k = 0; p.result && k < count; k++)
-        result_free(&p.result[k]);
-    free(p.result);
-    free(p.plan);
+        failed = page_write(&page);
+    for (int k = 0; page.result && k < count; k++)
+        result_free(&page.result[k]);
+    free(page.result);
+    free(page.plan);
     return failed || ferror(file) ? -1 : 0;
 }

@@ -10,34 +10,34 @@
 
 /* ---- record ----------------------------------------------------------- */
 
-int record_open(simulate_record *r, const simulation *s)
+int record_open(simulate_record *record, const simulation *simulation)
 {
-    const design *d = &s->nominal->design;
-    memset(r, 0, sizeof *r);
-    r->ticks = d->scene->simulate.ticks;
-    r->bins = r->ticks < RECORD_BINS ? r->ticks : RECORD_BINS;
-    r->amplifiers = d->amplifiers;
-    r->lower = d->lower;
-    r->upper = d->upper;
-    r->volt = calloc((size_t)(RECORD_BINS * d->amplifiers), sizeof *r->volt);
-    return r->volt ? 0 : -1;
+    const design *design = &simulation->nominal->design;
+    memset(record, 0, sizeof *record);
+    record->ticks = design->scene->simulate.ticks;
+    record->bins = record->ticks < RECORD_BINS ? record->ticks : RECORD_BINS;
+    record->amplifiers = design->amplifiers;
+    record->lower = design->lower;
+    record->upper = design->upper;
+    record->volt = calloc((size_t)(RECORD_BINS * design->amplifiers), sizeof *record->volt);
+    return record->volt ? 0 : -1;
 }
 
-void record_close(simulate_record *r)
+void record_close(simulate_record *record)
 {
-    free(r->volt);
-    memset(r, 0, sizeof *r);
+    free(record->volt);
+    memset(record, 0, sizeof *record);
 }
 
-void record_tick(simulate_record *r, const simulate_sample *sample)
+void record_tick(simulate_record *record, const simulate_sample *sample)
 {
-    const int bin = (int)((double)sample->tick * r->bins / r->ticks);
-    r->error[sample->law][bin] = fmax(r->error[sample->law][bin], sample->error);
+    const int bin = (int)((double)sample->tick * record->bins / record->ticks);
+    record->error[sample->law][bin] = fmax(record->error[sample->law][bin], sample->error);
     if (sample->law == LAW_CONTROLLER)
-        r->missed[bin] = fmax(r->missed[bin], sample->missed);
+        record->missed[bin] = fmax(record->missed[bin], sample->missed);
     if (sample->law == LAW_CONTROLLER)
-        memcpy(r->volt + (size_t)(bin * r->amplifiers), sample->volt,
-               (size_t)r->amplifiers * sizeof *r->volt);
+        memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->volt,
+               (size_t)record->amplifiers * sizeof *record->volt);
 }
 
 typedef struct page {
@@ -55,10 +55,10 @@ typedef struct page {
 /* ---- words ------------------------------------------------------------ */
 
 /* Does something not work as it should in a phase: an electrode, a sensor, the controller? */
-static int is_faulty(const simulation *s, const simulate_phase *phase)
+static int is_faulty(const simulation *simulation, const simulate_phase *phase)
 {
-    const scene_simulate *simulate = &s->nominal->design.scene->simulate;
-    for (int k = 0; k < s->nominal->design.amplifiers; k++)
+    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
+    for (int k = 0; k < simulation->nominal->design.amplifiers; k++)
         if (!isnan(phase->held[k]))
             return 1;
     for (int k = 0; k < simulate->events; k++) {
@@ -73,13 +73,14 @@ static int is_faulty(const simulation *s, const simulate_phase *phase)
 
 /* The phase that ends farthest above its optimum; of those without faults where only_sound. Returns
  * NULL where there is none. */
-static const simulate_phase *worst_phase(const simulation *s, int only_sound, double *above)
+static const simulate_phase *worst_phase(const simulation *simulation, int only_sound,
+                                         double *above)
 {
     const simulate_phase *worst = NULL;
-    for (int k = 0; k < s->phases; k++) {
-        const simulate_phase *phase = &s->phase[k];
+    for (int k = 0; k < simulation->phases; k++) {
+        const simulate_phase *phase = &simulation->phase[k];
         const double here = phase->course[LAW_CONTROLLER].steady / phase->optimum - 1;
-        if ((only_sound && is_faulty(s, phase)) || (worst && !(here > *above)))
+        if ((only_sound && is_faulty(simulation, phase)) || (worst && !(here > *above)))
             continue;
         worst = phase;
         *above = here;
@@ -87,59 +88,60 @@ static const simulate_phase *worst_phase(const simulation *s, int only_sound, do
     return worst;
 }
 
-static void write_verdict(const page *p)
+static void write_verdict(const page *page)
 {
     double above = 0, sound = 0;
-    const simulate_phase *worst = worst_phase(p->s, 0, &above);
+    const simulate_phase *worst = worst_phase(page->s, 0, &above);
     fprintf(
-        p->file,
+        page->file,
         "<p class=\"verdict\"><b>%ld volts beyond a limit or the slew</b> in %d ticks; at the end of every phase the shape error is ",
-        p->s->count[LAW_CONTROLLER].beyond, p->scene->simulate.ticks);
+        page->s->count[LAW_CONTROLLER].beyond, page->scene->simulate.ticks);
     if (above > 0) {
-        fputs("at most ", p->file);
-        html_percent(p->file, above);
-        fprintf(p->file, " above the optimum for that plant in the same limits (phase from tick %d",
+        fputs("at most ", page->file);
+        html_percent(page->file, above);
+        fprintf(page->file,
+                " above the optimum for that plant in the same limits (phase from tick %d",
                 worst->from);
-        if (is_faulty(p->s, worst) && worst_phase(p->s, 1, &sound)) {
-            fputs(", ", p->file);
-            html_percent(p->file, fmax(sound, 0));
-            fputs(" in those without faults", p->file);
+        if (is_faulty(page->s, worst) && worst_phase(page->s, 1, &sound)) {
+            fputs(", ", page->file);
+            html_percent(page->file, fmax(sound, 0));
+            fputs(" in those without faults", page->file);
         }
-        fputs(").</p>\n", p->file);
+        fputs(").</p>\n", page->file);
     } else {
-        fputs("no more than the optimum for that plant in the same limits.</p>\n", p->file);
+        fputs("no more than the optimum for that plant in the same limits.</p>\n", page->file);
     }
 }
 
-static void write_phase(const page *p, const simulate_phase *phase)
+static void write_phase(const page *page, const simulate_phase *phase)
 {
-    const simulate_course *c = phase->course;
+    const simulate_course *course = phase->course;
     char name[WORDS_PHASE];
-    words_phase(p->s, phase, name);
-    fprintf(p->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
-    html_text(p->file, name);
-    fputs("</td><td>", p->file);
-    html_percent(p->file, phase->optimum);
-    fputs("</td><td>", p->file);
-    html_percent(p->file, c[LAW_CONTROLLER].steady);
-    fputs("</td><td>", p->file);
-    html_percent(p->file, c[LAW_CLAMP].steady);
-    fputs("</td><td>", p->file);
-    html_percent(p->file, c[LAW_REGULARISED].steady);
-    fputs("</td><td>", p->file);
-    html_percent(p->file, c[LAW_CONTROLLER].worst);
-    fputs("</td><td>", p->file);
-    if (c->settled < 0)
-        fputs("&ndash;", p->file);
+    words_phase(page->s, phase, name);
+    fprintf(page->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
+    html_text(page->file, name);
+    fputs("</td><td>", page->file);
+    html_percent(page->file, phase->optimum);
+    fputs("</td><td>", page->file);
+    html_percent(page->file, course[LAW_CONTROLLER].steady);
+    fputs("</td><td>", page->file);
+    html_percent(page->file, course[LAW_CLAMP].steady);
+    fputs("</td><td>", page->file);
+    html_percent(page->file, course[LAW_REGULARISED].steady);
+    fputs("</td><td>", page->file);
+    html_percent(page->file, course[LAW_CONTROLLER].worst);
+    fputs("</td><td>", page->file);
+    if (course->settled < 0)
+        fputs("&ndash;", page->file);
     else
-        fprintf(p->file, "%d", c->settled);
-    fprintf(p->file, "</td><td>%d</td></tr>\n", c->slew_ticks);
+        fprintf(page->file, "%d", course->settled);
+    fprintf(page->file, "</td><td>%d</td></tr>\n", course->slew_ticks);
 }
 
-static void write_phases(const page *p)
+static void write_phases(const page *page)
 {
     html_table_begin(
-        p->file,
+        page->file,
         "Shape error: root of the weighted squares of the misfit over those of the scene&rsquo;s target. Steady: over the "
         "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clipped: least squares without limits, "
         "cut to limits and slew, same plant and sensors. Regularised: the same with the one parameter that is best for the "
@@ -148,102 +150,103 @@ static void write_phases(const page *p)
         "<th scope=\"col\">Tick</th><th scope=\"col\" class=\"note\">What happens</th><th scope=\"col\">Optimum</th>"
         "<th scope=\"col\">Steady</th><th scope=\"col\">Clipped</th><th scope=\"col\">Regularised, clipped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th>"
         "<th scope=\"col\">Slew</th>");
-    for (int k = 0; k < p->s->phases; k++)
-        write_phase(p, &p->s->phase[k]);
-    html_table_end(p->file);
+    for (int k = 0; k < page->s->phases; k++)
+        write_phase(page, &page->s->phase[k]);
+    html_table_end(page->file);
 }
 
 /* What not every controller does. */
-static void write_extras(const page *p, const simulate_count *c)
+static void write_extras(const page *page, const simulate_count *count)
 {
-    const device_board *board = p->s->board;
+    const device_board *board = page->s->board;
     char text[SCENE_ERROR];
-    if (p->s->estimates) {
-        estimator_text(&p->s->estimator, p->s->nominal, text);
-        fprintf(p->file, "<p>The shape is estimated. By the influence %s, ",
-                words_influence(p->scene));
-        html_text(p->file, text);
-        fputs(".</p>\n", p->file);
+    if (page->s->estimates) {
+        estimator_text(&page->s->estimator, page->s->nominal, text);
+        fprintf(page->file, "<p>The shape is estimated. By the influence %s, ",
+                words_influence(page->scene));
+        html_text(page->file, text);
+        fputs(".</p>\n", page->file);
     }
-    if (p->scene->simulate.finds)
+    if (page->scene->simulate.finds)
         fprintf(
-            p->file,
+            page->file,
             "<p>Electrodes that the controller found not to follow: %ld, the slowest after %d ticks; %ld of them were in good "
             "order.</p>\n",
-            c->found, c->search, c->wrong);
+            count->found, count->search, count->wrong);
     if (!board)
         return;
-    fprintf(p->file, "<p>The controller is the firmware of %s, in %s", board->name,
+    fprintf(page->file, "<p>The controller is the firmware of %s, in %s", board->name,
             board->bits == 32 ? "float" : "double");
     if (board->twin)
-        fprintf(p->file,
+        fprintf(page->file,
                 ", under QEMU: %ld of %ld ticks with the bits of the same C on this computer",
-                c->same, simulate_ran(c));
-    fputs(".</p>\n", p->file);
+                count->same, simulate_ran(count));
+    fputs(".</p>\n", page->file);
 }
 
-static void write_counts(const page *p)
+static void write_counts(const page *page)
 {
     static const char *const name[LAWS] = {"Controller", "Clipped least squares",
                                            "Regularised, then clipped"};
     html_table_begin(
-        p->file, "Ticks of all laws",
+        page->file, "Ticks of all laws",
         "<th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
         "<th scope=\"col\">Not finite</th><th scope=\"col\">Lost</th><th scope=\"col\">Held</th><th scope=\"col\">A sensor doubted</th>"
         "<th scope=\"col\">Out of passes</th><th scope=\"col\">Most passes</th>");
     for (int law = 0; law < LAWS; law++) {
-        const simulate_count *c = &p->s->count[law];
+        const simulate_count *count = &page->s->count[law];
         fprintf(
-            p->file,
+            page->file,
             "<tr><th scope=\"row\">%s</th><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%d</td></tr>\n",
-            name[law], c->beyond, c->not_finite, c->lost, c->status[PZS_W_HELD],
-            c->status[PZS_W_SENSOR], c->status[PZS_W_ITERATIONS], c->passes_most);
+            name[law], count->beyond, count->not_finite, count->lost, count->status[PZS_W_HELD],
+            count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS], count->passes_most);
     }
-    html_table_end(p->file);
-    write_extras(p, &p->s->count[LAW_CONTROLLER]);
+    html_table_end(page->file);
+    write_extras(page, &page->s->count[LAW_CONTROLLER]);
 }
 
 /* What vibration would make of the loop, where the densities say it. */
-static void write_certificate(const page *p)
+static void write_certificate(const page *page)
 {
-    const certificate *c = &p->s->nominal->certificate;
+    const certificate *certificate = &page->s->nominal->certificate;
     char text[3 * SCENE_ERROR];
-    certificate_text(c, text);
-    if (!c->made)
+    certificate_text(certificate, text);
+    if (!certificate->made)
         return;
-    fputs("<p><b>Quasi-static plant: no inertia.</b> ", p->file);
-    if (c->vibrates)
-        fprintf(p->file, "First natural frequency %.4g Hz. ", certificate_first(c));
+    fputs("<p><b>Quasi-static plant: no inertia.</b> ", page->file);
+    if (certificate->vibrates)
+        fprintf(page->file, "First natural frequency %.4g Hz. ", certificate_first(certificate));
     else
-        fputs("Vibration is not known: ", p->file);
-    html_text(p->file, c->vibrates ? text : c->why_not);
-    fputs("</p>\n", p->file);
+        fputs("Vibration is not known: ", page->file);
+    html_text(page->file, certificate->vibrates ? text : certificate->why_not);
+    fputs("</p>\n", page->file);
 }
 
 /* The plant as it is, of what the controller believes. */
-static void write_plant(const page *p)
+static void write_plant(const page *page)
 {
-    const scene_simulate *simulate = &p->scene->simulate;
-    fprintf(p->file, "<p>A %s plant", p->s->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < p->scene->materials; i++) {
-        fputs(i ? "; " : ": ", p->file);
-        html_text(p->file, p->scene->material[i].name);
-        fprintf(p->file, " stiffness &times;&nbsp;%g, d &times;&nbsp;%g",
+    const scene_simulate *simulate = &page->scene->simulate;
+    fprintf(page->file, "<p>A %s plant",
+            page->s->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    for (int i = 0; i < page->scene->materials; i++) {
+        fputs(i ? "; " : ": ", page->file);
+        html_text(page->file, page->scene->material[i].name);
+        fprintf(page->file, " stiffness &times;&nbsp;%g, d &times;&nbsp;%g",
                 simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     }
-    fprintf(p->file, "; hysteresis %g. Sensors: %d, ", simulate->hysteresis,
-            p->s->estimates ? p->s->estimator.sensors : p->s->nominal->design.targets);
-    if (p->s->estimates) {
-        fputs("with the noise of their readings", p->file);
+    fprintf(page->file, "; hysteresis %g. Sensors: %d, ", simulate->hysteresis,
+            page->s->estimates ? page->s->estimator.sensors : page->s->nominal->design.targets);
+    if (page->s->estimates) {
+        fputs("with the noise of their readings", page->file);
     } else {
-        fputs("noise ", p->file);
-        html_quantity(p->file, simulate->noise, p->scene->unit_length);
+        fputs("noise ", page->file);
+        html_quantity(page->file, simulate->noise, page->scene->unit_length);
     }
-    fprintf(p->file, ", delay %d ticks. Amplifiers: steps of ", simulate->delay);
-    html_quantity(p->file, simulate->step, p->scene->unit_voltage);
-    fputs(", dead band ", p->file);
-    html_quantity(p->file, simulate->dead_band, p->scene->unit_voltage);
-    fprintf(p->file,
+    fprintf(page->file, ", delay %d ticks. Amplifiers: steps of ", simulate->delay);
+    html_quantity(page->file, simulate->step, page->scene->unit_voltage);
+    fputs(", dead band ", page->file);
+    html_quantity(page->file, simulate->dead_band, page->scene->unit_voltage);
+    fprintf(page->file,
             ". The controller&rsquo;s influence is that %s. Every shape is an equilibrium.</p>\n",
             simulate->at_target ? "at the nonlinear optimum it believes in" : "at rest");
 }
@@ -252,9 +255,9 @@ static void write_plant(const page *p)
 
 static const double left = 64, right = 1150, top = 8;
 
-static double x_of(const page *p, double tick)
+static double x_of(const page *page, double tick)
 {
-    return left + (right - left) * tick / p->r->ticks;
+    return left + (right - left) * tick / page->r->ticks;
 }
 
 enum {
@@ -267,11 +270,11 @@ enum {
 
 /* Ticks of the phases in rows below one another, each in the first row that has room; the end of
  * time in the first. */
-static void draw_ticks(const page *p, double bottom)
+static void draw_ticks(const page *page, double bottom)
 {
     double taken[TICK_ROWS] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (int k = 0; k < p->s->phases; k++) {
-        const double x = x_of(p, p->s->phase[k].from);
+    for (int k = 0; k < page->s->phases; k++) {
+        const double x = x_of(page, page->s->phase[k].from);
         int row = x > right - END_ROOM;
         while (row < TICK_ROWS && x < taken[row] + TICK_ROOM)
             row++;
@@ -279,27 +282,27 @@ static void draw_ticks(const page *p, double bottom)
             continue;
         taken[row] = x;
         if (row > 0)
-            fprintf(p->file, "<path class=\"grid\" d=\"M%.1f %.1fv%d\"/>", x, bottom,
+            fprintf(page->file, "<path class=\"grid\" d=\"M%.1f %.1fv%d\"/>", x, bottom,
                     3 + row * TICK_ROW);
-        fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>\n", x,
-                bottom + 13 + row * TICK_ROW, p->s->phase[k].from);
+        fprintf(page->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>\n", x,
+                bottom + 13 + row * TICK_ROW, page->s->phase[k].from);
     }
-    fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">tick %d, ", right,
-            bottom + 13, p->r->ticks);
-    html_quantity(p->file, p->r->ticks / p->scene->simulate.rate, "s");
-    fputs("</text>\n", p->file);
+    fprintf(page->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">tick %d, ", right,
+            bottom + 13, page->r->ticks);
+    html_quantity(page->file, page->r->ticks / page->scene->simulate.rate, "s");
+    fputs("</text>\n", page->file);
 }
 
 /* Verticals at the phases, their ticks below. */
-static void draw_phases(const page *p, double bottom)
+static void draw_phases(const page *page, double bottom)
 {
-    fputs("<path class=\"grid\" d=\"", p->file);
-    for (int k = 1; k < p->s->phases; k++)
-        fprintf(p->file, "M%.1f %.1fV%.1f", x_of(p, p->s->phase[k].from), top, bottom);
-    fprintf(p->file,
+    fputs("<path class=\"grid\" d=\"", page->file);
+    for (int k = 1; k < page->s->phases; k++)
+        fprintf(page->file, "M%.1f %.1fV%.1f", x_of(page, page->s->phase[k].from), top, bottom);
+    fprintf(page->file,
             "\"/>\n<rect class=\"frame\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n",
             left, top, right - left, bottom - top);
-    draw_ticks(p, bottom);
+    draw_ticks(page, bottom);
 }
 
 typedef struct log_axis {
@@ -313,19 +316,21 @@ static double y_of(const log_axis *axis, double value)
 }
 
 /* Whole steps of 1, 2, 5 around all errors. */
-static log_axis axis_of(const page *p, double bottom)
+static log_axis axis_of(const page *page, double bottom)
 {
     static const double step[3] = {1, 2, 5};
     log_axis axis = {HUGE_VAL, 0, bottom};
     for (int law = 0; law < LAWS; law++)
-        for (int i = 0; i < p->r->bins; i++) {
-            axis.low = fmin(axis.low, p->r->error[law][i] > 0 ? p->r->error[law][i] : HUGE_VAL);
-            axis.high = fmax(axis.high, p->r->error[law][i]);
+        for (int i = 0; i < page->r->bins; i++) {
+            axis.low =
+                fmin(axis.low, page->r->error[law][i] > 0 ? page->r->error[law][i] : HUGE_VAL);
+            axis.high = fmax(axis.high, page->r->error[law][i]);
         }
-    for (int i = 0; i < p->r->bins && p->s->estimates; i++)
-        axis.low = fmin(axis.low, p->r->missed[i] > 0 ? p->r->missed[i] : HUGE_VAL);
-    for (int k = 0; k < p->s->phases; k++)
-        axis.low = fmin(axis.low, p->s->phase[k].optimum > 0 ? p->s->phase[k].optimum : axis.low);
+    for (int i = 0; i < page->r->bins && page->s->estimates; i++)
+        axis.low = fmin(axis.low, page->r->missed[i] > 0 ? page->r->missed[i] : HUGE_VAL);
+    for (int k = 0; k < page->s->phases; k++)
+        axis.low =
+            fmin(axis.low, page->s->phase[k].optimum > 0 ? page->s->phase[k].optimum : axis.low);
     axis.low = fmax(isfinite(axis.low) ? axis.low : 1, 1e-6 * axis.high);
     double below = pow(10, floor(log10(axis.low)));
     for (int i = 1; i < 3; i++)
@@ -337,7 +342,7 @@ static log_axis axis_of(const page *p, double bottom)
     return axis;
 }
 
-static void draw_levels(const page *p, const log_axis *axis)
+static void draw_levels(const page *page, const log_axis *axis)
 {
     static const double step[3] = {1, 2, 5};
     for (double ten = pow(10, floor(log10(axis->low))); ten <= axis->high; ten *= 10)
@@ -346,239 +351,243 @@ static void draw_levels(const page *p, const log_axis *axis)
             if (step[i] * ten < axis->low * (1 - 1e-9) || step[i] * ten > axis->high)
                 continue;
             fprintf(
-                p->file,
+                page->file,
                 "<path class=\"grid\" d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">",
                 left, y, right, left - 6, y + 4);
-            html_percent(p->file, step[i] * ten);
-            fputs("</text>\n", p->file);
+            html_percent(page->file, step[i] * ten);
+            fputs("</text>\n", page->file);
         }
 }
 
 /* value [bins] in: an error over time */
-static void draw_curve(const page *p, const log_axis *axis, const char *style, double width,
+static void draw_curve(const page *page, const log_axis *axis, const char *style, double width,
                        const double *value)
 {
-    fprintf(p->file, "<path class=\"%s\" style=\"stroke-width:%.1f\" d=\"", style, width);
-    for (int i = 0; i < p->r->bins; i++)
-        fprintf(p->file, "%c%.1f %.1f", i ? 'L' : 'M',
-                x_of(p, (i + 0.5) * p->r->ticks / p->r->bins), y_of(axis, value[i]));
-    fputs("\"/>\n", p->file);
+    fprintf(page->file, "<path class=\"%s\" style=\"stroke-width:%.1f\" d=\"", style, width);
+    for (int i = 0; i < page->r->bins; i++)
+        fprintf(page->file, "%c%.1f %.1f", i ? 'L' : 'M',
+                x_of(page, (i + 0.5) * page->r->ticks / page->r->bins), y_of(axis, value[i]));
+    fputs("\"/>\n", page->file);
 }
 
-static void draw_errors(const page *p)
+static void draw_errors(const page *page)
 {
-    const log_axis axis = axis_of(p, 250);
+    const log_axis axis = axis_of(page, 250);
     static const char *const style[LAWS] = {"wire", "rest", ""};
-    fputs("<figure>\n", p->file);
+    fputs("<figure>\n", page->file);
     draw_begin_chart(
-        p->file, 1160, axis.bottom + FOOT,
+        page->file, 1160, axis.bottom + FOOT,
         "Shape error over time of the controller and of clipped least squares, with the optimum of each phase");
-    draw_levels(p, &axis);
-    draw_phases(p, axis.bottom);
+    draw_levels(page, &axis);
+    draw_phases(page, axis.bottom);
     for (int law = LAW_CLAMP; law >= 0; law--)
-        draw_curve(p, &axis, style[law], 1.6, p->r->error[law]);
-    if (p->s->estimates)
-        draw_curve(p, &axis, "wire", 0.7, p->r->missed);
-    fputs("<path class=\"outline\" d=\"", p->file);
-    for (int k = 0; k < p->s->phases; k++)
-        fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, p->s->phase[k].from),
-                y_of(&axis, p->s->phase[k].optimum), x_of(p, p->s->phase[k].until));
-    fputs("\"/>\n", p->file);
-    draw_end_chart(p->file);
+        draw_curve(page, &axis, style[law], 1.6, page->r->error[law]);
+    if (page->s->estimates)
+        draw_curve(page, &axis, "wire", 0.7, page->r->missed);
+    fputs("<path class=\"outline\" d=\"", page->file);
+    for (int k = 0; k < page->s->phases; k++)
+        fprintf(page->file, "M%.1f %.1fH%.1f", x_of(page, page->s->phase[k].from),
+                y_of(&axis, page->s->phase[k].optimum), x_of(page, page->s->phase[k].until));
+    fputs("\"/>\n", page->file);
+    draw_end_chart(page->file);
     fputs(
         "<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clipped</span>"
         "<span><i class=\"key dash\"></i>optimum of the plant</span></span> Shape error, logarithmic",
-        p->file);
-    if (p->s->estimates)
-        fputs("; thin: what the estimate is off by", p->file);
-    if (p->r->ticks > p->r->bins)
-        fprintf(p->file, "; the largest of every %d ticks",
-                (p->r->ticks + p->r->bins - 1) / p->r->bins);
-    fputs(".</figcaption></figure>\n", p->file);
+        page->file);
+    if (page->s->estimates)
+        fputs("; thin: what the estimate is off by", page->file);
+    if (page->r->ticks > page->r->bins)
+        fprintf(page->file, "; the largest of every %d ticks",
+                (page->r->ticks + page->r->bins - 1) / page->r->bins);
+    fputs(".</figcaption></figure>\n", page->file);
 }
 
 /* One amplifier: runs of one colour, then a line where it is at a limit. */
-static void draw_row(const page *p, int amplifier, const draw_scale *scale, double y, double height)
+static void draw_row(const page *page, int amplifier, const draw_scale *scale, double y,
+                     double height)
 {
-    const simulate_record *r = p->r;
-    const double *voltage = r->volt + amplifier;
-    for (int i = 0, end; i < r->bins; i = end) {
-        const int level = draw_level(scale, voltage[i * r->amplifiers]);
+    const simulate_record *record = page->r;
+    const double *voltage = record->volt + amplifier;
+    for (int i = 0, end; i < record->bins; i = end) {
+        const int level = draw_level(scale, voltage[i * record->amplifiers]);
         for (end = i + 1;
-             end < r->bins && draw_level(scale, voltage[end * r->amplifiers]) == level;)
+             end < record->bins && draw_level(scale, voltage[end * record->amplifiers]) == level;)
             end++;
-        const double from = x_of(p, (double)i * r->ticks / r->bins),
-                     to = x_of(p, (double)end * r->ticks / r->bins);
-        draw_path(p->file, scale, level);
-        fprintf(p->file, "M%.1f %.1fH%.1fv%.1fH%.1fz\"/>", from, y, to, height, from);
+        const double from = x_of(page, (double)i * record->ticks / record->bins),
+                     to = x_of(page, (double)end * record->ticks / record->bins);
+        draw_path(page->file, scale, level);
+        fprintf(page->file, "M%.1f %.1fH%.1fv%.1fH%.1fz\"/>", from, y, to, height, from);
     }
-    fputs("<path class=\"frame\" style=\"stroke:var(--ink)\" d=\"", p->file);
-    for (int i = 0, end; i < r->bins; i = end) {
-        const int at = voltage[i * r->amplifiers] <= r->lower[amplifier] ||
-                       voltage[i * r->amplifiers] >= r->upper[amplifier];
-        for (end = i + 1;
-             end < r->bins && at == (voltage[end * r->amplifiers] <= r->lower[amplifier] ||
-                                     voltage[end * r->amplifiers] >= r->upper[amplifier]);)
+    fputs("<path class=\"frame\" style=\"stroke:var(--ink)\" d=\"", page->file);
+    for (int i = 0, end; i < record->bins; i = end) {
+        const int at = voltage[i * record->amplifiers] <= record->lower[amplifier] ||
+                       voltage[i * record->amplifiers] >= record->upper[amplifier];
+        for (end = i + 1; end < record->bins &&
+                          at == (voltage[end * record->amplifiers] <= record->lower[amplifier] ||
+                                 voltage[end * record->amplifiers] >= record->upper[amplifier]);)
             end++;
         if (at)
-            fprintf(p->file, "M%.1f %.1fH%.1f", x_of(p, (double)i * r->ticks / r->bins),
-                    y + height / 2, x_of(p, (double)end * r->ticks / r->bins));
+            fprintf(page->file, "M%.1f %.1fH%.1f",
+                    x_of(page, (double)i * record->ticks / record->bins), y + height / 2,
+                    x_of(page, (double)end * record->ticks / record->bins));
     }
-    fputs("\"/>\n", p->file);
+    fputs("\"/>\n", page->file);
 }
 
-static void draw_volts(const page *p)
+static void draw_volts(const page *page)
 {
-    const double height = fmax(4, fmin(14, 420.0 / p->r->amplifiers)),
-                 bottom = top + height * p->r->amplifiers;
-    draw_scale scale = {1, 0, p->scene->unit_voltage};
-    for (int i = 0; i < p->r->bins * p->r->amplifiers; i++)
-        scale.most = fmax(scale.most, fabs(p->r->volt[i]));
-    fputs("<figure>\n", p->file);
-    draw_begin_chart(p->file, 1160, bottom + FOOT,
+    const double height = fmax(4, fmin(14, 420.0 / page->r->amplifiers)),
+                 bottom = top + height * page->r->amplifiers;
+    draw_scale scale = {1, 0, page->scene->unit_voltage};
+    for (int i = 0; i < page->r->bins * page->r->amplifiers; i++)
+        scale.most = fmax(scale.most, fabs(page->r->volt[i]));
+    fputs("<figure>\n", page->file);
+    draw_begin_chart(page->file, 1160, bottom + FOOT,
                      "Volts of every amplifier over time, with a line where one is at a limit");
-    fputs("<g class=\"flat\">\n", p->file);
-    for (int k = 0; k < p->r->amplifiers; k++)
-        draw_row(p, k, &scale, top + height * k, height);
-    fputs("</g>\n", p->file);
-    for (int k = 0; k < p->r->amplifiers && height >= 10; k++) {
+    fputs("<g class=\"flat\">\n", page->file);
+    for (int k = 0; k < page->r->amplifiers; k++)
+        draw_row(page, k, &scale, top + height * k, height);
+    fputs("</g>\n", page->file);
+    for (int k = 0; k < page->r->amplifiers && height >= 10; k++) {
         char name[SCENE_LABEL];
-        scene_amplifier_name(p->scene, k, name);
-        fprintf(p->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", left - 6,
+        scene_amplifier_name(page->scene, k, name);
+        fprintf(page->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", left - 6,
                 top + height * (k + 0.8));
-        html_text(p->file, name);
-        fputs("</text>\n", p->file);
+        html_text(page->file, name);
+        fputs("</text>\n", page->file);
     }
-    draw_phases(p, bottom);
-    draw_end_chart(p->file);
+    draw_phases(page, bottom);
+    draw_end_chart(page->file);
     fputs(
         "<figcaption>Volts of the amplifiers under the controller, a row each; the line within marks those at a limit.",
-        p->file);
-    draw_legend(p->file, &scale);
-    fputs("</figcaption></figure>\n", p->file);
+        page->file);
+    draw_legend(page->file, &scale);
+    fputs("</figcaption></figure>\n", page->file);
 }
 
 /* ---- shapes ----------------------------------------------------------- */
 
 /* Displacement, misfit and wanted shape of one end into the page's arrays. */
-static void take_shape(const page *p, const simulate_phase *phase, simulate_law law)
+static void take_shape(const page *page, const simulate_phase *phase, simulate_law law)
 {
-    const design *d = &p->s->nominal->design;
+    const design *design = &page->s->nominal->design;
     const simulate_course *course = &phase->course[law];
-    report_displacement(&d->mesh, course->u, p->vector);
-    parts_misfit(d, course->shape, phase->target, p->vector, p->misfit, p->wanted);
+    report_displacement(&design->mesh, course->u, page->vector);
+    parts_misfit(design, course->shape, phase->target, page->vector, page->misfit, page->wanted);
 }
 
-static int draw_shape(const page *p, const simulate_phase *phase, simulate_law law)
+static int draw_shape(const page *page, const simulate_phase *phase, simulate_law law)
 {
-    take_shape(p, phase, law);
-    fprintf(p->file, "<figure><h3>%s ",
+    take_shape(page, phase, law);
+    fprintf(page->file, "<figure><h3>%s ",
             law == LAW_CONTROLLER ? "Controller" : "Clipped least squares");
-    html_percent(p->file, phase->course[law].steady);
-    fputs("</h3>\n", p->file);
-    const int failed = parts_shape(p->file, &p->view, &p->s->nominal->design, p->vector, p->wanted,
-                                   p->misfit, p->factor, &p->scale);
-    fputs("</figure>\n", p->file);
+    html_percent(page->file, phase->course[law].steady);
+    fputs("</h3>\n", page->file);
+    const int failed = parts_shape(page->file, &page->view, &page->s->nominal->design, page->vector,
+                                   page->wanted, page->misfit, page->factor, &page->scale);
+    fputs("</figure>\n", page->file);
     return failed;
 }
 
 /* Is this the end of conditions that the phase after it changes? Sensor faults leave the shape as
  * it is. */
-static int is_worth_seeing(const simulation *s, int k)
+static int is_worth_seeing(const simulation *simulation, int k)
 {
-    return k + 1 == s->phases ||
-           fabs(s->phase[k].optimum - s->phase[k + 1].optimum) > 0.02 * s->phase[k].optimum;
+    return k + 1 == simulation->phases ||
+           fabs(simulation->phase[k].optimum - simulation->phase[k + 1].optimum) >
+               0.02 * simulation->phase[k].optimum;
 }
 
 /* Scales and view that all shapes share. */
-static void prepare_shapes(page *p)
+static void prepare_shapes(page *page)
 {
-    const mesh *m = &p->s->nominal->design.mesh;
+    const mesh *mesh = &page->s->nominal->design.mesh;
     double most = 0;
-    draw_view_begin(&p->view, m);
+    draw_view_begin(&page->view, mesh);
     for (int pass = 0; pass < 2; pass++) {
-        for (int k = 0; k < p->s->phases; k++)
+        for (int k = 0; k < page->s->phases; k++)
             for (int law = 0; law <= LAW_CLAMP; law++) {
-                take_shape(p, &p->s->phase[k], (simulate_law)law);
-                for (int n = 0; n < m->nodes; n++) {
-                    p->scale.most =
-                        fmax(p->scale.most, isnan(p->misfit[n]) ? 0 : fabs(p->misfit[n]));
-                    most = fmax(most, sqrt(draw_dot3(p->vector + 3 * n, p->vector + 3 * n)));
+                take_shape(page, &page->s->phase[k], (simulate_law)law);
+                for (int n = 0; n < mesh->nodes; n++) {
+                    page->scale.most =
+                        fmax(page->scale.most, isnan(page->misfit[n]) ? 0 : fabs(page->misfit[n]));
+                    most = fmax(most, sqrt(draw_dot3(page->vector + 3 * n, page->vector + 3 * n)));
                 }
                 if (pass == 1)
-                    parts_include(&p->view, m, p->vector, p->factor);
+                    parts_include(&page->view, mesh, page->vector, page->factor);
             }
-        p->factor = parts_magnification(m, most, 0.3);
+        page->factor = parts_magnification(mesh, most, 0.3);
     }
-    p->scale.is_signed = 1;
-    p->scale.unit = p->scene->unit_length;
-    draw_view_fit(&p->view, 420, 320);
+    page->scale.is_signed = 1;
+    page->scale.unit = page->scene->unit_length;
+    draw_view_fit(&page->view, 420, 320);
 }
 
-static int draw_shapes(const page *p)
+static int draw_shapes(const page *page)
 {
     int failed = 0;
-    parts_keys(p->file, "");
-    for (int k = 0; k < p->s->phases; k++) {
+    parts_keys(page->file, "");
+    for (int k = 0; k < page->s->phases; k++) {
         char name[WORDS_PHASE];
-        if (!is_worth_seeing(p->s, k))
+        if (!is_worth_seeing(page->s, k))
             continue;
-        words_phase(p->s, &p->s->phase[k], name);
-        fprintf(p->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;",
-                p->s->phase[k].until - 1);
-        html_text(p->file, name);
-        fputs("&rdquo;</h3>\n<div class=\"row two\">\n", p->file);
+        words_phase(page->s, &page->s->phase[k], name);
+        fprintf(page->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;",
+                page->s->phase[k].until - 1);
+        html_text(page->file, name);
+        fputs("&rdquo;</h3>\n<div class=\"row two\">\n", page->file);
         for (int law = 0; law <= LAW_CLAMP; law++)
-            failed |= draw_shape(p, &p->s->phase[k], (simulate_law)law);
-        fputs("</div>\n</article>\n", p->file);
+            failed |= draw_shape(page, &page->s->phase[k], (simulate_law)law);
+        fputs("</div>\n</article>\n", page->file);
     }
-    fputs("<p class=\"soft\">Misfit, reached minus target, on one scale; ", p->file);
-    parts_magnified(p->file, &p->s->nominal->design.mesh, p->factor);
-    fputs(".</p>\n", p->file);
-    draw_legend(p->file, &p->scale);
+    fputs("<p class=\"soft\">Misfit, reached minus target, on one scale; ", page->file);
+    parts_magnified(page->file, &page->s->nominal->design.mesh, page->factor);
+    fputs(".</p>\n", page->file);
+    draw_legend(page->file, &page->scale);
     return failed;
 }
 
 /* ---- page ------------------------------------------------------------- */
 
-static int write_page(page *p)
+static int write_page(page *page)
 {
-    const analysis *a = p->s->nominal;
-    html_begin(p->file, p->scene->name);
-    parts_head(p->file, a, "The controller in closed loop", a->model.info.residual,
-               a->model.info.error_estimate);
-    write_verdict(p);
-    fputs("<section>\n<h2>Over time</h2>\n", p->file);
-    write_plant(p);
-    write_certificate(p);
-    draw_errors(p);
-    draw_volts(p);
-    fputs("</section>\n<section>\n<h2>Phases</h2>\n", p->file);
-    write_phases(p);
-    write_counts(p);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
-    prepare_shapes(p);
-    const int failed = draw_shapes(p);
+    const analysis *analysis = page->s->nominal;
+    html_begin(page->file, page->scene->name);
+    parts_head(page->file, analysis, "The controller in closed loop", analysis->model.info.residual,
+               analysis->model.info.error_estimate);
+    write_verdict(page);
+    fputs("<section>\n<h2>Over time</h2>\n", page->file);
+    write_plant(page);
+    write_certificate(page);
+    draw_errors(page);
+    draw_volts(page);
+    fputs("</section>\n<section>\n<h2>Phases</h2>\n", page->file);
+    write_phases(page);
+    write_counts(page);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", page->file);
+    prepare_shapes(page);
+    const int failed = draw_shapes(page);
     fputs(
         "</section>\n<section>\n<h2>Structure the controller believes in</h2>\n<div class=\"row two\">\n",
-        p->file);
-    parts_layers(p->file, p->scene);
-    parts_conditions(p->file, &a->design);
-    fputs("</div>\n</section>\n", p->file);
-    html_end(p->file);
+        page->file);
+    parts_layers(page->file, page->scene);
+    parts_conditions(page->file, &analysis->design);
+    fputs("</div>\n</section>\n", page->file);
+    html_end(page->file);
     return failed;
 }
 
-int report_simulate(FILE *file, const simulation *s, const simulate_record *r)
+int report_simulate(FILE *file, const simulation *simulation, const simulate_record *record)
 {
-    const size_t nodes = (size_t)s->nominal->design.mesh.nodes;
-    page p = {.file = file, .s = s, .r = r, .scene = s->nominal->design.scene};
-    p.vector = calloc(3 * nodes, sizeof *p.vector);
-    p.wanted = calloc(3 * nodes, sizeof *p.wanted);
-    p.misfit = calloc(nodes, sizeof *p.misfit);
-    const int failed = !p.vector || !p.wanted || !p.misfit || write_page(&p);
-    free(p.vector);
-    free(p.wanted);
-    free(p.misfit);
+    const size_t nodes = (size_t)simulation->nominal->design.mesh.nodes;
+    page page = {
+        .file = file, .s = simulation, .r = record, .scene = simulation->nominal->design.scene};
+    page.vector = calloc(3 * nodes, sizeof *page.vector);
+    page.wanted = calloc(3 * nodes, sizeof *page.wanted);
+    page.misfit = calloc(nodes, sizeof *page.misfit);
+    const int failed = !page.vector || !page.wanted || !page.misfit || write_page(&page);
+    free(page.vector);
+    free(page.wanted);
+    free(page.misfit);
     return failed || ferror(file) ? -1 : 0;
 }

@@ -18,11 +18,11 @@ typedef struct simulate_record {
     double *lower, *upper; /* [amplifiers] of the controller, for the bins at a limit */
 } simulate_record;
 
-int record_open(simulate_record *r, const simulation *s);
-void record_close(simulate_record *r);
-void record_tick(simulate_record *r, const simulate_sample *sample);
+int record_open(simulate_record *record, const simulation *simulation);
+void record_close(simulate_record *record);
+void record_tick(simulate_record *record, const simulate_sample *sample);
 
 /* Returns 0, or -1 when memory runs out or the file cannot be written. */
-int report_simulate(FILE *file, const simulation *s, const simulate_record *r);
+int report_simulate(FILE *file, const simulation *simulation, const simulate_record *record);
 
 #endif

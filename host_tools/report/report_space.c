@@ -169,9 +169,9 @@ int space_surface(const space *f, const double *value, const draw_scale *scale)
     return 0;
 }
 
-int space_is_thinned(const mesh *m)
+int space_is_thinned(const mesh *mesh)
 {
-    return m->lines[0] > MOST_WIRES + 1 || m->lines[1] > MOST_WIRES + 1;
+    return mesh->lines[0] > MOST_WIRES + 1 || mesh->lines[1] > MOST_WIRES + 1;
 }
 
 /* ---- lines ------------------------------------------------------------ */
@@ -279,22 +279,22 @@ static int marked(const space *f, int k)
 
 void space_outputs(const space *f)
 {
-    const scene *s = f->m->scene;
-    for (int k = 0; k < s->outputs; k++) {
+    const scene *scene = f->m->scene;
+    for (int k = 0; k < scene->outputs; k++) {
         double at[2];
-        if (s->output[k].where.type != WHERE_POINT || marked(f, k))
+        if (scene->output[k].where.type != WHERE_POINT || marked(f, k))
             continue;
-        const int node = node_of(f, &s->output[k].where);
+        const int node = node_of(f, &scene->output[k].where);
         node_at(f, node, at);
         const int left = at[0] > f->view->width * 0.65;
         space_dot(f, node);
         fprintf(f->file, "<text class=\"tag\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">",
                 at[0] + (left ? -8 : 8), at[1] + 14, left ? "end" : "start");
-        for (int other = k, first = 1; other < s->outputs; other++)
-            if (s->output[other].where.type == WHERE_POINT &&
-                node_of(f, &s->output[other].where) == node) {
+        for (int other = k, first = 1; other < scene->outputs; other++)
+            if (scene->output[other].where.type == WHERE_POINT &&
+                node_of(f, &scene->output[other].where) == node) {
                 fputs(first ? "" : ", ", f->file);
-                html_text(f->file, s->output[other].name);
+                html_text(f->file, scene->output[other].name);
                 first = 0;
             }
         fputs("</text>\n", f->file);

@@ -21,7 +21,7 @@ typedef struct space {
 int space_surface(const space *f, const double *value, const draw_scale *scale);
 
 /* Are elements or mesh lines left out of the drawings, for there are too many? */
-int space_is_thinned(const mesh *m);
+int space_is_thinned(const mesh *mesh);
 
 /* Mesh lines of a style class; broken where the displacement is NaN. */
 void space_wires(const space *f, const char *style);

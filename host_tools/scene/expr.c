@@ -93,9 +93,9 @@ typedef struct parser {
     int constant;
 } parser;
 
-static int fault(parser *p, const char *error)
+static int fault(parser *parser, const char *error)
 {
-    p->error = error;
+    parser->error = error;
     return -1;
 }
 
@@ -121,57 +121,57 @@ static int precedence(operation op)
     }
 }
 
-static int emit(parser *p, operation op, double number)
+static int emit(parser *parser, operation op, double number)
 {
-    if (p->length == CODE)
-        return fault(p, "the expression is too long; shorten it");
-    p->depth += 1 - arity(op);
-    if (p->depth > STACK)
-        return fault(p, "the expression is nested too deeply; shorten it");
-    p->code[p->length].op = op;
-    p->code[p->length].number = number;
-    p->length++;
+    if (parser->length == CODE)
+        return fault(parser, "the expression is too long; shorten it");
+    parser->depth += 1 - arity(op);
+    if (parser->depth > STACK)
+        return fault(parser, "the expression is nested too deeply; shorten it");
+    parser->code[parser->length].op = op;
+    parser->code[parser->length].number = number;
+    parser->length++;
     return 0;
 }
 
-static int push(parser *p, operation op, const word *function)
+static int push(parser *parser, operation op, const word *function)
 {
-    if (p->waiting == STACK)
-        return fault(p, "the expression is nested too deeply; shorten it");
-    p->stack[p->waiting].op = op;
-    p->stack[p->waiting].function = function;
-    p->stack[p->waiting].commas = 0;
-    p->waiting++;
+    if (parser->waiting == STACK)
+        return fault(parser, "the expression is nested too deeply; shorten it");
+    parser->stack[parser->waiting].op = op;
+    parser->stack[parser->waiting].function = function;
+    parser->stack[parser->waiting].commas = 0;
+    parser->waiting++;
     return 0;
 }
 
 /* Emit the waiting operators that bind at least as strongly as `binding`, down to an open
  * parenthesis. */
-static int reduce(parser *p, int binding)
+static int reduce(parser *parser, int binding)
 {
-    while (p->waiting > 0 && precedence(p->stack[p->waiting - 1].op) >= binding &&
-           p->stack[p->waiting - 1].op != OP_OPEN) {
-        p->waiting--;
-        if (emit(p, p->stack[p->waiting].op, 0) != 0)
+    while (parser->waiting > 0 && precedence(parser->stack[parser->waiting - 1].op) >= binding &&
+           parser->stack[parser->waiting - 1].op != OP_OPEN) {
+        parser->waiting--;
+        if (emit(parser, parser->stack[parser->waiting].op, 0) != 0)
             return -1;
     }
     return 0;
 }
 
-static int take_number(parser *p)
+static int take_number(parser *parser)
 {
     char *end;
     double number;
-    if (p->at[0] == '0' && (p->at[1] == 'x' || p->at[1] == 'X'))
-        return fault(p, "hexadecimal is not read; write a decimal");
-    number = strtod(p->at, &end);
-    if (end == p->at)
-        return fault(p, "a number is wanted here");
+    if (parser->at[0] == '0' && (parser->at[1] == 'x' || parser->at[1] == 'X'))
+        return fault(parser, "hexadecimal is not read; write a decimal");
+    number = strtod(parser->at, &end);
+    if (end == parser->at)
+        return fault(parser, "a number is wanted here");
     if (!isfinite(number))
-        return fault(p, "the number is too large");
-    p->at = end;
-    p->want_value = 0;
-    return emit(p, OP_NUMBER, number);
+        return fault(parser, "the number is too large");
+    parser->at = end;
+    parser->want_value = 0;
+    return emit(parser, OP_NUMBER, number);
 }
 
 static const word *find_word(const char *text, size_t length)
@@ -183,134 +183,135 @@ static const word *find_word(const char *text, size_t length)
     return NULL;
 }
 
-static void skip_blanks(parser *p)
+static void skip_blanks(parser *parser)
 {
-    while (*p->at == ' ' || *p->at == '\t' || *p->at == '\n')
-        p->at++;
+    while (*parser->at == ' ' || *parser->at == '\t' || *parser->at == '\n')
+        parser->at++;
 }
 
-static int take_word(parser *p)
+static int take_word(parser *parser)
 {
-    const char *start = p->at, *end = p->at;
+    const char *start = parser->at, *end = parser->at;
     const word *w;
     while (isalnum((unsigned char)*end) || *end == '_')
         end++;
     w = find_word(start, (size_t)(end - start));
     if (!w)
         return fault(
-            p,
+            parser,
             "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin acos atan sqrt exp log "
             "abs min max atan2 pow hypot zernike");
-    p->at = end;
+    parser->at = end;
     if (w->arguments == 0) {
         if (w->op != OP_NUMBER)
-            p->constant = 0;
-        p->want_value = 0;
-        return emit(p, w->op, w->number);
+            parser->constant = 0;
+        parser->want_value = 0;
+        return emit(parser, w->op, w->number);
     }
-    skip_blanks(p);
-    if (*p->at != '(')
-        return fault(p, "a function needs its argument in parentheses");
-    p->at++;
-    return push(p, OP_OPEN, w);
+    skip_blanks(parser);
+    if (*parser->at != '(')
+        return fault(parser, "a function needs its argument in parentheses");
+    parser->at++;
+    return push(parser, OP_OPEN, w);
 }
 
-static int take_value(parser *p)
+static int take_value(parser *parser)
 {
-    char c = *p->at;
+    char c = *parser->at;
     if (isdigit((unsigned char)c) || c == '.')
-        return take_number(p);
+        return take_number(parser);
     if (isalpha((unsigned char)c))
-        return take_word(p);
+        return take_word(parser);
     if (c == 0)
-        return fault(p, "the expression ends where a number is wanted");
+        return fault(parser, "the expression ends where a number is wanted");
     if (c != '(' && c != '-' && c != '+')
-        return fault(p, "a number, a name or '(' is wanted here");
-    p->at++;
+        return fault(parser, "a number, a name or '(' is wanted here");
+    parser->at++;
     if (c == '(')
-        return push(p, OP_OPEN, NULL);
+        return push(parser, OP_OPEN, NULL);
     if (c == '-')
-        return push(p, OP_NEGATE, NULL);
+        return push(parser, OP_NEGATE, NULL);
     return 0;
 }
 
 /* Close a parenthesis, or start the next argument of its function. */
-static int take_bracket(parser *p)
+static int take_bracket(parser *parser)
 {
     waiting *open;
-    if (reduce(p, 0) != 0)
+    if (reduce(parser, 0) != 0)
         return -1;
-    if (p->waiting == 0)
-        return fault(p, *p->at == ')' ? "')' without its '('" : "a comma outside a function");
-    open = &p->stack[p->waiting - 1];
-    if (*p->at == ',') {
+    if (parser->waiting == 0)
+        return fault(parser,
+                     *parser->at == ')' ? "')' without its '('" : "a comma outside a function");
+    open = &parser->stack[parser->waiting - 1];
+    if (*parser->at == ',') {
         if (!open->function || ++open->commas >= open->function->arguments)
-            return fault(p, "too many arguments");
-        p->want_value = 1;
-        p->at++;
+            return fault(parser, "too many arguments");
+        parser->want_value = 1;
+        parser->at++;
         return 0;
     }
     if (open->function && open->commas + 1 != open->function->arguments)
-        return fault(p, open->function->arguments == 3 ? "this function needs three arguments"
-                                                       : "this function needs two arguments");
-    p->at++;
-    p->waiting--;
-    return open->function ? emit(p, open->function->op, 0) : 0;
+        return fault(parser, open->function->arguments == 3 ? "this function needs three arguments"
+                                                            : "this function needs two arguments");
+    parser->at++;
+    parser->waiting--;
+    return open->function ? emit(parser, open->function->op, 0) : 0;
 }
 
-static int take_operator(parser *p)
+static int take_operator(parser *parser)
 {
     static const char signs[] = "+-*/^";
     static const operation ops[] = {OP_ADD, OP_SUBTRACT, OP_MULTIPLY, OP_DIVIDE, OP_POWER};
-    const char *sign = strchr(signs, *p->at);
+    const char *sign = strchr(signs, *parser->at);
     operation op;
-    if (*p->at == ')' || *p->at == ',')
-        return take_bracket(p);
+    if (*parser->at == ')' || *parser->at == ',')
+        return take_bracket(parser);
     if (!sign)
-        return fault(p, "an operator + - * / ^ is wanted here");
-    if (p->at[0] == '*' && p->at[1] == '*')
-        return fault(p, "a power is written ^");
+        return fault(parser, "an operator + - * / ^ is wanted here");
+    if (parser->at[0] == '*' && parser->at[1] == '*')
+        return fault(parser, "a power is written ^");
     op = ops[sign - signs];
-    if (reduce(p, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
+    if (reduce(parser, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
         return -1; /* ^ binds from the right */
-    p->at++;
-    p->want_value = 1;
-    return push(p, op, NULL);
+    parser->at++;
+    parser->want_value = 1;
+    return push(parser, op, NULL);
 }
 
-static int parse(parser *p)
+static int parse(parser *parser)
 {
-    for (skip_blanks(p); *p->at; skip_blanks(p))
-        if ((p->want_value ? take_value(p) : take_operator(p)) != 0)
+    for (skip_blanks(parser); *parser->at; skip_blanks(parser))
+        if ((parser->want_value ? take_value(parser) : take_operator(parser)) != 0)
             return -1;
-    if (p->want_value)
-        return take_value(p);
-    if (reduce(p, 0) != 0)
+    if (parser->want_value)
+        return take_value(parser);
+    if (reduce(parser, 0) != 0)
         return -1;
-    return p->waiting ? fault(p, "a ')' is missing") : 0;
+    return parser->waiting ? fault(parser, "a ')' is missing") : 0;
 }
 
 expr *expr_compile(const char *text, int *column, const char **error)
 {
-    parser p = {0};
-    expr *e;
-    p.text = p.at = text;
-    p.want_value = p.constant = 1;
-    if (parse(&p) != 0) {
-        *column = (int)(p.at - p.text) + 1;
-        *error = p.error;
+    parser parser = {0};
+    expr *expression;
+    parser.text = parser.at = text;
+    parser.want_value = parser.constant = 1;
+    if (parse(&parser) != 0) {
+        *column = (int)(parser.at - parser.text) + 1;
+        *error = parser.error;
         return NULL;
     }
-    e = malloc(sizeof *e + (size_t)p.length * sizeof *e->code);
-    if (!e) {
+    expression = malloc(sizeof *expression + (size_t)parser.length * sizeof *expression->code);
+    if (!expression) {
         *column = 1;
         *error = "out of memory";
         return NULL;
     }
-    e->length = p.length;
-    e->constant = p.constant;
-    memcpy(e->code, p.code, (size_t)p.length * sizeof *e->code);
-    return e;
+    expression->length = parser.length;
+    expression->constant = parser.constant;
+    memcpy(expression->code, parser.code, (size_t)parser.length * sizeof *expression->code);
+    return expression;
 }
 
 static double variable(operation op, const expr_point *at)
@@ -392,12 +393,12 @@ static double zernike(double number, double rho, double phi)
     return sqrt(2 * (n + 1)) * radial(n, m, rho) * (j % 2 ? sin(m * phi) : cos(m * phi));
 }
 
-double expr_value(const expr *e, const expr_point *at)
+double expr_value(const expr *expression, const expr_point *at)
 {
     double stack[STACK + 1];
     int i, top = 0;
-    for (i = 0; i < e->length; i++) {
-        operation op = e->code[i].op;
+    for (i = 0; i < expression->length; i++) {
+        operation op = expression->code[i].op;
         int n = arity(op);
         if (n == 3) {
             stack[top - 3] = zernike(stack[top - 3], stack[top - 2], stack[top - 1]);
@@ -408,27 +409,27 @@ double expr_value(const expr *e, const expr_point *at)
         } else if (n == 1) {
             stack[top - 1] = apply1(op, stack[top - 1]);
         } else {
-            stack[top++] = op == OP_NUMBER ? e->code[i].number : variable(op, at);
+            stack[top++] = op == OP_NUMBER ? expression->code[i].number : variable(op, at);
         }
     }
     return stack[0];
 }
 
-int expr_is_constant(const expr *e)
+int expr_is_constant(const expr *expression)
 {
-    return e->constant;
+    return expression->constant;
 }
 
-int expr_uses_theta(const expr *e)
+int expr_uses_theta(const expr *expression)
 {
     int i;
-    for (i = 0; i < e->length; i++)
-        if (e->code[i].op == OP_THETA1 || e->code[i].op == OP_THETA2)
+    for (i = 0; i < expression->length; i++)
+        if (expression->code[i].op == OP_THETA1 || expression->code[i].op == OP_THETA2)
             return 1;
     return 0;
 }
 
-void expr_free(expr *e)
+void expr_free(expr *expression)
 {
-    free(e);
+    free(expression);
 }

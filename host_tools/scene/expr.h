@@ -21,14 +21,14 @@ typedef struct expr_point {
 expr *expr_compile(const char *text, int *column, const char **error);
 
 /* Value at a point; not finite where the expression has none (1/0, sqrt(-1)): the caller checks. */
-double expr_value(const expr *e, const expr_point *at);
+double expr_value(const expr *expression, const expr_point *at);
 
 /* Does it use none of x y z theta1 theta2? */
-int expr_is_constant(const expr *e);
+int expr_is_constant(const expr *expression);
 
 /* Does it use theta1 or theta2? */
-int expr_uses_theta(const expr *e);
+int expr_uses_theta(const expr *expression);
 
-void expr_free(expr *e);
+void expr_free(expr *expression);
 
 #endif

@@ -7,7 +7,7 @@
 #include <string.h>
 #include "scene_parts.h"
 
-static int read_units(reader *r, int node, void *to, const void *rule)
+static int read_units(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {
         {"length", read_name, offsetof(scene, unit_length), NULL, 0},
@@ -16,19 +16,19 @@ static int read_units(reader *r, int node, void *to, const void *rule)
         {"temperature", read_name, offsetof(scene, unit_temperature), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(r, node, fields, to);
+    return read_map(reader, node, fields, to);
 }
 
-static int read_unknowns(reader *r, int node, void *to, const void *rule)
+static int read_unknowns(reader *reader, int node, void *to, const void *rule)
 {
     static const choice counts[] = {{"7", 7}, {"6", 6}, {NULL, 0}};
     scene_element *element = &((scene *)to)->element;
     (void)rule;
-    if (read_choice(r, node, &element->unknowns, counts) != 0)
+    if (read_choice(reader, node, &element->unknowns, counts) != 0)
         return -1;
     if (element->unknowns == 7 || element->lin33)
         return 0;
-    return tree_fault(r->t, node,
+    return tree_fault(reader->t, node,
                       "'unknowns: 6' needs lin33; use element: improved, or unknowns: 7");
 }
 
@@ -37,13 +37,13 @@ static const choice kinematics[] = {{"linear", KINEMATICS_LINEAR},
                                     {"auto", KINEMATICS_AUTO},
                                     {NULL, 0}};
 
-static int read_kinematics(reader *r, int node, void *to, const void *rule)
+static int read_kinematics(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int kind = 0;
-    if (read_choice(r, node, &kind, rule) != 0)
+    if (read_choice(reader, node, &kind, rule) != 0)
         return -1;
-    s->kinematics = (scene_kinematics)kind;
+    scene->kinematics = (scene_kinematics)kind;
     return 0;
 }
 
@@ -85,170 +85,174 @@ static char *duplicate(const char *text)
 }
 
 /* What later messages need. */
-static int keep_origin(scene *s, const char *path, const char *const *set, int sets)
+static int keep_origin(scene *scene, const char *path, const char *const *set, int sets)
 {
-    s->path = duplicate(path);
-    s->set = calloc((size_t)sets + 1, sizeof *s->set);
-    if (!s->path || !s->set)
+    scene->path = duplicate(path);
+    scene->set = calloc((size_t)sets + 1, sizeof *scene->set);
+    if (!scene->path || !scene->set)
         return -1;
-    for (; s->sets < sets; s->sets++) {
-        s->set[s->sets] = duplicate(set[s->sets]);
-        if (!s->set[s->sets])
+    for (; scene->sets < sets; scene->sets++) {
+        scene->set[scene->sets] = duplicate(set[scene->sets]);
+        if (!scene->set[scene->sets])
             return -1;
     }
     return 0;
 }
 
-static void set_defaults(scene *s)
+static void set_defaults(scene *scene)
 {
-    s->element = element_improved;
-    s->tolerance = 0.01;
-    s->equilibrium.steps = 1;
-    s->equilibrium.change = 1e-4;
-    s->equilibrium.mixed = 12;
-    s->equilibrium.systems = 400;
-    s->reference_is_middle = 1;
-    s->dynamics.damping = 0.005;
-    s->dynamics.modes = 30;
-    s->limits.lower = -HUGE_VAL;
-    s->limits.upper = s->limits.slew = HUGE_VAL;
+    scene->element = element_improved;
+    scene->tolerance = 0.01;
+    scene->equilibrium.steps = 1;
+    scene->equilibrium.change = 1e-4;
+    scene->equilibrium.mixed = 12;
+    scene->equilibrium.systems = 400;
+    scene->reference_is_middle = 1;
+    scene->dynamics.damping = 0.005;
+    scene->dynamics.modes = 30;
+    scene->limits.lower = -HUGE_VAL;
+    scene->limits.upper = scene->limits.slew = HUGE_VAL;
 }
 
-static int fill(scene *s, tree *t, char *error)
+static int fill(scene *scene, tree *tree, char *error)
 {
     scene_at whole = {0, 0};
-    reader r;
-    r.t = t;
-    r.s = s;
-    if (keep_origin(s, t->path, t->set, t->sets) != 0)
-        return tree_fault_at(t, whole, "out of memory");
-    s->hash = t->hash;
-    set_defaults(s);
-    return read_map(&r, t->root, sections, s) == 0 ? scene_check(s, error) : -1;
+    reader reader;
+    reader.t = tree;
+    reader.s = scene;
+    if (keep_origin(scene, tree->path, tree->set, tree->sets) != 0)
+        return tree_fault_at(tree, whole, "out of memory");
+    scene->hash = tree->hash;
+    set_defaults(scene);
+    return read_map(&reader, tree->root, sections, scene) == 0 ? scene_check(scene, error) : -1;
 }
 
-int scene_read(scene *s, const char *path, const char *const *set, int sets, char *error)
+int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error)
 {
-    tree t;
+    tree tree;
     int status;
-    memset(s, 0, sizeof *s);
-    status = tree_read(&t, path, set, sets, error);
+    memset(scene, 0, sizeof *scene);
+    status = tree_read(&tree, path, set, sets, error);
     if (status == 0)
-        status = fill(s, &t, error);
-    tree_free(&t);
+        status = fill(scene, &tree, error);
+    tree_free(&tree);
     if (status != 0)
-        scene_free(s);
+        scene_free(scene);
     return status;
 }
 
-void scene_free(scene *s)
+void scene_free(scene *scene)
 {
     int i;
-    for (i = 0; i < s->sets; i++)
-        free(s->set[i]);
-    for (i = 0; i < s->actuators; i++)
-        free(s->actuator[i].drive);
-    for (i = 0; i < s->sensors; i++)
-        free(s->sensor[i].drive);
-    for (i = 0; i < s->supports; i++)
-        expr_free(s->support[i].value);
-    for (i = 0; i < s->loads; i++)
-        expr_free(s->load[i].value);
-    for (i = 0; i < s->loads; i++)
-        expr_free(s->load[i].outer);
-    for (i = 0; i < s->compares; i++)
-        free(s->compare[i].value);
-    expr_free(s->contact.body.value);
-    expr_free(s->target.value);
-    for (i = 0; i < s->target.modes; i++)
-        expr_free(s->target.mode[i].value);
-    for (i = 0; i < s->target.frees; i++)
-        expr_free(s->target.free[i].value);
-    free(s->target.mode);
-    free(s->target.free);
-    spline_free(s->surface.meridian);
-    free(s->path);
-    free(s->set);
-    free(s->about);
-    free(s->line[0].point);
-    free(s->line[1].point);
-    free(s->material);
-    free(s->layer);
-    free(s->patches);
-    free(s->actuator);
-    free(s->sensor);
-    free(s->support);
-    free(s->load);
-    free(s->output);
-    free(s->limits.each);
-    free(s->compare);
-    free(s->estimate.reading);
-    free_simulate(&s->simulate);
-    memset(s, 0, sizeof *s);
+    for (i = 0; i < scene->sets; i++)
+        free(scene->set[i]);
+    for (i = 0; i < scene->actuators; i++)
+        free(scene->actuator[i].drive);
+    for (i = 0; i < scene->sensors; i++)
+        free(scene->sensor[i].drive);
+    for (i = 0; i < scene->supports; i++)
+        expr_free(scene->support[i].value);
+    for (i = 0; i < scene->loads; i++)
+        expr_free(scene->load[i].value);
+    for (i = 0; i < scene->loads; i++)
+        expr_free(scene->load[i].outer);
+    for (i = 0; i < scene->compares; i++)
+        free(scene->compare[i].value);
+    expr_free(scene->contact.body.value);
+    expr_free(scene->target.value);
+    for (i = 0; i < scene->target.modes; i++)
+        expr_free(scene->target.mode[i].value);
+    for (i = 0; i < scene->target.frees; i++)
+        expr_free(scene->target.free[i].value);
+    free(scene->target.mode);
+    free(scene->target.free);
+    spline_free(scene->surface.meridian);
+    free(scene->path);
+    free(scene->set);
+    free(scene->about);
+    free(scene->line[0].point);
+    free(scene->line[1].point);
+    free(scene->material);
+    free(scene->layer);
+    free(scene->patches);
+    free(scene->actuator);
+    free(scene->sensor);
+    free(scene->support);
+    free(scene->load);
+    free(scene->output);
+    free(scene->limits.each);
+    free(scene->compare);
+    free(scene->estimate.reading);
+    free_simulate(&scene->simulate);
+    memset(scene, 0, sizeof *scene);
 }
 
-static void name_of(const scene_actuator *a, int k, char name[SCENE_LABEL])
+static void name_of(const scene_actuator *actuator, int k, char name[SCENE_LABEL])
 {
-    while (k >= a->first + a->grid[0] * a->grid[1])
-        a++;
-    k -= a->first;
-    if (a->grid[0] * a->grid[1] == 1)
-        strcpy(name, a->name);
+    while (k >= actuator->first + actuator->grid[0] * actuator->grid[1])
+        actuator++;
+    k -= actuator->first;
+    if (actuator->grid[0] * actuator->grid[1] == 1)
+        strcpy(name, actuator->name);
     else
-        snprintf(name, SCENE_LABEL, "%s_%d_%d", a->name, k / a->grid[1] + 1, k % a->grid[1] + 1);
+        snprintf(name, SCENE_LABEL, "%s_%d_%d", actuator->name, k / actuator->grid[1] + 1,
+                 k % actuator->grid[1] + 1);
 }
 
-void scene_amplifier_name(const scene *s, int k, char name[SCENE_LABEL])
+void scene_amplifier_name(const scene *scene, int k, char name[SCENE_LABEL])
 {
-    name_of(s->actuator, k, name);
+    name_of(scene->actuator, k, name);
 }
 
-void scene_sensor_name(const scene *s, int k, char name[SCENE_LABEL])
+void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL])
 {
-    name_of(s->sensor, k, name);
+    name_of(scene->sensor, k, name);
 }
 
 /* Amplifier of an actuator from the "_i_j" after its name, or -1. */
-static int from_suffix(const scene_actuator *a, const char *suffix)
+static int from_suffix(const scene_actuator *actuator, const char *suffix)
 {
     char written[48];
     int i, j;
-    if (sscanf(suffix, "_%6d_%6d", &i, &j) != 2 || i < 1 || j < 1 || i > a->grid[0] ||
-        j > a->grid[1])
+    if (sscanf(suffix, "_%6d_%6d", &i, &j) != 2 || i < 1 || j < 1 || i > actuator->grid[0] ||
+        j > actuator->grid[1])
         return -1;
     snprintf(written, sizeof written, "_%d_%d", i, j);
-    return strcmp(written, suffix) == 0 ? a->first + (i - 1) * a->grid[1] + j - 1 : -1;
+    return strcmp(written, suffix) == 0 ? actuator->first + (i - 1) * actuator->grid[1] + j - 1
+                                        : -1;
 }
 
-static int find(const scene_actuator *a, int actuators, const char *name, int *first, int *count)
+static int find(const scene_actuator *actuator, int actuators, const char *name, int *first,
+                int *count)
 {
-    for (; actuators > 0; actuators--, a++) {
-        size_t n = strlen(a->name);
-        if (strncmp(a->name, name, n) != 0)
+    for (; actuators > 0; actuators--, actuator++) {
+        size_t n = strlen(actuator->name);
+        if (strncmp(actuator->name, name, n) != 0)
             continue;
-        *first = name[n] ? from_suffix(a, name + n) : a->first;
-        *count = name[n] ? 1 : a->grid[0] * a->grid[1];
+        *first = name[n] ? from_suffix(actuator, name + n) : actuator->first;
+        *count = name[n] ? 1 : actuator->grid[0] * actuator->grid[1];
         if (*first >= 0)
             return 1;
     }
     return 0;
 }
 
-int scene_find_amplifier(const scene *s, const char *name, int *first, int *count)
+int scene_find_amplifier(const scene *scene, const char *name, int *first, int *count)
 {
-    return find(s->actuator, s->actuators, name, first, count);
+    return find(scene->actuator, scene->actuators, name, first, count);
 }
 
-int scene_find_sensor(const scene *s, const char *name, int *first, int *count)
+int scene_find_sensor(const scene *scene, const char *name, int *first, int *count)
 {
-    return find(s->sensor, s->sensors, name, first, count);
+    return find(scene->sensor, scene->sensors, name, first, count);
 }
 
-int scene_fault(const scene *s, scene_at at, char *error, const char *format, ...)
+int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
-    tree_message(error, s->path, (const char *const *)(const void *)s->set, at, format, list);
+    tree_message(error, scene->path, (const char *const *)(const void *)scene->set, at, format,
+                 list);
     va_end(list);
     return -1;
 }

@@ -434,24 +434,24 @@ typedef struct scene {
  *   error    out  [SCENE_ERROR] one line "file:line:column: what is wrong and the cure"
  * Returns 0, or -1 with error filled and *s empty.
  */
-int scene_read(scene *s, const char *path, const char *const *set, int sets, char *error);
-void scene_free(scene *s);
+int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error);
+void scene_free(scene *scene);
 
 /* Name of amplifier k: that of its actuator, with _i_j (from 1) where the grid has more than one
  * patch. */
-void scene_amplifier_name(const scene *s, int k, char name[SCENE_LABEL]);
+void scene_amplifier_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
 /* The same of electrode k of the sensors. */
-void scene_sensor_name(const scene *s, int k, char name[SCENE_LABEL]);
+void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
 /* The amplifiers [*first, *first + *count) of an actuator or of one amplifier's name; returns
  * whether there are any. */
-int scene_find_amplifier(const scene *s, const char *name, int *first, int *count);
+int scene_find_amplifier(const scene *scene, const char *name, int *first, int *count);
 
 /* The same among the electrodes of the sensors. */
-int scene_find_sensor(const scene *s, const char *name, int *first, int *count);
+int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
 
 /* Fill error with "file:line:column: ..." for a fault found after reading; returns -1. */
-int scene_fault(const scene *s, scene_at at, char *error, const char *format, ...);
+int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...);
 
 #endif

@@ -14,7 +14,7 @@ static const double full_turn = 6.283185307179586;
 /* ---- names ---- */
 
 /* Fault if two of count items [stride bytes] have the same name, which is their first member. */
-static int check_names(const scene *s, const char *what, const void *items, int count,
+static int check_names(const scene *scene, const char *what, const void *items, int count,
                        size_t stride, size_t at_offset, char *error)
 {
     const char *first = items;
@@ -28,15 +28,15 @@ static int check_names(const scene *s, const char *what, const void *items, int 
         if (j == i || !*name)
             continue;
         memcpy(&at, name + at_offset, sizeof at);
-        return scene_fault(s, at, error, "there are two %s named '%s'; rename one", what, name);
+        return scene_fault(scene, at, error, "there are two %s named '%s'; rename one", what, name);
     }
     return 0;
 }
 
 #define CHECK_NAMES(what, items, count, type)                                                      \
-    check_names(s, what, s->items, s->count, sizeof(type), offsetof(type, at), error)
+    check_names(scene, what, scene->items, scene->count, sizeof(type), offsetof(type, at), error)
 
-static int check_all_names(const scene *s, char *error)
+static int check_all_names(const scene *scene, char *error)
 {
     int i, first, count;
     if (CHECK_NAMES("layers", layer, layers, scene_layer) != 0 ||
@@ -47,20 +47,20 @@ static int check_all_names(const scene *s, char *error)
         CHECK_NAMES("compare items", compare, compares, scene_compare) != 0 ||
         CHECK_NAMES("modes", target.mode, target.modes, scene_mode) != 0)
         return -1;
-    for (i = 0; i < s->actuators; i++)
-        if (scene_find_amplifier(s, s->actuator[i].name, &first, &count) &&
-            first != s->actuator[i].first)
-            return scene_fault(s, s->actuator[i].at, error,
+    for (i = 0; i < scene->actuators; i++)
+        if (scene_find_amplifier(scene, scene->actuator[i].name, &first, &count) &&
+            first != scene->actuator[i].first)
+            return scene_fault(scene, scene->actuator[i].at, error,
                                "'%s' is also the name of an amplifier of another "
                                "actuator; rename it",
-                               s->actuator[i].name);
-    for (i = 0; i < s->sensors; i++)
-        if (scene_find_amplifier(s, s->sensor[i].name, &first, &count) ||
-            (scene_find_sensor(s, s->sensor[i].name, &first, &count) &&
-             first != s->sensor[i].first))
-            return scene_fault(s, s->sensor[i].at, error,
+                               scene->actuator[i].name);
+    for (i = 0; i < scene->sensors; i++)
+        if (scene_find_amplifier(scene, scene->sensor[i].name, &first, &count) ||
+            (scene_find_sensor(scene, scene->sensor[i].name, &first, &count) &&
+             first != scene->sensor[i].first))
+            return scene_fault(scene, scene->sensor[i].at, error,
                                "'%s' is also the name of another electrode; rename it",
-                               s->sensor[i].name);
+                               scene->sensor[i].name);
     return 0;
 }
 
@@ -76,7 +76,7 @@ static double sample(const scene_line *line, int i)
 }
 
 /* A pole is a point of the mesh where the radius of a surface of revolution is not above 0. */
-static int check_poles(const scene *s, char *error)
+static int check_poles(const scene *scene, char *error)
 {
     static const char *const cures[] = {"",
                                         "let theta1 (the radius) start above 0",
@@ -86,15 +86,15 @@ static int check_poles(const scene *s, char *error)
                                         "",
                                         "keep radius + tube cos(theta1) above 0",
                                         "let theta1 stay where the meridian's radius is above 0"};
-    const scene_line *line = &s->line[0];
+    const scene_line *line = &scene->line[0];
     double largest = 0, least = HUGE_VAL, at = 0;
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double t = sample(line, i), r;
-        if (s->surface.type == SURFACE_TORUS && i < SAMPLES) /* its least radius may lie between two
-                                                                samples */
+        if (scene->surface.type == SURFACE_TORUS && i < SAMPLES) /* its least radius may lie between
+                                                                two samples */
             t = fmax(t, fmin(sample(line, i + 1), (2 * floor(t / full_turn) + 1) * full_turn / 2));
-        r = surface_at(&s->surface, t, 0).a[1];
+        r = surface_at(&scene->surface, t, 0).a[1];
         largest = fmax(largest, fabs(r));
         if (r < least)
             at = t;
@@ -102,19 +102,19 @@ static int check_poles(const scene *s, char *error)
     }
     if (least > 1e-12 * largest)
         return 0;
-    return scene_fault(s, line->at, error,
+    return scene_fault(scene, line->at, error,
                        "the mesh reaches a pole, where A2 = 0; %s (theta1 = %g)",
-                       cures[s->surface.type], at);
+                       cures[scene->surface.type], at);
 }
 
 /* A spline's point should move about as fast as its parameter. */
-static int check_meridian(const scene *s, char *error)
+static int check_meridian(const scene *scene, char *error)
 {
     int i;
-    for (i = 0; i <= SAMPLES && s->surface.type == SURFACE_REVOLUTION; i++) {
-        const double t = sample(&s->line[0], i);
-        if (surface_at(&s->surface, t, 0).a[0] < 0.05)
-            return scene_fault(s, s->at_surface, error,
+    for (i = 0; i <= SAMPLES && scene->surface.type == SURFACE_REVOLUTION; i++) {
+        const double t = sample(&scene->line[0], i);
+        if (surface_at(&scene->surface, t, 0).a[0] < 0.05)
+            return scene_fault(scene, scene->at_surface, error,
                                "the meridian turns back on itself near theta1 = %g; give more "
                                "points there, or smooth less",
                                t);
@@ -123,18 +123,18 @@ static int check_meridian(const scene *s, char *error)
 }
 
 /* The layers must stay on their side of the centres of curvature: 1 + k z > 0 at both faces. */
-static int check_depth(const scene *s, double h, char *error)
+static int check_depth(const scene *scene, double h, char *error)
 {
-    const double z[2] = {-s->reference, h - s->reference};
+    const double z[2] = {-scene->reference, h - scene->reference};
     int i, a, face;
     for (i = 0; i <= SAMPLES; i++) {
         const surface_point p =
-            surface_at(&s->surface, sample(&s->line[0], i), sample(&s->line[1], i));
+            surface_at(&scene->surface, sample(&scene->line[0], i), sample(&scene->line[1], i));
         for (a = 0; a < 2; a++)
             for (face = 0; face < 2; face++)
                 if (!(1 + p.k[a] * z[face] > on_line))
                     return scene_fault(
-                        s, s->at_layers, error,
+                        scene, scene->at_layers, error,
                         "the layers reach %g %s the reference surface, past the "
                         "axis or centre of curvature at %g; use thinner layers or a larger radius",
                         fabs(z[face]), face ? "above" : "below", fabs(1 / p.k[a]));
@@ -142,30 +142,30 @@ static int check_depth(const scene *s, double h, char *error)
     return 0;
 }
 
-static int check_turn(const scene *s, int direction, char *error)
+static int check_turn(const scene *scene, int direction, char *error)
 {
-    const scene_line *line = &s->line[direction - 1];
+    const scene_line *line = &scene->line[direction - 1];
     const double span = line->point[line->elements] - line->point[0];
-    if (!surface_closes(&s->surface, direction) || span <= full_turn * (1 + on_line))
+    if (!surface_closes(&scene->surface, direction) || span <= full_turn * (1 + on_line))
         return 0;
     return scene_fault(
-        s, line->at, error,
+        scene, line->at, error,
         "theta%d spans %g, more than a full turn; angles of a surface are radians: write "
         "90*pi/180 for 90 degrees",
         direction, span);
 }
 
-static int check_surface(const scene *s, char *error)
+static int check_surface(const scene *scene, char *error)
 {
     double h = 0;
     int i;
-    for (i = 0; i < s->layers; i++)
-        h += s->layer[i].thickness;
-    if (surface_revolves(&s->surface) && check_poles(s, error) != 0)
+    for (i = 0; i < scene->layers; i++)
+        h += scene->layer[i].thickness;
+    if (surface_revolves(&scene->surface) && check_poles(scene, error) != 0)
         return -1;
-    if (check_meridian(s, error) != 0 || check_depth(s, h, error) != 0)
+    if (check_meridian(scene, error) != 0 || check_depth(scene, h, error) != 0)
         return -1;
-    return check_turn(s, 1, error) != 0 ? -1 : check_turn(s, 2, error);
+    return check_turn(scene, 1, error) != 0 ? -1 : check_turn(scene, 2, error);
 }
 
 /* The mesh line nearest to a coordinate; *coordinate becomes its own if it lies on it. */
@@ -191,207 +191,212 @@ static int snap(const scene_line *line, double *coordinate, int *is_on)
 /* ---- places ---- */
 
 /* Is there a mesh line from, to of a region? Its ends may miss mesh lines by rounding. */
-static int check_region(const scene *s, scene_where *w, char *error)
+static int check_region(const scene *scene, scene_where *where, char *error)
 {
     int k, i, found = 1;
     for (k = 0; k < 2; k++) {
-        const scene_line *line = &s->line[k];
+        const scene_line *line = &scene->line[k];
         const double slack = on_line * (line->point[line->elements] - line->point[0]);
-        w->span[k][0] -= slack;
-        w->span[k][1] += slack;
+        where->span[k][0] -= slack;
+        where->span[k][1] += slack;
         for (i = 0; i <= line->elements &&
-                    !(line->point[i] >= w->span[k][0] && line->point[i] <= w->span[k][1]);)
+                    !(line->point[i] >= where->span[k][0] && line->point[i] <= where->span[k][1]);)
             i++;
         found &= i <= line->elements;
     }
     if (found)
         return 0;
     return scene_fault(
-        s, w->at, error,
+        scene, where->at, error,
         "no node of the mesh lies in this rectangle; write [from, to], ascending and within the "
         "mesh");
 }
 
-static int check_where(const scene *s, scene_where *w, char *error)
+static int check_where(const scene *scene, scene_where *where, char *error)
 {
-    const double wanted[2] = {w->theta[0], w->theta[1]};
+    const double wanted[2] = {where->theta[0], where->theta[1]};
     int k, on[2];
-    if (w->type == WHERE_REGION)
-        return check_region(s, w, error);
-    if (w->type != WHERE_POINT)
+    if (where->type == WHERE_REGION)
+        return check_region(scene, where, error);
+    if (where->type != WHERE_POINT)
         return 0;
     for (k = 0; k < 2; k++)
-        w->node[k] = snap(&s->line[k], &w->theta[k], &on[k]);
+        where->node[k] = snap(&scene->line[k], &where->theta[k], &on[k]);
     if (on[0] && on[1])
         return 0;
-    return scene_fault(s, w->at, error, "(%g, %g) is no node of the mesh; the nearest is (%g, %g)",
-                       wanted[0], wanted[1], s->line[0].point[w->node[0]],
-                       s->line[1].point[w->node[1]]);
+    return scene_fault(scene, where->at, error,
+                       "(%g, %g) is no node of the mesh; the nearest is (%g, %g)", wanted[0],
+                       wanted[1], scene->line[0].point[where->node[0]],
+                       scene->line[1].point[where->node[1]]);
 }
 
-static int check_places(scene *s, char *error)
+static int check_places(scene *scene, char *error)
 {
     int i;
-    for (i = 0; i < s->supports; i++)
-        if (check_where(s, &s->support[i].where, error) != 0)
+    for (i = 0; i < scene->supports; i++)
+        if (check_where(scene, &scene->support[i].where, error) != 0)
             return -1;
-    for (i = 0; i < s->loads; i++)
-        if (s->load[i].type == LOAD_POINT && check_where(s, &s->load[i].where, error) != 0)
+    for (i = 0; i < scene->loads; i++)
+        if (scene->load[i].type == LOAD_POINT &&
+            check_where(scene, &scene->load[i].where, error) != 0)
             return -1;
-    for (i = 0; i < s->outputs; i++)
-        if (check_where(s, &s->output[i].where, error) != 0)
+    for (i = 0; i < scene->outputs; i++)
+        if (check_where(scene, &scene->output[i].where, error) != 0)
             return -1;
-    return s->target.given ? check_where(s, &s->target.what.where, error) : 0;
+    return scene->target.given ? check_where(scene, &scene->target.what.where, error) : 0;
 }
 
 /* ---- layers and patches ---- */
 
-static int check_layers(scene *s, char *error)
+static int check_layers(scene *scene, char *error)
 {
     double h = 0;
     int i, p, whole = 0;
-    for (i = 0; i < s->layers; i++) {
-        h += s->layer[i].thickness;
-        whole += !s->layer[i].patched;
-        for (p = 0; p < s->patch_grids; p++)
-            if (s->patches[p].layer == i)
+    for (i = 0; i < scene->layers; i++) {
+        h += scene->layer[i].thickness;
+        whole += !scene->layer[i].patched;
+        for (p = 0; p < scene->patch_grids; p++)
+            if (scene->patches[p].layer == i)
                 break;
-        if (s->layer[i].patched && p == s->patch_grids)
-            return scene_fault(s, s->layer[i].at, error,
+        if (scene->layer[i].patched && p == scene->patch_grids)
+            return scene_fault(scene, scene->layer[i].at, error,
                                "this layer is patched but no patches lie on it; add patches "
                                "or remove 'patched'");
     }
     if (whole == 0)
-        return scene_fault(s, s->at_layers, error,
+        return scene_fault(scene, scene->at_layers, error,
                            "every layer is patched; at least one must cover the whole surface");
-    if (s->reference_is_middle)
-        s->reference = h / 2;
-    if (s->reference <= h * (1 + on_line))
+    if (scene->reference_is_middle)
+        scene->reference = h / 2;
+    if (scene->reference <= h * (1 + on_line))
         return 0;
-    return scene_fault(s, s->at_layers, error,
+    return scene_fault(scene, scene->at_layers, error,
                        "'reference: %g' lies above the outer face at %g; use middle or a "
                        "height within the layers",
-                       s->reference, h);
+                       scene->reference, h);
 }
 
-static int check_edges(const scene *s, const scene_patches *p, int direction, double theta[2],
-                       char *error)
+static int check_edges(const scene *scene, const scene_patches *patches, int direction,
+                       double theta[2], char *error)
 {
-    const scene_line *line = &s->line[direction];
+    const scene_line *line = &scene->line[direction];
     int i, on;
     if (!(theta[0] < theta[1]))
-        return scene_fault(s, p->at, error,
+        return scene_fault(scene, patches->at, error,
                            "patches '%s': theta%d runs from %g to %g; write [from, to] ascending",
-                           p->name, direction + 1, theta[0], theta[1]);
-    for (i = 0; i <= p->grid[direction]; i++) {
-        double edge = theta[0] + (theta[1] - theta[0]) * i / p->grid[direction];
+                           patches->name, direction + 1, theta[0], theta[1]);
+    for (i = 0; i <= patches->grid[direction]; i++) {
+        double edge = theta[0] + (theta[1] - theta[0]) * i / patches->grid[direction];
         const double wanted = edge;
         const int near = snap(line, &edge, &on);
         if (!on)
             return scene_fault(
-                s, p->at, error,
+                scene, patches->at, error,
                 "patches '%s': the edge theta%d = %g is no mesh line, the nearest is "
                 "%g; move it or choose elements to fit",
-                p->name, direction + 1, wanted, line->point[near]);
+                patches->name, direction + 1, wanted, line->point[near]);
     }
     for (i = 0; i < 2; i++)
         snap(line, &theta[i], &on);
     return 0;
 }
 
-static int overlap(const scene_patches *p, const scene_patches *q)
+static int overlap(const scene_patches *patches, const scene_patches *q)
 {
-    return p->layer == q->layer && p->theta1[0] < q->theta1[1] && q->theta1[0] < p->theta1[1] &&
-           p->theta2[0] < q->theta2[1] && q->theta2[0] < p->theta2[1];
+    return patches->layer == q->layer && patches->theta1[0] < q->theta1[1] &&
+           q->theta1[0] < patches->theta1[1] && patches->theta2[0] < q->theta2[1] &&
+           q->theta2[0] < patches->theta2[1];
 }
 
-static int check_patches(scene *s, char *error)
+static int check_patches(scene *scene, char *error)
 {
     int i, j;
-    for (i = 0; i < s->patch_grids; i++) {
-        scene_patches *p = &s->patches[i];
-        if (check_edges(s, p, 0, p->theta1, error) != 0 ||
-            check_edges(s, p, 1, p->theta2, error) != 0)
+    for (i = 0; i < scene->patch_grids; i++) {
+        scene_patches *patches = &scene->patches[i];
+        if (check_edges(scene, patches, 0, patches->theta1, error) != 0 ||
+            check_edges(scene, patches, 1, patches->theta2, error) != 0)
             return -1;
         for (j = 0; j < i; j++)
-            if (overlap(p, &s->patches[j]))
-                return scene_fault(s, p->at, error,
+            if (overlap(patches, &scene->patches[j]))
+                return scene_fault(scene, patches->at, error,
                                    "patches '%s' and '%s' overlap on one layer; move one",
-                                   s->patches[j].name, p->name);
+                                   scene->patches[j].name, patches->name);
     }
     return 0;
 }
 
 /* ---- loads ---- */
 
-static int any_material(const scene *s, int (*has)(const scene_material *))
+static int any_material(const scene *scene, int (*has)(const scene_material *))
 {
     int i;
-    for (i = 0; i < s->layers; i++)
-        if (has(&s->material[s->layer[i].material]))
+    for (i = 0; i < scene->layers; i++)
+        if (has(&scene->material[scene->layer[i].material]))
             return 1;
     return 0;
 }
 
-static int has_density(const scene_material *m)
+static int has_density(const scene_material *material)
 {
-    return m->density > 0;
+    return material->density > 0;
 }
 
-static int expands(const scene_material *m)
+static int expands(const scene_material *material)
 {
-    return m->alpha[0] != 0 || m->alpha[1] != 0 || m->alpha[2] != 0;
+    return material->alpha[0] != 0 || material->alpha[1] != 0 || material->alpha[2] != 0;
 }
 
-int scene_expands(const scene *s)
+int scene_expands(const scene *scene)
 {
-    return any_material(s, expands);
+    return any_material(scene, expands);
 }
 
-static int is_pyroelectric(const scene_material *m)
+static int is_pyroelectric(const scene_material *material)
 {
-    return m->pyroelectric != 0;
+    return material->pyroelectric != 0;
 }
 
-static int check_loads(const scene *s, char *error)
+static int check_loads(const scene *scene, char *error)
 {
     int i;
-    for (i = 0; i < s->loads; i++) {
-        if (s->load[i].type == LOAD_WEIGHT && !any_material(s, has_density))
-            return scene_fault(s, s->load[i].at, error,
+    for (i = 0; i < scene->loads; i++) {
+        if (scene->load[i].type == LOAD_WEIGHT && !any_material(scene, has_density))
+            return scene_fault(scene, scene->load[i].at, error,
                                "weight without density; give a layer's material 'density'");
-        if (s->load[i].type == LOAD_TEMPERATURE && !scene_expands(s) &&
-            !any_material(s, is_pyroelectric))
-            return scene_fault(s, s->load[i].at, error,
+        if (scene->load[i].type == LOAD_TEMPERATURE && !scene_expands(scene) &&
+            !any_material(scene, is_pyroelectric))
+            return scene_fault(scene, scene->load[i].at, error,
                                "a temperature moves nothing; give a layer's material 'alpha'");
     }
-    for (i = 0; i < s->actuators; i++)
-        if (s->actuator[i].is_temperature && !scene_expands(s) && !any_material(s, is_pyroelectric))
-            return scene_fault(s, s->actuator[i].at, error,
+    for (i = 0; i < scene->actuators; i++)
+        if (scene->actuator[i].is_temperature && !scene_expands(scene) &&
+            !any_material(scene, is_pyroelectric))
+            return scene_fault(scene, scene->actuator[i].at, error,
                                "a temperature moves nothing; give a layer's material 'alpha'");
     return 0;
 }
 
 /* ---- kinematics ---- */
 
-static int check_kinematics(const scene *s, char *error)
+static int check_kinematics(const scene *scene, char *error)
 {
     int i;
-    if (s->kinematics != KINEMATICS_LINEAR)
+    if (scene->kinematics != KINEMATICS_LINEAR)
         return 0;
-    for (i = 0; i < s->supports; i++)
-        if (s->support[i].value)
-            return scene_fault(s, s->support[i].at, error,
+    for (i = 0; i < scene->supports; i++)
+        if (scene->support[i].value)
+            return scene_fault(scene, scene->support[i].at, error,
                                "a support with a 'value' needs kinematics: nonlinear");
-    if (s->contact.given)
-        return scene_fault(s, s->contact.at, error, "contact needs kinematics: nonlinear");
+    if (scene->contact.given)
+        return scene_fault(scene, scene->contact.at, error, "contact needs kinematics: nonlinear");
     return 0;
 }
 
-int scene_check(scene *s, char *error)
+int scene_check(scene *scene, char *error)
 {
-    if (check_all_names(s, error) != 0 || check_layers(s, error) != 0 ||
-        check_surface(s, error) != 0 || check_patches(s, error) != 0 || check_places(s, error) != 0)
+    if (check_all_names(scene, error) != 0 || check_layers(scene, error) != 0 ||
+        check_surface(scene, error) != 0 || check_patches(scene, error) != 0 ||
+        check_places(scene, error) != 0)
         return -1;
-    return check_loads(s, error) != 0 ? -1 : check_kinematics(s, error);
+    return check_loads(scene, error) != 0 ? -1 : check_kinematics(scene, error);
 }

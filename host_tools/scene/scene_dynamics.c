@@ -1,7 +1,7 @@
 /* Section of a scene that says what its vibration needs besides densities: dynamics. */
 #include "scene_parts.h"
 
-int read_dynamics(reader *r, int node, void *to, const void *rule)
+int read_dynamics(reader *reader, int node, void *to, const void *rule)
 {
     static const range ratio = {
         0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
@@ -11,8 +11,8 @@ int read_dynamics(reader *r, int node, void *to, const void *rule)
         {"modes", read_int, offsetof(scene_dynamics, modes), &counted, 0},
         {"mass_per_area", read_real, offsetof(scene_dynamics, mass_per_area), &not_negative, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     (void)rule;
-    s->dynamics.damping_given = tree_find(r->t, node, "damping") != 0;
-    return read_map(r, node, fields, &s->dynamics);
+    scene->dynamics.damping_given = tree_find(reader->t, node, "damping") != 0;
+    return read_map(reader, node, fields, &scene->dynamics);
 }

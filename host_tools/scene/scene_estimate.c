@@ -3,25 +3,25 @@
 
 #include <math.h>
 
-static int read_output_of(reader *r, int node, void *to, const void *rule)
+static int read_output_of(reader *reader, int node, void *to, const void *rule)
 {
-    const scene *s = r->s;
+    const scene *scene = reader->s;
     char name[SCENE_NAME];
     int i;
-    if (read_name(r, node, name, rule) != 0)
+    if (read_name(reader, node, name, rule) != 0)
         return -1;
-    i = find_named(s->output, s->outputs, sizeof *s->output, name);
+    i = find_named(scene->output, scene->outputs, sizeof *scene->output, name);
     if (i < 0)
-        return tree_fault(r->t, node, "there is no output '%s'; add it to outputs", name);
-    if (s->output[i].contact != CONTACT_NONE)
+        return tree_fault(reader->t, node, "there is no output '%s'; add it to outputs", name);
+    if (scene->output[i].contact != CONTACT_NONE)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "'%s' is of a contact; an estimate reads displacements, voltages and charges", name);
     *(int *)to = i;
     return 0;
 }
 
-static int read_readings(reader *r, int node, void *to, const void *rule)
+static int read_readings(reader *reader, int node, void *to, const void *rule)
 {
     static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
     static const field fields[] = {
@@ -32,20 +32,21 @@ static int read_readings(reader *r, int node, void *to, const void *rule)
     int i, k = 0;
     (void)rule;
     estimate->reading =
-        new_items(r, node, TREE_LIST, sizeof *estimate->reading, &estimate->readings);
+        new_items(reader, node, TREE_LIST, sizeof *estimate->reading, &estimate->readings);
     if (!estimate->reading)
         return -1;
     if (estimate->readings == 0)
-        return tree_fault(r->t, node, "'readings' is empty; write [{output: name, noise: 1e-6}]");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        estimate->reading[k].at = node_at(r, i);
-        if (read_map(r, i, fields, &estimate->reading[k]) != 0)
+        return tree_fault(reader->t, node,
+                          "'readings' is empty; write [{output: name, noise: 1e-6}]");
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
+        estimate->reading[k].at = node_at(reader, i);
+        if (read_map(reader, i, fields, &estimate->reading[k]) != 0)
             return -1;
     }
     return 0;
 }
 
-int read_estimate(reader *r, int node, void *to, const void *rule)
+int read_estimate(reader *reader, int node, void *to, const void *rule)
 {
     static const range part = {
         0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of the disturbance"};
@@ -55,19 +56,19 @@ int read_estimate(reader *r, int node, void *to, const void *rule)
         {"volts", read_real, offsetof(scene_estimate, volts), &not_negative, 0},
         {"tolerance", read_real, offsetof(scene_estimate, tolerance), &part, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     (void)rule;
-    s->estimate.at = node_at(r, node);
-    s->estimate.loads = 1;
-    s->estimate.volts = -1;
-    s->estimate.tolerance = 0.5;
-    if (!s->target.given)
+    scene->estimate.at = node_at(reader, node);
+    scene->estimate.loads = 1;
+    scene->estimate.volts = -1;
+    scene->estimate.tolerance = 0.5;
+    if (!scene->target.given)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "an estimate needs a target, whose nodes it is for; add target: {u3: middle, at: nodes, "
             "value: ...}");
-    if (read_map(r, node, fields, &s->estimate) != 0)
+    if (read_map(reader, node, fields, &scene->estimate) != 0)
         return -1;
-    s->estimate.given = 1;
+    scene->estimate.given = 1;
     return 0;
 }

@@ -68,20 +68,20 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
         n += snprintf(out + n, (size_t)(LIST_ROOM - n), "%s %s", word == first ? "" : ",", *word);
 }
 
-int require_kind(reader *r, int node, tree_kind kind)
+int require_kind(reader *reader, int node, tree_kind kind)
 {
-    const tree_node *n = &r->t->node[node];
+    const tree_node *n = &reader->t->node[node];
     if (n->kind == kind)
         return 0;
-    return tree_fault(r->t, node, "'%.60s' must be %s, not %s", tree_name(r->t, node),
+    return tree_fault(reader->t, node, "'%.60s' must be %s, not %s", tree_name(reader->t, node),
                       kind_names[kind],
                       n->kind == TREE_SCALAR && !*n->text ? "empty" : kind_names[n->kind]);
 }
 
-static int check_keys(reader *r, int node, const field *fields)
+static int check_keys(reader *reader, int node, const field *fields)
 {
     char cure[LIST_ROOM];
-    const tree_node *n = r->t->node;
+    const tree_node *n = reader->t->node;
     const field *f;
     int i;
     for (i = n[node].first; i; i = n[i].next) {
@@ -91,117 +91,121 @@ static int check_keys(reader *r, int node, const field *fields)
         if (f->key)
             continue;
         suggest(n[i].key, &fields->key, sizeof *fields, cure);
-        return tree_fault_at(r->t, n[i].key_at, "unknown key '%.60s' in %.60s; %s", n[i].key,
-                             tree_name(r->t, node), cure);
+        return tree_fault_at(reader->t, n[i].key_at, "unknown key '%.60s' in %.60s; %s", n[i].key,
+                             tree_name(reader->t, node), cure);
     }
     return 0;
 }
 
-int read_map(reader *r, int node, const field *fields, void *to)
+int read_map(reader *reader, int node, const field *fields, void *to)
 {
     const field *f;
-    if (require_kind(r, node, TREE_MAP) != 0 || check_keys(r, node, fields) != 0)
+    if (require_kind(reader, node, TREE_MAP) != 0 || check_keys(reader, node, fields) != 0)
         return -1;
     for (f = fields; f->key; f++) {
-        int child = tree_find(r->t, node, f->key);
+        int child = tree_find(reader->t, node, f->key);
         if (!child && f->required)
-            return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", f->key,
-                              tree_name(r->t, node));
-        if (child && f->read(r, child, (char *)to + f->offset, f->rule) != 0)
+            return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", f->key,
+                              tree_name(reader->t, node));
+        if (child && f->read(reader, child, (char *)to + f->offset, f->rule) != 0)
             return -1;
     }
     return 0;
 }
 
-const char *node_text(const reader *r, int node)
+const char *node_text(const reader *reader, int node)
 {
-    return r->t->node[node].text;
+    return reader->t->node[node].text;
 }
 
-scene_at node_at(const reader *r, int node)
+scene_at node_at(const reader *reader, int node)
 {
-    return r->t->node[node].at;
+    return reader->t->node[node].at;
 }
 
-static int compile(reader *r, int node, expr **e)
+static int compile(reader *reader, int node, expr **expression)
 {
     char converted[SCENE_UNITS_TEXT];
     const char *why, *text;
     int column;
-    if (require_kind(r, node, TREE_SCALAR) != 0 || scene_units_text(r, node, converted, &text) != 0)
+    if (require_kind(reader, node, TREE_SCALAR) != 0 ||
+        scene_units_text(reader, node, converted, &text) != 0)
         return -1;
     if (!*text)
-        return tree_fault(r->t, node, "'%.60s' is empty; give a number", tree_name(r->t, node));
-    *e = expr_compile(text, &column, &why);
-    if (*e)
+        return tree_fault(reader->t, node, "'%.60s' is empty; give a number",
+                          tree_name(reader->t, node));
+    *expression = expr_compile(text, &column, &why);
+    if (*expression)
         return 0;
-    return tree_fault(r->t, node, "'%.60s: %.60s' is no number or formula, at its character %d: %s",
-                      tree_name(r->t, node), text, column, why);
+    return tree_fault(reader->t, node,
+                      "'%.60s: %.60s' is no number or formula, at its character %d: %s",
+                      tree_name(reader->t, node), text, column, why);
 }
 
-static int check_range(reader *r, int node, double v, const range *rule)
+static int check_range(reader *reader, int node, double v, const range *rule)
 {
-    const char *name = tree_name(r->t, node), *text = node_text(r, node);
+    const char *name = tree_name(reader->t, node), *text = node_text(reader, node);
     if (!isfinite(v))
-        return tree_fault(r->t, node, "'%.60s: %.60s' is not finite; give a number", name, text);
+        return tree_fault(reader->t, node, "'%.60s: %.60s' is not finite; give a number", name,
+                          text);
     if (fabs(v) > largest || (v != 0 && fabs(v) < smallest))
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "'%.60s: %.60s' is out of range; magnitudes run from %g to %g, choose other units",
             name, text, smallest, largest);
     if (!rule)
         return 0;
     if (rule->strict ? v > rule->low && v < rule->high : v >= rule->low && v <= rule->high)
         return 0;
-    return tree_fault(r->t, node, "'%.60s: %.60s' %s", name, text, rule->must);
+    return tree_fault(reader->t, node, "'%.60s: %.60s' %s", name, text, rule->must);
 }
 
-int read_real(reader *r, int node, void *to, const void *rule)
+int read_real(reader *reader, int node, void *to, const void *rule)
 {
     static const expr_point origin;
-    expr *e = NULL;
+    expr *expression = NULL;
     double v;
     int constant;
-    if (compile(r, node, &e) != 0)
+    if (compile(reader, node, &expression) != 0)
         return -1;
-    v = expr_value(e, &origin);
-    constant = expr_is_constant(e);
-    expr_free(e);
+    v = expr_value(expression, &origin);
+    constant = expr_is_constant(expression);
+    expr_free(expression);
     if (!constant)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "'%.60s: %.60s' varies over the surface; a constant is wanted here",
-                          tree_name(r->t, node), node_text(r, node));
-    if (check_range(r, node, v, rule) != 0)
+                          tree_name(reader->t, node), node_text(reader, node));
+    if (check_range(reader, node, v, rule) != 0)
         return -1;
     *(double *)to = v;
     return 0;
 }
 
-int read_int(reader *r, int node, void *to, const void *rule)
+int read_int(reader *reader, int node, void *to, const void *rule)
 {
     double v = 0;
-    if (read_real(r, node, &v, rule) != 0)
+    if (read_real(reader, node, &v, rule) != 0)
         return -1;
     if (v != floor(v) || fabs(v) > 1e9)
-        return tree_fault(r->t, node, "'%.60s: %.60s' must be a whole number",
-                          tree_name(r->t, node), node_text(r, node));
+        return tree_fault(reader->t, node, "'%.60s: %.60s' must be a whole number",
+                          tree_name(reader->t, node), node_text(reader, node));
     *(int *)to = (int)v;
     return 0;
 }
 
-int read_pair(reader *r, int node, void *to, const void *rule)
+int read_pair(reader *reader, int node, void *to, const void *rule)
 {
     double *pair = to;
     int first;
-    if (require_kind(r, node, TREE_LIST) != 0)
+    if (require_kind(reader, node, TREE_LIST) != 0)
         return -1;
-    if (r->t->node[node].count != 2)
-        return tree_fault(r->t, node, "'%.60s' has %d values; give two, [from, to]",
-                          tree_name(r->t, node), r->t->node[node].count);
-    first = r->t->node[node].first;
-    if (read_real(r, first, &pair[0], rule) != 0)
+    if (reader->t->node[node].count != 2)
+        return tree_fault(reader->t, node, "'%.60s' has %d values; give two, [from, to]",
+                          tree_name(reader->t, node), reader->t->node[node].count);
+    first = reader->t->node[node].first;
+    if (read_real(reader, first, &pair[0], rule) != 0)
         return -1;
-    return read_real(r, r->t->node[first].next, &pair[1], rule);
+    return read_real(reader, reader->t->node[first].next, &pair[1], rule);
 }
 
 /* Would end or open a comment in generated C tables. */
@@ -210,43 +214,43 @@ static int is_comment(const char *text)
     return strstr(text, "*/") != NULL || strstr(text, "/*") != NULL;
 }
 
-int check_name(reader *r, const char *name, scene_at at, char *to)
+int check_name(reader *reader, const char *name, scene_at at, char *to)
 {
     if (!*name)
-        return tree_fault_at(r->t, at, "an empty name; give one");
+        return tree_fault_at(reader->t, at, "an empty name; give one");
     if (strlen(name) >= SCENE_NAME)
-        return tree_fault_at(r->t, at, "the name '%.30s...' is too long; use at most %d bytes",
+        return tree_fault_at(reader->t, at, "the name '%.30s...' is too long; use at most %d bytes",
                              name, SCENE_NAME - 1);
     if (strpbrk(name, "\n\r\t\"\\") || is_comment(name))
         return tree_fault_at(
-            r->t, at,
+            reader->t, at,
             "the name '%.60s' holds a quote, backslash, comment or line break; leave them out",
             name);
     strcpy(to, name);
     return 0;
 }
 
-int read_name(reader *r, int node, void *to, const void *rule)
+int read_name(reader *reader, int node, void *to, const void *rule)
 {
     (void)rule;
-    if (require_kind(r, node, TREE_SCALAR) != 0)
+    if (require_kind(reader, node, TREE_SCALAR) != 0)
         return -1;
-    return check_name(r, node_text(r, node), node_at(r, node), to);
+    return check_name(reader, node_text(reader, node), node_at(reader, node), to);
 }
 
-int read_text(reader *r, int node, void *to, const void *rule)
+int read_text(reader *reader, int node, void *to, const void *rule)
 {
     char **text = to;
     (void)rule;
-    if (require_kind(r, node, TREE_SCALAR) != 0)
+    if (require_kind(reader, node, TREE_SCALAR) != 0)
         return -1;
-    if (is_comment(node_text(r, node)))
-        return tree_fault(r->t, node, "'%.60s' holds /* or */; leave them out",
-                          tree_name(r->t, node));
-    *text = malloc(strlen(node_text(r, node)) + 1);
+    if (is_comment(node_text(reader, node)))
+        return tree_fault(reader->t, node, "'%.60s' holds /* or */; leave them out",
+                          tree_name(reader->t, node));
+    *text = malloc(strlen(node_text(reader, node)) + 1);
     if (!*text)
-        return tree_fault(r->t, node, "out of memory");
-    strcpy(*text, node_text(r, node));
+        return tree_fault(reader->t, node, "out of memory");
+    strcpy(*text, node_text(reader, node));
     return 0;
 }
 
@@ -259,56 +263,58 @@ static int find_choice(const choice *choices, const char *text)
     return -1;
 }
 
-int read_choice(reader *r, int node, void *to, const void *rule)
+int read_choice(reader *reader, int node, void *to, const void *rule)
 {
     const choice *choices = rule;
     char cure[LIST_ROOM];
     int value;
-    if (require_kind(r, node, TREE_SCALAR) != 0)
+    if (require_kind(reader, node, TREE_SCALAR) != 0)
         return -1;
-    value = find_choice(choices, node_text(r, node));
+    value = find_choice(choices, node_text(reader, node));
     if (value < 0) {
-        suggest(node_text(r, node), &choices->word, sizeof *choices, cure);
-        return tree_fault(r->t, node, "'%.60s: %.60s' is not known; %s", tree_name(r->t, node),
-                          node_text(r, node), cure);
+        suggest(node_text(reader, node), &choices->word, sizeof *choices, cure);
+        return tree_fault(reader->t, node, "'%.60s: %.60s' is not known; %s",
+                          tree_name(reader->t, node), node_text(reader, node), cure);
     }
     *(int *)to = value;
     return 0;
 }
 
-int read_flag(reader *r, int node, void *to, const void *rule)
+int read_flag(reader *reader, int node, void *to, const void *rule)
 {
     static const choice flags[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
                                    {"yes", 1},  {"no", 0},    {NULL, 0}};
     (void)rule;
-    return read_choice(r, node, to, flags);
+    return read_choice(reader, node, to, flags);
 }
 
-int read_expr(reader *r, int node, void *to, const void *rule)
+int read_expr(reader *reader, int node, void *to, const void *rule)
 {
     static const expr_point origin;
-    expr *e = NULL;
-    if (compile(r, node, &e) != 0)
+    expr *expression = NULL;
+    if (compile(reader, node, &expression) != 0)
         return -1;
-    *(expr **)to = e;
-    return expr_is_constant(e) ? check_range(r, node, expr_value(e, &origin), rule) : 0;
+    *(expr **)to = expression;
+    return expr_is_constant(expression)
+               ? check_range(reader, node, expr_value(expression, &origin), rule)
+               : 0;
 }
 
-void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count)
+void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *count)
 {
     void *items;
     int n;
     *count = 0;
-    if (require_kind(r, node, kind) != 0)
+    if (require_kind(reader, node, kind) != 0)
         return NULL;
-    n = r->t->node[node].count;
+    n = reader->t->node[node].count;
     if (n > MOST_ITEMS)
-        return tree_fault(r->t, node, "'%.60s' has %d items; at most %d are read",
-                          tree_name(r->t, node), n, MOST_ITEMS),
+        return tree_fault(reader->t, node, "'%.60s' has %d items; at most %d are read",
+                          tree_name(reader->t, node), n, MOST_ITEMS),
                NULL;
     items = calloc((size_t)n + 1, size);
     if (!items)
-        return tree_fault(r->t, node, "out of memory"), NULL;
+        return tree_fault(reader->t, node, "out of memory"), NULL;
     *count = n;
     return items;
 }

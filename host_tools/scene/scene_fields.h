@@ -36,7 +36,7 @@ typedef struct choice {
 } choice; /* NULL word ends */
 
 /* Read a mapping into the structure at `to`: unknown keys, then each row, then what is missing. */
-int read_map(reader *r, int node, const field *fields, void *to);
+int read_map(reader *reader, int node, const field *fields, void *to);
 
 field_read read_real;   /* double; rule: range or NULL */
 field_read read_int;    /* int; rule: range */
@@ -47,18 +47,18 @@ field_read read_choice; /* int; rule: choices */
 field_read read_flag;   /* int; true false on off yes no */
 field_read read_expr;   /* expr *, allocated */
 
-int require_kind(reader *r, int node, tree_kind kind);
+int require_kind(reader *reader, int node, tree_kind kind);
 
 /* Zeroed items for a list or mapping node of moderate length; NULL on a fault. *count is 0 for an
  * empty one. */
-void *new_items(reader *r, int node, tree_kind kind, size_t size, int *count);
+void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *count);
 
 /* Index of a name among count items [size bytes] whose first member is their name; -1: none has it.
  */
 int find_named(const void *items, int count, size_t size, const char *name);
 
-int check_name(reader *r, const char *name, scene_at at, char *to);
-const char *node_text(const reader *r, int node);
-scene_at node_at(const reader *r, int node);
+int check_name(reader *reader, const char *name, scene_at at, char *to);
+const char *node_text(const reader *reader, int node);
+scene_at node_at(const reader *reader, int node);
 
 #endif

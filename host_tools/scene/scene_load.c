@@ -43,61 +43,61 @@ static unsigned moved_by(int fix)
     return (unsigned)(fix == U1 ? MEAN_1 : fix == U2 ? MEAN_2 : fix == U3 ? MEAN_3 : fix);
 }
 
-static int read_fix_word(reader *r, int node, scene_support *support)
+static int read_fix_word(reader *reader, int node, scene_support *support)
 {
     const int across_1 =
         support->where.edge == EDGE_THETA1_MINUS || support->where.edge == EDGE_THETA1_PLUS;
     int fix = 0;
-    if (read_choice(r, node, &fix, fixes) != 0)
+    if (read_choice(reader, node, &fix, fixes) != 0)
         return -1;
     if (support->value && (fix == 0 || fix == (U1 | U2 | U3) || fix & (SIMPLE | SYMMETRIC)))
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "'%s' is no single displacement to give a value; name one, as fix: u3",
-                          node_text(r, node));
+                          node_text(reader, node));
     if (support->value)
         support->move |= moved_by(fix);
     if (fix & (SIMPLE | SYMMETRIC)) {
         if (support->where.type != WHERE_EDGE)
             return tree_fault(
-                r->t, node,
+                reader->t, node,
                 "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, "
                 "u3]",
-                node_text(r, node));
+                node_text(reader, node));
         fix = fix == SIMPLE ? (across_1 ? U2 : U1) | U3 : across_1 ? U1 : U2;
     }
     support->fix |= (unsigned)fix;
     return 0;
 }
 
-static int read_fix(reader *r, int node, void *to, const void *rule)
+static int read_fix(reader *reader, int node, void *to, const void *rule)
 {
     int i;
     (void)rule;
-    if (r->t->node[node].kind != TREE_LIST)
-        return read_fix_word(r, node, to);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_fix_word(r, i, to) != 0)
+    if (reader->t->node[node].kind != TREE_LIST)
+        return read_fix_word(reader, node, to);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_fix_word(reader, i, to) != 0)
             return -1;
     return 0;
 }
 
-int read_supports(reader *r, int node, void *to, const void *rule)
+int read_supports(reader *reader, int node, void *to, const void *rule)
 {
     static const field place[] = {{"edge", read_edge, offsetof(scene_support, where), NULL, 0},
                                   {"at", read_at, offsetof(scene_support, where), NULL, 0},
                                   {"value", read_expr, offsetof(scene_support, value), NULL, 0},
                                   {"fix", read_fix, 0, NULL, 1},
                                   {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->support = new_items(r, node, TREE_LIST, sizeof *s->support, &s->supports);
-    if (!s->support)
+    scene->support = new_items(reader, node, TREE_LIST, sizeof *scene->support, &scene->supports);
+    if (!scene->support)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        s->support[k].at = node_at(r, i);
-        if (read_map(r, i, place, &s->support[k]) != 0 ||
-            require_place(r, i, &s->support[k].where) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
+        scene->support[k].at = node_at(reader, i);
+        if (read_map(reader, i, place, &scene->support[k]) != 0 ||
+            require_place(reader, i, &scene->support[k].where) != 0)
             return -1;
     }
     return 0;
@@ -111,19 +111,19 @@ typedef struct load_text {
 } load_text;
 
 static const int load_types[] = {LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE};
-static int read_constant(reader *r, int node, void *to, const void *rule)
+static int read_constant(reader *reader, int node, void *to, const void *rule)
 {
-    expr **e = to;
-    if (read_expr(r, node, to, rule) != 0)
+    expr **expression = to;
+    if (read_expr(reader, node, to, rule) != 0)
         return -1;
-    if (expr_is_constant(*e))
+    if (expr_is_constant(*expression))
         return 0;
-    return tree_fault(r->t, node,
+    return tree_fault(reader->t, node,
                       "'%.60s: %.60s' varies over the surface; a constant is wanted here",
-                      tree_name(r->t, node), node_text(r, node));
+                      tree_name(reader->t, node), node_text(reader, node));
 }
 
-static int read_weight(reader *r, int node, scene_load *load)
+static int read_weight(reader *reader, int node, scene_load *load)
 {
     typedef struct weight_text {
         int axis;
@@ -134,83 +134,84 @@ static int read_weight(reader *r, int node, scene_load *load)
         {"gravity", read_constant, offsetof(weight_text, gravity), NULL, 1},
         {NULL, NULL, 0, NULL, 0}};
     weight_text text = {0, NULL};
-    int status = read_map(r, node, fields, &text);
+    int status = read_map(reader, node, fields, &text);
     load->component = (scene_component)text.axis;
     load->value = text.gravity;
     return status;
 }
 
 /* One value for the whole shell, or one for each face. */
-static int read_temperature(reader *r, int node, scene_load *load)
+static int read_temperature(reader *reader, int node, scene_load *load)
 {
     static const field fields[] = {{"inner", read_constant, offsetof(scene_load, value), NULL, 1},
                                    {"outer", read_constant, offsetof(scene_load, outer), NULL, 1},
                                    {NULL, NULL, 0, NULL, 0}};
-    return r->t->node[node].kind == TREE_MAP ? read_map(r, node, fields, load)
-                                             : read_constant(r, node, &load->value, NULL);
+    return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, fields, load)
+                                                  : read_constant(reader, node, &load->value, NULL);
 }
 
-static int read_load_type(reader *r, int node, void *to, const void *rule)
+static int read_load_type(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;
     scene_load *load = text->load;
     int face = 0;
     if (text->types++)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "a load is one of point, line, face, weight, temperature; "
                              "write a second item");
     load->type = (scene_load_type) * (const int *)rule;
     switch (load->type) {
-    case LOAD_POINT: return read_point(r, node, &load->where, NULL);
-    case LOAD_LINE: return read_edge(r, node, &load->where, NULL);
-    case LOAD_WEIGHT: return read_weight(r, node, load);
-    case LOAD_TEMPERATURE: return read_temperature(r, node, load);
+    case LOAD_POINT: return read_point(reader, node, &load->where, NULL);
+    case LOAD_LINE: return read_edge(reader, node, &load->where, NULL);
+    case LOAD_WEIGHT: return read_weight(reader, node, load);
+    case LOAD_TEMPERATURE: return read_temperature(reader, node, load);
     default: break;
     }
-    if (read_choice(r, node, &face, place_faces) != 0)
+    if (read_choice(reader, node, &face, place_faces) != 0)
         return -1;
     load->face = (scene_face)face;
     return 0;
 }
 
-static int read_direction(reader *r, int node, void *to, const void *rule)
+static int read_direction(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;
     if (text->load->value && !text->directions)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
-                             "weight and temperature say all; remove '%s'", r->t->node[node].key);
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "weight and temperature say all; remove '%s'",
+                             reader->t->node[node].key);
     if (text->directions++)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "a load has one direction; write a second item for '%s'",
-                             r->t->node[node].key);
+                             reader->t->node[node].key);
     text->load->component = (scene_component) * (const int *)rule;
-    return read_expr(r, node, &text->load->value, NULL);
+    return read_expr(reader, node, &text->load->value, NULL);
 }
 
-static int read_pressure(reader *r, int node, void *to, const void *rule)
+static int read_pressure(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;
     (void)rule;
     if (text->load->type != LOAD_FACE)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'pressure' acts on a face; add face: outer, inner or middle");
     text->is_pressure = 1;
-    return read_direction(r, node, to, &place_components[COMPONENT_U3]);
+    return read_direction(reader, node, to, &place_components[COMPONENT_U3]);
 }
 
-static int read_area(reader *r, int node, void *to, const void *rule)
+static int read_area(reader *reader, int node, void *to, const void *rule)
 {
     static const choice areas[] = {{"reference", 0}, {"true", 1}, {NULL, 0}};
     load_text *text = to;
     (void)rule;
     if (text->load->type != LOAD_FACE)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'area' belongs to a load on a face; remove it");
     text->area_given = 1;
-    return read_choice(r, node, &text->load->true_area, areas);
+    return read_choice(reader, node, &text->load->true_area, areas);
 }
 
-static int read_follower(reader *r, int node, void *to, const void *rule)
+static int read_follower(reader *reader, int node, void *to, const void *rule)
 {
     static const choice kinds[] = {{"normal", FOLLOWER_NORMAL},
                                    {"pressure", FOLLOWER_PRESSURE},
@@ -221,18 +222,19 @@ static int read_follower(reader *r, int node, void *to, const void *rule)
     int kind = 0;
     (void)rule;
     if (!text->is_pressure)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'follower' belongs to a pressure on a face; write pressure: "
                              "value instead of a direction, or remove it");
-    if (read_choice(r, node, &kind, kinds) != 0)
+    if (read_choice(reader, node, &kind, kinds) != 0)
         return -1;
     if (kind == FOLLOWER_NONE)
         return 0;
     if (kind == FOLLOWER_PRESSURE && load->face != FACE_INNER && load->face != FACE_OUTER)
         return tree_fault(
-            r->t, node, "'follower: pressure' acts on one face; write face: inner or face: outer");
+            reader->t, node,
+            "'follower: pressure' acts on one face; write face: inner or face: outer");
     if (text->area_given && load->true_area != (kind == FOLLOWER_PRESSURE))
-        return tree_fault(r->t, node, "'follower: %s' is per %s area; remove 'area'",
+        return tree_fault(reader->t, node, "'follower: %s' is per %s area; remove 'area'",
                           kinds[kind - 1].word,
                           kind == FOLLOWER_PRESSURE ? "deformed" : "reference");
     load->follower = (scene_follower)kind;
@@ -241,21 +243,21 @@ static int read_follower(reader *r, int node, void *to, const void *rule)
 }
 
 /* Point and line loads act on both faces, half each, unless they say on which. */
-static int read_on(reader *r, int node, void *to, const void *rule)
+static int read_on(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;
     int face = 0;
     (void)rule;
     if (text->load->type != LOAD_POINT && text->load->type != LOAD_LINE)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'on' belongs to a point or line load; remove it");
-    if (read_choice(r, node, &face, place_faces) != 0)
+    if (read_choice(reader, node, &face, place_faces) != 0)
         return -1;
     text->load->face = (scene_face)face;
     return 0;
 }
 
-static int read_load(reader *r, int node, scene_load *load)
+static int read_load(reader *reader, int node, scene_load *load)
 {
     static const field fields[] = {{"point", read_load_type, 0, &load_types[0], 0},
                                    {"line", read_load_type, 0, &load_types[1], 0},
@@ -270,31 +272,31 @@ static int read_load(reader *r, int node, scene_load *load)
                                    {NULL, NULL, 0, NULL, 0}};
     load_text text = {0};
     text.load = load;
-    load->at = node_at(r, node);
-    if (read_map(r, node, fields, &text) != 0)
+    load->at = node_at(reader, node);
+    if (read_map(reader, node, fields, &text) != 0)
         return -1;
     if (text.types == 0)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "a load needs one of point: {theta1, theta2}, line: edge, face: outer, weight: "
             "{axis, gravity}, temperature: value");
     if (!load->value)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "a load needs a direction and value, as u3: -1 or z: -1 (or pressure: 1 on a face)");
     return 0;
 }
 
-int read_loads(reader *r, int node, void *to, const void *rule)
+int read_loads(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->load = new_items(r, node, TREE_LIST, sizeof *s->load, &s->loads);
-    if (!s->load)
+    scene->load = new_items(reader, node, TREE_LIST, sizeof *scene->load, &scene->loads);
+    if (!scene->load)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_load(r, i, &s->load[k++]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_load(reader, i, &scene->load[k++]) != 0)
             return -1;
     return 0;
 }
@@ -315,56 +317,56 @@ static const struct {
                   {BODY_SPHERE, "radius"}, {BODY_PSI, "value"}};
 enum { BODY_PARTS = sizeof body_parts / sizeof *body_parts };
 
-static int read_vector(reader *r, int node, void *to, const void *rule)
+static int read_vector(reader *reader, int node, void *to, const void *rule)
 {
     double *v = to;
     int i;
     (void)rule;
-    if (require_kind(r, node, TREE_LIST) != 0)
+    if (require_kind(reader, node, TREE_LIST) != 0)
         return -1;
-    if (r->t->node[node].count != 3)
-        return tree_fault(r->t, node, "'%.60s' has %d values; give three, [x, y, z]",
-                          tree_name(r->t, node), r->t->node[node].count);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_real(r, i, v++, NULL) != 0)
+    if (reader->t->node[node].count != 3)
+        return tree_fault(reader->t, node, "'%.60s' has %d values; give three, [x, y, z]",
+                          tree_name(reader->t, node), reader->t->node[node].count);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_real(reader, i, v++, NULL) != 0)
             return -1;
     return 0;
 }
 
-static int read_unit(reader *r, int node, void *to, const void *rule)
+static int read_unit(reader *reader, int node, void *to, const void *rule)
 {
     double *v = to, length;
     int i;
-    if (read_vector(r, node, v, rule) != 0)
+    if (read_vector(reader, node, v, rule) != 0)
         return -1;
     length = hypot(hypot(v[0], v[1]), v[2]);
     if (length == 0)
-        return tree_fault(r->t, node, "'%.60s: [0, 0, 0]' has no direction; give one",
-                          tree_name(r->t, node));
+        return tree_fault(reader->t, node, "'%.60s: [0, 0, 0]' has no direction; give one",
+                          tree_name(reader->t, node));
     for (i = 0; i < 3; i++)
         v[i] /= length;
     return 0;
 }
 
-static int read_psi(reader *r, int node, void *to, const void *rule)
+static int read_psi(reader *reader, int node, void *to, const void *rule)
 {
-    expr **e = to;
-    if (read_expr(r, node, to, rule) != 0)
+    expr **expression = to;
+    if (read_expr(reader, node, to, rule) != 0)
         return -1;
-    if (expr_is_constant(*e))
+    if (expr_is_constant(*expression))
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "'value: %.60s' is the same everywhere; give a function of x, y, z that is above 0 "
             "outside the body",
-            node_text(r, node));
-    if (!expr_uses_theta(*e))
+            node_text(reader, node));
+    if (!expr_uses_theta(*expression))
         return 0;
-    return tree_fault(r->t, node,
+    return tree_fault(reader->t, node,
                       "'value: %.60s' uses theta1 or theta2; a body in space knows x, y, z only",
-                      node_text(r, node));
+                      node_text(reader, node));
 }
 
-static int read_body(reader *r, int node, void *to, const void *rule)
+static int read_body(reader *reader, int node, void *to, const void *rule)
 {
     typedef struct body_text {
         int type;
@@ -383,29 +385,30 @@ static int read_body(reader *r, int node, void *to, const void *rule)
     int i, k, status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    status = read_map(r, node, fields, &text);
+    status = read_map(reader, node, fields, &text);
     contact->body = text.body;
     contact->body.type = (scene_body_type)text.type;
     if (status != 0)
         return -1;
     for (k = 0; k < BODY_PARTS; k++)
-        if (body_parts[k].type == contact->body.type && !tree_find(r->t, node, body_parts[k].key))
-            return tree_fault(r->t, node, "'%s' is missing in body; a %s needs it",
+        if (body_parts[k].type == contact->body.type &&
+            !tree_find(reader->t, node, body_parts[k].key))
+            return tree_fault(reader->t, node, "'%s' is missing in body; a %s needs it",
                               body_parts[k].key, body_types[text.type].word);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
         for (k = 0; k < BODY_PARTS; k++)
             if (body_parts[k].type == contact->body.type &&
-                strcmp(body_parts[k].key, r->t->node[i].key) == 0)
+                strcmp(body_parts[k].key, reader->t->node[i].key) == 0)
                 break;
-        if (k == BODY_PARTS && strcmp(r->t->node[i].key, "type") != 0)
-            return tree_fault_at(r->t, r->t->node[i].key_at,
-                                 "'%s' has no meaning for a %s; remove it", r->t->node[i].key,
+        if (k == BODY_PARTS && strcmp(reader->t->node[i].key, "type") != 0)
+            return tree_fault_at(reader->t, reader->t->node[i].key_at,
+                                 "'%s' has no meaning for a %s; remove it", reader->t->node[i].key,
                                  body_types[text.type].word);
     }
     return 0;
 }
 
-int read_contact(reader *r, int node, void *to, const void *rule)
+int read_contact(reader *reader, int node, void *to, const void *rule)
 {
     static const range stiff = {0, HUGE_VAL, 1,
                                 "must be above 0; 10 serves, 100 for cord and rubber"};
@@ -420,16 +423,16 @@ int read_contact(reader *r, int node, void *to, const void *rule)
         {"move", read_vector, offsetof(contact_text, contact.move), NULL, 0},
         {"stiffness", read_real, offsetof(contact_text, contact.stiffness), &stiff, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     contact_text text;
     int status;
     (void)rule;
     memset(&text, 0, sizeof text);
     text.contact.stiffness = 10;
-    status = read_map(r, node, fields, &text);
-    s->contact = text.contact;
-    s->contact.face = (scene_face)text.face;
-    s->contact.at = node_at(r, node);
-    s->contact.given = status == 0;
+    status = read_map(reader, node, fields, &text);
+    scene->contact = text.contact;
+    scene->contact.face = (scene_face)text.face;
+    scene->contact.at = node_at(reader, node);
+    scene->contact.given = status == 0;
     return status;
 }

@@ -10,31 +10,31 @@ const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
 
 /* Answer a former name of a preset with its present one: -1 with the fault told, 0 otherwise. */
-static int refuse_former_preset(reader *r, int node)
+static int refuse_former_preset(reader *reader, int node)
 {
     static const char *const renamed[][2] = {{"corrected", "improved"}, {"source", "published"}};
-    const char *text = node_text(r, node);
+    const char *text = node_text(reader, node);
     for (int i = 0; text && i < 2; i++)
         if (strcmp(text, renamed[i][0]) == 0)
-            return tree_fault(r->t, node, "'%.60s: %s' is now called '%s'; write '%s'",
-                              tree_name(r->t, node), text, renamed[i][1], renamed[i][1]);
+            return tree_fault(reader->t, node, "'%.60s: %s' is now called '%s'; write '%s'",
+                              tree_name(reader->t, node), text, renamed[i][1], renamed[i][1]);
     return 0;
 }
 
-static int read_preset(reader *r, int node, void *to, const void *rule)
+static int read_preset(reader *reader, int node, void *to, const void *rule)
 {
     static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
     int is_published = 0;
     (void)rule;
-    if (refuse_former_preset(r, node) != 0)
+    if (refuse_former_preset(reader, node) != 0)
         return -1;
-    if (read_choice(r, node, &is_published, presets) != 0)
+    if (read_choice(reader, node, &is_published, presets) != 0)
         return -1;
     *(scene_element *)to = is_published ? element_published : element_improved;
     return 0;
 }
 
-int read_element(reader *r, int node, void *to, const void *rule)
+int read_element(reader *reader, int node, void *to, const void *rule)
 {
     static const choice kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
     static const choice area[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
@@ -50,40 +50,40 @@ int read_element(reader *r, int node, void *to, const void *rule)
         {NULL, NULL, 0, NULL, 0}};
     scene_element *element = &((scene *)to)->element;
     *element = element_improved;
-    return r->t->node[node].kind == TREE_MAP ? read_map(r, node, fields, element)
-                                             : read_preset(r, node, element, rule);
+    return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, fields, element)
+                                                  : read_preset(reader, node, element, rule);
 }
 
 /* ---- materials ---- */
 
-static int read_poling(reader *r, int node, void *to, const void *rule)
+static int read_poling(reader *reader, int node, void *to, const void *rule)
 {
     static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
-    const char *text = node_text(r, node);
+    const char *text = node_text(reader, node);
     (void)rule;
     if (text && strcmp(text, "-3") == 0) { /* a choice's value is not negative */
         *(int *)to = -3;
         return 0;
     }
-    return read_choice(r, node, to, polings);
+    return read_choice(reader, node, to, polings);
 }
 
-static int read_alpha(reader *r, int node, void *to, const void *rule)
+static int read_alpha(reader *reader, int node, void *to, const void *rule)
 {
     double *alpha = to;
     int i, k = 0;
     (void)rule;
-    if (r->t->node[node].kind != TREE_LIST) {
-        if (read_real(r, node, alpha, NULL) != 0)
+    if (reader->t->node[node].kind != TREE_LIST) {
+        if (read_real(reader, node, alpha, NULL) != 0)
             return -1;
         alpha[1] = alpha[2] = alpha[0];
         return 0;
     }
-    if (r->t->node[node].count != 3)
-        return tree_fault(r->t, node, "'alpha' has %d values; give one, or three for 1, 2, 3",
-                          r->t->node[node].count);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_real(r, i, &alpha[k++], NULL) != 0)
+    if (reader->t->node[node].count != 3)
+        return tree_fault(reader->t, node, "'alpha' has %d values; give one, or three for 1, 2, 3",
+                          reader->t->node[node].count);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_real(reader, i, &alpha[k++], NULL) != 0)
             return -1;
     return 0;
 }
@@ -105,20 +105,20 @@ static const char *const orthotropic_keys[] = {"E1",  "E2",   "E3",   "G12",  "G
 static const char *const d_keys[] = {"d31", "d32", "d33", "d24", "d15", NULL};
 static const char *const e_keys[] = {"e31", "e32", "e33", "e24", "e15", NULL};
 
-static const char *first_given(const reader *r, int node, const char *const *keys)
+static const char *first_given(const reader *reader, int node, const char *const *keys)
 {
     for (; *keys; keys++)
-        if (tree_find(r->t, node, *keys))
+        if (tree_find(reader->t, node, *keys))
             return *keys;
     return NULL;
 }
 
-static int require(reader *r, int node, const char *const *keys)
+static int require(reader *reader, int node, const char *const *keys)
 {
     for (; *keys; keys++)
-        if (!tree_find(r->t, node, *keys))
-            return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", *keys,
-                              tree_name(r->t, node));
+        if (!tree_find(reader->t, node, *keys))
+            return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", *keys,
+                              tree_name(reader->t, node));
     return 0;
 }
 
@@ -128,56 +128,57 @@ static void set_default(double *v, double value)
         *v = value;
 }
 
-static int elastic_isotropic(reader *r, int node, material_text *text)
+static int elastic_isotropic(reader *reader, int node, material_text *text)
 {
-    scene_material *m = &text->m;
-    if (require(r, node, isotropic_keys) != 0)
+    scene_material *material = &text->m;
+    if (require(reader, node, isotropic_keys) != 0)
         return -1;
     if (text->nu >= 0.5 || text->nu <= -1)
-        return tree_fault(r->t, tree_find(r->t, node, "nu"),
+        return tree_fault(reader->t, tree_find(reader->t, node, "nu"),
                           "'nu: %g' of %.60s leaves no positive definite stiffness; "
                           "use -1 < nu < 0.5, 0.4999 with element: improved for rubber",
-                          text->nu, tree_name(r->t, node));
-    m->e[0] = m->e[1] = m->e[2] = text->e;
-    m->nu12 = m->nu13 = m->nu23 = text->nu;
-    m->g12 = m->g13 = m->g23 = text->e / (2 * (1 + text->nu));
+                          text->nu, tree_name(reader->t, node));
+    material->e[0] = material->e[1] = material->e[2] = text->e;
+    material->nu12 = material->nu13 = material->nu23 = text->nu;
+    material->g12 = material->g13 = material->g23 = text->e / (2 * (1 + text->nu));
     return 0;
 }
 
 /* Pivots of the compliance scaled to unit diagonal: positive for a stable material. */
-static int is_stable(const scene_material *m)
+static int is_stable(const scene_material *material)
 {
-    const double a = -m->nu12 * sqrt(m->e[1] / m->e[0]), b = -m->nu13 * sqrt(m->e[2] / m->e[0]),
-                 c = -m->nu23 * sqrt(m->e[2] / m->e[1]);
+    const double a = -material->nu12 * sqrt(material->e[1] / material->e[0]),
+                 b = -material->nu13 * sqrt(material->e[2] / material->e[0]),
+                 c = -material->nu23 * sqrt(material->e[2] / material->e[1]);
     const double second = 1 - a * a, third = 1 - b * b - (c - a * b) * (c - a * b) / second;
     return second > 1e-9 && third > 1e-9;
 }
 
-static int elastic_orthotropic(reader *r, int node, material_text *text)
+static int elastic_orthotropic(reader *reader, int node, material_text *text)
 {
     static const char *const needed[] = {"E1", "E2", "G12", "nu12", NULL};
-    scene_material *m = &text->m;
-    if (require(r, node, needed) != 0)
+    scene_material *material = &text->m;
+    if (require(reader, node, needed) != 0)
         return -1;
-    set_default(&m->e[2], m->e[1]);
-    set_default(&m->g13, m->g12);
-    set_default(&m->nu13, m->nu12);
-    set_default(&m->nu23, m->nu12);
-    if (isnan(m->g23) && m->nu23 <= -1)
-        return tree_fault(r->t, node,
-                          "'nu23: %g' of %.60s is not above -1; give G23 or another nu23", m->nu23,
-                          tree_name(r->t, node));
-    set_default(&m->g23, m->e[1] / (2 * (1 + m->nu23)));
-    if (is_stable(m))
+    set_default(&material->e[2], material->e[1]);
+    set_default(&material->g13, material->g12);
+    set_default(&material->nu13, material->nu12);
+    set_default(&material->nu23, material->nu12);
+    if (isnan(material->g23) && material->nu23 <= -1)
+        return tree_fault(reader->t, node,
+                          "'nu23: %g' of %.60s is not above -1; give G23 or another nu23",
+                          material->nu23, tree_name(reader->t, node));
+    set_default(&material->g23, material->e[1] / (2 * (1 + material->nu23)));
+    if (is_stable(material))
         return 0;
     return tree_fault(
-        r->t, node,
+        reader->t, node,
         "nu12 = %g, nu13 = %g, nu23 = %g of %.60s leave no positive definite stiffness; nu12 "
         "is -e2/e1 under a pull along 1: swap or lower them",
-        m->nu12, m->nu13, m->nu23, tree_name(r->t, node));
+        material->nu12, material->nu13, material->nu23, tree_name(reader->t, node));
 }
 
-static int read_stiffness(reader *r, int node, void *to, const void *rule)
+static int read_stiffness(reader *reader, int node, void *to, const void *rule)
 {
 #define STIFFNESS(key, i, rule, required)                                                          \
     {                                                                                              \
@@ -195,7 +196,7 @@ static int read_stiffness(reader *r, int node, void *to, const void *rule)
     (void)rule;
     for (i = 0; i < 9; i++)
         c[i] = (double)NAN;
-    if (read_map(r, node, fields, c) != 0)
+    if (read_map(reader, node, fields, c) != 0)
         return -1;
     set_default(&c[C22], c[C11]);
     set_default(&c[C23], c[C13]);
@@ -205,57 +206,57 @@ static int read_stiffness(reader *r, int node, void *to, const void *rule)
 }
 
 /* Engineering constants from a stiffness, by its inverse. */
-static int elastic_stiffness(reader *r, int node, material_text *text)
+static int elastic_stiffness(reader *reader, int node, material_text *text)
 {
     const double *c = text->c;
-    scene_material *m = &text->m;
+    scene_material *material = &text->m;
     const double minor = c[C11] * c[C22] - c[C12] * c[C12], s33 = minor;
     const double s11 = c[C22] * c[C33] - c[C23] * c[C23], s22 = c[C11] * c[C33] - c[C13] * c[C13];
     const double s12 = c[C13] * c[C23] - c[C12] * c[C33], s13 = c[C12] * c[C23] - c[C13] * c[C22];
     const double s23 = c[C12] * c[C13] - c[C23] * c[C11];
     const double all = c[C11] * s11 + c[C12] * s12 + c[C13] * s13;
     if (!(minor > 0 && all > 0 && s11 > 0 && s22 > 0 && c[C66] > 0))
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "the stiffness of %.60s is not positive definite; lower c12, c13 or c23",
-                          tree_name(r->t, node));
-    m->e[0] = all / s11;
-    m->e[1] = all / s22;
-    m->e[2] = all / s33;
-    m->nu12 = -s12 / s11;
-    m->nu13 = -s13 / s11;
-    m->nu23 = -s23 / s22;
-    m->g23 = c[C44];
-    m->g13 = c[C55];
-    m->g12 = c[C66];
+                          tree_name(reader->t, node));
+    material->e[0] = all / s11;
+    material->e[1] = all / s22;
+    material->e[2] = all / s33;
+    material->nu12 = -s12 / s11;
+    material->nu13 = -s13 / s11;
+    material->nu23 = -s23 / s22;
+    material->g23 = c[C44];
+    material->g13 = c[C55];
+    material->g12 = c[C66];
     return 0;
 }
 
-static int check_material(reader *r, int node, material_text *text)
+static int check_material(reader *reader, int node, material_text *text)
 {
     static const char *const stiffness_key[] = {"stiffness", NULL};
-    const char *e = first_given(r, node, isotropic_keys),
-               *e1 = first_given(r, node, orthotropic_keys);
-    const char *c = first_given(r, node, stiffness_key);
-    const char *d = first_given(r, node, d_keys), *piezo_e = first_given(r, node, e_keys);
+    const char *e = first_given(reader, node, isotropic_keys),
+               *e1 = first_given(reader, node, orthotropic_keys);
+    const char *c = first_given(reader, node, stiffness_key);
+    const char *d = first_given(reader, node, d_keys), *piezo_e = first_given(reader, node, e_keys);
     if (e && e1)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "%.60s has '%s' and '%s'; give E, nu or E1, E2, G12, nu12 ...",
-                          tree_name(r->t, node), e, e1);
+                          tree_name(reader->t, node), e, e1);
     if (c && (e || e1))
-        return tree_fault(r->t, node, "%.60s has 'stiffness' and '%s'; give one or the other",
-                          tree_name(r->t, node), e ? e : e1);
+        return tree_fault(reader->t, node, "%.60s has 'stiffness' and '%s'; give one or the other",
+                          tree_name(reader->t, node), e ? e : e1);
     if (d && piezo_e)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "%.60s has '%s' and '%s'; give strain constants d or stress constants e",
-                          tree_name(r->t, node), d, piezo_e);
+                          tree_name(reader->t, node), d, piezo_e);
     text->m.has_d = d != NULL;
     text->m.has_e = piezo_e != NULL;
-    return c    ? elastic_stiffness(r, node, text)
-           : e1 ? elastic_orthotropic(r, node, text)
-                : elastic_isotropic(r, node, text);
+    return c    ? elastic_stiffness(reader, node, text)
+           : e1 ? elastic_orthotropic(reader, node, text)
+                : elastic_isotropic(reader, node, text);
 }
 
-static int read_material(reader *r, int node, scene_material *to)
+static int read_material(reader *reader, int node, scene_material *to)
 {
 #define ELASTIC(key, member)                                                                       \
     {                                                                                              \
@@ -298,53 +299,56 @@ static int read_material(reader *r, int node, scene_material *to)
 #undef ELASTIC
 #undef NUMBER
     material_text text;
-    scene_material *m = &text.m;
+    scene_material *material = &text.m;
     memset(&text, 0, sizeof text);
-    m->e[2] = m->g13 = m->g23 = m->nu13 = m->nu23 = (double)NAN;
-    m->poling = 3;
-    if (check_name(r, r->t->node[node].key, r->t->node[node].key_at, m->name) != 0)
+    material->e[2] = material->g13 = material->g23 = material->nu13 = material->nu23 = (double)NAN;
+    material->poling = 3;
+    if (check_name(reader, reader->t->node[node].key, reader->t->node[node].key_at,
+                   material->name) != 0)
         return -1;
-    m->at = r->t->node[node].key_at;
-    if (read_map(r, node, fields, &text) != 0 || check_material(r, node, &text) != 0)
+    material->at = reader->t->node[node].key_at;
+    if (read_map(reader, node, fields, &text) != 0 || check_material(reader, node, &text) != 0)
         return -1;
     *to = text.m;
     return 0;
 }
 
-int read_materials(reader *r, int node, void *to, const void *rule)
+int read_materials(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->material = new_items(r, node, TREE_MAP, sizeof *s->material, &s->materials);
-    if (!s->material)
+    scene->material = new_items(reader, node, TREE_MAP, sizeof *scene->material, &scene->materials);
+    if (!scene->material)
         return -1;
-    if (s->materials == 0)
-        return tree_fault(r->t, node, "no materials; add one, as {steel: {E: 210e9, nu: 0.3}}");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_material(r, i, &s->material[k++]) != 0)
+    if (scene->materials == 0)
+        return tree_fault(reader->t, node,
+                          "no materials; add one, as {steel: {E: 210e9, nu: 0.3}}");
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_material(reader, i, &scene->material[k++]) != 0)
             return -1;
     return 0;
 }
 
 /* ---- layers ---- */
 
-static int read_material_of(reader *r, int node, void *to, const void *rule)
+static int read_material_of(reader *reader, int node, void *to, const void *rule)
 {
-    const scene *s = r->s;
+    const scene *scene = reader->s;
     char name[SCENE_NAME];
     int i;
-    if (read_name(r, node, name, rule) != 0)
+    if (read_name(reader, node, name, rule) != 0)
         return -1;
-    i = find_named(s->material, s->materials, sizeof *s->material, name);
+    i = find_named(scene->material, scene->materials, sizeof *scene->material, name);
     if (i < 0)
-        return tree_fault(r->t, node, "there is no material '%s'; add it to materials, or use '%s'",
-                          name, s->material[0].name);
+        return tree_fault(reader->t, node,
+                          "there is no material '%s'; add it to materials, or use '%s'", name,
+                          scene->material[0].name);
     *(int *)to = i;
     return 0;
 }
 
-static int read_layer(reader *r, int node, scene_layer *layer)
+static int read_layer(reader *reader, int node, scene_layer *layer)
 {
     static const range turn = {-360, 360, 0, "must lie between -360 and 360 degrees"};
     static const field fields[] = {
@@ -355,74 +359,75 @@ static int read_layer(reader *r, int node, scene_layer *layer)
         {"patched", read_flag, offsetof(scene_layer, patched), NULL, 0},
         {"poling", read_poling, offsetof(scene_layer, poling), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
-    layer->at = node_at(r, node);
-    if (read_map(r, node, fields, layer) != 0)
+    layer->at = node_at(reader, node);
+    if (read_map(reader, node, fields, layer) != 0)
         return -1;
     if (layer->poling == 0)
-        layer->poling = r->s->material[layer->material].poling;
+        layer->poling = reader->s->material[layer->material].poling;
     return 0;
 }
 
-int read_layers(reader *r, int node, void *to, const void *rule)
+int read_layers(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->at_layers = node_at(r, node);
-    s->layer = new_items(r, node, TREE_LIST, sizeof *s->layer, &s->layers);
-    if (!s->layer)
+    scene->at_layers = node_at(reader, node);
+    scene->layer = new_items(reader, node, TREE_LIST, sizeof *scene->layer, &scene->layers);
+    if (!scene->layer)
         return -1;
-    if (s->layers == 0)
-        return tree_fault(r->t, node,
+    if (scene->layers == 0)
+        return tree_fault(reader->t, node,
                           "no layers; add one, as [{material: steel, thickness: 1e-3}]");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_layer(r, i, &s->layer[k++]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_layer(reader, i, &scene->layer[k++]) != 0)
             return -1;
     return 0;
 }
 
-int read_reference(reader *r, int node, void *to, const void *rule)
+int read_reference(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
-    const char *text = node_text(r, node);
+    scene *scene = to;
+    const char *text = node_text(reader, node);
     (void)rule;
-    s->reference_is_middle = text && strcmp(text, "middle") == 0;
-    return s->reference_is_middle ? 0 : read_real(r, node, &s->reference, &not_negative);
+    scene->reference_is_middle = text && strcmp(text, "middle") == 0;
+    return scene->reference_is_middle ? 0
+                                      : read_real(reader, node, &scene->reference, &not_negative);
 }
 
 /* ---- patches ---- */
 
-static int read_layer_of(reader *r, int node, void *to, const void *rule)
+static int read_layer_of(reader *reader, int node, void *to, const void *rule)
 {
-    const scene *s = r->s;
+    const scene *scene = reader->s;
     char name[SCENE_NAME];
     int i;
-    if (read_name(r, node, name, rule) != 0)
+    if (read_name(reader, node, name, rule) != 0)
         return -1;
-    i = find_named(s->layer, s->layers, sizeof *s->layer, name);
+    i = find_named(scene->layer, scene->layers, sizeof *scene->layer, name);
     if (i < 0)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "there is no layer named '%s'; give one of the layers this name", name);
     *(int *)to = i;
     return 0;
 }
 
-static int read_grid(reader *r, int node, void *to, const void *rule)
+static int read_grid(reader *reader, int node, void *to, const void *rule)
 {
     double pair[2];
     int i, *grid = to;
-    if (read_pair(r, node, pair, rule) != 0)
+    if (read_pair(reader, node, pair, rule) != 0)
         return -1;
     for (i = 0; i < 2; i++) {
         if (pair[i] != floor(pair[i]))
-            return tree_fault(r->t, node,
+            return tree_fault(reader->t, node,
                               "'grid' must be two whole numbers, [along theta1, along theta2]");
         grid[i] = (int)pair[i];
     }
     return 0;
 }
 
-static int read_patch(reader *r, int node, scene_patches *p)
+static int read_patch(reader *reader, int node, scene_patches *patches)
 {
     static const range counted = {1, 1000, 0, "must be from 1 to 1000"};
     static const field fields[] = {
@@ -432,38 +437,39 @@ static int read_patch(reader *r, int node, scene_patches *p)
         {"theta2", read_pair, offsetof(scene_patches, theta2), NULL, 0},
         {"grid", read_grid, offsetof(scene_patches, grid), &counted, 0},
         {NULL, NULL, 0, NULL, 0}};
-    const scene_line *line = r->s->line;
-    p->at = node_at(r, node);
-    p->grid[0] = p->grid[1] = 1;
-    p->theta1[0] = line[0].point[0];
-    p->theta1[1] = line[0].point[line[0].elements];
-    p->theta2[0] = line[1].point[0];
-    p->theta2[1] = line[1].point[line[1].elements];
-    if (read_map(r, node, fields, p) != 0)
+    const scene_line *line = reader->s->line;
+    patches->at = node_at(reader, node);
+    patches->grid[0] = patches->grid[1] = 1;
+    patches->theta1[0] = line[0].point[0];
+    patches->theta1[1] = line[0].point[line[0].elements];
+    patches->theta2[0] = line[1].point[0];
+    patches->theta2[1] = line[1].point[line[1].elements];
+    if (read_map(reader, node, fields, patches) != 0)
         return -1;
     for (int k = 0; k < 2; k++)
-        if (p->grid[k] > line[k].elements)
+        if (patches->grid[k] > line[k].elements)
             return tree_fault(
-                r->t, node,
+                reader->t, node,
                 "patches '%s': %d along theta%d, but the mesh has %d elements there; use "
                 "fewer patches or more elements",
-                p->name, p->grid[k], k + 1, line[k].elements);
+                patches->name, patches->grid[k], k + 1, line[k].elements);
     return 0;
 }
 
-int read_patches(reader *r, int node, void *to, const void *rule)
+int read_patches(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->patches = new_items(r, node, TREE_LIST, sizeof *s->patches, &s->patch_grids);
-    if (!s->patches)
+    scene->patches =
+        new_items(reader, node, TREE_LIST, sizeof *scene->patches, &scene->patch_grids);
+    if (!scene->patches)
         return -1;
-    if (s->patch_grids > 1000)
-        return tree_fault(r->t, node, "%d items; join them into grids, at most 1000",
-                          s->patch_grids);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_patch(r, i, &s->patches[k++]) != 0)
+    if (scene->patch_grids > 1000)
+        return tree_fault(reader->t, node, "%d items; join them into grids, at most 1000",
+                          scene->patch_grids);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_patch(reader, i, &scene->patches[k++]) != 0)
             return -1;
     return 0;
 }

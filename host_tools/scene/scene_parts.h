@@ -29,7 +29,7 @@ void free_simulate(scene_simulate *simulate);
 
 /* scene_place.c: places (`to` is a scene_where), faces and directions. */
 field_read read_edge, read_point, read_at;
-int require_place(reader *r, int node, const scene_where *w);
+int require_place(reader *reader, int node, const scene_where *where);
 extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
@@ -46,9 +46,9 @@ extern const int place_components[];
 extern const scene_element element_improved;
 
 /* scene_check.c: what no single section can know; snaps points and patches to the mesh. */
-int scene_check(scene *s, char *error);
+int scene_check(scene *scene, char *error);
 
 /* Does the material of some layer expand with temperature? */
-int scene_expands(const scene *s);
+int scene_expands(const scene *scene);
 
 #endif

@@ -21,71 +21,72 @@ typedef struct surface_text {
     double smoothing;
 } surface_text;
 
-static int read_pairs(reader *r, int node, pairs_text *list, const range *first)
+static int read_pairs(reader *reader, int node, pairs_text *list, const range *first)
 {
     int i, k = 0, child;
-    list->pair = new_items(r, node, TREE_LIST, sizeof *list->pair, &list->count);
+    list->pair = new_items(reader, node, TREE_LIST, sizeof *list->pair, &list->count);
     if (!list->pair)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        if (require_kind(r, i, TREE_LIST) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
+        if (require_kind(reader, i, TREE_LIST) != 0)
             return -1;
-        if (r->t->node[i].count != 2)
-            return tree_fault(r->t, i, "an item of '%.60s' has %d values; give two, [r, z]",
-                              tree_name(r->t, node), r->t->node[i].count);
-        child = r->t->node[i].first;
-        if (read_real(r, child, &list->pair[k][0], first) != 0 ||
-            read_real(r, r->t->node[child].next, &list->pair[k][1], NULL) != 0)
+        if (reader->t->node[i].count != 2)
+            return tree_fault(reader->t, i, "an item of '%.60s' has %d values; give two, [r, z]",
+                              tree_name(reader->t, node), reader->t->node[i].count);
+        child = reader->t->node[i].first;
+        if (read_real(reader, child, &list->pair[k][0], first) != 0 ||
+            read_real(reader, reader->t->node[child].next, &list->pair[k][1], NULL) != 0)
             return -1;
     }
     return 0;
 }
 
-static int read_meridian(reader *r, int node, void *to, const void *rule)
+static int read_meridian(reader *reader, int node, void *to, const void *rule)
 {
     static const range radius = {0, HUGE_VAL, 0, "is a radius and must not be below 0"};
     pairs_text *list = to;
     int i, k = 0;
     (void)rule;
-    if (read_pairs(r, node, list, &radius) != 0)
+    if (read_pairs(reader, node, list, &radius) != 0)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++)
         if (k > 0 && list->pair[k][0] == list->pair[k - 1][0] &&
             list->pair[k][1] == list->pair[k - 1][1])
-            return tree_fault(r->t, i, "point [%g, %g] follows itself; drop one", list->pair[k][0],
-                              list->pair[k][1]);
+            return tree_fault(reader->t, i, "point [%g, %g] follows itself; drop one",
+                              list->pair[k][0], list->pair[k][1]);
     return 0;
 }
 
-static int read_ends(reader *r, int node, void *to, const void *rule)
+static int read_ends(reader *reader, int node, void *to, const void *rule)
 {
     static const choice only[] = {{"not-a-knot", 0}, {NULL, 0}};
     pairs_text *list = to;
     int k, unused;
     (void)rule;
-    if (r->t->node[node].kind != TREE_LIST)
-        return read_choice(r, node, &unused, only);
-    if (read_pairs(r, node, list, NULL) != 0)
+    if (reader->t->node[node].kind != TREE_LIST)
+        return read_choice(reader, node, &unused, only);
+    if (read_pairs(reader, node, list, NULL) != 0)
         return -1;
     if (list->count != 2)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "'ends' has %d items; give not-a-knot or the directions at the first and last point, "
             "[[r', z'], [r', z']]",
             list->count);
     for (k = 0; k < 2; k++)
         if (list->pair[k][0] == 0 && list->pair[k][1] == 0)
-            return tree_fault(r->t, node, "'ends': [0, 0] has no direction; give one, as [1, 0]");
+            return tree_fault(reader->t, node,
+                              "'ends': [0, 0] has no direction; give one, as [1, 0]");
     return 0;
 }
 
-static int fit_meridian(reader *r, int node, surface_text *text)
+static int fit_meridian(reader *reader, int node, surface_text *text)
 {
     const int least = text->tangents.count ? 2 : 4;
-    node = tree_find(r->t, node, "meridian");
+    node = tree_find(reader->t, node, "meridian");
     if (text->points.count < least)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "'meridian' has %d points; give at least %d (4, or 2 with directions at its ends)",
             text->points.count, least);
     text->s.meridian = spline_fit(
@@ -94,7 +95,7 @@ static int fit_meridian(reader *r, int node, surface_text *text)
     if (text->s.meridian)
         return 0;
     return tree_fault(
-        r->t, node,
+        reader->t, node,
         "no spline goes through the points of 'meridian'; space them more evenly, smooth less");
 }
 
@@ -120,27 +121,27 @@ static const struct {
              {SURFACE_SPIRAL, "turns", 1},         {SURFACE_SPIRAL, "axial", 1}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
-static int check_parts(reader *r, int node, scene_surface_type type)
+static int check_parts(reader *reader, int node, scene_surface_type type)
 {
     const char *name = surface_types[type].word;
     int i, k;
     for (k = 0; k < PARTS; k++)
-        if (parts[k].type == type && parts[k].needed && !tree_find(r->t, node, parts[k].key))
-            return tree_fault(r->t, node, "'%s' is missing in surface; a %s needs it", parts[k].key,
-                              name);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
+        if (parts[k].type == type && parts[k].needed && !tree_find(reader->t, node, parts[k].key))
+            return tree_fault(reader->t, node, "'%s' is missing in surface; a %s needs it",
+                              parts[k].key, name);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
         for (k = 0; k < PARTS; k++)
-            if (parts[k].type == type && strcmp(parts[k].key, r->t->node[i].key) == 0)
+            if (parts[k].type == type && strcmp(parts[k].key, reader->t->node[i].key) == 0)
                 break;
-        if (k == PARTS && strcmp(r->t->node[i].key, "type") != 0)
-            return tree_fault_at(r->t, r->t->node[i].key_at,
-                                 "'%s' has no meaning for a %s; remove it", r->t->node[i].key,
+        if (k == PARTS && strcmp(reader->t->node[i].key, "type") != 0)
+            return tree_fault_at(reader->t, reader->t->node[i].key_at,
+                                 "'%s' has no meaning for a %s; remove it", reader->t->node[i].key,
                                  name);
     }
     return 0;
 }
 
-static int read_surface_text(reader *r, int node, surface_text *text)
+static int read_surface_text(reader *reader, int node, surface_text *text)
 {
     static const choice axes[] = {{"theta1", 1}, {"theta2", 2}, {NULL, 0}};
     static const range acute = {
@@ -161,24 +162,24 @@ static int read_surface_text(reader *r, int node, surface_text *text)
         {"outer", read_real, offsetof(surface_text, s.outer), &above_zero, 0},
         {"turns", read_real, offsetof(surface_text, s.turns), &above_zero, 0},
         {NULL, NULL, 0, NULL, 0}};
-    if (read_map(r, node, any, text) != 0)
+    if (read_map(reader, node, any, text) != 0)
         return -1;
     text->s.type = (scene_surface_type)text->type;
-    if (check_parts(r, node, text->s.type) != 0)
+    if (check_parts(reader, node, text->s.type) != 0)
         return -1;
-    return text->s.type == SURFACE_REVOLUTION ? fit_meridian(r, node, text) : 0;
+    return text->s.type == SURFACE_REVOLUTION ? fit_meridian(reader, node, text) : 0;
 }
 
-int read_surface(reader *r, int node, void *to, const void *rule)
+int read_surface(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     surface_text text;
     int status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    s->at_surface = node_at(r, node);
-    status = read_surface_text(r, node, &text);
-    s->surface = text.s;
+    scene->at_surface = node_at(reader, node);
+    status = read_surface_text(reader, node, &text);
+    scene->surface = text.s;
     free(text.points.pair);
     free(text.tangents.pair);
     return status;
@@ -186,34 +187,35 @@ int read_surface(reader *r, int node, void *to, const void *rule)
 
 /* ---- mesh ---- */
 
-static int make_points(reader *r, int node, scene_line *line, int elements)
+static int make_points(reader *reader, int node, scene_line *line, int elements)
 {
     line->point = calloc((size_t)elements + 1, sizeof *line->point);
     if (!line->point)
-        return tree_fault(r->t, node, "out of memory");
+        return tree_fault(reader->t, node, "out of memory");
     line->elements = elements;
     return 0;
 }
 
-static int read_points(reader *r, int node, scene_line *line)
+static int read_points(reader *reader, int node, scene_line *line)
 {
-    int i, k = 0, list = tree_find(r->t, node, "points");
-    const tree_node *n = &r->t->node[list];
-    if (r->t->node[node].count > 1)
-        return tree_fault(r->t, node, "'points' says all; remove the other keys");
+    int i, k = 0, list = tree_find(reader->t, node, "points");
+    const tree_node *n = &reader->t->node[list];
+    if (reader->t->node[node].count > 1)
+        return tree_fault(reader->t, node, "'points' says all; remove the other keys");
     if (n->kind != TREE_LIST || n->count < 2)
-        return tree_fault(r->t, list, "'points' must be a list of at least two, [0, 0.1, ...]");
+        return tree_fault(reader->t, list,
+                          "'points' must be a list of at least two, [0, 0.1, ...]");
     if (n->count > SCENE_NODES)
-        return tree_fault(r->t, list, "%d points; a mesh has at most %d nodes", n->count,
+        return tree_fault(reader->t, list, "%d points; a mesh has at most %d nodes", n->count,
                           SCENE_NODES);
-    if (make_points(r, list, line, n->count - 1) != 0)
+    if (make_points(reader, list, line, n->count - 1) != 0)
         return -1;
-    for (i = n->first; i; i = r->t->node[i].next, k++) {
-        if (read_real(r, i, &line->point[k], NULL) != 0)
+    for (i = n->first; i; i = reader->t->node[i].next, k++) {
+        if (read_real(reader, i, &line->point[k], NULL) != 0)
             return -1;
         if (k > 0 && !(line->point[k] > line->point[k - 1]))
             return tree_fault(
-                r->t, i,
+                reader->t, i,
                 "point %g does not ascend after %g; the mesh would fold, sort the points and "
                 "drop repeated ones",
                 line->point[k], line->point[k - 1]);
@@ -221,23 +223,23 @@ static int read_points(reader *r, int node, scene_line *line)
     return 0;
 }
 
-static int check_ascending(reader *r, int node, const scene_line *line)
+static int check_ascending(reader *reader, int node, const scene_line *line)
 {
     int i;
     for (i = 1; i <= line->elements; i++)
         if (!(line->point[i] > line->point[i - 1]))
-            return tree_fault(r->t, node, "elements of %.60s shrink to nothing; use fewer",
-                              tree_name(r->t, node));
+            return tree_fault(reader->t, node, "elements of %.60s shrink to nothing; use fewer",
+                              tree_name(reader->t, node));
     return 0;
 }
 
 /* Elements in geometric progression; grading is the last one's length over the first one's. */
-static int divide(reader *r, int node, scene_line *line, double from, double to, int elements,
+static int divide(reader *reader, int node, scene_line *line, double from, double to, int elements,
                   double grading)
 {
     double step = 1, at = 0, ratio = elements > 1 ? pow(grading, 1.0 / (elements - 1)) : 1;
     int i;
-    if (make_points(r, node, line, elements) != 0)
+    if (make_points(reader, node, line, elements) != 0)
         return -1;
     for (i = 1; i <= elements; i++) {
         at += step;
@@ -248,16 +250,16 @@ static int divide(reader *r, int node, scene_line *line, double from, double to,
         line->point[i] = grading == 1 ? from + (to - from) * i / elements
                                       : from + (to - from) * (line->point[i] / at);
     line->point[elements] = to;
-    return check_ascending(r, node, line);
+    return check_ascending(reader, node, line);
 }
 
 /* Finer or coarser in the middle: x = middle + half (centre s + (1 - centre) s^3), s from -1 to 1.
  */
-static int concentrate(reader *r, int node, scene_line *line, double from, double to, int elements,
-                       double centre)
+static int concentrate(reader *reader, int node, scene_line *line, double from, double to,
+                       int elements, double centre)
 {
     int i;
-    if (make_points(r, node, line, elements) != 0)
+    if (make_points(reader, node, line, elements) != 0)
         return -1;
     for (i = 0; i <= elements; i++) {
         const double s = (2.0 * i - elements) / elements;
@@ -266,7 +268,7 @@ static int concentrate(reader *r, int node, scene_line *line, double from, doubl
     }
     line->point[0] = from;
     line->point[elements] = to;
-    return check_ascending(r, node, line);
+    return check_ascending(reader, node, line);
 }
 
 typedef struct line_text {
@@ -275,39 +277,39 @@ typedef struct line_text {
 } line_text;
 
 /* What is given must lie within the range that a surface has of itself. */
-static int check_ends(reader *r, int node, int direction, double from, double to)
+static int check_ends(reader *reader, int node, int direction, double from, double to)
 {
-    const char *name = tree_name(r->t, node);
+    const char *name = tree_name(reader->t, node);
     double own[2];
-    if (surface_range(&r->s->surface, direction, own) &&
+    if (surface_range(&reader->s->surface, direction, own) &&
         (from < own[0] - 1e-9 * own[1] || to > own[1] * (1 + 1e-9)))
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "%.60s runs from %g to %g, but the surface from %g to %g; leave 'from' and 'to' out "
             "for the whole of it",
             name, from, to, own[0], own[1]);
     if (to > from)
         return 0;
-    return tree_fault(r->t, node, "%.60s runs from %g to %g; 'to' must be above 'from'", name, from,
-                      to);
+    return tree_fault(reader->t, node, "%.60s runs from %g to %g; 'to' must be above 'from'", name,
+                      from, to);
 }
 
 /* Ends that are not given are those of the surface, if it has any. */
-static int find_ends(reader *r, int node, int direction, line_text *text)
+static int find_ends(reader *reader, int node, int direction, line_text *text)
 {
-    const int from = tree_find(r->t, node, "from"), to = tree_find(r->t, node, "to");
+    const int from = tree_find(reader->t, node, "from"), to = tree_find(reader->t, node, "to");
     double own[2];
-    if (!surface_range(&r->s->surface, direction, own) && (!from || !to))
-        return tree_fault(r->t, node, "'%s' is missing in %.60s; add it", from ? "to" : "from",
-                          tree_name(r->t, node));
+    if (!surface_range(&reader->s->surface, direction, own) && (!from || !to))
+        return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", from ? "to" : "from",
+                          tree_name(reader->t, node));
     if (!from)
         text->from = own[0];
     if (!to)
         text->to = own[1];
-    return check_ends(r, node, direction, text->from, text->to);
+    return check_ends(reader, node, direction, text->from, text->to);
 }
 
-static int read_line(reader *r, int node, void *to, const void *rule)
+static int read_line(reader *reader, int node, void *to, const void *rule)
 {
     static const range counted = {1, SCENE_NODES, 0, "must be from 1 to 60000"};
     static const range graded = {1e-3, 1e3, 0, "must lie between 0.001 and 1000"};
@@ -326,42 +328,44 @@ static int read_line(reader *r, int node, void *to, const void *rule)
     line_text text = {0, 0, 1, 1, 0, 0};
     const int *direction = rule;
     int centre;
-    line->at = node_at(r, node);
-    if (r->t->node[node].kind == TREE_MAP && tree_find(r->t, node, "points"))
-        return read_points(r, node, line) == 0
-                   ? check_ends(r, node, *direction, line->point[0], line->point[line->elements])
+    line->at = node_at(reader, node);
+    if (reader->t->node[node].kind == TREE_MAP && tree_find(reader->t, node, "points"))
+        return read_points(reader, node, line) == 0
+                   ? check_ends(reader, node, *direction, line->point[0],
+                                line->point[line->elements])
                    : -1;
-    if (read_map(r, node, fields, &text) != 0 || find_ends(r, node, *direction, &text) != 0)
+    if (read_map(reader, node, fields, &text) != 0 ||
+        find_ends(reader, node, *direction, &text) != 0)
         return -1;
     line->slit = text.slit;
-    if (text.slit && !surface_closes(&r->s->surface, *direction))
-        return tree_fault(r->t, tree_find(r->t, node, "slit"),
+    if (text.slit && !surface_closes(&reader->s->surface, *direction))
+        return tree_fault(reader->t, tree_find(reader->t, node, "slit"),
                           "%.60s of this surface never comes back to its start; remove "
                           "'slit'",
-                          tree_name(r->t, node));
-    centre = tree_find(r->t, node, "centre");
+                          tree_name(reader->t, node));
+    centre = tree_find(reader->t, node, "centre");
     if (!centre)
-        return divide(r, node, line, text.from, text.to, text.elements, text.grading);
-    if (tree_find(r->t, node, "grading"))
-        return tree_fault_at(r->t, r->t->node[centre].key_at,
+        return divide(reader, node, line, text.from, text.to, text.elements, text.grading);
+    if (tree_find(reader->t, node, "grading"))
+        return tree_fault_at(reader->t, reader->t->node[centre].key_at,
                              "'centre' and 'grading' both space the elements; keep one");
-    return concentrate(r, node, line, text.from, text.to, text.elements, text.centre);
+    return concentrate(reader, node, line, text.from, text.to, text.elements, text.centre);
 }
 
-int read_mesh(reader *r, int node, void *to, const void *rule)
+int read_mesh(reader *reader, int node, void *to, const void *rule)
 {
     static const int directions[] = {1, 2};
     static const field fields[] = {
         {"theta1", read_line, offsetof(scene, line[0]), &directions[0], 1},
         {"theta2", read_line, offsetof(scene, line[1]), &directions[1], 1},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     (void)rule;
-    if (read_map(r, node, fields, to) != 0)
+    if (read_map(reader, node, fields, to) != 0)
         return -1;
-    if ((s->line[0].elements + 1.0) * (s->line[1].elements + 1.0) <= SCENE_NODES)
+    if ((scene->line[0].elements + 1.0) * (scene->line[1].elements + 1.0) <= SCENE_NODES)
         return 0;
-    return tree_fault(r->t, node,
+    return tree_fault(reader->t, node,
                       "a mesh of %d x %d elements has more than %d nodes; use fewer elements",
-                      s->line[0].elements, s->line[1].elements, SCENE_NODES);
+                      scene->line[0].elements, scene->line[1].elements, SCENE_NODES);
 }

@@ -11,48 +11,49 @@ static const range tick_count = {1, 10000000, 0, "must be from 1 to 10000000 tic
 /* ---- plant ---- */
 
 /* One factor for all materials, or a map of materials and their factors. */
-static int read_factors(reader *r, int node, void *to, const void *rule)
+static int read_factors(reader *reader, int node, void *to, const void *rule)
 {
     double **factor = to, all = 1;
-    const int is_map = r->t->node[node].kind == TREE_MAP;
+    const int is_map = reader->t->node[node].kind == TREE_MAP;
     int i, k;
     (void)rule;
-    if (!is_map && read_real(r, node, &all, &above_zero) != 0)
+    if (!is_map && read_real(reader, node, &all, &above_zero) != 0)
         return -1;
-    *factor = malloc(((size_t)r->s->materials + 1) * sizeof **factor);
+    *factor = malloc(((size_t)reader->s->materials + 1) * sizeof **factor);
     if (!*factor)
-        return tree_fault(r->t, node, "out of memory");
-    for (i = 0; i < r->s->materials; i++)
+        return tree_fault(reader->t, node, "out of memory");
+    for (i = 0; i < reader->s->materials; i++)
         (*factor)[i] = all;
-    for (i = is_map ? r->t->node[node].first : 0; i; i = r->t->node[i].next) {
-        k = find_named(r->s->material, r->s->materials, sizeof *r->s->material, r->t->node[i].key);
+    for (i = is_map ? reader->t->node[node].first : 0; i; i = reader->t->node[i].next) {
+        k = find_named(reader->s->material, reader->s->materials, sizeof *reader->s->material,
+                       reader->t->node[i].key);
         if (k < 0)
-            return tree_fault_at(r->t, r->t->node[i].key_at,
+            return tree_fault_at(reader->t, reader->t->node[i].key_at,
                                  "there is no material '%.60s'; give a name of materials",
-                                 r->t->node[i].key);
-        if (read_real(r, i, *factor + k, &above_zero) != 0)
+                                 reader->t->node[i].key);
+        if (read_real(reader, i, *factor + k, &above_zero) != 0)
             return -1;
     }
     return 0;
 }
 
-static int read_plant_kinematics(reader *r, int node, void *to, const void *rule)
+static int read_plant_kinematics(reader *reader, int node, void *to, const void *rule)
 {
     static const choice kinds[] = {
         {"linear", KINEMATICS_LINEAR}, {"nonlinear", KINEMATICS_NONLINEAR}, {NULL, 0}};
     scene_simulate *simulate = to;
     int kind = 0;
     (void)rule;
-    if (read_choice(r, node, &kind, kinds) != 0)
+    if (read_choice(reader, node, &kind, kinds) != 0)
         return -1;
     simulate->kinematics = (scene_kinematics)kind;
-    if (kind == KINEMATICS_NONLINEAR || !r->s->contact.given)
+    if (kind == KINEMATICS_NONLINEAR || !reader->s->contact.given)
         return 0;
-    return tree_fault(r->t, node,
+    return tree_fault(reader->t, node,
                       "a plant with a contact is nonlinear; write kinematics: nonlinear");
 }
 
-static int read_plant(reader *r, int node, void *to, const void *rule)
+static int read_plant(reader *reader, int node, void *to, const void *rule)
 {
     static const range loop = {
         0, 0.3, 0,
@@ -64,29 +65,29 @@ static int read_plant(reader *r, int node, void *to, const void *rule)
         {"hysteresis", read_real, offsetof(scene_simulate, hysteresis), &loop, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(r, node, fields, to);
+    return read_map(reader, node, fields, to);
 }
 
 /* ---- sensors, amplifiers, faults ---- */
 
-static int read_sight(reader *r, int node, void *to, const void *rule)
+static int read_sight(reader *reader, int node, void *to, const void *rule)
 {
     static const choice sights[] = {
         {"estimated", SIGHT_ESTIMATED}, {"measured", SIGHT_MEASURED}, {NULL, 0}};
     scene_simulate *simulate = to;
     int sight = 0;
     (void)rule;
-    if (read_choice(r, node, &sight, sights) != 0)
+    if (read_choice(reader, node, &sight, sights) != 0)
         return -1;
     simulate->sight = (scene_sight)sight;
-    if (sight == SIGHT_MEASURED || r->s->estimate.given)
+    if (sight == SIGHT_MEASURED || reader->s->estimate.given)
         return 0;
     return tree_fault(
-        r->t, node,
+        reader->t, node,
         "an estimated shape needs readings; add estimate: {readings: [{output: name, noise: 1e-6}]}");
 }
 
-static int read_measurement(reader *r, int node, void *to, const void *rule)
+static int read_measurement(reader *reader, int node, void *to, const void *rule)
 {
     static const range late = {0, 16, 0, "must be from 0 to 16 ticks"};
     static const field fields[] = {
@@ -95,20 +96,20 @@ static int read_measurement(reader *r, int node, void *to, const void *rule)
         {"delay", read_int, offsetof(scene_simulate, delay), &late, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(r, node, fields, to);
+    return read_map(reader, node, fields, to);
 }
 
-static int read_amplification(reader *r, int node, void *to, const void *rule)
+static int read_amplification(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {
         {"step", read_real, offsetof(scene_simulate, step), &not_negative, 0},
         {"dead_band", read_real, offsetof(scene_simulate, dead_band), &not_negative, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(r, node, fields, to);
+    return read_map(reader, node, fields, to);
 }
 
-static int read_faults(reader *r, int node, void *to, const void *rule)
+static int read_faults(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {
         {"chance", read_real, offsetof(scene_simulate, fault_chance), &share, 1},
@@ -117,7 +118,7 @@ static int read_faults(reader *r, int node, void *to, const void *rule)
     scene_simulate *simulate = to;
     (void)rule;
     simulate->fault_until = simulate->ticks;
-    return read_map(r, node, fields, to);
+    return read_map(reader, node, fields, to);
 }
 
 /* ---- events ---- */
@@ -127,39 +128,39 @@ typedef struct event_text {
     int kinds, amount_given, ticks_given, told_given, known_given;
 } event_text;
 
-static int read_load_number(reader *r, int node, scene_event *event)
+static int read_load_number(reader *reader, int node, scene_event *event)
 {
     static const range number = {0, 1e6, 0, "must be the number of a load, the first is 0"};
-    if (read_int(r, node, &event->load, &number) != 0)
+    if (read_int(reader, node, &event->load, &number) != 0)
         return -1;
-    if (event->load < r->s->loads)
+    if (event->load < reader->s->loads)
         return 0;
-    return tree_fault(r->t, node, "there is no load %d; the scene has %d, the first is 0",
-                      event->load, r->s->loads);
+    return tree_fault(reader->t, node, "there is no load %d; the scene has %d, the first is 0",
+                      event->load, reader->s->loads);
 }
 
 /* Names of amplifiers or actuators, each standing for one amplifier or all of its grid. */
-static int read_electrodes(reader *r, int node, scene_event *event)
+static int read_electrodes(reader *reader, int node, scene_event *event)
 {
-    const scene *s = r->s;
+    const scene *scene = reader->s;
     int i, k, items, first, count;
-    void *list = new_items(r, node, TREE_LIST, 1, &items);
+    void *list = new_items(reader, node, TREE_LIST, 1, &items);
     free(list);
     if (!list)
         return -1;
-    event->amplifier = malloc(((size_t)s->amplifiers + 1) * sizeof *event->amplifier);
+    event->amplifier = malloc(((size_t)scene->amplifiers + 1) * sizeof *event->amplifier);
     if (!event->amplifier)
-        return tree_fault(r->t, node, "out of memory");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
-        if (require_kind(r, i, TREE_SCALAR) != 0)
+        return tree_fault(reader->t, node, "out of memory");
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
             return -1;
-        if (!scene_find_amplifier(s, node_text(r, i), &first, &count))
-            return tree_fault(r->t, i, "there is no actuator '%.60s'; the first one is '%s'",
-                              node_text(r, i), s->actuator[0].name);
-        if (event->amplifiers + count > s->amplifiers)
-            return tree_fault(r->t, i,
+        if (!scene_find_amplifier(scene, node_text(reader, i), &first, &count))
+            return tree_fault(reader->t, i, "there is no actuator '%.60s'; the first one is '%s'",
+                              node_text(reader, i), scene->actuator[0].name);
+        if (event->amplifiers + count > scene->amplifiers)
+            return tree_fault(reader->t, i,
                               "'%.60s' makes more electrodes than there are; name each once",
-                              node_text(r, i));
+                              node_text(reader, i));
         for (k = 0; k < count; k++)
             event->amplifier[event->amplifiers++] = first + k;
     }
@@ -170,113 +171,115 @@ static const int event_types[] = {EVENT_TARGET, EVENT_VALUE, EVENT_LOAD,  EVENT_
                                   EVENT_DEAD,   EVENT_STUCK, EVENT_ALIVE, EVENT_NAN,
                                   EVENT_FROZEN, EVENT_LOST};
 
-static int read_event_type(reader *r, int node, void *to, const void *rule)
+static int read_event_type(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
     scene_event *event = text->event;
     if (text->kinds++)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "an event is one thing; write a second item for '%s'",
-                             r->t->node[node].key);
+                             reader->t->node[node].key);
     event->type = (scene_event_type) * (const int *)rule;
     switch (event->type) {
-    case EVENT_TARGET: return read_real(r, node, &event->amount, NULL);
-    case EVENT_VALUE: return read_expr(r, node, &event->value, NULL);
-    case EVENT_LOAD: return read_load_number(r, node, event);
+    case EVENT_TARGET: return read_real(reader, node, &event->amount, NULL);
+    case EVENT_VALUE: return read_expr(reader, node, &event->value, NULL);
+    case EVENT_LOAD: return read_load_number(reader, node, event);
     case EVENT_NAN:
-    case EVENT_FROZEN: return read_real(r, node, &event->amount, &share);
-    case EVENT_LOST: return read_int(r, node, &event->ticks, &tick_count);
+    case EVENT_FROZEN: return read_real(reader, node, &event->amount, &share);
+    case EVENT_LOST: return read_int(reader, node, &event->ticks, &tick_count);
     case EVENT_TEMPERATURE: break;
-    default: return read_electrodes(r, node, event);
+    default: return read_electrodes(reader, node, event);
     }
-    if (!scene_expands(r->s))
-        return tree_fault(r->t, node,
+    if (!scene_expands(reader->s))
+        return tree_fault(reader->t, node,
                           "a temperature moves nothing; give a layer's material 'alpha'");
-    return read_real(r, node, &event->amount, NULL);
+    return read_real(reader, node, &event->amount, NULL);
 }
 
-static int read_event_amount(reader *r, int node, void *to, const void *rule)
+static int read_event_amount(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
     text->amount_given = 1;
-    return read_real(r, node, &text->event->amount, rule);
+    return read_real(reader, node, &text->event->amount, rule);
 }
 
-static int read_event_ticks(reader *r, int node, void *to, const void *rule)
+static int read_event_ticks(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
     text->ticks_given = 1;
-    return read_int(r, node, &text->event->ticks, rule);
+    return read_int(reader, node, &text->event->ticks, rule);
 }
 
-static int read_event_told(reader *r, int node, void *to, const void *rule)
+static int read_event_told(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
     text->told_given = 1;
-    if (r->t->node[node].kind == TREE_SCALAR && strcmp(node_text(r, node), "found") == 0) {
+    if (reader->t->node[node].kind == TREE_SCALAR &&
+        strcmp(node_text(reader, node), "found") == 0) {
         text->event->told = TOLD_FOUND;
-        r->s->simulate.finds = 1;
+        reader->s->simulate.finds = 1;
         return 0;
     }
-    return read_int(r, node, &text->event->told, rule);
+    return read_int(reader, node, &text->event->told, rule);
 }
 
-static int read_event_known(reader *r, int node, void *to, const void *rule)
+static int read_event_known(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
     text->known_given = 1;
-    if (read_flag(r, node, &text->event->known, rule) != 0)
+    if (read_flag(reader, node, &text->event->known, rule) != 0)
         return -1;
-    r->s->simulate.feeds |= text->event->known;
+    reader->s->simulate.feeds |= text->event->known;
     return 0;
 }
 
-static int read_event_at(reader *r, int node, void *to, const void *rule)
+static int read_event_at(reader *reader, int node, void *to, const void *rule)
 {
     static const range later = {0, 1e7, 0, "must be a tick from 0"};
     event_text *text = to;
     (void)rule;
-    if (read_int(r, node, &text->event->tick, &later) != 0)
+    if (read_int(reader, node, &text->event->tick, &later) != 0)
         return -1;
-    if (text->event->tick < r->s->simulate.ticks)
+    if (text->event->tick < reader->s->simulate.ticks)
         return 0;
-    return tree_fault(r->t, node, "'at: %d' is after the end; the simulation has %d ticks",
-                      text->event->tick, r->s->simulate.ticks);
+    return tree_fault(reader->t, node, "'at: %d' is after the end; the simulation has %d ticks",
+                      text->event->tick, reader->s->simulate.ticks);
 }
 
 /* Words that belong to some kinds of events. */
-static int check_event(reader *r, int node, const event_text *text)
+static int check_event(reader *reader, int node, const event_text *text)
 {
     const scene_event_type type = text->event->type;
     const int sensors = type == EVENT_NAN || type == EVENT_FROZEN,
               electrodes = type == EVENT_DEAD || type == EVENT_STUCK;
     if (text->kinds == 0)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "an event needs one of target, value, load, temperature, dead, stuck, alive, nan, "
             "frozen, lost");
     if (text->amount_given != (type == EVENT_LOAD))
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           text->amount_given
                               ? "'amount' belongs to a load; remove it"
                               : "a load needs an amount, as amount: 0 to take it off");
     if (text->ticks_given != sensors)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           text->ticks_given ? "'ticks' belongs to nan and frozen; remove it"
                                             : "sensors fail for some ticks; add ticks: 20");
     if (text->told_given && !electrodes)
-        return tree_fault(r->t, node, "'told' belongs to dead and stuck electrodes; remove it");
+        return tree_fault(reader->t, node,
+                          "'told' belongs to dead and stuck electrodes; remove it");
     if (text->known_given && type == EVENT_TEMPERATURE)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "a known temperature is a load of the scene; add {temperature: 1} to loads, write its number and "
             "the kelvin as load and amount");
     if (text->known_given && type != EVENT_LOAD)
-        return tree_fault(r->t, node, "'known' belongs to a load; remove it");
+        return tree_fault(reader->t, node, "'known' belongs to a load; remove it");
     return 0;
 }
 
-static int read_event(reader *r, int node, scene_event *event)
+static int read_event(reader *reader, int node, scene_event *event)
 {
     static const range waits = {
         0, 1e7, 0,
@@ -300,25 +303,26 @@ static int read_event(reader *r, int node, scene_event *event)
     event_text text = {0};
     text.event = event;
     event->told = TOLD_NEVER;
-    event->at = node_at(r, node);
-    if (read_map(r, node, fields, &text) != 0)
+    event->at = node_at(reader, node);
+    if (read_map(reader, node, fields, &text) != 0)
         return -1;
-    return check_event(r, node, &text);
+    return check_event(reader, node, &text);
 }
 
-static int read_events(reader *r, int node, void *to, const void *rule)
+static int read_events(reader *reader, int node, void *to, const void *rule)
 {
     scene_simulate *simulate = to;
     int i, k = 0;
     (void)rule;
-    simulate->event = new_items(r, node, TREE_LIST, sizeof *simulate->event, &simulate->events);
+    simulate->event =
+        new_items(reader, node, TREE_LIST, sizeof *simulate->event, &simulate->events);
     if (!simulate->event)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        if (read_event(r, i, &simulate->event[k]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
+        if (read_event(reader, i, &simulate->event[k]) != 0)
             return -1;
         if (k > 0 && simulate->event[k].tick < simulate->event[k - 1].tick)
-            return tree_fault(r->t, i,
+            return tree_fault(reader->t, i,
                               "tick %d comes after tick %d; write the events in their order",
                               simulate->event[k].tick, simulate->event[k - 1].tick);
     }
@@ -327,7 +331,7 @@ static int read_events(reader *r, int node, void *to, const void *rule)
 
 /* ---- the section ---- */
 
-int read_simulate(reader *r, int node, void *to, const void *rule)
+int read_simulate(reader *reader, int node, void *to, const void *rule)
 {
     static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
     static const choice places[] = {{"rest", 0}, {"target", 1}, {NULL, 0}};
@@ -342,23 +346,23 @@ int read_simulate(reader *r, int node, void *to, const void *rule)
         {"faults", read_faults, 0, NULL, 0},
         {"events", read_events, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     (void)rule;
-    s->simulate.at = node_at(r, node);
-    s->simulate.rate = 1000;
-    s->simulate.seed = 1;
-    s->simulate.kinematics =
-        s->kinematics == KINEMATICS_LINEAR ? KINEMATICS_LINEAR : KINEMATICS_NONLINEAR;
-    if (!s->target.given)
+    scene->simulate.at = node_at(reader, node);
+    scene->simulate.rate = 1000;
+    scene->simulate.seed = 1;
+    scene->simulate.kinematics =
+        scene->kinematics == KINEMATICS_LINEAR ? KINEMATICS_LINEAR : KINEMATICS_NONLINEAR;
+    if (!scene->target.given)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
-    if (read_map(r, node, fields, &s->simulate) != 0)
+    if (read_map(reader, node, fields, &scene->simulate) != 0)
         return -1;
-    s->simulate.given = 1;
-    if (!s->simulate.at_target || s->kinematics != KINEMATICS_LINEAR)
+    scene->simulate.given = 1;
+    if (!scene->simulate.at_target || scene->kinematics != KINEMATICS_LINEAR)
         return 0;
-    return tree_fault(r->t, tree_find(r->t, node, "influence"),
+    return tree_fault(reader->t, tree_find(reader->t, node, "influence"),
                       "'influence: target' needs the nonlinear structure; write "
                       "kinematics: nonlinear");
 }

@@ -9,7 +9,7 @@
 
 /* ---- equilibrium ---- */
 
-int read_equilibrium(reader *r, int node, void *to, const void *rule)
+int read_equilibrium(reader *reader, int node, void *to, const void *rule)
 {
     static const range stepped = {1, 10000, 0, "must be from 1 to 10000"};
     static const range mixed = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
@@ -21,104 +21,110 @@ int read_equilibrium(reader *r, int node, void *to, const void *rule)
         {"mixed", read_int, offsetof(scene_equilibrium, mixed), &mixed, 0},
         {"systems", read_int, offsetof(scene_equilibrium, systems), &allowed, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     (void)rule;
-    s->equilibrium.at = node_at(r, node);
-    return read_map(r, node, fields, &s->equilibrium);
+    scene->equilibrium.at = node_at(reader, node);
+    return read_map(reader, node, fields, &scene->equilibrium);
 }
 
 /* ---- actuators ---- */
 
-static int read_patches_of(reader *r, int node, void *to, const void *rule)
+static int read_patches_of(reader *reader, int node, void *to, const void *rule)
 {
-    const scene *s = r->s;
+    const scene *scene = reader->s;
     char name[SCENE_NAME];
     int i;
-    if (read_name(r, node, name, rule) != 0)
+    if (read_name(reader, node, name, rule) != 0)
         return -1;
-    i = find_named(s->patches, s->patch_grids, sizeof *s->patches, name);
+    i = find_named(scene->patches, scene->patch_grids, sizeof *scene->patches, name);
     if (i < 0)
-        return tree_fault(r->t, node, "there are no patches named '%s'; add them to patches", name);
+        return tree_fault(reader->t, node, "there are no patches named '%s'; add them to patches",
+                          name);
     *(int *)to = i;
     return 0;
 }
 
-static const char *driven_by(const scene_actuator *a, int actuators, int patches)
+static const char *driven_by(const scene_actuator *actuator, int actuators, int patches)
 {
     int d;
-    for (; actuators > 0; actuators--, a++)
-        for (d = 0; d < a->drives; d++)
-            if (a->drive[d].patches == patches)
-                return a->name;
+    for (; actuators > 0; actuators--, actuator++)
+        for (d = 0; d < actuator->drives; d++)
+            if (actuator->drive[d].patches == patches)
+                return actuator->name;
     return NULL;
 }
 
 /* Patches must be piezoelectric, driven once, and tied to grids of the same shape; a sensor needs a
  * capacitance. */
-static int check_drive(reader *r, int node, const scene_actuator *a, int drive, int is_sensor)
+static int check_drive(reader *reader, int node, const scene_actuator *actuator, int drive,
+                       int is_sensor)
 {
-    const scene *s = r->s;
-    const scene_patches *p = &s->patches[a->drive[drive].patches],
-                        *first = &s->patches[a->drive[0].patches];
-    const scene_material *m = &s->material[s->layer[p->layer].material];
-    const char *other = driven_by(s->actuator, s->actuators, a->drive[drive].patches);
+    const scene *scene = reader->s;
+    const scene_patches *patches = &scene->patches[actuator->drive[drive].patches],
+                        *first = &scene->patches[actuator->drive[0].patches];
+    const scene_material *material = &scene->material[scene->layer[patches->layer].material];
+    const char *other =
+        driven_by(scene->actuator, scene->actuators, actuator->drive[drive].patches);
     if (!other)
-        other = driven_by(s->sensor, s->sensors, a->drive[drive].patches);
+        other = driven_by(scene->sensor, scene->sensors, actuator->drive[drive].patches);
     if (other)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "patches '%s' are driven by '%s' already; an electrode has one amplifier",
-                          p->name, other);
-    if (is_sensor && !(m->permittivity > 0))
-        return tree_fault(r->t, node,
+                          patches->name, other);
+    if (is_sensor && !(material->permittivity > 0))
+        return tree_fault(reader->t, node,
                           "patches '%s' are of '%s', which has no permittivity; a sensor needs it",
-                          p->name, m->name);
-    if (!m->has_d && !m->has_e)
+                          patches->name, material->name);
+    if (!material->has_d && !material->has_e)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or "
             "e31",
-            p->name, m->name);
-    if (p->grid[0] == first->grid[0] && p->grid[1] == first->grid[1])
+            patches->name, material->name);
+    if (patches->grid[0] == first->grid[0] && patches->grid[1] == first->grid[1])
         return 0;
     return tree_fault(
-        r->t, node,
+        reader->t, node,
         "patches '%s' are %d x %d but '%s' %d x %d; grids tied to one actuator need the same "
         "shape",
-        p->name, p->grid[0], p->grid[1], first->name, first->grid[0], first->grid[1]);
+        patches->name, patches->grid[0], patches->grid[1], first->name, first->grid[0],
+        first->grid[1]);
 }
 
 /* Rule: not NULL for a sensor. */
-static int read_drives(reader *r, int node, void *to, const void *rule)
+static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {
         {"patches", read_patches_of, offsetof(scene_drive, patches), NULL, 1},
         {"factor", read_real, offsetof(scene_drive, factor), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene_actuator *a = to;
+    scene_actuator *actuator = to;
     int i, n;
-    a->drive = new_items(r, node, TREE_LIST, sizeof *a->drive, &n);
-    if (!a->drive)
+    actuator->drive = new_items(reader, node, TREE_LIST, sizeof *actuator->drive, &n);
+    if (!actuator->drive)
         return -1;
     if (n == 0)
-        return tree_fault(r->t, node, "'drives' is empty; name the patches, as [{patches: up}]");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, a->drives++) {
-        a->drive[a->drives].factor = 1;
-        if (read_map(r, i, fields, &a->drive[a->drives]) != 0 ||
-            check_drive(r, i, a, a->drives, rule != NULL) != 0)
+        return tree_fault(reader->t, node,
+                          "'drives' is empty; name the patches, as [{patches: up}]");
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, actuator->drives++) {
+        actuator->drive[actuator->drives].factor = 1;
+        if (read_map(reader, i, fields, &actuator->drive[actuator->drives]) != 0 ||
+            check_drive(reader, i, actuator, actuator->drives, rule != NULL) != 0)
             return -1;
     }
-    memcpy(a->grid, r->s->patches[a->drive[0].patches].grid, sizeof a->grid);
+    memcpy(actuator->grid, reader->s->patches[actuator->drive[0].patches].grid,
+           sizeof actuator->grid);
     return 0;
 }
 
-static int read_uniform(reader *r, int node, void *to, const void *rule)
+static int read_uniform(reader *reader, int node, void *to, const void *rule)
 {
     static const choice only[] = {{"uniform", 1}, {NULL, 0}};
     (void)rule;
-    return read_choice(r, node, to, only);
+    return read_choice(reader, node, to, only);
 }
 
-static int read_actuator(reader *r, int node, scene_actuator *a)
+static int read_actuator(reader *reader, int node, scene_actuator *actuator)
 {
     static const field fields[] = {
         {"name", read_name, offsetof(scene_actuator, name), NULL, 1},
@@ -126,30 +132,31 @@ static int read_actuator(reader *r, int node, scene_actuator *a)
         {"temperature", read_uniform, offsetof(scene_actuator, is_temperature), NULL, 0},
         {"applied", read_real, offsetof(scene_actuator, applied), NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
-    a->at = node_at(r, node);
-    a->grid[0] = a->grid[1] = 1;
-    if (read_map(r, node, fields, a) != 0)
+    actuator->at = node_at(reader, node);
+    actuator->grid[0] = actuator->grid[1] = 1;
+    if (read_map(reader, node, fields, actuator) != 0)
         return -1;
-    if ((a->drives > 0) == a->is_temperature)
+    if ((actuator->drives > 0) == actuator->is_temperature)
         return tree_fault(
-            r->t, node,
-            "actuator '%s' needs either drives: [{patches: ...}] or temperature: uniform", a->name);
-    a->first = r->s->amplifiers;
-    r->s->amplifiers += a->grid[0] * a->grid[1];
+            reader->t, node,
+            "actuator '%s' needs either drives: [{patches: ...}] or temperature: uniform",
+            actuator->name);
+    actuator->first = reader->s->amplifiers;
+    reader->s->amplifiers += actuator->grid[0] * actuator->grid[1];
     return 0;
 }
 
-int read_actuators(reader *r, int node, void *to, const void *rule)
+int read_actuators(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, n;
     (void)rule;
-    s->actuator = new_items(r, node, TREE_LIST, sizeof *s->actuator, &n);
-    if (!s->actuator)
+    scene->actuator = new_items(reader, node, TREE_LIST, sizeof *scene->actuator, &n);
+    if (!scene->actuator)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
-        s->actuators++;
-        if (read_actuator(r, i, &s->actuator[s->actuators - 1]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        scene->actuators++;
+        if (read_actuator(reader, i, &scene->actuator[scene->actuators - 1]) != 0)
             return -1;
     }
     return 0;
@@ -157,7 +164,7 @@ int read_actuators(reader *r, int node, void *to, const void *rule)
 
 /* ---- sensors ---- */
 
-static int read_sensor(reader *r, int node, scene_actuator *a)
+static int read_sensor(reader *reader, int node, scene_actuator *actuator)
 {
     static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
     static const field fields[] = {
@@ -165,26 +172,26 @@ static int read_sensor(reader *r, int node, scene_actuator *a)
         {"circuit", read_choice, offsetof(scene_actuator, open), circuits, 0},
         {"drives", read_drives, 0, circuits, 1},
         {NULL, NULL, 0, NULL, 0}};
-    a->at = node_at(r, node);
-    a->open = 1;
-    if (read_map(r, node, fields, a) != 0)
+    actuator->at = node_at(reader, node);
+    actuator->open = 1;
+    if (read_map(reader, node, fields, actuator) != 0)
         return -1;
-    a->first = r->s->electrodes;
-    r->s->electrodes += a->grid[0] * a->grid[1];
+    actuator->first = reader->s->electrodes;
+    reader->s->electrodes += actuator->grid[0] * actuator->grid[1];
     return 0;
 }
 
-int read_sensors(reader *r, int node, void *to, const void *rule)
+int read_sensors(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, n;
     (void)rule;
-    s->sensor = new_items(r, node, TREE_LIST, sizeof *s->sensor, &n);
-    if (!s->sensor)
+    scene->sensor = new_items(reader, node, TREE_LIST, sizeof *scene->sensor, &n);
+    if (!scene->sensor)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next) {
-        s->sensors++;
-        if (read_sensor(r, i, &s->sensor[s->sensors - 1]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        scene->sensors++;
+        if (read_sensor(reader, i, &scene->sensor[scene->sensors - 1]) != 0)
             return -1;
     }
     return 0;
@@ -192,46 +199,47 @@ int read_sensors(reader *r, int node, void *to, const void *rule)
 
 /* ---- limits ---- */
 
-static int read_voltage(reader *r, int node, void *to, const void *rule)
+static int read_voltage(reader *reader, int node, void *to, const void *rule)
 {
     double *pair = to;
-    if (read_pair(r, node, pair, rule) != 0)
+    if (read_pair(reader, node, pair, rule) != 0)
         return -1;
     if (pair[0] > pair[1])
-        return tree_fault(r->t, node, "voltage from %g to %g is empty; write [lowest, highest]",
-                          pair[0], pair[1]);
+        return tree_fault(reader->t, node,
+                          "voltage from %g to %g is empty; write [lowest, highest]", pair[0],
+                          pair[1]);
     return 0;
 }
 
-static int read_effort(reader *r, int node, void *to, const void *rule)
+static int read_effort(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {{"relative", read_real, 0, &not_negative, 1},
                                    {NULL, NULL, 0, NULL, 0}};
     scene_limits *limits = to;
     (void)rule;
-    limits->effort_is_relative = r->t->node[node].kind == TREE_MAP;
+    limits->effort_is_relative = reader->t->node[node].kind == TREE_MAP;
     if (limits->effort_is_relative)
-        return read_map(r, node, fields, &limits->effort);
-    return read_real(r, node, &limits->effort, &not_negative);
+        return read_map(reader, node, fields, &limits->effort);
+    return read_real(reader, node, &limits->effort, &not_negative);
 }
 
-static int read_amplifier(reader *r, int node, void *to, const void *rule)
+static int read_amplifier(reader *reader, int node, void *to, const void *rule)
 {
     scene_limit *limit = to;
     char name[SCENE_LABEL];
-    if (r->t->node[node].kind != TREE_SCALAR)
-        return read_name(r, node, name, rule);
-    if (scene_find_amplifier(r->s, node_text(r, node), &limit->first, &limit->count))
+    if (reader->t->node[node].kind != TREE_SCALAR)
+        return read_name(reader, node, name, rule);
+    if (scene_find_amplifier(reader->s, node_text(reader, node), &limit->first, &limit->count))
         return 0;
-    if (r->s->amplifiers == 0)
-        return tree_fault(r->t, node, "there is no actuator '%.60s'; add actuators first",
-                          node_text(r, node));
-    scene_amplifier_name(r->s, 0, name);
-    return tree_fault(r->t, node, "there is no actuator '%.60s'; the first one is '%s'",
-                      node_text(r, node), name);
+    if (reader->s->amplifiers == 0)
+        return tree_fault(reader->t, node, "there is no actuator '%.60s'; add actuators first",
+                          node_text(reader, node));
+    scene_amplifier_name(reader->s, 0, name);
+    return tree_fault(reader->t, node, "there is no actuator '%.60s'; the first one is '%s'",
+                      node_text(reader, node), name);
 }
 
-static int read_each_item(reader *r, int node, scene_limit *limit)
+static int read_each_item(reader *reader, int node, scene_limit *limit)
 {
     typedef struct each_text {
         scene_limit limit;
@@ -244,36 +252,37 @@ static int read_each_item(reader *r, int node, scene_limit *limit)
         {NULL, NULL, 0, NULL, 0}};
     each_text text;
     memset(&text, 0, sizeof text);
-    if (read_map(r, node, fields, &text) != 0)
+    if (read_map(reader, node, fields, &text) != 0)
         return -1;
-    if (!tree_find(r->t, node, "voltage") == !tree_find(r->t, node, "hold"))
+    if (!tree_find(reader->t, node, "voltage") == !tree_find(reader->t, node, "hold"))
         return tree_fault(
-            r->t, node, "an item of 'each' needs either voltage: [lowest, highest] or hold: value");
+            reader->t, node,
+            "an item of 'each' needs either voltage: [lowest, highest] or hold: value");
     *limit = text.limit;
-    limit->at = node_at(r, node);
+    limit->at = node_at(reader, node);
     limit->lower = limit->upper = text.hold;
-    if (!tree_find(r->t, node, "voltage"))
+    if (!tree_find(reader->t, node, "voltage"))
         return 0;
     limit->lower = text.voltage[0];
     limit->upper = text.voltage[1];
     return 0;
 }
 
-static int read_each(reader *r, int node, void *to, const void *rule)
+static int read_each(reader *reader, int node, void *to, const void *rule)
 {
     scene_limits *limits = to;
     int i, k = 0;
     (void)rule;
-    limits->each = new_items(r, node, TREE_LIST, sizeof *limits->each, &limits->each_count);
+    limits->each = new_items(reader, node, TREE_LIST, sizeof *limits->each, &limits->each_count);
     if (!limits->each)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_each_item(r, i, &limits->each[k++]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_each_item(reader, i, &limits->each[k++]) != 0)
             return -1;
     return 0;
 }
 
-int read_limits(reader *r, int node, void *to, const void *rule)
+int read_limits(reader *reader, int node, void *to, const void *rule)
 {
     static const range some = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
     static const field fields[] = {
@@ -282,10 +291,10 @@ int read_limits(reader *r, int node, void *to, const void *rule)
         {"effort", read_effort, 0, NULL, 0},
         {"each", read_each, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     (void)rule;
-    s->limits.at = node_at(r, node);
-    return read_map(r, node, fields, &s->limits);
+    scene->limits.at = node_at(reader, node);
+    return read_map(reader, node, fields, &scene->limits);
 }
 
 /* ---- outputs, target, compare ---- */
@@ -296,15 +305,15 @@ typedef struct output_text {
     int weight_area, directions;
 } output_text;
 
-static int read_component(reader *r, int node, void *to, const void *rule)
+static int read_component(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;
     int face = 0;
     if (text->directions++)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "an output has one direction; write a second item for '%s'",
-                             r->t->node[node].key);
-    if (read_choice(r, node, &face, place_faces) != 0)
+                             reader->t->node[node].key);
+    if (read_choice(reader, node, &face, place_faces) != 0)
         return -1;
     text->output.component = (scene_component) * (const int *)rule;
     text->output.face = (scene_face)face;
@@ -317,7 +326,7 @@ static int read_component(reader *r, int node, void *to, const void *rule)
         "at", read_at, offsetof(output_text, member), NULL, 0                                      \
     }
 
-static int read_contact_output(reader *r, int node, void *to, const void *rule)
+static int read_contact_output(reader *reader, int node, void *to, const void *rule)
 {
     static const choice results[] = {{"x", CONTACT_X},
                                      {"y", CONTACT_Y},
@@ -328,73 +337,75 @@ static int read_contact_output(reader *r, int node, void *to, const void *rule)
     output_text *text = to;
     int result = 0;
     (void)rule;
-    if (!r->s->contact.given)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+    if (!reader->s->contact.given)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "no contact in this scene; add contact: {face: outer, "
                              "body: ...}");
     if (text->directions++)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "an output is a displacement or of contact; write a second "
                              "item");
-    if (read_choice(r, node, &result, results) != 0)
+    if (read_choice(reader, node, &result, results) != 0)
         return -1;
     text->output.contact = (scene_contact_output)result;
     return 0;
 }
 
 /* Volts or charge of the electrodes of a sensor or an actuator. */
-static int read_electric_output(reader *r, int node, void *to, const void *rule)
+static int read_electric_output(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;
     scene_output *output = &text->output;
     char name[SCENE_NAME];
     int i;
     if (text->directions++)
-        return tree_fault_at(r->t, r->t->node[node].key_at,
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "an output is one of displacement, contact, voltage and "
                              "charge; write a second item for '%s'",
-                             r->t->node[node].key);
-    if (read_name(r, node, name, NULL) != 0)
+                             reader->t->node[node].key);
+    if (read_name(reader, node, name, NULL) != 0)
         return -1;
     output->electric = (scene_electric_output) * (const int *)rule;
-    output->of_sensor = scene_find_sensor(r->s, name, &output->first, &output->count);
+    output->of_sensor = scene_find_sensor(reader->s, name, &output->first, &output->count);
     if (output->of_sensor)
         return 0;
-    if (scene_find_amplifier(r->s, name, &output->first, &output->count)) {
-        for (i = 0; i < r->s->actuators; i++)
-            if (r->s->actuator[i].is_temperature && r->s->actuator[i].first == output->first)
-                return tree_fault(r->t, node,
+    if (scene_find_amplifier(reader->s, name, &output->first, &output->count)) {
+        for (i = 0; i < reader->s->actuators; i++)
+            if (reader->s->actuator[i].is_temperature &&
+                reader->s->actuator[i].first == output->first)
+                return tree_fault(reader->t, node,
                                   "'%s' is a temperature; it has neither voltage nor charge", name);
         return 0;
     }
-    return tree_fault(r->t, node, "there is no sensor or actuator '%s'; add it to sensors", name);
+    return tree_fault(reader->t, node, "there is no sensor or actuator '%s'; add it to sensors",
+                      name);
 }
 
-static int finish_output(reader *r, int node, output_text *text)
+static int finish_output(reader *reader, int node, output_text *text)
 {
     const scene_contact_output contact = text->output.contact;
-    text->output.at = node_at(r, node);
+    text->output.at = node_at(reader, node);
     if (text->output.electric != ELECTRIC_NONE) {
         if (text->output.where.at.column == 0)
             return 0;
-        return tree_fault_at(r->t, text->output.where.at,
+        return tree_fault_at(reader->t, text->output.where.at,
                              "an electrode has one voltage and one charge; remove the place");
     }
     if (contact != CONTACT_NONE && contact != CONTACT_PRESSURE) {
         if (text->output.where.at.column == 0)
             return 0;
-        return tree_fault_at(r->t, text->output.where.at,
+        return tree_fault_at(reader->t, text->output.where.at,
                              "the whole contact has one force and one number of nodes; remove "
                              "the place");
     }
     if (text->directions == 0)
-        return tree_fault(r->t, node,
+        return tree_fault(reader->t, node,
                           "no direction in this item of %.60s; add one, as u3: middle or z: outer",
-                          tree_name(r->t, node));
-    return require_place(r, node, &text->output.where);
+                          tree_name(reader->t, node));
+    return require_place(reader, node, &text->output.where);
 }
 
-static int read_output(reader *r, int node, scene_output *to)
+static int read_output(reader *reader, int node, scene_output *to)
 {
     static const int electric[] = {ELECTRIC_VOLTAGE, ELECTRIC_CHARGE};
     static const field fields[] = {
@@ -409,81 +420,81 @@ static int read_output(reader *r, int node, scene_output *to)
     output_text text;
     memset(&text, 0, sizeof text);
     text.output.reference = (double)NAN;
-    if (read_map(r, node, fields, &text) != 0 || finish_output(r, node, &text) != 0)
+    if (read_map(reader, node, fields, &text) != 0 || finish_output(reader, node, &text) != 0)
         return -1;
     *to = text.output;
     return 0;
 }
 
-int read_outputs(reader *r, int node, void *to, const void *rule)
+int read_outputs(reader *reader, int node, void *to, const void *rule)
 {
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->output = new_items(r, node, TREE_LIST, sizeof *s->output, &s->outputs);
-    if (!s->output)
+    scene->output = new_items(reader, node, TREE_LIST, sizeof *scene->output, &scene->outputs);
+    if (!scene->output)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_output(r, i, &s->output[k++]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_output(reader, i, &scene->output[k++]) != 0)
             return -1;
     return 0;
 }
 
-static int read_modes(reader *r, int node, void *to, const void *rule)
+static int read_modes(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {{"name", read_name, offsetof(scene_mode, name), NULL, 1},
                                    {"value", read_expr, offsetof(scene_mode, value), NULL, 1},
                                    {NULL, NULL, 0, NULL, 0}};
-    scene_target *target = &r->s->target;
+    scene_target *target = &reader->s->target;
     int i, k = 0;
     (void)to;
     (void)rule;
-    target->mode = new_items(r, node, TREE_LIST, sizeof *target->mode, &target->modes);
+    target->mode = new_items(reader, node, TREE_LIST, sizeof *target->mode, &target->modes);
     if (!target->mode)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        target->mode[k].at = node_at(r, i);
-        if (read_map(r, i, fields, &target->mode[k]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
+        target->mode[k].at = node_at(reader, i);
+        if (read_map(reader, i, fields, &target->mode[k]) != 0)
             return -1;
     }
     return 0;
 }
 
 /* A word for a function of the coordinates, or the function itself. */
-static int read_free_item(reader *r, int node, scene_mode *to)
+static int read_free_item(reader *reader, int node, scene_mode *to)
 {
     static const char *const word[3][2] = {{"piston", "1"}, {"tip", "x"}, {"tilt", "y"}};
     const char *why;
     int i, column;
-    to->at = node_at(r, node);
-    if (r->t->node[node].kind == TREE_SCALAR)
-        snprintf(to->name, sizeof to->name, "%.60s", node_text(r, node));
+    to->at = node_at(reader, node);
+    if (reader->t->node[node].kind == TREE_SCALAR)
+        snprintf(to->name, sizeof to->name, "%.60s", node_text(reader, node));
     for (i = 0; i < 3; i++)
         if (strcmp(to->name, word[i][0]) == 0) {
             to->value = expr_compile(word[i][1], &column, &why);
-            return to->value ? 0 : tree_fault(r->t, node, "out of memory");
+            return to->value ? 0 : tree_fault(reader->t, node, "out of memory");
         }
-    return read_expr(r, node, &to->value, NULL);
+    return read_expr(reader, node, &to->value, NULL);
 }
 
-static int read_free(reader *r, int node, void *to, const void *rule)
+static int read_free(reader *reader, int node, void *to, const void *rule)
 {
-    scene_target *target = &r->s->target;
+    scene_target *target = &reader->s->target;
     int i, n;
     (void)to;
     (void)rule;
-    target->free = new_items(r, node, TREE_LIST, sizeof *target->free, &n);
+    target->free = new_items(reader, node, TREE_LIST, sizeof *target->free, &n);
     if (!target->free)
         return -1;
     if (n > SCENE_FREE)
-        return tree_fault(r->t, node, "%d free functions; at most %d are read", n, SCENE_FREE);
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_free_item(r, i, &target->free[target->frees++]) != 0)
+        return tree_fault(reader->t, node, "%d free functions; at most %d are read", n, SCENE_FREE);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_free_item(reader, i, &target->free[target->frees++]) != 0)
             return -1;
     return 0;
 }
 
-int read_target(reader *r, int node, void *to, const void *rule)
+int read_target(reader *reader, int node, void *to, const void *rule)
 {
     static const choice weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
     static const field fields[] = {
@@ -494,62 +505,62 @@ int read_target(reader *r, int node, void *to, const void *rule)
         {"modes", read_modes, 0, NULL, 0},
         {"free", read_free, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     output_text text;
     int status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    status = read_map(r, node, fields, &text);
-    s->target.value = text.value;
-    if (status != 0 || finish_output(r, node, &text) != 0)
+    status = read_map(reader, node, fields, &text);
+    scene->target.value = text.value;
+    if (status != 0 || finish_output(reader, node, &text) != 0)
         return -1;
-    s->target.given = 1;
-    s->target.what = text.output;
-    s->target.what.reference = (double)NAN;
-    strcpy(s->target.what.name, "target");
-    s->target.weight_area = text.weight_area;
-    if (s->amplifiers == 0)
-        return tree_fault(r->t, node, "a target needs actuators to reach it; add actuators");
+    scene->target.given = 1;
+    scene->target.what = text.output;
+    scene->target.what.reference = (double)NAN;
+    strcpy(scene->target.what.name, "target");
+    scene->target.weight_area = text.weight_area;
+    if (scene->amplifiers == 0)
+        return tree_fault(reader->t, node, "a target needs actuators to reach it; add actuators");
     return 0;
 }
 
-static int read_values(reader *r, int node, void *to, const void *rule)
+static int read_values(reader *reader, int node, void *to, const void *rule)
 {
     scene_compare *compare = to;
     int i, k = 0;
     (void)rule;
-    if (require_kind(r, node, TREE_LIST) != 0)
+    if (require_kind(reader, node, TREE_LIST) != 0)
         return -1;
-    compare->count = r->t->node[node].count;
-    if (compare->count != r->s->amplifiers)
+    compare->count = reader->t->node[node].count;
+    if (compare->count != reader->s->amplifiers)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "%d values for %d amplifiers; give one for each, in the order of actuators, "
             "theta2 fastest",
-            compare->count, r->s->amplifiers);
+            compare->count, reader->s->amplifiers);
     compare->value = calloc((size_t)compare->count + 1, sizeof *compare->value);
     if (!compare->value)
-        return tree_fault(r->t, node, "out of memory");
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next)
-        if (read_real(r, i, &compare->value[k++], NULL) != 0)
+        return tree_fault(reader->t, node, "out of memory");
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_real(reader, i, &compare->value[k++], NULL) != 0)
             return -1;
     return 0;
 }
 
-int read_compare(reader *r, int node, void *to, const void *rule)
+int read_compare(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {{"name", read_name, offsetof(scene_compare, name), NULL, 1},
                                    {"values", read_values, 0, NULL, 1},
                                    {NULL, NULL, 0, NULL, 0}};
-    scene *s = to;
+    scene *scene = to;
     int i, k = 0;
     (void)rule;
-    s->compare = new_items(r, node, TREE_LIST, sizeof *s->compare, &s->compares);
-    if (!s->compare)
+    scene->compare = new_items(reader, node, TREE_LIST, sizeof *scene->compare, &scene->compares);
+    if (!scene->compare)
         return -1;
-    for (i = r->t->node[node].first; i; i = r->t->node[i].next, k++) {
-        s->compare[k].at = node_at(r, i);
-        if (read_map(r, i, fields, &s->compare[k]) != 0)
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
+        scene->compare[k].at = node_at(reader, i);
+        if (read_map(reader, i, fields, &scene->compare[k]) != 0)
             return -1;
     }
     return 0;

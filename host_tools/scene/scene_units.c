@@ -196,12 +196,12 @@ int scene_units_known(const char *const *key, int keys)
 }
 
 /* Keys from the root to a node. key [TREE_DEPTH + 1] out. Returns their number. */
-static int keys_to(const tree *t, int node, const char **key)
+static int keys_to(const tree *tree, int node, const char **key)
 {
     int keys = 0;
-    for (; node; node = t->node[node].parent)
-        if (t->node[node].key && keys <= TREE_DEPTH)
-            key[keys++] = t->node[node].key;
+    for (; node; node = tree->node[node].parent)
+        if (tree->node[node].key && keys <= TREE_DEPTH)
+            key[keys++] = tree->node[node].key;
     for (int i = 0; i < keys / 2; i++) {
         const char *const swap = key[i];
         key[i] = key[keys - 1 - i];
@@ -213,44 +213,44 @@ static int keys_to(const tree *t, int node, const char **key)
 /* ---- dimensions that follow from neighbours --------------------------- */
 
 /* The mapping that holds the key of a node. */
-static int map_of(const tree *t, int node)
+static int map_of(const tree *tree, int node)
 {
-    while (node && !t->node[node].key)
-        node = t->node[node].parent;
-    return t->node[node].parent;
+    while (node && !tree->node[node].key)
+        node = tree->node[node].parent;
+    return tree->node[node].parent;
 }
 
-static const char *text_of(const tree *t, int map, const char *key)
+static const char *text_of(const tree *tree, int map, const char *key)
 {
-    const int node = tree_find(t, map, key);
-    return node && t->node[node].text ? t->node[node].text : "";
+    const int node = tree_find(tree, map, key);
+    return node && tree->node[node].text ? tree->node[node].text : "";
 }
 
 /* Displacements are lengths, differences of the faces over the thickness are not. */
-static dimension of_support(const tree *t, int map)
+static dimension of_support(const tree *tree, int map)
 {
-    const int fix = tree_find(t, map, "fix");
-    int is_pure =
-        strstr(text_of(t, map, "fix"), "difference") || strcmp(text_of(t, map, "fix"), "u3M") == 0;
-    for (int i = fix ? t->node[fix].first : 0; i; i = t->node[i].next)
-        is_pure |= t->node[i].text &&
-                   (strstr(t->node[i].text, "difference") || strcmp(t->node[i].text, "u3M") == 0);
+    const int fix = tree_find(tree, map, "fix");
+    int is_pure = strstr(text_of(tree, map, "fix"), "difference") ||
+                  strcmp(text_of(tree, map, "fix"), "u3M") == 0;
+    for (int i = fix ? tree->node[fix].first : 0; i; i = tree->node[i].next)
+        is_pure |= tree->node[i].text && (strstr(tree->node[i].text, "difference") ||
+                                          strcmp(tree->node[i].text, "u3M") == 0);
     return is_pure ? PURE : LENGTH;
 }
 
-static dimension of_load(const tree *t, int map)
+static dimension of_load(const tree *tree, int map)
 {
-    if (tree_find(t, map, "face"))
+    if (tree_find(tree, map, "face"))
         return STRESS;
-    return tree_find(t, map, "line") ? LINE_FORCE : FORCE;
+    return tree_find(tree, map, "line") ? LINE_FORCE : FORCE;
 }
 
-static dimension of_output(const tree *t, int map)
+static dimension of_output(const tree *tree, int map)
 {
-    const char *const contact = text_of(t, map, "contact");
-    if (tree_find(t, map, "voltage"))
+    const char *const contact = text_of(tree, map, "contact");
+    if (tree_find(tree, map, "voltage"))
         return VOLTAGE;
-    if (tree_find(t, map, "charge"))
+    if (tree_find(tree, map, "charge"))
         return CHARGE;
     if (!*contact)
         return LENGTH;
@@ -259,67 +259,69 @@ static dimension of_output(const tree *t, int map)
     return strcmp(contact, "pressure") == 0 ? STRESS : FORCE;
 }
 
-static dimension of_reading(const reader *r, int map)
+static dimension of_reading(const reader *reader, int map)
 {
-    const int k =
-        find_named(r->s->output, r->s->outputs, sizeof *r->s->output, text_of(r->t, map, "output"));
-    if (k < 0 || r->s->output[k].electric == ELECTRIC_NONE)
+    const int k = find_named(reader->s->output, reader->s->outputs, sizeof *reader->s->output,
+                             text_of(reader->t, map, "output"));
+    if (k < 0 || reader->s->output[k].electric == ELECTRIC_NONE)
         return LENGTH;
-    return r->s->output[k].electric == ELECTRIC_VOLTAGE ? VOLTAGE : CHARGE;
+    return reader->s->output[k].electric == ELECTRIC_VOLTAGE ? VOLTAGE : CHARGE;
 }
 
 /* Of what amplifier k gives. */
-static dimension of_amplifier(const scene *s, int k)
+static dimension of_amplifier(const scene *scene, int k)
 {
-    for (int i = 0; i < s->actuators; i++)
-        if (s->actuator[i].is_temperature && s->actuator[i].first == k)
+    for (int i = 0; i < scene->actuators; i++)
+        if (scene->actuator[i].is_temperature && scene->actuator[i].first == k)
             return TEMPERATURE;
     return VOLTAGE;
 }
 
-static dimension of_limit(const reader *r, int map)
+static dimension of_limit(const reader *reader, int map)
 {
     int first, count;
-    const int found = scene_find_amplifier(r->s, text_of(r->t, map, "actuator"), &first, &count);
-    return found ? of_amplifier(r->s, first) : VOLTAGE;
+    const int found =
+        scene_find_amplifier(reader->s, text_of(reader->t, map, "actuator"), &first, &count);
+    return found ? of_amplifier(reader->s, first) : VOLTAGE;
 }
 
 /* Values stand in the order of the amplifiers. */
-static dimension of_compare(const reader *r, int node)
+static dimension of_compare(const reader *reader, int node)
 {
     int k = 0;
-    for (int i = r->t->node[r->t->node[node].parent].first; i && i != node; i = r->t->node[i].next)
+    for (int i = reader->t->node[reader->t->node[node].parent].first; i && i != node;
+         i = reader->t->node[i].next)
         k++;
-    return of_amplifier(r->s, k);
+    return of_amplifier(reader->s, k);
 }
 
-static dimension of_theta(const reader *r, int direction)
+static dimension of_theta(const reader *reader, int direction)
 {
-    return surface_is_angle(&r->s->surface, direction) ? RADIANS : LENGTH;
+    return surface_is_angle(&reader->s->surface, direction) ? RADIANS : LENGTH;
 }
 
-static dimension resolve(const reader *r, int node, dimension of)
+static dimension resolve(const reader *reader, int node, dimension of)
 {
-    const int map = map_of(r->t, node);
+    const int map = map_of(reader->t, node);
     switch (of) {
-    case OF_THETA1: return of_theta(r, 1);
-    case OF_THETA2: return of_theta(r, 2);
-    case OF_SUPPORT: return of_support(r->t, map);
-    case OF_LOAD: return of_load(r->t, map);
-    case OF_OUTPUT: return of_output(r->t, map);
-    case OF_READING: return of_reading(r, map);
-    case OF_ACTUATOR: return tree_find(r->t, map, "temperature") ? TEMPERATURE : VOLTAGE;
-    case OF_LIMIT: return of_limit(r, map);
-    case OF_COMPARE: return of_compare(r, node);
+    case OF_THETA1: return of_theta(reader, 1);
+    case OF_THETA2: return of_theta(reader, 2);
+    case OF_SUPPORT: return of_support(reader->t, map);
+    case OF_LOAD: return of_load(reader->t, map);
+    case OF_OUTPUT: return of_output(reader->t, map);
+    case OF_READING: return of_reading(reader, map);
+    case OF_ACTUATOR: return tree_find(reader->t, map, "temperature") ? TEMPERATURE : VOLTAGE;
+    case OF_LIMIT: return of_limit(reader, map);
+    case OF_COMPARE: return of_compare(reader, node);
     default: return of;
     }
 }
 
-static dimension dimension_of(const reader *r, int node)
+static dimension dimension_of(const reader *reader, int node)
 {
     const char *key[TREE_DEPTH + 1] = {NULL};
-    const int row = find_row(key, keys_to(r->t, node, key));
-    return row < 0 ? PURE : resolve(r, node, rows[row].of);
+    const int row = find_row(key, keys_to(reader->t, node, key));
+    return row < 0 ? PURE : resolve(reader, node, rows[row].of);
 }
 
 /* ---- the scene's units ------------------------------------------------ */
@@ -330,22 +332,22 @@ static const dimension base_dimension[UNITS_BASES] = {LENGTH,      FORCE, VOLTAG
                                                       TEMPERATURE, RATE,  RADIANS};
 
 /* The scene's word for a base unit; NULL for those that are always the second and the radian. */
-static const char *base_text(const scene *s, int base)
+static const char *base_text(const scene *scene, int base)
 {
     switch (base) {
-    case UNITS_LENGTH: return s->unit_length;
-    case UNITS_FORCE: return s->unit_force;
-    case UNITS_VOLTAGE: return s->unit_voltage;
-    case UNITS_TEMPERATURE: return s->unit_temperature;
+    case UNITS_LENGTH: return scene->unit_length;
+    case UNITS_FORCE: return scene->unit_force;
+    case UNITS_VOLTAGE: return scene->unit_voltage;
+    case UNITS_TEMPERATURE: return scene->unit_temperature;
     default: return NULL;
     }
 }
 
 /* Power of ten of the scene's unit of one base. Returns 0, or -1 where there is none or it is no SI
  * unit of that base. */
-static int base_ten(const scene *s, int base, int *ten)
+static int base_ten(const scene *scene, int base, int *ten)
 {
-    const char *const text = base_text(s, base);
+    const char *const text = base_text(scene, base);
     const char *why;
     units_unit unit;
     *ten = 0;
@@ -358,14 +360,14 @@ static int base_ten(const scene *s, int base, int *ten)
     return 0;
 }
 
-int scene_units_ten(const scene *s, const units_unit *unit, int *ten)
+int scene_units_ten(const scene *scene, const units_unit *unit, int *ten)
 {
     int own;
     *ten = unit->ten;
     for (int base = 0; base < UNITS_BASES; base++) {
         if (unit->power[base] == 0)
             continue;
-        if (base_ten(s, base, &own) < 0)
+        if (base_ten(scene, base, &own) < 0)
             return base;
         *ten -= unit->power[base] * own;
     }
@@ -374,11 +376,11 @@ int scene_units_ten(const scene *s, const units_unit *unit, int *ten)
 
 /* ---- numbers with units ----------------------------------------------- */
 
-static int refuse_unit(reader *r, int node, const char *suffix, const char *why)
+static int refuse_unit(reader *reader, int node, const char *suffix, const char *why)
 {
-    return tree_fault(r->t, node,
+    return tree_fault(reader->t, node,
                       "'%.60s: %.60s': '%.30s' is no unit: %s; the numbers of a formula carry none",
-                      tree_name(r->t, node), node_text(r, node), suffix, why);
+                      tree_name(reader->t, node), node_text(reader, node), suffix, why);
 }
 
 /* The dimension that a unit has, by name; DIMENSIONS where none here has it. */
@@ -390,7 +392,7 @@ static dimension name_dimension(const units_unit *unit)
     return (dimension)of;
 }
 
-static int refuse_dimension(reader *r, int node, const char *suffix, const units_unit *unit,
+static int refuse_dimension(reader *reader, int node, const char *suffix, const units_unit *unit,
                             dimension expected)
 {
     const dimension found = name_dimension(unit);
@@ -404,26 +406,26 @@ static int refuse_dimension(reader *r, int node, const char *suffix, const units
     else
         snprintf(wants, sizeof wants, "that of %s, as %s", dimensions[expected].name,
                  dimensions[expected].example);
-    return tree_fault(r->t, node, "'%.60s: %.60s' has %s; expected %s", tree_name(r->t, node),
-                      node_text(r, node), has, wants);
+    return tree_fault(reader->t, node, "'%.60s: %.60s' has %s; expected %s",
+                      tree_name(reader->t, node), node_text(reader, node), has, wants);
 }
 
-static int refuse_base(reader *r, int node, int base)
+static int refuse_base(reader *reader, int node, int base)
 {
-    const char *const key = base_key[base], *const text = base_text(r->s, base);
+    const char *const key = base_key[base], *const text = base_text(reader->s, base);
     const char *const example = dimensions[base_dimension[base]].example;
     if (!*text)
         return tree_fault(
-            r->t, node,
+            reader->t, node,
             "'%.60s: %.60s' has a unit but the scene has no unit of %s; add %s: %s to units, or "
             "remove the unit",
-            tree_name(r->t, node), node_text(r, node), key, key, example);
+            tree_name(reader->t, node), node_text(reader, node), key, key, example);
     return tree_fault(
-        r->t, node,
+        reader->t, node,
         "'%.60s: %.60s' has a unit, but '%s: %.30s' of the scene's units is no SI unit of %s; "
         "write one as %s, or remove the unit",
-        tree_name(r->t, node), node_text(r, node), key, text, dimensions[base_dimension[base]].name,
-        example);
+        tree_name(reader->t, node), node_text(reader, node), key, text,
+        dimensions[base_dimension[base]].name, example);
 }
 
 /* Degrees in a key in radians, or the reverse: a factor behind the number. */
@@ -434,28 +436,28 @@ static const char *turn(const units_unit *unit, const units_unit *key)
     return unit->degrees ? "*pi/180" : "*180/pi";
 }
 
-int scene_units_text(reader *r, int node, char text[SCENE_UNITS_TEXT], const char **plain)
+int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], const char **plain)
 {
     char number[UNITS_NUMBER];
     units_unit unit;
     const char *why;
     size_t length;
     int ten;
-    const char *const suffix = units_suffix(node_text(r, node), &length);
-    *plain = node_text(r, node);
+    const char *const suffix = units_suffix(node_text(reader, node), &length);
+    *plain = node_text(reader, node);
     if (!suffix)
         return 0;
     if (units_parse(suffix, &unit, &why) < 0)
-        return refuse_unit(r, node, suffix, why);
-    const dimension expected = dimension_of(r, node);
+        return refuse_unit(reader, node, suffix, why);
+    const dimension expected = dimension_of(reader, node);
     if (expected == PURE || !units_alike(&unit, &dimensions[expected].unit))
-        return refuse_dimension(r, node, suffix, &unit, expected);
-    const int missing = scene_units_ten(r->s, &unit, &ten);
+        return refuse_dimension(reader, node, suffix, &unit, expected);
+    const int missing = scene_units_ten(reader->s, &unit, &ten);
     if (missing >= 0)
-        return refuse_base(r, node, missing);
-    if (units_shift(node_text(r, node), length, ten, number) < 0)
-        return tree_fault(r->t, node, "'%.60s: %.60s' is too long a number; give fewer digits",
-                          tree_name(r->t, node), node_text(r, node));
+        return refuse_base(reader, node, missing);
+    if (units_shift(node_text(reader, node), length, ten, number) < 0)
+        return tree_fault(reader->t, node, "'%.60s: %.60s' is too long a number; give fewer digits",
+                          tree_name(reader->t, node), node_text(reader, node));
     snprintf(text, SCENE_UNITS_TEXT, "%s%s", number, turn(&unit, &dimensions[expected].unit));
     *plain = text;
     return 0;

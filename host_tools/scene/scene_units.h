@@ -19,13 +19,13 @@ enum { SCENE_UNITS_TEXT = UNITS_NUMBER + 8 };
  * Returns 0, or -1 with the tree's error filled: no unit, one of another dimension, or a scene
  * without units.
  */
-int scene_units_text(reader *r, int node, char text[SCENE_UNITS_TEXT], const char **plain);
+int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], const char **plain);
 
 /*
  * The power of ten that a value in a unit is multiplied by to be in the scene's units.
  * Returns -1, or the base (of units_base) that the scene has no SI unit for.
  */
-int scene_units_ten(const scene *s, const units_unit *unit, int *ten);
+int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 
 /* Is the dimension of a key known? key [keys] in: its path from the root, without the items of
  * lists. For tests. */

@@ -42,16 +42,16 @@ typedef struct parser {
     units_unit unit;
 } parser;
 
-static int fault(parser *p, const char *why)
+static int fault(parser *parser, const char *why)
 {
-    p->why = why;
+    parser->why = why;
     return -1;
 }
 
-static void skip_blanks(parser *p)
+static void skip_blanks(parser *parser)
 {
-    while (*p->at == ' ')
-        p->at++;
+    while (*parser->at == ' ')
+        parser->at++;
 }
 
 /* ---- factors ---------------------------------------------------------- */
@@ -84,118 +84,120 @@ static const symbol *find_unit(const char *text, size_t length, int *ten)
 
 /* A whole power: digits, or '^' and a whole number with or without a sign; 1 where there is none.
  */
-static int take_power(parser *p, int *power)
+static int take_power(parser *parser, int *power)
 {
     int sign = 1;
     *power = 1;
-    if (*p->at == '^') {
-        p->at++;
-        if (*p->at == '-')
+    if (*parser->at == '^') {
+        parser->at++;
+        if (*parser->at == '-')
             sign = -1;
-        if (*p->at == '-' || *p->at == '+')
-            p->at++;
-        if (!isdigit((unsigned char)*p->at))
-            return fault(p, "a power is a whole number, as m^2");
+        if (*parser->at == '-' || *parser->at == '+')
+            parser->at++;
+        if (!isdigit((unsigned char)*parser->at))
+            return fault(parser, "a power is a whole number, as m^2");
     }
-    if (!isdigit((unsigned char)*p->at))
+    if (!isdigit((unsigned char)*parser->at))
         return 0;
-    *power = sign * (*p->at - '0');
-    p->at++;
-    if (*power == 0 || isdigit((unsigned char)*p->at))
-        return fault(p, "a power of a unit runs from 1 to 9");
+    *power = sign * (*parser->at - '0');
+    parser->at++;
+    if (*power == 0 || isdigit((unsigned char)*parser->at))
+        return fault(parser, "a power of a unit runs from 1 to 9");
     return 0;
 }
 
 /* One factor, times the sign of its power: -1 behind a '/'. */
-static int take_factor(parser *p, int sign)
+static int take_factor(parser *parser, int sign)
 {
-    const char *const start = p->at;
+    const char *const start = parser->at;
     int ten, power;
-    while (isalpha((unsigned char)*p->at) || (unsigned char)*p->at >= 0x80)
-        p->at++;
-    if (p->at == start)
-        return fault(p, "the name of a unit is missing");
-    const symbol *found = find_unit(start, (size_t)(p->at - start), &ten);
+    while (isalpha((unsigned char)*parser->at) || (unsigned char)*parser->at >= 0x80)
+        parser->at++;
+    if (parser->at == start)
+        return fault(parser, "the name of a unit is missing");
+    const symbol *found = find_unit(start, (size_t)(parser->at - start), &ten);
     if (!found)
-        return fault(p, strncmp(start, "degC", 4) == 0
-                            ? "a temperature is a difference to the undeformed state; give it in K"
-                            : "known are m N V K Pa C F s Hz kg g t rad deg, with SI prefixes, "
-                              "powers and quotients");
-    if (take_power(p, &power) < 0)
+        return fault(parser,
+                     strncmp(start, "degC", 4) == 0
+                         ? "a temperature is a difference to the undeformed state; give it in K"
+                         : "known are m N V K Pa C F s Hz kg g t rad deg, with SI prefixes, "
+                           "powers and quotients");
+    if (take_power(parser, &power) < 0)
         return -1;
     power *= sign;
     for (int i = 0; i < UNITS_BASES; i++)
-        p->unit.power[i] += power * found->unit.power[i];
-    p->unit.ten += power * (found->unit.ten + ten);
-    p->unit.degrees += power * found->unit.degrees;
+        parser->unit.power[i] += power * found->unit.power[i];
+    parser->unit.ten += power * (found->unit.ten + ten);
+    parser->unit.degrees += power * found->unit.degrees;
     return 0;
 }
 
 /* ---- products and quotients ------------------------------------------- */
 
 /* Is there another factor of a product? Its sign of multiplication is taken. */
-static int another(parser *p)
+static int another(parser *parser)
 {
-    skip_blanks(p);
-    if (*p->at == '*' || *p->at == '.') {
-        p->at++;
-        skip_blanks(p);
+    skip_blanks(parser);
+    if (*parser->at == '*' || *parser->at == '.') {
+        parser->at++;
+        skip_blanks(parser);
         return 1;
     }
-    return isalpha((unsigned char)*p->at) || (unsigned char)*p->at >= 0x80;
+    return isalpha((unsigned char)*parser->at) || (unsigned char)*parser->at >= 0x80;
 }
 
-static int take_product(parser *p, int sign)
+static int take_product(parser *parser, int sign)
 {
     do {
-        if (take_factor(p, sign) < 0)
+        if (take_factor(parser, sign) < 0)
             return -1;
-    } while (another(p));
+    } while (another(parser));
     return 0;
 }
 
 /* What stands behind a '/': one factor, or a product in brackets. */
-static int take_divisor(parser *p)
+static int take_divisor(parser *parser)
 {
-    if (*p->at != '(') {
-        if (take_factor(p, -1) < 0)
+    if (*parser->at != '(') {
+        if (take_factor(parser, -1) < 0)
             return -1;
-        return another(p) ? fault(p, "a product behind '/' needs brackets, as C/(m2 K)") : 0;
+        return another(parser) ? fault(parser, "a product behind '/' needs brackets, as C/(m2 K)")
+                               : 0;
     }
-    p->at++;
-    if (take_product(p, -1) < 0)
+    parser->at++;
+    if (take_product(parser, -1) < 0)
         return -1;
-    if (*p->at != ')')
-        return fault(p, "a ')' is missing");
-    p->at++;
-    skip_blanks(p);
+    if (*parser->at != ')')
+        return fault(parser, "a ')' is missing");
+    parser->at++;
+    skip_blanks(parser);
     return 0;
 }
 
 int units_parse(const char *text, units_unit *unit, const char **why)
 {
-    parser p;
-    memset(&p, 0, sizeof p);
-    p.at = text;
+    parser parser;
+    memset(&parser, 0, sizeof parser);
+    parser.at = text;
     int failed = 0;
-    if (p.at[0] == '1' && strchr(" /", p.at[1])) {
-        p.at++;
-        skip_blanks(&p);
-        failed = *p.at == '/' ? 0 : fault(&p, "a '/' is missing behind 1");
-    } else if (*p.at != '/') {
-        failed = take_product(&p, 1);
+    if (parser.at[0] == '1' && strchr(" /", parser.at[1])) {
+        parser.at++;
+        skip_blanks(&parser);
+        failed = *parser.at == '/' ? 0 : fault(&parser, "a '/' is missing behind 1");
+    } else if (*parser.at != '/') {
+        failed = take_product(&parser, 1);
     }
-    while (!failed && *p.at == '/') {
-        p.at++;
-        skip_blanks(&p);
-        failed = take_divisor(&p);
+    while (!failed && *parser.at == '/') {
+        parser.at++;
+        skip_blanks(&parser);
+        failed = take_divisor(&parser);
     }
-    if (!failed && *p.at)
-        failed = fault(&p, "a unit reads as N, mm2, N/m2 or C/(m2 K)");
+    if (!failed && *parser.at)
+        failed = fault(&parser, "a unit reads as N, mm2, N/m2 or C/(m2 K)");
     if (failed)
-        *why = p.why;
+        *why = parser.why;
     else
-        *unit = p.unit;
+        *unit = parser.unit;
     return failed;
 }
 

@@ -40,18 +40,18 @@ typedef struct tree {
 
 /* Read a file and apply the changes "a.b.c=value". Returns 0, or -1 with error filled; tree_free in
  * both cases. */
-int tree_read(tree *t, const char *path, const char *const *set, int sets, char *error);
-void tree_free(tree *t);
+int tree_read(tree *tree, const char *path, const char *const *set, int sets, char *error);
+void tree_free(tree *tree);
 
 /* The child of a mapping under a key, or 0. */
-int tree_find(const tree *t, int map, const char *key);
+int tree_find(const tree *tree, int map, const char *key);
 
 /* The nearest key at or above a node: what a reader would call it. */
-const char *tree_name(const tree *t, int node);
+const char *tree_name(const tree *tree, int node);
 
 /* Fill the tree's error for a fault at a node, or at its key; both return -1. */
-int tree_fault(const tree *t, int node, const char *format, ...);
-int tree_fault_at(const tree *t, scene_at at, const char *format, ...);
+int tree_fault(const tree *tree, int node, const char *format, ...);
+int tree_fault_at(const tree *tree, scene_at at, const char *format, ...);
 
 /*
  * Write "file:line:column: message" on one line; returns -1.

@@ -6,35 +6,35 @@
 
 /* ---- open ------------------------------------------------------------- */
 
-static void scale_material(scene_material *m, double stiffness, double d)
+static void scale_material(scene_material *material, double stiffness, double d)
 {
     for (int i = 0; i < 3; i++)
-        m->e[i] *= stiffness;
-    m->g23 *= stiffness;
-    m->g13 *= stiffness;
-    m->g12 *= stiffness;
-    m->d31 *= d;
-    m->d32 *= d;
-    m->d33 *= d;
-    m->d24 *= d;
-    m->d15 *= d;
+        material->e[i] *= stiffness;
+    material->g23 *= stiffness;
+    material->g13 *= stiffness;
+    material->g12 *= stiffness;
+    material->d31 *= d;
+    material->d32 *= d;
+    material->d33 *= d;
+    material->d24 *= d;
+    material->d15 *= d;
     for (int i = 0; i < 5; i++)
-        m->piezo_e[i] *= stiffness * d;
+        material->piezo_e[i] *= stiffness * d;
 }
 
 /* One more load, of 1 K, after the scene's own. */
-static int add_temperature(scene *s)
+static int add_temperature(scene *scene)
 {
     const char *why;
     int column;
-    scene_load *more = realloc(s->load, ((size_t)s->loads + 1) * sizeof *more);
+    scene_load *more = realloc(scene->load, ((size_t)scene->loads + 1) * sizeof *more);
     if (!more)
         return -1;
-    s->load = more;
-    memset(&more[s->loads], 0, sizeof *more);
-    more[s->loads].type = LOAD_TEMPERATURE;
-    more[s->loads].value = expr_compile("1", &column, &why);
-    return more[s->loads++].value ? 0 : -1;
+    scene->load = more;
+    memset(&more[scene->loads], 0, sizeof *more);
+    more[scene->loads].type = LOAD_TEMPERATURE;
+    more[scene->loads].value = expr_compile("1", &column, &why);
+    return more[scene->loads++].value ? 0 : -1;
 }
 
 static int warms(const scene_simulate *simulate)
@@ -45,215 +45,221 @@ static int warms(const scene_simulate *simulate)
     return 0;
 }
 
-static int change_scene(scene *s)
+static int change_scene(scene *scene)
 {
-    const scene_simulate *simulate = &s->simulate;
-    s->kinematics = simulate->kinematics;
-    for (int i = 0; i < s->materials; i++)
-        scale_material(&s->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
+    const scene_simulate *simulate = &scene->simulate;
+    scene->kinematics = simulate->kinematics;
+    for (int i = 0; i < scene->materials; i++)
+        scale_material(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
                        simulate->d ? simulate->d[i] : 1);
-    return warms(simulate) ? add_temperature(s) : 0;
+    return warms(simulate) ? add_temperature(scene) : 0;
 }
 
-int plant_open(plant *p, const scene *nominal, char *error)
+int plant_open(plant *plant, const scene *nominal, char *error)
 {
-    memset(p, 0, sizeof *p);
-    if (scene_read(&p->scene, nominal->path, (const char *const *)nominal->set, nominal->sets,
+    memset(plant, 0, sizeof *plant);
+    if (scene_read(&plant->scene, nominal->path, (const char *const *)nominal->set, nominal->sets,
                    error) < 0)
         return -1;
-    p->temperature = -1;
-    int failed = change_scene(&p->scene);
+    plant->temperature = -1;
+    int failed = change_scene(&plant->scene);
     if (failed)
         scene_fault(nominal, nominal->simulate.at, error, "out of memory");
-    failed = failed || analysis_prepare(&p->analysis, &p->scene, error) < 0 ||
-             analysis_influence(&p->analysis, error) < 0;
-    const design *d = &p->analysis.design;
+    failed = failed || analysis_prepare(&plant->analysis, &plant->scene, error) < 0 ||
+             analysis_influence(&plant->analysis, error) < 0;
+    const design *design = &plant->analysis.design;
     if (!failed) {
-        p->amount = calloc((size_t)d->structure.input.count, sizeof *p->amount);
-        p->reached = calloc((size_t)d->structure.input.count, sizeof *p->reached);
-        p->full = calloc((size_t)d->structure.input.count, sizeof *p->full);
-        p->value = calloc((size_t)d->structure.output.count + 1, sizeof *p->value);
-        failed = !p->amount || !p->reached || !p->full || !p->value
+        plant->amount = calloc((size_t)design->structure.input.count, sizeof *plant->amount);
+        plant->reached = calloc((size_t)design->structure.input.count, sizeof *plant->reached);
+        plant->full = calloc((size_t)design->structure.input.count, sizeof *plant->full);
+        plant->value = calloc((size_t)design->structure.output.count + 1, sizeof *plant->value);
+        failed = !plant->amount || !plant->reached || !plant->full || !plant->value
                      ? scene_fault(nominal, nominal->simulate.at, error, "out of memory")
                      : 0;
     }
     if (failed) {
-        plant_close(p);
+        plant_close(plant);
         return -1;
     }
-    if (p->analysis.nonlinear)
-        memcpy(p->full, p->analysis.path.full, (size_t)d->structure.input.count * sizeof *p->full);
-    if (warms(&p->scene.simulate))
-        p->temperature = d->amplifiers + d->loads - 1;
-    plant_rest(p);
+    if (plant->analysis.nonlinear)
+        memcpy(plant->full, plant->analysis.path.full,
+               (size_t)design->structure.input.count * sizeof *plant->full);
+    if (warms(&plant->scene.simulate))
+        plant->temperature = design->amplifiers + design->loads - 1;
+    plant_rest(plant);
     return 0;
 }
 
-void plant_close(plant *p)
+void plant_close(plant *plant)
 {
-    if (p->analysis.design.scene)
-        analysis_free(&p->analysis);
-    scene_free(&p->scene);
-    free(p->amount);
-    free(p->reached);
-    free(p->full);
-    free(p->value);
-    memset(p, 0, sizeof *p);
+    if (plant->analysis.design.scene)
+        analysis_free(&plant->analysis);
+    scene_free(&plant->scene);
+    free(plant->amount);
+    free(plant->reached);
+    free(plant->full);
+    free(plant->value);
+    memset(plant, 0, sizeof *plant);
 }
 
 /* ---- loads ------------------------------------------------------------ */
 
 /* Input that carries a load: a follower's is one of the extras, in the order of loads. */
-static int input_of(const plant *p, int load)
+static int input_of(const plant *plant, int load)
 {
-    const design *d = &p->analysis.design;
-    int extra = d->amplifiers + d->loads;
-    if (!p->analysis.nonlinear || p->scene.load[load].follower == FOLLOWER_NONE)
-        return d->amplifiers + load;
+    const design *design = &plant->analysis.design;
+    int extra = design->amplifiers + design->loads;
+    if (!plant->analysis.nonlinear || plant->scene.load[load].follower == FOLLOWER_NONE)
+        return design->amplifiers + load;
     for (int k = 0; k < load; k++)
-        extra += p->scene.load[k].follower != FOLLOWER_NONE;
+        extra += plant->scene.load[k].follower != FOLLOWER_NONE;
     return extra;
 }
 
-void plant_load(plant *p, int load, double amount)
+void plant_load(plant *plant, int load, double amount)
 {
-    p->amount[input_of(p, load)] = amount;
+    plant->amount[input_of(plant, load)] = amount;
 }
 
-void plant_warm(plant *p, double kelvin)
+void plant_warm(plant *plant, double kelvin)
 {
-    if (p->temperature >= 0)
-        p->amount[p->temperature] = kelvin;
+    if (plant->temperature >= 0)
+        plant->amount[plant->temperature] = kelvin;
 }
 
-void plant_rest(plant *p)
+void plant_rest(plant *plant)
 {
-    const design *d = &p->analysis.design;
-    memcpy(p->amount, p->full, (size_t)d->structure.input.count * sizeof *p->amount);
-    for (int k = 0; k < d->loads; k++)
-        plant_load(p, k, 1);
-    plant_warm(p, 0);
-    p->moved = 0;
+    const design *design = &plant->analysis.design;
+    memcpy(plant->amount, plant->full,
+           (size_t)design->structure.input.count * sizeof *plant->amount);
+    for (int k = 0; k < design->loads; k++)
+        plant_load(plant, k, 1);
+    plant_warm(plant, 0);
+    plant->moved = 0;
 }
 
 /* ---- shapes ----------------------------------------------------------- */
 
-static void sum_columns(const plant *p, size_t rows, double *shape)
+static void sum_columns(const plant *plant, size_t rows, double *shape)
 {
-    const size_t inputs = p->analysis.design.structure.input.count;
+    const size_t inputs = plant->analysis.design.structure.input.count;
     for (size_t i = 0; i < rows; i++) {
-        const double *row = p->analysis.influence + i * inputs;
+        const double *row = plant->analysis.influence + i * inputs;
         shape[i] = 0;
         for (size_t k = 0; k < inputs; k++)
-            shape[i] += row[k] * p->amount[k];
+            shape[i] += row[k] * plant->amount[k];
     }
 }
 
 /* The equilibrium under the amounts, from the last shape; that is it where they are the same. */
-static int reach(plant *p, char *error)
+static int reach(plant *plant, char *error)
 {
-    analysis *a = &p->analysis;
-    pzs_solver *run = &a->path.run;
-    const size_t bytes = a->design.structure.input.count * sizeof *p->amount;
-    if (p->moved && memcmp(p->amount, p->reached, bytes) == 0)
+    analysis *analysis = &plant->analysis;
+    pzs_solver *run = &analysis->path.run;
+    const size_t bytes = analysis->design.structure.input.count * sizeof *plant->amount;
+    if (plant->moved && memcmp(plant->amount, plant->reached, bytes) == 0)
         return 0;
-    if (!p->moved)
+    if (!plant->moved)
         pzs_solver_reset(run);
-    a->status = pzs_equilibrium(run, p->amount);
-    p->systems += run->info.linear_solves;
-    p->moved = 1;
-    memcpy(p->reached, p->amount, bytes);
-    return PZS_IS_ERROR(a->status) ? analysis_explain(a, a->status, error) : 0;
+    analysis->status = pzs_equilibrium(run, plant->amount);
+    plant->systems += run->info.linear_solves;
+    plant->moved = 1;
+    memcpy(plant->reached, plant->amount, bytes);
+    return PZS_IS_ERROR(analysis->status) ? analysis_explain(analysis, analysis->status, error) : 0;
 }
 
-int plant_shape(plant *p, const double *voltage, double *shape, char *error)
+int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
-    memcpy(p->amount, voltage, (size_t)p->analysis.design.amplifiers * sizeof *voltage);
-    if (!p->analysis.nonlinear) {
-        sum_columns(p, (size_t)p->analysis.design.targets, shape);
+    memcpy(plant->amount, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
+    if (!plant->analysis.nonlinear) {
+        sum_columns(plant, (size_t)plant->analysis.design.targets, shape);
         return 0;
     }
-    if (reach(p, error) < 0)
+    if (reach(plant, error) < 0)
         return -1;
-    design_shape(&p->analysis.design, p->analysis.path.run.info.displacement, shape);
+    design_shape(&plant->analysis.design, plant->analysis.path.run.info.displacement, shape);
     return 0;
 }
 
 /* All rows, and volts and charges of electrodes where there are some. */
-static pzs_status look(plant *p)
+static pzs_status look(plant *plant)
 {
-    analysis *a = &p->analysis;
-    if (a->nonlinear)
-        pzs_observe(&a->design.structure, a->path.run.info.displacement, p->value);
+    analysis *analysis = &plant->analysis;
+    if (analysis->nonlinear)
+        pzs_observe(&analysis->design.structure, analysis->path.run.info.displacement,
+                    plant->value);
     else
-        sum_columns(p, a->design.structure.output.count, p->value);
-    return analysis_electrodes(a, p->amount);
+        sum_columns(plant, analysis->design.structure.output.count, plant->value);
+    return analysis_electrodes(analysis, plant->amount);
 }
 
-int plant_readings(plant *p, double *reading, char *error)
+int plant_readings(plant *plant, double *reading, char *error)
 {
-    const analysis *a = &p->analysis;
-    const scene_estimate *estimate = &p->scene.estimate;
-    const pzs_status status = look(p);
+    const analysis *analysis = &plant->analysis;
+    const scene_estimate *estimate = &plant->scene.estimate;
+    const pzs_status status = look(plant);
     for (int r = 0; r < estimate->readings; r++)
-        for (int i = 0; i < analysis_outputs(a, estimate->reading[r].output); i++)
-            *reading++ = analysis_output(a, estimate->reading[r].output, i, p->value);
-    return status == PZS_OK ? 0 : analysis_explain(a, status, error);
+        for (int i = 0; i < analysis_outputs(analysis, estimate->reading[r].output); i++)
+            *reading++ = analysis_output(analysis, estimate->reading[r].output, i, plant->value);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-int plant_displacement(plant *p, double *u, char *error)
+int plant_displacement(plant *plant, double *u, char *error)
 {
-    analysis *a = &p->analysis;
-    if (a->nonlinear) {
-        memcpy(u, a->path.run.info.displacement, (size_t)a->design.mesh.dof * sizeof *u);
+    analysis *analysis = &plant->analysis;
+    if (analysis->nonlinear) {
+        memcpy(u, analysis->path.run.info.displacement,
+               (size_t)analysis->design.mesh.dof * sizeof *u);
         return 0;
     }
-    const pzs_status status = pzs_solve(&a->model, p->amount, u);
-    return status == PZS_OK ? 0 : analysis_explain(a, status, error);
+    const pzs_status status = pzs_solve(&analysis->model, plant->amount, u);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
 /* ---- optimum ---------------------------------------------------------- */
 
 /* What the volts must do by the linear structure: the target less what the loads do there. */
-static void want(plant *p, const double *target)
+static void want(plant *plant, const double *target)
 {
-    design *d = &p->analysis.design;
-    const size_t inputs = d->structure.input.count;
-    for (size_t i = 0; i < (size_t)d->targets; i++) {
-        d->target[i] = target[i];
-        d->wanted[i] = 0;
-        for (int k = 0; k < d->loads; k++)
-            d->wanted[i] += p->analysis.influence[i * inputs + (size_t)(d->amplifiers + k)] *
-                            p->amount[input_of(p, k)];
+    design *design = &plant->analysis.design;
+    const size_t inputs = design->structure.input.count;
+    for (size_t i = 0; i < (size_t)design->targets; i++) {
+        design->target[i] = target[i];
+        design->wanted[i] = 0;
+        for (int k = 0; k < design->loads; k++)
+            design->wanted[i] +=
+                plant->analysis.influence[i * inputs + (size_t)(design->amplifiers + k)] *
+                plant->amount[input_of(plant, k)];
     }
-    design_take_free(d, d->target);
-    design_take_free(d, d->wanted);
-    for (int i = 0; i < d->targets; i++)
-        d->wanted[i] = d->target[i] - d->wanted[i];
+    design_take_free(design, design->target);
+    design_take_free(design, design->wanted);
+    for (int i = 0; i < design->targets; i++)
+        design->wanted[i] = design->target[i] - design->wanted[i];
 }
 
-int plant_optimum(plant *p, const double *target, const double *held, voltages *best, double *shape,
-                  char *error)
+int plant_optimum(plant *plant, const double *target, const double *held, voltages *best,
+                  double *shape, char *error)
 {
-    analysis *a = &p->analysis;
-    design *d = &a->design;
-    const size_t n = (size_t)d->amplifiers;
+    analysis *analysis = &plant->analysis;
+    design *design = &analysis->design;
+    const size_t n = (size_t)design->amplifiers;
     double *limit = malloc(2 * n * sizeof *limit);
     if (!limit)
-        return analysis_explain(a, PZS_E_WORKSPACE, error);
-    memcpy(limit, d->lower, n * sizeof *limit);
-    memcpy(limit + n, d->upper, n * sizeof *limit);
+        return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    memcpy(limit, design->lower, n * sizeof *limit);
+    memcpy(limit + n, design->upper, n * sizeof *limit);
     for (size_t k = 0; k < n; k++)
         if (!isnan(held[k]))
-            d->lower[k] = d->upper[k] = held[k];
-    want(p, target);
-    if (a->nonlinear)
-        memcpy(a->path.full, p->amount, d->structure.input.count * sizeof *p->amount);
+            design->lower[k] = design->upper[k] = held[k];
+    want(plant, target);
+    if (analysis->nonlinear)
+        memcpy(analysis->path.full, plant->amount,
+               design->structure.input.count * sizeof *plant->amount);
     const int failed =
-        voltages_optimum(a, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
-    memcpy(d->lower, limit, n * sizeof *limit);
-    memcpy(d->upper, limit + n, n * sizeof *limit);
+        voltages_optimum(analysis, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
+    memcpy(design->lower, limit, n * sizeof *limit);
+    memcpy(design->upper, limit + n, n * sizeof *limit);
     free(limit);
-    p->moved = 0;
-    return failed ? -1 : plant_shape(p, best->volt, shape, error);
+    plant->moved = 0;
+    return failed ? -1 : plant_shape(plant, best->volt, shape, error);
 }

@@ -23,35 +23,35 @@ typedef struct plant {
  * Read the scene once more and give it the constants and kinematics of its simulate section.
  * All loads act in full, no temperature. Returns 0, or -1 with error filled and *p empty.
  */
-int plant_open(plant *p, const scene *nominal, char *error);
-void plant_close(plant *p);
+int plant_open(plant *plant, const scene *nominal, char *error);
+void plant_close(plant *plant);
 
 /* Change the amount of a load (1: as the scene says) and the temperature. */
-void plant_load(plant *p, int load, double amount);
-void plant_warm(plant *p, double kelvin);
+void plant_load(plant *plant, int load, double amount);
+void plant_warm(plant *plant, double kelvin);
 
 /* Back to all loads in full, no temperature; the next shape is reached from rest. */
-void plant_rest(plant *p);
+void plant_rest(plant *plant);
 
 /*
  * Shape under volts: the equilibrium from the last shape, or the linear sum.
  *   volt [amplifiers] in, shape [targets] out
  */
-int plant_shape(plant *p, const double *voltage, double *shape, char *error);
+int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
 
 /* What the readings of the scene's estimate show of the last shape, without noise. reading
  * [sensors] out */
-int plant_readings(plant *p, double *reading, char *error);
+int plant_readings(plant *plant, double *reading, char *error);
 
 /* Displacement of the last shape. u [dof] out */
-int plant_displacement(plant *p, double *u, char *error);
+int plant_displacement(plant *plant, double *u, char *error);
 
 /*
  * The best volts for a target on this structure under the loads and temperature in force, slew left
  * out. target [targets] in held   [amplifiers] in  volts of electrodes that cannot be chosen, NAN
  * for the others best   out  voltages_free it shape  [targets] out  under them
  */
-int plant_optimum(plant *p, const double *target, const double *held, voltages *best, double *shape,
-                  char *error);
+int plant_optimum(plant *plant, const double *target, const double *held, voltages *best,
+                  double *shape, char *error);
 
 #endif

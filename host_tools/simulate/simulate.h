@@ -100,8 +100,8 @@ typedef struct simulation {
  *   nominal in  after analysis_influence, of a scene with a simulate section; must outlive the
  * simulation Returns 0, or -1 with error filled and *s empty.
  */
-int simulate_open(simulation *s, analysis *nominal, char *error);
-void simulate_close(simulation *s);
+int simulate_open(simulation *simulation, analysis *nominal, char *error);
+void simulate_close(simulation *simulation);
 
 /*
  * Make the tables of an analysis those of its scene's controller: nothing to do, or where the scene
@@ -115,14 +115,14 @@ int simulate_tables(analysis *nominal, char *error);
  * twin, the same C in the same precision on this computer, answers beside it, and every bit is
  * compared. Returns 0, or -1 with error filled.
  */
-int simulate_device(simulation *s, const device_board *board, char *error);
+int simulate_device(simulation *simulation, const device_board *board, char *error);
 
 /* Run all ticks under a law. watch may be NULL. Returns 0, or -1 with error filled. */
-int simulate_run(simulation *s, simulate_law law, simulate_watch *watch, void *context,
+int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch, void *context,
                  char *error);
 
 /* The optimum of each phase, after simulate_run. Returns 0, or -1 with error filled. */
-int simulate_optima(simulation *s, char *error);
+int simulate_optima(simulation *simulation, char *error);
 
 /* Ticks in which the law ran. */
 long simulate_ran(const simulate_count *count);

@@ -9,68 +9,68 @@
 /* ---- random numbers --------------------------------------------------- */
 
 /* splitmix64: the same bits everywhere. */
-static uint64_t draw(loop *l)
+static uint64_t draw(loop *loop)
 {
-    uint64_t z = l->random += 0x9e3779b97f4a7c15u;
+    uint64_t z = loop->random += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
 }
 
 /* From 0 to 1, 1 left out. */
-double loop_draw(loop *l)
+double loop_draw(loop *loop)
 {
-    return (double)(draw(l) >> 11) * 0x1p-53;
+    return (double)(draw(loop) >> 11) * 0x1p-53;
 }
 
 /* From 0 to count - 1. */
-static int draw_int(loop *l, int count)
+static int draw_int(loop *loop, int count)
 {
-    return (int)(loop_draw(l) * count);
+    return (int)(loop_draw(loop) * count);
 }
 
 /* ---- what the controller is told -------------------------------------- */
 
-static void hold(loop *l, int amplifier, double voltage)
+static void hold(loop *loop, int amplifier, double voltage)
 {
-    (void)pzs_hold(l->controller.info.control, (uint16_t)amplifier, voltage);
-    device_hold(&l->board, amplifier, voltage);
-    device_hold(&l->twin, amplifier, voltage);
+    (void)pzs_hold(loop->controller.info.control, (uint16_t)amplifier, voltage);
+    device_hold(&loop->board, amplifier, voltage);
+    device_hold(&loop->twin, amplifier, voltage);
 }
 
-static void release(loop *l, int amplifier)
+static void release(loop *loop, int amplifier)
 {
-    (void)pzs_release(l->controller.info.control, (uint16_t)amplifier);
-    device_release(&l->board, amplifier);
-    device_release(&l->twin, amplifier);
+    (void)pzs_release(loop->controller.info.control, (uint16_t)amplifier);
+    device_release(&loop->board, amplifier);
+    device_release(&loop->twin, amplifier);
 }
 
 /* ---- events ----------------------------------------------------------- */
 
-static void set_target(loop *l, const scene_event *event)
+static void set_target(loop *loop, const scene_event *event)
 {
-    for (int i = 0; i < l->design->targets; i++) {
-        const expr_point at = mesh_place(&l->design->mesh, l->design->target_node[i]);
-        l->goal[i] = expr_value(event->value, &at);
+    for (int i = 0; i < loop->design->targets; i++) {
+        const expr_point at = mesh_place(&loop->design->mesh, loop->design->target_node[i]);
+        loop->goal[i] = expr_value(event->value, &at);
     }
-    design_take_free(l->design, l->goal);
+    design_take_free(loop->design, loop->goal);
 }
 
-static void set_load(loop *l, int load, double amount)
+static void set_load(loop *loop, int load, double amount)
 {
-    l->load[load] = amount;
-    if (load < l->design->loads)
-        plant_load(&l->simulation->plant, load, amount);
+    loop->load[load] = amount;
+    if (load < loop->design->loads)
+        plant_load(&loop->simulation->plant, load, amount);
     else
-        plant_warm(&l->simulation->plant, amount);
+        plant_warm(&loop->simulation->plant, amount);
 }
 
-static void fail_electrodes(loop *l, const scene_event *event, int tick)
+static void fail_electrodes(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < event->amplifiers; i++) {
-        electrode *e = &l->electrode[event->amplifier[i]];
+        electrode *e = &loop->electrode[event->amplifier[i]];
         e->held = event->type == EVENT_DEAD    ? 0
-                  : e->fault == ELECTRODE_GOOD ? l->given[event->amplifier[i]]
+                  : e->fault == ELECTRODE_GOOD ? loop->given[event->amplifier[i]]
                                                : e->held;
         e->failed_at = tick;
         e->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
@@ -79,127 +79,128 @@ static void fail_electrodes(loop *l, const scene_event *event, int tick)
     }
 }
 
-static void revive(loop *l, int amplifier)
+static void revive(loop *loop, int amplifier)
 {
-    electrode *e = &l->electrode[amplifier];
+    electrode *e = &loop->electrode[amplifier];
     if (e->is_told)
-        release(l, amplifier);
+        release(loop, amplifier);
     e->fault = ELECTRODE_GOOD;
     e->told_at = e->good_at = -1;
     e->is_told = 0;
 }
 
-static void fail_sensors(loop *l, const scene_event *event, int tick)
+static void fail_sensors(loop *loop, const scene_event *event, int tick)
 {
-    for (int i = 0; i < l->sensors; i++) {
-        if (!(loop_draw(l) < event->amount))
+    for (int i = 0; i < loop->sensors; i++) {
+        if (!(loop_draw(loop) < event->amount))
             continue;
         if (event->type == EVENT_NAN)
-            l->sensor[i].nan_until = tick + event->ticks;
+            loop->sensor[i].nan_until = tick + event->ticks;
         else
-            l->sensor[i].frozen_until = tick + event->ticks;
+            loop->sensor[i].frozen_until = tick + event->ticks;
     }
 }
 
-static void happen(loop *l, const scene_event *event, int tick)
+static void happen(loop *loop, const scene_event *event, int tick)
 {
     switch (event->type) {
-    case EVENT_TARGET: l->factor = event->amount; break;
-    case EVENT_VALUE: set_target(l, event); break;
-    case EVENT_LOAD: set_load(l, event->load, event->amount); break;
-    case EVENT_TEMPERATURE: set_load(l, l->design->loads, event->amount); break;
+    case EVENT_TARGET: loop->factor = event->amount; break;
+    case EVENT_VALUE: set_target(loop, event); break;
+    case EVENT_LOAD: set_load(loop, event->load, event->amount); break;
+    case EVENT_TEMPERATURE: set_load(loop, loop->design->loads, event->amount); break;
     case EVENT_ALIVE:
         for (int i = 0; i < event->amplifiers; i++)
-            revive(l, event->amplifier[i]);
+            revive(loop, event->amplifier[i]);
         break;
     case EVENT_NAN:
-    case EVENT_FROZEN: fail_sensors(l, event, tick); break;
-    case EVENT_LOST: l->lost_until = tick + event->ticks; break;
-    default: fail_electrodes(l, event, tick);
+    case EVENT_FROZEN: fail_sensors(loop, event, tick); break;
+    case EVENT_LOST: loop->lost_until = tick + event->ticks; break;
+    default: fail_electrodes(loop, event, tick);
     }
 }
 
 /* What the schedule says stands again after the random faults. */
-static void schedule(loop *l, const scene_event *event, int tick)
+static void schedule(loop *loop, const scene_event *event, int tick)
 {
-    happen(l, event, tick);
+    happen(loop, event, tick);
     if (event->known)
-        l->known[event->load] = event->amount;
+        loop->known[event->load] = event->amount;
     if (event->type == EVENT_TARGET)
-        l->scheduled_factor = event->amount;
+        loop->scheduled_factor = event->amount;
     if (event->type == EVENT_LOAD || event->type == EVENT_TEMPERATURE)
-        l->scheduled_load[event->type == EVENT_LOAD ? event->load : l->design->loads] =
+        loop->scheduled_load[event->type == EVENT_LOAD ? event->load : loop->design->loads] =
             event->amount;
 }
 
 /* One fault of any kind, with sizes and durations that a day's work may bring. */
-static void random_fault(loop *l, int tick)
+static void random_fault(loop *loop, int tick)
 {
     static const scene_event_type kinds[] = {EVENT_NAN,  EVENT_NAN,   EVENT_FROZEN, EVENT_LOST,
                                              EVENT_DEAD, EVENT_STUCK, EVENT_TARGET, EVENT_LOAD};
     int amplifier[2];
-    scene_event event = {.type = kinds[draw_int(l, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
-    event.amount = loop_draw(l);
-    event.ticks = 1 + draw_int(l, 50);
-    event.amplifiers = 1 + draw_int(l, 2);
+    scene_event event = {
+        .type = kinds[draw_int(loop, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
+    event.amount = loop_draw(loop);
+    event.ticks = 1 + draw_int(loop, 50);
+    event.amplifiers = 1 + draw_int(loop, 2);
     for (int i = 0; i < 2; i++)
-        amplifier[i] = draw_int(l, l->design->amplifiers);
+        amplifier[i] = draw_int(loop, loop->design->amplifiers);
     if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
-        event.told = draw_int(l, 2) ? draw_int(l, event.ticks) : TOLD_NEVER;
-    if (event.type == EVENT_NAN && draw_int(l, 4) == 0)
+        event.told = draw_int(loop, 2) ? draw_int(loop, event.ticks) : TOLD_NEVER;
+    if (event.type == EVENT_NAN && draw_int(loop, 4) == 0)
         event.amount = 1; /* every sensor */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.amount = 2 * event.amount - 1;
-    event.load = draw_int(l, l->design->loads + 1);
-    if (event.type != EVENT_LOAD || event.load < l->design->loads)
-        happen(l, &event, tick);
+    event.load = draw_int(loop, loop->design->loads + 1);
+    if (event.type != EVENT_LOAD || event.load < loop->design->loads)
+        happen(loop, &event, tick);
 }
 
-static void end_faults(loop *l)
+static void end_faults(loop *loop)
 {
-    l->factor = l->scheduled_factor;
-    l->lost_until = 0;
-    memset(l->sensor, 0, (size_t)l->sensors * sizeof *l->sensor);
-    for (int k = 0; k <= l->design->loads; k++)
-        set_load(l, k, l->scheduled_load[k]);
-    for (int k = 0; k < l->design->amplifiers; k++)
-        revive(l, k);
+    loop->factor = loop->scheduled_factor;
+    loop->lost_until = 0;
+    memset(loop->sensor, 0, (size_t)loop->sensors * sizeof *loop->sensor);
+    for (int k = 0; k <= loop->design->loads; k++)
+        set_load(loop, k, loop->scheduled_load[k]);
+    for (int k = 0; k < loop->design->amplifiers; k++)
+        revive(loop, k);
 }
 
 /* Known loads are known a tick before they come. */
-static void look_ahead(loop *l, int tick)
+static void look_ahead(loop *loop, int tick)
 {
-    const scene_simulate *simulate = &l->design->scene->simulate;
-    memcpy(l->coming, l->known, (size_t)l->design->loads * sizeof *l->known);
-    for (int k = l->next_event; k < simulate->events && simulate->event[k].tick == tick + 1; k++)
+    const scene_simulate *simulate = &loop->design->scene->simulate;
+    memcpy(loop->coming, loop->known, (size_t)loop->design->loads * sizeof *loop->known);
+    for (int k = loop->next_event; k < simulate->events && simulate->event[k].tick == tick + 1; k++)
         if (simulate->event[k].known)
-            l->coming[simulate->event[k].load] = simulate->event[k].amount;
+            loop->coming[simulate->event[k].load] = simulate->event[k].amount;
 }
 
-static void run_events(loop *l, int tick)
+static void run_events(loop *loop, int tick)
 {
-    const scene_simulate *simulate = &l->design->scene->simulate;
+    const scene_simulate *simulate = &loop->design->scene->simulate;
     if (simulate->fault_chance > 0 && tick < simulate->fault_until &&
-        loop_draw(l) < simulate->fault_chance)
-        random_fault(l, tick);
+        loop_draw(loop) < simulate->fault_chance)
+        random_fault(loop, tick);
     if (simulate->fault_chance > 0 && tick == simulate->fault_until)
-        end_faults(l);
-    for (; l->next_event < simulate->events && simulate->event[l->next_event].tick == tick;
-         l->next_event++)
-        schedule(l, &simulate->event[l->next_event], tick);
-    look_ahead(l, tick);
-    for (int k = 0; k < l->design->amplifiers; k++) {
-        electrode *e = &l->electrode[k];
+        end_faults(loop);
+    for (; loop->next_event < simulate->events && simulate->event[loop->next_event].tick == tick;
+         loop->next_event++)
+        schedule(loop, &simulate->event[loop->next_event], tick);
+    look_ahead(loop, tick);
+    for (int k = 0; k < loop->design->amplifiers; k++) {
+        electrode *e = &loop->electrode[k];
         if (e->good_at == tick)
-            revive(l, k);
+            revive(loop, k);
         if (e->told_at == tick) {
-            hold(l, k, e->held);
+            hold(loop, k, e->held);
             e->is_told = 1;
             e->out_since = e->failed_at;
         }
     }
-    for (int i = 0; i < l->design->targets; i++)
-        l->wanted[i] = l->factor * l->goal[i];
+    for (int i = 0; i < loop->design->targets; i++)
+        loop->wanted[i] = loop->factor * loop->goal[i];
 }
 
 /* ---- electrodes ------------------------------------------------------- */
@@ -216,16 +217,17 @@ static double through_play(electrode *e, double voltage, double half_range, doub
 }
 
 /* The share of the plays: a full cycle leaves their mean 5/16 of the range wide. */
-static void drive(loop *l)
+static void drive(loop *loop)
 {
-    const design *d = l->design;
-    const double hysteresis = d->scene->simulate.hysteresis;
-    for (int k = 0; k < d->amplifiers; k++) {
-        electrode *e = &l->electrode[k];
-        const double voltage = e->fault == ELECTRODE_GOOD ? l->given[k] : e->held;
-        l->effect[k] = hysteresis > 0 ? through_play(e, voltage, (d->upper[k] - d->lower[k]) / 2,
-                                                     hysteresis * 16 / 5)
-                                      : voltage;
+    const design *design = loop->design;
+    const double hysteresis = design->scene->simulate.hysteresis;
+    for (int k = 0; k < design->amplifiers; k++) {
+        electrode *e = &loop->electrode[k];
+        const double voltage = e->fault == ELECTRODE_GOOD ? loop->given[k] : e->held;
+        loop->effect[k] = hysteresis > 0
+                              ? through_play(e, voltage, (design->upper[k] - design->lower[k]) / 2,
+                                             hysteresis * 16 / 5)
+                              : voltage;
     }
 }
 
@@ -247,9 +249,9 @@ static double slewed(double from, double to, double slew)
 }
 
 /* An electrode whose failure the controller was told of jumps to where it is held. */
-static double slew_of(const loop *l, int amplifier)
+static double slew_of(const loop *loop, int amplifier)
 {
-    return l->electrode[amplifier].is_told ? HUGE_VAL : l->design->slew[amplifier];
+    return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->slew[amplifier];
 }
 
 /* ---- laws: step blocks of the simulation -------------------------------- */
@@ -274,16 +276,17 @@ static loop *loop_of(const pzs_loop_signals *signals)
  */
 static pzs_status clamp(void *self, pzs_loop_signals *signals)
 {
-    loop *l = loop_of(signals);
-    const design *d = l->design;
-    for (int i = 0; i < d->targets; i++) {
+    loop *loop = loop_of(signals);
+    const design *design = loop->design;
+    for (int i = 0; i < design->targets; i++) {
         const double measured = signals->measured[i];
-        l->disturbance[i] = isfinite(measured) ? measured - l->predicted[i] : l->disturbance[i];
-        l->wish[i] = signals->wanted[i] - l->disturbance[i];
+        loop->disturbance[i] =
+            isfinite(measured) ? measured - loop->predicted[i] : loop->disturbance[i];
+        loop->wish[i] = signals->wanted[i] - loop->disturbance[i];
     }
-    const pzs_status status = pzs_clipped(self, l->wish, l->next);
-    for (int k = 0; status == PZS_OK && k < d->amplifiers; k++)
-        l->command[k] = slewed(l->command[k], l->next[k], slew_of(l, k));
+    const pzs_status status = pzs_clipped(self, loop->wish, loop->next);
+    for (int k = 0; status == PZS_OK && k < design->amplifiers; k++)
+        loop->command[k] = slewed(loop->command[k], loop->next[k], slew_of(loop, k));
     return status;
 }
 
@@ -291,110 +294,113 @@ static const pzs_block_type clamp_block = {"clamp", PZS_PHASE_STEP, law_bytes, l
 
 /* The board's answer, and whether its twin's has the same bits. Returns its status, or -1 with
  * error filled. */
-static int ask_board(loop *l, char *error)
+static int ask_board(loop *loop, char *error)
 {
-    const size_t n = (size_t)l->design->amplifiers, loads = (size_t)l->design->loads;
-    const double *now = l->controller.settings.known_now;
-    if (l->simulation->feeds) {
-        device_know(&l->board, now, l->coming, loads);
-        device_know(&l->twin, now, l->coming, loads);
+    const size_t n = (size_t)loop->design->amplifiers, loads = (size_t)loop->design->loads;
+    const double *now = loop->controller.settings.known_now;
+    if (loop->simulation->feeds) {
+        device_know(&loop->board, now, loop->coming, loads);
+        device_know(&loop->twin, now, loop->coming, loads);
     }
-    const int status =
-        device_tick(&l->board, l->wanted, l->sensed, l->command, l->state, &l->passes, error);
+    const int status = device_tick(&loop->board, loop->wanted, loop->sensed, loop->command,
+                                   loop->state, &loop->passes, error);
     int passes = 0, same = -1;
-    if (status < 0 || !l->twin.board)
+    if (status < 0 || !loop->twin.board)
         return status;
-    same = device_tick(&l->twin, l->wanted, l->sensed, l->next, l->twin_state, &passes, error);
-    l->same = same == status && passes == l->passes &&
-              memcmp(l->next, l->command, n * sizeof *l->next) == 0 &&
-              memcmp(l->twin_state, l->state, n) == 0;
+    same = device_tick(&loop->twin, loop->wanted, loop->sensed, loop->next, loop->twin_state,
+                       &passes, error);
+    loop->same = same == status && passes == loop->passes &&
+                 memcmp(loop->next, loop->command, n * sizeof *loop->next) == 0 &&
+                 memcmp(loop->twin_state, loop->state, n) == 0;
     return same < 0 ? -1 : status;
 }
 
 /* The board gets what the sensors say, not what the blocks before made of it: it has them too. */
 static pzs_status answer(void *self, pzs_loop_signals *signals)
 {
-    loop *l = loop_of(signals);
-    const int status = ask_board(l, l->message);
+    loop *loop = loop_of(signals);
+    const int status = ask_board(loop, loop->message);
     (void)self;
-    l->is_silent = status < 0;
+    loop->is_silent = status < 0;
     return status < 0 ? PZS_E_STAGE : (pzs_status)status;
 }
 
 static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init, answer};
 
 /* The list of the scene; under another law than the library's its own step, and nothing behind. */
-static size_t list_blocks(loop *l)
+static size_t list_blocks(loop *loop)
 {
-    const loop_blocks *all = l->simulation->blocks;
-    const int is_board = l->simulation->board && l->law == LAW_CONTROLLER;
+    const loop_blocks *all = loop->simulation->blocks;
+    const int is_board = loop->simulation->board && loop->law == LAW_CONTROLLER;
     const pzs_block_type *step = is_board ? &board_block : &clamp_block;
     size_t count = 0;
-    memcpy(l->block, all->block, sizeof l->block);
-    if (l->law == LAW_CONTROLLER && !is_board)
+    memcpy(loop->block, all->block, sizeof loop->block);
+    if (loop->law == LAW_CONTROLLER && !is_board)
         return (size_t)all->count;
-    const simulation *s = l->simulation;
-    l->tables = (law_tables){l->law == LAW_REGULARISED ? s->regularised : *s->problem, l};
-    while (l->block[count].type->phase != PZS_PHASE_STEP)
+    const simulation *simulation = loop->simulation;
+    loop->tables = (law_tables){
+        loop->law == LAW_REGULARISED ? simulation->regularised : *simulation->problem, loop};
+    while (loop->block[count].type->phase != PZS_PHASE_STEP)
         count++;
-    l->block[count] = (pzs_block){step, &l->tables};
+    loop->block[count] = (pzs_block){step, &loop->tables};
     return count + 1;
 }
 
 /* Lay out the library's loop. Returns its status. */
-static pzs_status open_controller(loop *l)
+static pzs_status open_controller(loop *loop)
 {
-    const size_t count = list_blocks(l);
+    const size_t count = list_blocks(loop);
     double none;
-    pzs_status status = pzs_loop_init(&l->controller, l->block, count, NULL, &none, 0);
+    pzs_status status = pzs_loop_init(&loop->controller, loop->block, count, NULL, &none, 0);
     if (status != PZS_E_WORKSPACE)
         return status;
-    const size_t need = (size_t)l->controller.info.where;
-    l->work = malloc(need);
-    return pzs_loop_init(&l->controller, l->block, count, NULL, l->work, need);
+    const size_t need = (size_t)loop->controller.info.where;
+    loop->work = malloc(need);
+    return pzs_loop_init(&loop->controller, loop->block, count, NULL, loop->work, need);
 }
 
 /* Electrodes that the watch has found. */
-static void learn(loop *l, int tick)
+static void learn(loop *loop, int tick)
 {
-    l->found = l->wrong = 0;
-    for (int k = 0; k < l->design->amplifiers; k++) {
-        electrode *e = &l->electrode[k];
-        if (l->state[k] != PZS_ELECTRODE_HELD || e->is_told)
+    loop->found = loop->wrong = 0;
+    for (int k = 0; k < loop->design->amplifiers; k++) {
+        electrode *e = &loop->electrode[k];
+        if (loop->state[k] != PZS_ELECTRODE_HELD || e->is_told)
             continue;
         e->is_told = 1;
         e->out_since = 0;
-        l->found++;
+        loop->found++;
         if (e->fault == ELECTRODE_GOOD)
-            l->wrong++;
-        else if (tick - e->failed_at > l->search)
-            l->search = tick - e->failed_at;
+            loop->wrong++;
+        else if (tick - e->failed_at > loop->search)
+            loop->search = tick - e->failed_at;
     }
 }
 
 /* A controller that others give its volts: what they are. */
-static void follow(loop *l)
+static void follow(loop *loop)
 {
-    pzs_control *control = l->controller.info.control;
-    memcpy(control->state.voltage, l->command, (size_t)l->design->amplifiers * sizeof *l->command);
+    pzs_control *control = loop->controller.info.control;
+    memcpy(control->state.voltage, loop->command,
+           (size_t)loop->design->amplifiers * sizeof *loop->command);
     pzs_control_moved(control);
 }
 
 /* What the library's own step leaves. */
-static void take_command(loop *l)
+static void take_command(loop *loop)
 {
-    const size_t n = (size_t)l->design->amplifiers;
-    l->passes = l->controller.info.control->info.iterations;
-    memcpy(l->command, l->controller.info.voltage, n * sizeof *l->command);
-    if (l->controller.info.electrode)
-        memcpy(l->state, l->controller.info.electrode, n);
+    const size_t n = (size_t)loop->design->amplifiers;
+    loop->passes = loop->controller.info.control->info.iterations;
+    memcpy(loop->command, loop->controller.info.voltage, n * sizeof *loop->command);
+    if (loop->controller.info.electrode)
+        memcpy(loop->state, loop->controller.info.electrode, n);
 }
 
 /* The status of a tick as it is counted: that of the law; electrodes found are counted apart. */
-static pzs_status counted(const loop *l, pzs_status status)
+static pzs_status counted(const loop *loop, pzs_status status)
 {
-    const pzs_block_type *block = l->controller.info.block;
-    const int is_other = l->law != LAW_CONTROLLER || l->board.board;
+    const pzs_block_type *block = loop->controller.info.block;
+    const int is_other = loop->law != LAW_CONTROLLER || loop->board.board;
     if (PZS_IS_ERROR(status))
         return status;
     if (is_other && block && block->phase != PZS_PHASE_STEP)
@@ -402,30 +408,30 @@ static pzs_status counted(const loop *l, pzs_status status)
     return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
 
-static int command(loop *l, int tick, char *error)
+static int command(loop *loop, int tick, char *error)
 {
-    const int is_other = l->law != LAW_CONTROLLER || l->board.board;
-    if (l->simulation->estimates && is_other)
-        follow(l);
-    if (l->simulation->feeds) {
-        l->controller.settings.known_now = sense_known(l, tick);
-        l->controller.settings.known_next = l->coming;
+    const int is_other = loop->law != LAW_CONTROLLER || loop->board.board;
+    if (loop->simulation->estimates && is_other)
+        follow(loop);
+    if (loop->simulation->feeds) {
+        loop->controller.settings.known_now = sense_known(loop, tick);
+        loop->controller.settings.known_next = loop->coming;
     }
-    l->message = error;
-    const pzs_status status = pzs_loop_tick(&l->controller, l->wanted, l->sensed);
-    if (l->is_silent)
+    loop->message = error;
+    const pzs_status status = pzs_loop_tick(&loop->controller, loop->wanted, loop->sensed);
+    if (loop->is_silent)
         return -1;
-    l->status = counted(l, status);
+    loop->status = counted(loop, status);
     if (PZS_IS_ERROR(status))
         return 0;
-    sense_missed(l);
+    sense_missed(loop);
     if (!is_other)
-        take_command(l);
-    learn(l, tick);
-    for (int k = 0; k < l->design->amplifiers; k++)
-        if (l->electrode[k].is_told)
-            sense_taken_out(l, k, l->electrode[k].out_since, tick);
-    sense_predict(l);
+        take_command(loop);
+    learn(loop, tick);
+    for (int k = 0; k < loop->design->amplifiers; k++)
+        if (loop->electrode[k].is_told)
+            sense_taken_out(loop, k, loop->electrode[k].out_since, tick);
+    sense_predict(loop);
     return 0;
 }
 
@@ -438,167 +444,176 @@ static double converted(double voltage, double step)
 }
 
 /* An amplifier obeys limits and slew by itself, gives whole steps, and leaves small changes be. */
-static void amplify(loop *l)
+static void amplify(loop *loop)
 {
-    const design *d = l->design;
-    const scene_simulate *simulate = &d->scene->simulate;
-    for (int k = 0; k < d->amplifiers; k++) {
-        const double before = l->given[k], slew = slew_of(l, k);
+    const design *design = loop->design;
+    const scene_simulate *simulate = &design->scene->simulate;
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double before = loop->given[k], slew = slew_of(loop, k);
         const double wish =
-            slewed(before, fmin(fmax(l->command[k], d->lower[k]), d->upper[k]), slew);
+            slewed(before, fmin(fmax(loop->command[k], design->lower[k]), design->upper[k]), slew);
         double voltage = converted(wish, simulate->step);
-        if (voltage < d->lower[k] || voltage > d->upper[k] || !may_move(before, voltage, slew))
+        if (voltage < design->lower[k] || voltage > design->upper[k] ||
+            !may_move(before, voltage, slew))
             voltage += voltage > wish ? -simulate->step : simulate->step;
-        const int fits =
-            voltage >= d->lower[k] && voltage <= d->upper[k] && may_move(before, voltage, slew);
-        if (fits && fabs(l->command[k] - before) > simulate->dead_band)
-            l->given[k] = voltage;
+        const int fits = voltage >= design->lower[k] && voltage <= design->upper[k] &&
+                         may_move(before, voltage, slew);
+        if (fits && fabs(loop->command[k] - before) > simulate->dead_band)
+            loop->given[k] = voltage;
     }
 }
 
 /* Volts beyond limits, or beyond the slew from those before, in the arithmetic of who chose them.
  */
-static int beyond(const loop *l, const double *voltage, const double *before, int bits)
+static int beyond(const loop *loop, const double *voltage, const double *before, int bits)
 {
-    const design *d = l->design;
+    const design *design = loop->design;
     int count = 0;
-    for (int k = 0; k < d->amplifiers; k++) {
+    for (int k = 0; k < design->amplifiers; k++) {
         const double change =
             bits == 32 ? (double)((float)voltage[k] - (float)before[k]) : voltage[k] - before[k];
-        count += !(voltage[k] >= d->lower[k] && voltage[k] <= d->upper[k]);
-        count += !may_move(0, change, slew_of(l, k));
+        count += !(voltage[k] >= design->lower[k] && voltage[k] <= design->upper[k]);
+        count += !may_move(0, change, slew_of(loop, k));
     }
     return count;
 }
 
-static int not_finite(const loop *l)
+static int not_finite(const loop *loop)
 {
     int count = 0;
-    for (int k = 0; k < l->design->amplifiers; k++)
-        count += !isfinite(l->command[k]) + !isfinite(l->given[k]);
+    for (int k = 0; k < loop->design->amplifiers; k++)
+        count += !isfinite(loop->command[k]) + !isfinite(loop->given[k]);
     return count;
 }
 
-int loop_active(const loop *l)
+int loop_active(const loop *loop)
 {
     int count = 0;
-    for (int k = 0; k < l->design->amplifiers; k++)
-        count += l->command[k] <= l->design->lower[k] || l->command[k] >= l->design->upper[k];
+    for (int k = 0; k < loop->design->amplifiers; k++)
+        count += loop->command[k] <= loop->design->lower[k] ||
+                 loop->command[k] >= loop->design->upper[k];
     return count;
 }
 
 /* ---- tick ------------------------------------------------------------- */
 
-int loop_tick(loop *l, int tick, char *error)
+int loop_tick(loop *loop, int tick, char *error)
 {
-    const size_t n = (size_t)l->design->amplifiers;
-    run_events(l, tick);
-    drive(l);
-    if (plant_shape(&l->simulation->plant, l->effect, l->shape, error) < 0)
+    const size_t n = (size_t)loop->design->amplifiers;
+    run_events(loop, tick);
+    drive(loop);
+    if (plant_shape(&loop->simulation->plant, loop->effect, loop->shape, error) < 0)
         return -1;
-    l->error = sqrt(design_squares(l->design, l->shape, l->wanted)) / l->simulation->reference;
-    if (sense_tick(l, tick, error) < 0)
+    loop->error =
+        sqrt(design_squares(loop->design, loop->shape, loop->wanted)) / loop->simulation->reference;
+    if (sense_tick(loop, tick, error) < 0)
         return -1;
-    l->is_lost = tick < l->lost_until;
-    l->beyond = l->not_finite = 0;
-    if (l->is_lost)
+    loop->is_lost = tick < loop->lost_until;
+    loop->beyond = loop->not_finite = 0;
+    if (loop->is_lost)
         return 0;
-    memcpy(l->last, l->command, n * sizeof *l->last);
-    if (command(l, tick, error) < 0)
+    memcpy(loop->last, loop->command, n * sizeof *loop->last);
+    if (command(loop, tick, error) < 0)
         return -1;
-    l->beyond = beyond(l, l->command, l->last, l->board.board ? l->board.board->bits : 64);
-    memcpy(l->last, l->given, n * sizeof *l->last);
-    amplify(l);
-    l->beyond += beyond(l, l->given, l->last, 64);
-    l->not_finite = not_finite(l);
-    if (!PZS_IS_ERROR(l->status))
+    loop->beyond =
+        beyond(loop, loop->command, loop->last, loop->board.board ? loop->board.board->bits : 64);
+    memcpy(loop->last, loop->given, n * sizeof *loop->last);
+    amplify(loop);
+    loop->beyond += beyond(loop, loop->given, loop->last, 64);
+    loop->not_finite = not_finite(loop);
+    if (!PZS_IS_ERROR(loop->status))
         return 0;
-    return scene_fault(l->design->scene, l->design->scene->simulate.at, error, "tick %d: %s", tick,
-                       pzs_status_text(l->status));
+    return scene_fault(loop->design->scene, loop->design->scene->simulate.at, error, "tick %d: %s",
+                       tick, pzs_status_text(loop->status));
 }
 
 /* ---- open ------------------------------------------------------------- */
 
-static int take_memory(loop *l)
+static int take_memory(loop *loop)
 {
-    const design *d = l->design;
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, loads = (size_t)d->loads + 1;
-    double *at = l->memory = calloc(5 * m + 2 * loads + 5 * n, sizeof *l->memory);
-    l->electrode = calloc(n, sizeof *l->electrode);
-    l->state = calloc(2 * n, 1);
-    if (!at || !l->electrode || !l->state || !sense_open(l))
+    const design *design = loop->design;
+    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+                 loads = (size_t)design->loads + 1;
+    double *at = loop->memory = calloc(5 * m + 2 * loads + 5 * n, sizeof *loop->memory);
+    loop->electrode = calloc(n, sizeof *loop->electrode);
+    loop->state = calloc(2 * n, 1);
+    if (!at || !loop->electrode || !loop->state || !sense_open(loop))
         return 0;
-    l->twin_state = l->state + n;
-    double **const of_targets[] = {&l->goal, &l->wanted, &l->shape, &l->wish, &l->disturbance};
-    double **const of_amplifiers[] = {&l->command, &l->given, &l->effect, &l->next, &l->last};
+    loop->twin_state = loop->state + n;
+    double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->wish,
+                                   &loop->disturbance};
+    double **const of_amplifiers[] = {&loop->command, &loop->given, &loop->effect, &loop->next,
+                                      &loop->last};
     for (int i = 0; i < 5; i++, at += m)
         *of_targets[i] = at;
     for (int i = 0; i < 5; i++, at += n)
         *of_amplifiers[i] = at;
-    l->load = at, at += loads;
-    l->scheduled_load = at;
+    loop->load = at, at += loads;
+    loop->scheduled_load = at;
     return 1;
 }
 
-static void start(loop *l)
+static void start(loop *loop)
 {
-    const design *d = l->design;
-    l->random = (uint64_t)d->scene->simulate.seed;
-    l->factor = l->scheduled_factor = 1;
-    memcpy(l->goal, d->target, (size_t)d->targets * sizeof *l->goal);
-    memcpy(l->command, l->controller.info.voltage, (size_t)d->amplifiers * sizeof *l->command);
-    memcpy(l->given, l->command, (size_t)d->amplifiers * sizeof *l->given);
-    memcpy(l->last, l->command, (size_t)d->amplifiers * sizeof *l->last);
-    for (int k = 0; k < d->loads; k++)
-        l->load[k] = l->scheduled_load[k] = 1;
-    for (int k = 0; k < d->amplifiers; k++)
-        l->electrode[k].told_at = l->electrode[k].good_at = -1;
-    sense_predict(l);
-    plant_rest(&l->simulation->plant);
+    const design *design = loop->design;
+    loop->random = (uint64_t)design->scene->simulate.seed;
+    loop->factor = loop->scheduled_factor = 1;
+    memcpy(loop->goal, design->target, (size_t)design->targets * sizeof *loop->goal);
+    memcpy(loop->command, loop->controller.info.voltage,
+           (size_t)design->amplifiers * sizeof *loop->command);
+    memcpy(loop->given, loop->command, (size_t)design->amplifiers * sizeof *loop->given);
+    memcpy(loop->last, loop->command, (size_t)design->amplifiers * sizeof *loop->last);
+    for (int k = 0; k < design->loads; k++)
+        loop->load[k] = loop->scheduled_load[k] = 1;
+    for (int k = 0; k < design->amplifiers; k++)
+        loop->electrode[k].told_at = loop->electrode[k].good_at = -1;
+    sense_predict(loop);
+    plant_rest(&loop->simulation->plant);
 }
 
 /* Board and twin with their volts of the start. */
-static int start_board(loop *l, char *error)
+static int start_board(loop *loop, char *error)
 {
-    const simulation *s = l->simulation;
-    const device_board *twin = device_find(s->board->twin);
-    if (twin &&
-        device_start(&l->twin, twin, s->folder, s->problem, l->sensors, l->command, error) < 0)
+    const simulation *simulation = loop->simulation;
+    const device_board *twin = device_find(simulation->board->twin);
+    if (twin && device_start(&loop->twin, twin, simulation->folder, simulation->problem,
+                             loop->sensors, loop->command, error) < 0)
         return -1;
-    if (device_start(&l->board, s->board, s->folder, s->problem, l->sensors, l->command, error) < 0)
+    if (device_start(&loop->board, simulation->board, simulation->folder, simulation->problem,
+                     loop->sensors, loop->command, error) < 0)
         return -1;
-    memcpy(l->given, l->command, (size_t)l->design->amplifiers * sizeof *l->given);
-    memcpy(l->last, l->command, (size_t)l->design->amplifiers * sizeof *l->last);
-    sense_predict(l);
+    memcpy(loop->given, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->given);
+    memcpy(loop->last, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->last);
+    sense_predict(loop);
     return 0;
 }
 
-int loop_open(loop *l, simulation *s, simulate_law law, char *error)
+int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
 {
-    const scene *scene = s->nominal->design.scene;
-    memset(l, 0, sizeof *l);
-    l->design = &s->nominal->design;
-    l->simulation = s;
-    l->law = law;
-    if (!take_memory(l))
+    const scene *scene = simulation->nominal->design.scene;
+    memset(loop, 0, sizeof *loop);
+    loop->design = &simulation->nominal->design;
+    loop->simulation = simulation;
+    loop->law = law;
+    if (!take_memory(loop))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
-    const pzs_status status = open_controller(l);
-    const pzs_block_type *block = l->controller.info.block;
+    const pzs_status status = open_controller(loop);
+    const pzs_block_type *block = loop->controller.info.block;
     if (status != PZS_OK)
         return scene_fault(scene, scene->limits.at, error, "%s: %s",
                            block ? block->name : "control loop", pzs_status_text(status));
-    start(l);
-    return s->board && law == LAW_CONTROLLER ? start_board(l, error) : 0;
+    start(loop);
+    return simulation->board && law == LAW_CONTROLLER ? start_board(loop, error) : 0;
 }
 
-void loop_close(loop *l)
+void loop_close(loop *loop)
 {
-    free(l->memory);
-    free(l->electrode);
-    free(l->state);
-    free(l->work);
-    sense_close(l);
-    device_stop(&l->board);
-    device_stop(&l->twin);
-    memset(l, 0, sizeof *l);
+    free(loop->memory);
+    free(loop->electrode);
+    free(loop->state);
+    free(loop->work);
+    sense_close(loop);
+    device_stop(&loop->board);
+    device_stop(&loop->twin);
+    memset(loop, 0, sizeof *loop);
 }

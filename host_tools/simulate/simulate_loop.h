@@ -93,43 +93,43 @@ typedef struct loop {
 
 /* Start: plant at rest, volts as the controller's. Returns 0, or -1 with error filled; close it in
  * either case. */
-int loop_open(loop *l, simulation *s, simulate_law law, char *error);
-void loop_close(loop *l);
+int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error);
+void loop_close(loop *loop);
 
 /* One tick. Returns 0, or -1 with error filled: the plant has no equilibrium or the controller
  * refuses. */
-int loop_tick(loop *l, int tick, char *error);
+int loop_tick(loop *loop, int tick, char *error);
 
 /* Volts given that are at a limit. */
-int loop_active(const loop *l);
+int loop_active(const loop *loop);
 
 /* ---- simulate_sense.c: what the controller gets to know --------------- */
 
 /* Room for it. Returns whether memory was there; close it in either case. */
-int sense_open(loop *l);
-void sense_close(loop *l);
+int sense_open(loop *loop);
+void sense_close(loop *loop);
 
 /* The model's shape under the command, which the tables alone make. */
-void sense_predict(loop *l);
+void sense_predict(loop *loop);
 
 /* Readings of the plant in its last shape, late and noisy as they are: `sensed`. Returns 0, or -1
  * with error filled. */
-int sense_tick(loop *l, int tick, char *error);
+int sense_tick(loop *loop, int tick, char *error);
 
 /* What the controller's measured shape misses of the plant's: `missed`. */
-void sense_missed(loop *l);
+void sense_missed(loop *loop);
 
 /* Amounts of known loads at the readings of a tick. [loads] */
-const double *sense_known(const loop *l, int tick);
+const double *sense_known(const loop *loop, int tick);
 
 /*
  * An electrode is held from a tick on: what late readings show since then was made with the volts
  * it is held at, whatever its amplifier was told. Otherwise its leaving would count as a motion
  * that the readings are yet to show.
  */
-void sense_taken_out(loop *l, int amplifier, int since, int tick);
+void sense_taken_out(loop *loop, int amplifier, int since, int tick);
 
 /* From 0 to 1, 1 left out: the loop's random numbers. */
-double loop_draw(loop *l);
+double loop_draw(loop *loop);
 
 #endif

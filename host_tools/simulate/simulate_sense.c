@@ -7,67 +7,70 @@
 
 /* Mean 0, variance 1: the sum of twelve shares less six; no function of libm, so the same bits
  * everywhere. */
-static double draw_noise(loop *l)
+static double draw_noise(loop *loop)
 {
     double sum = -6;
     for (int i = 0; i < 12; i++)
-        sum += loop_draw(l);
+        sum += loop_draw(loop);
     return sum;
 }
 
 /* ---- open ------------------------------------------------------------- */
 
 /* A standard deviation for every sensor. */
-static void take_noise(loop *l)
+static void take_noise(loop *loop)
 {
-    const simulation *s = l->simulation;
-    const scene *scene = l->design->scene;
-    double *noise = l->noise;
-    for (int i = 0; i < l->sensors && !s->estimates; i++)
+    const simulation *simulation = loop->simulation;
+    const scene *scene = loop->design->scene;
+    double *noise = loop->noise;
+    for (int i = 0; i < loop->sensors && !simulation->estimates; i++)
         noise[i] = scene->simulate.noise;
-    for (int r = 0; r < scene->estimate.readings && s->estimates; r++)
-        for (int i = 0; i < analysis_outputs(s->nominal, scene->estimate.reading[r].output); i++)
+    for (int r = 0; r < scene->estimate.readings && simulation->estimates; r++)
+        for (int i = 0;
+             i < analysis_outputs(simulation->nominal, scene->estimate.reading[r].output); i++)
             *noise++ = scene->estimate.reading[r].noise;
 }
 
-int sense_open(loop *l)
+int sense_open(loop *loop)
 {
-    const simulation *s = l->simulation;
-    const design *d = l->design;
-    l->sensors = s->estimates ? s->estimator.sensors : d->targets;
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets, loads = (size_t)d->loads,
-                 k = (size_t)l->sensors;
-    const size_t kept = (size_t)d->scene->simulate.delay + 1;
-    double *at = l->sense_memory =
+    const simulation *simulation = loop->simulation;
+    const design *design = loop->design;
+    loop->sensors = simulation->estimates ? simulation->estimator.sensors : design->targets;
+    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+                 loads = (size_t)design->loads, k = (size_t)loop->sensors;
+    const size_t kept = (size_t)design->scene->simulate.delay + 1;
+    double *at = loop->sense_memory =
         calloc((5 + kept) * k + kept * (n + loads) + m + 2 * loads + 1, sizeof *at);
-    l->sensor = calloc(k + 1, sizeof *l->sensor);
-    if (!at || !l->sensor)
+    loop->sensor = calloc(k + 1, sizeof *loop->sensor);
+    if (!at || !loop->sensor)
         return 0;
-    double **const of_sensors[] = {&l->noise, &l->reading, &l->sensed, &l->expected, &l->said};
+    double **const of_sensors[] = {&loop->noise, &loop->reading, &loop->sensed, &loop->expected,
+                                   &loop->said};
     for (int i = 0; i < 5; i++, at += k)
         *of_sensors[i] = at;
-    l->late_reading = at, at += kept * k;
-    l->late_command = at, at += kept * n;
-    l->late_known = at, at += kept * loads;
-    l->predicted = at, at += m;
-    l->known = at, at += loads;
-    l->coming = at;
-    take_noise(l);
+    loop->late_reading = at, at += kept * k;
+    loop->late_command = at, at += kept * n;
+    loop->late_known = at, at += kept * loads;
+    loop->predicted = at, at += m;
+    loop->known = at, at += loads;
+    loop->coming = at;
+    take_noise(loop);
     return 1;
 }
 
-void sense_close(loop *l)
+void sense_close(loop *loop)
 {
-    free(l->sense_memory);
-    free(l->sensor);
+    free(loop->sense_memory);
+    free(loop->sensor);
 }
 
 /* ---- sensors ---------------------------------------------------------- */
 
 /* y [rows] = table [rows][amplifiers] volt */
-static void multiply(const loop *l, double *y, const double *table, int rows, const double *voltage)
+static void multiply(const loop *loop, double *y, const double *table, int rows,
+                     const double *voltage)
 {
-    const size_t n = (size_t)l->design->amplifiers;
+    const size_t n = (size_t)loop->design->amplifiers;
     for (size_t i = 0; i < (size_t)rows; i++) {
         y[i] = 0;
         for (size_t k = 0; k < n; k++)
@@ -76,44 +79,47 @@ static void multiply(const loop *l, double *y, const double *table, int rows, co
 }
 
 /* What the model says that the sensors show under some volts. */
-static void expect(const loop *l, double *reading, const double *voltage)
+static void expect(const loop *loop, double *reading, const double *voltage)
 {
-    const simulation *s = l->simulation;
-    multiply(l, reading, s->estimates ? s->estimator.direct : s->problem->influence, l->sensors,
-             voltage);
+    const simulation *simulation = loop->simulation;
+    multiply(loop, reading,
+             simulation->estimates ? simulation->estimator.direct : simulation->problem->influence,
+             loop->sensors, voltage);
 }
 
-void sense_predict(loop *l)
+void sense_predict(loop *loop)
 {
-    multiply(l, l->predicted, l->simulation->problem->influence, l->design->targets, l->command);
+    multiply(loop, loop->predicted, loop->simulation->problem->influence, loop->design->targets,
+             loop->command);
 }
 
 /* Place of a tick among those kept for the delay, vectors of length n. */
-static double *late(const loop *l, double *kept, int tick, int n)
+static double *late(const loop *loop, double *kept, int tick, int n)
 {
-    return kept + (size_t)(tick % (l->design->scene->simulate.delay + 1)) * (size_t)n;
+    return kept + (size_t)(tick % (loop->design->scene->simulate.delay + 1)) * (size_t)n;
 }
 
-void sense_taken_out(loop *l, int amplifier, int since, int tick)
+void sense_taken_out(loop *loop, int amplifier, int since, int tick)
 {
-    const int delay = l->design->scene->simulate.delay;
+    const int delay = loop->design->scene->simulate.delay;
     for (int then = tick > delay ? tick - delay : 0; then <= tick; then++)
         if (then >= since)
-            late(l, l->late_command, then, l->design->amplifiers)[amplifier] =
-                l->command[amplifier];
+            late(loop, loop->late_command, then, loop->design->amplifiers)[amplifier] =
+                loop->command[amplifier];
 }
 
 /* The plant's readings, volts and known loads of a tick, for when they are late. */
-static int keep(loop *l, int tick, char *error)
+static int keep(loop *loop, int tick, char *error)
 {
-    const design *d = l->design;
-    double *reading = late(l, l->late_reading, tick, l->sensors);
-    memcpy(late(l, l->late_command, tick, d->amplifiers), l->command,
-           (size_t)d->amplifiers * sizeof *l->command);
-    memcpy(late(l, l->late_known, tick, d->loads), l->known, (size_t)d->loads * sizeof *l->known);
-    if (l->simulation->estimates)
-        return plant_readings(&l->simulation->plant, reading, error);
-    memcpy(reading, l->shape, (size_t)l->sensors * sizeof *reading);
+    const design *design = loop->design;
+    double *reading = late(loop, loop->late_reading, tick, loop->sensors);
+    memcpy(late(loop, loop->late_command, tick, design->amplifiers), loop->command,
+           (size_t)design->amplifiers * sizeof *loop->command);
+    memcpy(late(loop, loop->late_known, tick, design->loads), loop->known,
+           (size_t)design->loads * sizeof *loop->known);
+    if (loop->simulation->estimates)
+        return plant_readings(&loop->simulation->plant, reading, error);
+    memcpy(reading, loop->shape, (size_t)loop->sensors * sizeof *reading);
     return 0;
 }
 
@@ -122,53 +128,54 @@ static int keep(loop *l, int tick, char *error)
  * the controller compares readings and prediction of the same tick. A reading that stands still to
  * the last bit is handed on standing still.
  */
-static void read_sensors(loop *l, int tick)
+static void read_sensors(loop *loop, int tick)
 {
-    const int delay = l->design->scene->simulate.delay, then = tick > delay ? tick - delay : 0;
-    const double *shown = late(l, l->late_reading, then, l->sensors);
-    expect(l, l->expected, l->command);
-    expect(l, l->said, late(l, l->late_command, then, l->design->amplifiers));
-    for (int i = 0; i < l->sensors; i++) {
-        const double noise = l->noise[i] > 0 ? l->noise[i] * draw_noise(l) : 0;
-        const double reading = tick < l->sensor[i].frozen_until ? l->reading[i] : shown[i] + noise;
+    const int delay = loop->design->scene->simulate.delay, then = tick > delay ? tick - delay : 0;
+    const double *shown = late(loop, loop->late_reading, then, loop->sensors);
+    expect(loop, loop->expected, loop->command);
+    expect(loop, loop->said, late(loop, loop->late_command, then, loop->design->amplifiers));
+    for (int i = 0; i < loop->sensors; i++) {
+        const double noise = loop->noise[i] > 0 ? loop->noise[i] * draw_noise(loop) : 0;
+        const double reading =
+            tick < loop->sensor[i].frozen_until ? loop->reading[i] : shown[i] + noise;
         if (delay == 0)
-            l->sensed[i] = reading;
-        else if (tick == 0 || reading < l->reading[i] || reading > l->reading[i] ||
-                 isnan(l->sensed[i]))
-            l->sensed[i] = reading + (l->expected[i] - l->said[i]);
-        l->reading[i] = reading;
-        if (tick < l->sensor[i].nan_until)
-            l->sensed[i] = (double)NAN;
+            loop->sensed[i] = reading;
+        else if (tick == 0 || reading < loop->reading[i] || reading > loop->reading[i] ||
+                 isnan(loop->sensed[i]))
+            loop->sensed[i] = reading + (loop->expected[i] - loop->said[i]);
+        loop->reading[i] = reading;
+        if (tick < loop->sensor[i].nan_until)
+            loop->sensed[i] = (double)NAN;
     }
 }
 
-int sense_tick(loop *l, int tick, char *error)
+int sense_tick(loop *loop, int tick, char *error)
 {
-    if (keep(l, tick, error) < 0)
+    if (keep(loop, tick, error) < 0)
         return -1;
-    read_sensors(l, tick);
+    read_sensors(loop, tick);
     return 0;
 }
 
 /* ---- shape ------------------------------------------------------------ */
 
-const double *sense_known(const loop *l, int tick)
+const double *sense_known(const loop *loop, int tick)
 {
-    const int delay = l->design->scene->simulate.delay;
-    return late(l, l->late_known, tick > delay ? tick - delay : 0, l->design->loads);
+    const int delay = loop->design->scene->simulate.delay;
+    return late(loop, loop->late_known, tick > delay ? tick - delay : 0, loop->design->loads);
 }
 
 /* |W (shape - measured)| over the scene's target, with the loads known now put back; what has no
  * measurement counts as seen. */
-void sense_missed(loop *l)
+void sense_missed(loop *loop)
 {
-    const design *d = l->design;
-    const simulation *s = l->simulation;
-    for (int i = 0; i < d->targets; i++) {
-        double left = l->shape[i] - l->controller.info.measured[i];
-        for (int k = 0; k < d->loads && s->feeds; k++)
-            left -= s->estimator.known[i * d->loads + k] * l->known[k];
-        l->wish[i] = isnan(left) ? 0 : left;
+    const design *design = loop->design;
+    const simulation *simulation = loop->simulation;
+    for (int i = 0; i < design->targets; i++) {
+        double left = loop->shape[i] - loop->controller.info.measured[i];
+        for (int k = 0; k < design->loads && simulation->feeds; k++)
+            left -= simulation->estimator.known[i * design->loads + k] * loop->known[k];
+        loop->wish[i] = isnan(left) ? 0 : left;
     }
-    l->missed = sqrt(design_squares(d, l->wish, NULL)) / s->reference;
+    loop->missed = sqrt(design_squares(design, loop->wish, NULL)) / simulation->reference;
 }

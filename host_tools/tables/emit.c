@@ -19,16 +19,16 @@ uint32_t emit_crc_reals(uint32_t crc, const double *x, size_t n)
 
 /* ---- arrays ----------------------------------------------------------- */
 
-void emit_count_reals(emitter *w, const double *x, size_t n)
+void emit_count_reals(emitter *emitter, const double *x, size_t n)
 {
-    w->crc32 = emit_crc_reals(w->crc32, x, n);
-    w->reals += n;
+    emitter->crc32 = emit_crc_reals(emitter->crc32, x, n);
+    emitter->reals += n;
 }
 
-void emit_count_bytes(emitter *w, const void *x, size_t bytes)
+void emit_count_bytes(emitter *emitter, const void *x, size_t bytes)
 {
-    w->crc32 = pzs_guard_crc(w->crc32, x, bytes);
-    w->bytes += bytes;
+    emitter->crc32 = pzs_guard_crc(emitter->crc32, x, bytes);
+    emitter->bytes += bytes;
 }
 
 void emit_real(FILE *file, double x)
@@ -51,13 +51,13 @@ static void list_reals(FILE *file, const double *x, size_t n, size_t columns)
     }
 }
 
-void emit_reals(emitter *w, const char *name, const double *x, size_t n, const char *meaning)
+void emit_reals(emitter *emitter, const char *name, const double *x, size_t n, const char *meaning)
 {
-    fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning, w->prefix, name,
-            n ? n : 1);
-    list_reals(w->file, x, n, 4);
-    fputs(n ? "\n};\n" : "0};\n", w->file);
-    emit_count_reals(w, x, n);
+    fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning,
+            emitter->prefix, name, n ? n : 1);
+    list_reals(emitter->file, x, n, 4);
+    fputs(n ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_reals(emitter, x, n);
 }
 
 /* Largest float not above x, or not below it. */
@@ -68,47 +68,52 @@ static double float_inside(double x, int upper)
     return (double)(outside ? nextafterf(nearest, upper ? -HUGE_VALF : HUGE_VALF) : nearest);
 }
 
-void emit_limits(emitter *w, const char *name, const double *x, size_t n, int upper,
+void emit_limits(emitter *emitter, const char *name, const double *x, size_t n, int upper,
                  const char *meaning)
 {
-    fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning, w->prefix, name, n);
+    fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning,
+            emitter->prefix, name, n);
     for (size_t i = 0; i < n; i++) {
         const double inside = float_inside(x[i], upper);
-        fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", w->file);
+        fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", emitter->file);
         if (inside < x[i] || inside > x[i])
-            fprintf(w->file, "PZS_BY_BITS(%.17g, %.17g)", inside, x[i]);
+            fprintf(emitter->file, "PZS_BY_BITS(%.17g, %.17g)", inside, x[i]);
         else
-            emit_real(w->file, x[i]);
-        fputs("),", w->file);
-        emit_count_reals(w, &inside, 1);
+            emit_real(emitter->file, x[i]);
+        fputs("),", emitter->file);
+        emit_count_reals(emitter, &inside, 1);
     }
-    fputs("\n};\n", w->file);
+    fputs("\n};\n", emitter->file);
 }
 
-void emit_shorts(emitter *w, const char *name, const uint16_t *x, size_t n, const char *meaning)
+void emit_shorts(emitter *emitter, const char *name, const uint16_t *x, size_t n,
+                 const char *meaning)
 {
-    fprintf(w->file, "/* %s */\nstatic const uint16_t %s_%s[%zu] = {", meaning, w->prefix, name,
+    fprintf(emitter->file, "/* %s */\nstatic const uint16_t %s_%s[%zu] = {", meaning,
+            emitter->prefix, name, n ? n : 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(emitter->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", x[i]);
+    fputs(n ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_bytes(emitter, x, n * sizeof *x);
+}
+
+void emit_longs(emitter *emitter, const char *name, const uint32_t *x, size_t n)
+{
+    fprintf(emitter->file, "static const uint32_t %s_%s[%zu] = {", emitter->prefix, name,
             n ? n : 1);
     for (size_t i = 0; i < n; i++)
-        fprintf(w->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", x[i]);
-    fputs(n ? "\n};\n" : "0};\n", w->file);
-    emit_count_bytes(w, x, n * sizeof *x);
+        fprintf(emitter->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)x[i]);
+    fputs(n ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_bytes(emitter, x, n * sizeof *x);
 }
 
-void emit_longs(emitter *w, const char *name, const uint32_t *x, size_t n)
+void emit_begin(const emitter *emitter, const char *type, const char *name, uint32_t scene,
+                uint32_t crc)
 {
-    fprintf(w->file, "static const uint32_t %s_%s[%zu] = {", w->prefix, name, n ? n : 1);
-    for (size_t i = 0; i < n; i++)
-        fprintf(w->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)x[i]);
-    fputs(n ? "\n};\n" : "0};\n", w->file);
-    emit_count_bytes(w, x, n * sizeof *x);
-}
-
-void emit_begin(const emitter *w, const char *type, const char *name, uint32_t scene, uint32_t crc)
-{
-    fprintf(w->file,
+    fprintf(emitter->file,
             "static const pzs_%s %s_%s = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu),", type,
-            w->prefix, name, PZS_TABLE_FORMAT, (unsigned)scene, (unsigned)~w->crc32, (unsigned)crc);
+            emitter->prefix, name, PZS_TABLE_FORMAT, (unsigned)scene, (unsigned)~emitter->crc32,
+            (unsigned)crc);
 }
 
 const double *emit_nested(FILE *file, const double *x, const int *length, int depth)
@@ -128,27 +133,28 @@ const double *emit_nested(FILE *file, const double *x, const int *length, int de
     return x;
 }
 
-void emit_blocks(emitter *w, const char *name, const double *x, size_t n, const int *length,
+void emit_blocks(emitter *emitter, const char *name, const double *x, size_t n, const int *length,
                  int depth, const char *meaning)
 {
     size_t size = 1;
-    fprintf(w->file, "/* %s */\nstatic const pzs_real %s_%s[%zu]", meaning, w->prefix, name, n);
+    fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu]", meaning, emitter->prefix,
+            name, n);
     for (int i = 0; i < depth; i++) {
-        fprintf(w->file, "[%d]", length[i]);
+        fprintf(emitter->file, "[%d]", length[i]);
         size *= (size_t)length[i];
     }
-    fputs(" = {", w->file);
+    fputs(" = {", emitter->file);
     for (size_t i = 0; i < n; i++) {
-        fputs("\n    ", w->file);
-        emit_nested(w->file, x + i * size, length, depth);
-        fputs(",", w->file);
+        fputs("\n    ", emitter->file);
+        emit_nested(emitter->file, x + i * size, length, depth);
+        fputs(",", emitter->file);
     }
-    fputs("\n};\n", w->file);
-    emit_count_reals(w, x, n * size);
+    fputs("\n};\n", emitter->file);
+    emit_count_reals(emitter, x, n * size);
 }
 
-void emit_vector(emitter *w, const double x[3])
+void emit_vector(emitter *emitter, const double x[3])
 {
     const int length = 3;
-    emit_nested(w->file, x, &length, 1);
+    emit_nested(emitter->file, x, &length, 1);
 }

@@ -5,30 +5,30 @@
 
 /* ---- what a scene asks for -------------------------------------------- */
 
-int loop_estimates(const scene *s)
+int loop_estimates(const scene *scene)
 {
-    return s->estimate.given && s->simulate.sight != SIGHT_MEASURED;
+    return scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
 }
 
-int loop_feeds(const scene *s)
+int loop_feeds(const scene *scene)
 {
-    return s->simulate.feeds;
+    return scene->simulate.feeds;
 }
 
-int loop_quantises(const scene *s)
+int loop_quantises(const scene *scene)
 {
-    return s->simulate.step > 0 || s->simulate.dead_band > 0;
+    return scene->simulate.step > 0 || scene->simulate.dead_band > 0;
 }
 
-static int always(const scene *s)
+static int always(const scene *scene)
 {
-    (void)s;
+    (void)scene;
     return 1;
 }
 
-static int finds(const scene *s)
+static int finds(const scene *scene)
 {
-    return s->simulate.finds;
+    return scene->simulate.finds;
 }
 
 /* ---- tables for the host ---------------------------------------------- */
@@ -66,30 +66,30 @@ static const void *detection_tables(loop_blocks *l)
 
 /* ---- tables as source ------------------------------------------------- */
 
-static void write_known(const emitter *w, const loop_blocks *l)
+static void write_known(const emitter *emitter, const loop_blocks *l)
 {
-    fprintf(w->file, "static const pzs_known_loads %s_known_loads = {&%s_known, ", w->prefix,
-            w->prefix);
+    fprintf(emitter->file, "static const pzs_known_loads %s_known_loads = {&%s_known, ",
+            emitter->prefix, emitter->prefix);
     if (l->known.readings)
-        fprintf(w->file, "&%s_shown};\n", w->prefix);
+        fprintf(emitter->file, "&%s_shown};\n", emitter->prefix);
     else
-        fputs("NULL};\n", w->file);
+        fputs("NULL};\n", emitter->file);
 }
 
-static void write_amplifier(const emitter *w, const loop_blocks *l)
+static void write_amplifier(const emitter *emitter, const loop_blocks *l)
 {
-    fprintf(w->file,
+    fprintf(emitter->file,
             "/* step and dead band of the amplifiers (V) */\n"
             "static const pzs_amplifier %s_amplifier = {PZS_R(%.17g), PZS_R(%.17g)};\n",
-            w->prefix, l->amplifier.step, l->amplifier.dead_band);
+            emitter->prefix, l->amplifier.step, l->amplifier.dead_band);
 }
 
-static void write_detection(const emitter *w, const loop_blocks *l)
+static void write_detection(const emitter *emitter, const loop_blocks *l)
 {
-    fprintf(w->file,
+    fprintf(emitter->file,
             "/* delay of the measurements (ticks); amplitude (V), 0: the default */\n"
             "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
-            w->prefix, l->detection.delay, l->detection.amplitude);
+            emitter->prefix, l->detection.delay, l->detection.amplitude);
 }
 
 /* ---- the table -------------------------------------------------------- */
@@ -116,142 +116,144 @@ static const struct {
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-void loop_blocks_fill(loop_blocks *l, const design *d, const estimator *e)
+void loop_blocks_fill(loop_blocks *l, const design *design, const estimator *estimator)
 {
     memset(l, 0, sizeof *l);
-    l->design = d;
-    l->estimator = e;
+    l->design = design;
+    l->estimator = estimator;
     for (int k = 0; k < KINDS; k++)
-        if (kinds[k].is_present(d->scene))
+        if (kinds[k].is_present(design->scene))
             l->block[l->count++] = (pzs_block){kinds[k].type, kinds[k].tables(l)};
 }
 
 /* ---- source ----------------------------------------------------------- */
 
 /* A macro's text, the prefix in capitals for each %. */
-static void write_macro(const emitter *w, const char *text)
+static void write_macro(const emitter *emitter, const char *text)
 {
     for (; *text; text++) {
         if (*text == '%')
-            fputs(w->upper, w->file);
+            fputs(emitter->upper, emitter->file);
         else
-            fputc(*text, w->file);
+            fputc(*text, emitter->file);
     }
 }
 
-static void write_bytes(const emitter *w, const loop_blocks *l)
+static void write_bytes(const emitter *emitter, const loop_blocks *l)
 {
-    fprintf(w->file, "#define %s_LOOP_BYTES \\\n    (PZS_LOOP_BYTES(%s_BLOCKS, %s_INPUTS)",
-            w->upper, w->upper, w->upper);
+    fprintf(emitter->file, "#define %s_LOOP_BYTES \\\n    (PZS_LOOP_BYTES(%s_BLOCKS, %s_INPUTS)",
+            emitter->upper, emitter->upper, emitter->upper);
     for (int k = 0; k < KINDS; k++) {
         if (!kinds[k].is_present(l->design->scene))
             continue;
-        fputs(" + \\\n     PZS_", w->file);
-        write_macro(w, kinds[k].bytes);
+        fputs(" + \\\n     PZS_", emitter->file);
+        write_macro(emitter, kinds[k].bytes);
     }
-    fputs(")\n\n", w->file);
+    fputs(")\n\n", emitter->file);
 }
 
-void loop_blocks_write(emitter *w, const loop_blocks *l)
+void loop_blocks_write(emitter *emitter, const loop_blocks *l)
 {
-    const scene *s = l->design->scene;
+    const scene *scene = l->design->scene;
     for (int k = 0; k < KINDS; k++)
-        if (kinds[k].write && kinds[k].is_present(s))
-            kinds[k].write(w, l);
-    const int readings = loop_estimates(s) ? l->estimator->sensors : l->design->targets;
-    fprintf(w->file,
+        if (kinds[k].write && kinds[k].is_present(scene))
+            kinds[k].write(emitter, l);
+    const int readings = loop_estimates(scene) ? l->estimator->sensors : l->design->targets;
+    fprintf(emitter->file,
             "/* blocks of the control tick, in its order: those of `pzs simulate` */\n"
             "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
             "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
-            w->upper, l->count, w->upper, readings, w->upper, s->simulate.delay, w->prefix,
-            w->upper);
+            emitter->upper, l->count, emitter->upper, readings, emitter->upper,
+            scene->simulate.delay, emitter->prefix, emitter->upper);
     for (int k = 0; k < KINDS; k++)
-        if (kinds[k].is_present(s))
-            fprintf(w->file, "    {&pzs_%s_block, &%s_%s},\n", kinds[k].type_name, w->prefix,
-                    kinds[k].tables_name);
-    fputs("};\n", w->file);
-    write_bytes(w, l);
+        if (kinds[k].is_present(scene))
+            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", kinds[k].type_name,
+                    emitter->prefix, kinds[k].tables_name);
+    fputs("};\n", emitter->file);
+    write_bytes(emitter, l);
 }
 
 /* ---- names ------------------------------------------------------------ */
 
 /* PREFIX_KIND_name = index. A name that is no C identifier gets its index behind it, so that two
  * names stay two. */
-static void write_index(const emitter *w, const char *kind, const char *name, int index)
+static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {
     int changed = 0;
-    fprintf(w->file, "    %s_%s_", w->upper, kind);
+    fprintf(emitter->file, "    %s_%s_", emitter->upper, kind);
     for (; *name; name++) {
         const int fits = isalnum((unsigned char)*name) || *name == '_';
-        fputc(fits ? *name : '_', w->file);
+        fputc(fits ? *name : '_', emitter->file);
         changed |= !fits;
     }
     if (changed)
-        fprintf(w->file, "_%d", index);
-    fprintf(w->file, " = %d,\n", index);
+        fprintf(emitter->file, "_%d", index);
+    fprintf(emitter->file, " = %d,\n", index);
 }
 
-static void write_amplifiers(const emitter *w, const design *d)
+static void write_amplifiers(const emitter *emitter, const design *design)
 {
     char name[SCENE_LABEL];
-    fputs("/* indices of the amplifiers: info.voltage, pzs_hold */\nenum {\n", w->file);
-    for (int k = 0; k < d->amplifiers; k++) {
-        scene_amplifier_name(d->scene, k, name);
-        write_index(w, "INPUT", name, k);
+    fputs("/* indices of the amplifiers: info.voltage, pzs_hold */\nenum {\n", emitter->file);
+    for (int k = 0; k < design->amplifiers; k++) {
+        scene_amplifier_name(design->scene, k, name);
+        write_index(emitter, "INPUT", name, k);
     }
-    fputs("};\n", w->file);
+    fputs("};\n", emitter->file);
 }
 
 /* Readings of an estimator: NAME, or NAME_1, NAME_2 ... where an output has several. */
-static void write_sensors(const emitter *w, const analysis *a)
+static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
-    const scene *s = a->design.scene;
+    const scene *scene = analysis->design.scene;
     char name[SCENE_NAME + 16];
     int index = 0;
-    if (!loop_estimates(s))
+    if (!loop_estimates(scene))
         return;
-    fputs("/* indices of the readings */\nenum {\n", w->file);
-    for (int r = 0; r < s->estimate.readings; r++) {
-        const scene_output *output = &s->output[s->estimate.reading[r].output];
-        const int count = analysis_outputs(a, s->estimate.reading[r].output);
+    fputs("/* indices of the readings */\nenum {\n", emitter->file);
+    for (int r = 0; r < scene->estimate.readings; r++) {
+        const scene_output *output = &scene->output[scene->estimate.reading[r].output];
+        const int count = analysis_outputs(analysis, scene->estimate.reading[r].output);
         for (int i = 1; i <= count; i++) {
             if (count == 1)
                 snprintf(name, sizeof name, "%s", output->name);
             else
                 snprintf(name, sizeof name, "%s_%d", output->name, i);
-            write_index(w, "SENSOR", name, index++);
+            write_index(emitter, "SENSOR", name, index++);
         }
     }
-    fputs("};\n", w->file);
+    fputs("};\n", emitter->file);
 }
 
-static void write_outputs(const emitter *w, const design *d)
+static void write_outputs(const emitter *emitter, const design *design)
 {
     static const char *const component[] = {"u1", "u2", "u3", "x", "y", "z"};
     static const char *const face[] = {[FACE_OUTER] = "outer face",
                                        [FACE_INNER] = "inner face",
                                        [FACE_MIDDLE] = "middle",
                                        [FACE_MEAN] = "mean of the faces"};
-    const scene_output *what = &d->scene->target.what;
-    fprintf(w->file, "/*\n * Outputs: displacement %s (%s), %s.\n * output  node  theta1  theta2\n",
-            component[what->component], d->scene->unit_length, face[what->face]);
-    for (int i = 0; i < d->targets; i++) {
-        const double *theta = d->mesh.theta[d->target_node[i]];
-        fprintf(w->file, " * %6d %5d  %.6g  %.6g\n", i, d->target_node[i], theta[0], theta[1]);
+    const scene_output *what = &design->scene->target.what;
+    fprintf(emitter->file,
+            "/*\n * Outputs: displacement %s (%s), %s.\n * output  node  theta1  theta2\n",
+            component[what->component], design->scene->unit_length, face[what->face]);
+    for (int i = 0; i < design->targets; i++) {
+        const double *theta = design->mesh.theta[design->target_node[i]];
+        fprintf(emitter->file, " * %6d %5d  %.6g  %.6g\n", i, design->target_node[i], theta[0],
+                theta[1]);
     }
-    fputs(" */\n", w->file);
+    fputs(" */\n", emitter->file);
 }
 
-void loop_names_write(emitter *w, const analysis *a)
+void loop_names_write(emitter *emitter, const analysis *analysis)
 {
-    const design *d = &a->design;
-    if (d->scene->simulate.given) {
-        fprintf(w->file, "#define %s_TICK_RATE PZS_R(", w->upper);
-        emit_real(w->file, d->scene->simulate.rate);
-        fputs(") /* ticks a second */\n", w->file);
+    const design *design = &analysis->design;
+    if (design->scene->simulate.given) {
+        fprintf(emitter->file, "#define %s_TICK_RATE PZS_R(", emitter->upper);
+        emit_real(emitter->file, design->scene->simulate.rate);
+        fputs(") /* ticks a second */\n", emitter->file);
     }
-    write_amplifiers(w, d);
-    write_sensors(w, a);
-    write_outputs(w, d);
-    fputs("\n", w->file);
+    write_amplifiers(emitter, design);
+    write_sensors(emitter, analysis);
+    write_outputs(emitter, design);
+    fputs("\n", emitter->file);
 }

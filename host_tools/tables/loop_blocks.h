@@ -20,23 +20,23 @@ typedef struct loop_blocks {
 
 /* What a scene's controller has beside the step: the shape from few sensors, loads that are known,
  * amplifiers with steps or a dead band. */
-int loop_estimates(const scene *s);
-int loop_feeds(const scene *s);
-int loop_quantises(const scene *s);
+int loop_estimates(const scene *scene);
+int loop_feeds(const scene *scene);
+int loop_quantises(const scene *scene);
 
 /*
  * The list of a scene, in the order of a tick. It points into *l, the design and the estimator.
  *   d in  after design_control
  *   e in  after estimator_open; all zero where the scene neither estimates nor feeds forward
  */
-void loop_blocks_fill(loop_blocks *l, const design *d, const estimator *e);
+void loop_blocks_fill(loop_blocks *l, const design *design, const estimator *estimator);
 
 /* Their tables, PREFIX_blocks, and PREFIX_LOOP_BYTES; after the tables of estimator, known loads
  * and problem. */
-void loop_blocks_write(emitter *w, const loop_blocks *l);
+void loop_blocks_write(emitter *emitter, const loop_blocks *l);
 
 /* What a firmware is wired by: PREFIX_TICK_RATE, indices of amplifiers and sensors by their names,
  * the outputs as a comment. */
-void loop_names_write(emitter *w, const analysis *a);
+void loop_names_write(emitter *emitter, const analysis *analysis);
 
 #endif

@@ -14,218 +14,228 @@ const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonl
 
 /* ---- structure -------------------------------------------------------- */
 
-static void write_elements(emitter *w, const mesh *m)
+static void write_elements(emitter *emitter, const mesh *mesh)
 {
-    fprintf(w->file, "/* nodes of each element */\nstatic const uint16_t %s_element[%d][4] = {",
-            w->prefix, m->elements);
-    for (int e = 0; e < m->elements; e++)
-        fprintf(w->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ", m->element[e][0],
-                m->element[e][1], m->element[e][2], m->element[e][3]);
-    fputs("\n};\n", w->file);
-    emit_count_bytes(w, m->element, (size_t)m->elements * sizeof *m->element);
+    fprintf(emitter->file,
+            "/* nodes of each element */\nstatic const uint16_t %s_element[%d][4] = {",
+            emitter->prefix, mesh->elements);
+    for (int e = 0; e < mesh->elements; e++)
+        fprintf(emitter->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ",
+                mesh->element[e][0], mesh->element[e][1], mesh->element[e][2], mesh->element[e][3]);
+    fputs("\n};\n", emitter->file);
+    emit_count_bytes(emitter, mesh->element, (size_t)mesh->elements * sizeof *mesh->element);
 }
 
 /* Corner tables of every kind, member by member in the order of pzs_element_type. */
-static void write_kinds(emitter *w, const mesh *m)
+static void write_kinds(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
     static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
     fprintf(
-        w->file,
+        emitter->file,
         "/* corner tables of each element kind */\nstatic const pzs_element_type %s_kind[%d] = {",
-        w->prefix, m->kinds);
-    for (int k = 0; k < m->kinds; k++) {
-        const pzs_element_type *kind = &m->kind[k];
-        fputs("{\n    ", w->file);
-        emit_nested(w->file, &kind->s[0][0][0][0], coupling, 4);
-        fputs(",\n    ", w->file);
-        emit_nested(w->file, &kind->t[0][0][0][0], coupling, 4);
-        fputs(",\n    ", w->file);
-        emit_nested(w->file, &kind->g_mean[0][0][0], base, 3);
-        fputs(",\n    ", w->file);
-        emit_nested(w->file, &kind->g_diff[0][0][0], base, 3);
-        fputs(",\n    ", w->file);
-        emit_nested(w->file, kind->d[0], modes, 2);
-        fputs(", PZS_R(", w->file);
-        emit_real(w->file, kind->thickness);
-        fputs("),\n    ", w->file);
-        emit_nested(w->file, kind->warp, warps, 1);
-        fputs("\n}, ", w->file);
-        emit_count_reals(w, (const double *)kind, sizeof *kind / sizeof(double));
+        emitter->prefix, mesh->kinds);
+    for (int k = 0; k < mesh->kinds; k++) {
+        const pzs_element_type *type = &mesh->kind[k];
+        fputs("{\n    ", emitter->file);
+        emit_nested(emitter->file, &type->s[0][0][0][0], coupling, 4);
+        fputs(",\n    ", emitter->file);
+        emit_nested(emitter->file, &type->t[0][0][0][0], coupling, 4);
+        fputs(",\n    ", emitter->file);
+        emit_nested(emitter->file, &type->g_mean[0][0][0], base, 3);
+        fputs(",\n    ", emitter->file);
+        emit_nested(emitter->file, &type->g_diff[0][0][0], base, 3);
+        fputs(",\n    ", emitter->file);
+        emit_nested(emitter->file, type->d[0], modes, 2);
+        fputs(", PZS_R(", emitter->file);
+        emit_real(emitter->file, type->thickness);
+        fputs("),\n    ", emitter->file);
+        emit_nested(emitter->file, type->warp, warps, 1);
+        fputs("\n}, ", emitter->file);
+        emit_count_reals(emitter, (const double *)type, sizeof *type / sizeof(double));
     }
-    fputs("\n};\n", w->file);
+    fputs("\n};\n", emitter->file);
 }
 
-static void write_rows(emitter *w, const char *name, const pzs_rows *rows, uint16_t count,
+static void write_rows(emitter *emitter, const char *name, const pzs_rows *rows, uint16_t count,
                        const char *meaning)
 {
     char array[64];
     if (count == 0)
         return;
     const uint32_t terms = rows->start[count];
-    fprintf(w->file, "/* %s */\n", meaning);
+    fprintf(emitter->file, "/* %s */\n", meaning);
     snprintf(array, sizeof array, "%s_start", name);
-    emit_longs(w, array, rows->start, count + 1u);
+    emit_longs(emitter, array, rows->start, count + 1u);
     snprintf(array, sizeof array, "%s_dof", name);
-    emit_shorts(w, array, rows->dof, terms, "free unknowns");
+    emit_shorts(emitter, array, rows->dof, terms, "free unknowns");
     snprintf(array, sizeof array, "%s_value", name);
-    emit_reals(w, array, rows->value, terms, "their weights");
+    emit_reals(emitter, array, rows->value, terms, "their weights");
 }
 
-static void name_rows(const emitter *w, const char *name, uint16_t count)
+static void name_rows(const emitter *emitter, const char *name, uint16_t count)
 {
     if (count == 0)
-        fputs("    {0, NULL, NULL, NULL},\n", w->file);
+        fputs("    {0, NULL, NULL, NULL},\n", emitter->file);
     else
-        fprintf(w->file, "    {%u, %s_%s_start, %s_%s_dof, %s_%s_value},\n", count, w->prefix, name,
-                w->prefix, name, w->prefix, name);
+        fprintf(emitter->file, "    {%u, %s_%s_start, %s_%s_dof, %s_%s_value},\n", count,
+                emitter->prefix, name, emitter->prefix, name, emitter->prefix, name);
 }
 
 /* Padded entries of the factor for a tile of rows, the rule of linalg.h. */
-static size_t padded_entries(const mesh *m, int tile)
+static size_t padded_entries(const mesh *mesh, int tile)
 {
     size_t entries = 0;
-    for (int row = 0; row < m->dof; row += tile) {
+    for (int row = 0; row < mesh->dof; row += tile) {
         int left = row;
-        for (int i = row; i < m->dof && i < row + tile; i++)
-            if (m->first[i] < left)
-                left = m->first[i];
+        for (int i = row; i < mesh->dof && i < row + tile; i++)
+            if (mesh->first[i] < left)
+                left = mesh->first[i];
         entries += (size_t)(row + tile - left / tile * tile) * (size_t)tile;
     }
     return entries;
 }
 
 /* The structure with its control part only: amplifiers as inputs, target nodes as outputs. */
-static pzs_structure controlled(const analysis *a)
+static pzs_structure controlled(const analysis *analysis)
 {
-    pzs_structure s = a->design.structure;
-    s.input.count = (uint16_t)a->design.amplifiers;
-    s.output.count = (uint16_t)a->design.targets;
-    s.crc = pzs_structure_crc(&s);
-    return s;
+    pzs_structure structure = analysis->design.structure;
+    structure.input.count = (uint16_t)analysis->design.amplifiers;
+    structure.output.count = (uint16_t)analysis->design.targets;
+    structure.crc = pzs_structure_crc(&structure);
+    return structure;
 }
 
-static void write_structure(emitter *w, const analysis *a, tables_image image)
+static void write_structure(emitter *emitter, const analysis *analysis, tables_image image)
 {
-    const mesh *m = &a->design.mesh;
-    const int whole = image == TABLES_NONLINEAR || a->design.electrodes.count > 0;
-    const pzs_structure s = whole ? a->design.structure : controlled(a);
-    const size_t packed = SHELL_PACKED(4 * (size_t)m->unknowns);
-    const uint16_t counts[5] = {s.nodes, s.elements, s.types, s.dof_per_node, s.free_dof};
-    w->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    write_elements(w, m);
-    emit_shorts(w, "element_kind", m->element_kind, (size_t)m->elements, "kind of each element");
-    emit_shorts(w, "node_dof", m->node_dof, (size_t)m->nodes * m->unknowns,
+    const mesh *mesh = &analysis->design.mesh;
+    const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
+    const pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
+    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->unknowns);
+    const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
+                                structure.dof_per_node, structure.free_dof};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    write_elements(emitter, mesh);
+    emit_shorts(emitter, "element_kind", mesh->element_kind, (size_t)mesh->elements,
+                "kind of each element");
+    emit_shorts(emitter, "node_dof", mesh->node_dof, (size_t)mesh->nodes * mesh->unknowns,
                 "free unknown of each nodal unknown, or PZS_CONSTRAINED");
-    emit_shorts(w, "first", m->first, (size_t)m->dof, "first column of each row of the factor");
-    emit_reals(w, "stiffness", m->stiffness, (size_t)m->kinds * packed,
+    emit_shorts(emitter, "first", mesh->first, (size_t)mesh->dof,
+                "first column of each row of the factor");
+    emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->kinds * packed,
                "element matrices, packed lower triangles (N/m, N)");
-    write_kinds(w, m);
-    write_rows(w, "input", &s.input, s.input.count,
+    write_kinds(emitter, mesh);
+    write_rows(emitter, "input", &structure.input, structure.input.count,
                whole ? "force per unit of each amplifier, load and extra input"
                      : "force per volt of each amplifier");
-    write_rows(w, "output", &s.output, s.output.count,
+    write_rows(emitter, "output", &structure.output, structure.output.count,
                whole ? "displacement of each target node and output"
                      : "displacement of each target node");
-    fprintf(w->file,
+    fprintf(emitter->file,
             "#define %s_DOF %d\n"
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
-            w->upper, m->dof, w->upper, m->dof, padded_entries(m, 4), padded_entries(m, 8),
-            padded_entries(m, 16));
-    emit_begin(w, "structure", "structure", s.scene, s.crc);
+            emitter->upper, mesh->dof, emitter->upper, mesh->dof, padded_entries(mesh, 4),
+            padded_entries(mesh, 8), padded_entries(mesh, 16));
+    emit_begin(emitter, "structure", "structure", structure.scene, structure.crc);
     fprintf(
-        w->file,
+        emitter->file,
         " %u, %u, %u, %u, %u,\n    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n",
-        s.nodes, s.elements, s.types, s.dof_per_node, s.free_dof, w->prefix, w->prefix, w->prefix,
-        w->prefix, w->prefix, w->prefix);
-    name_rows(w, "input", s.input.count);
-    name_rows(w, "output", s.output.count);
-    fputs("};\n\n", w->file);
+        structure.nodes, structure.elements, structure.types, structure.dof_per_node,
+        structure.free_dof, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
+        emitter->prefix, emitter->prefix);
+    name_rows(emitter, "input", structure.input.count);
+    name_rows(emitter, "output", structure.output.count);
+    fputs("};\n\n", emitter->file);
 }
 
 /* ---- electrodes ------------------------------------------------------- */
 
 /* Nothing where the scene has no sensors and asks for no charge. The workspaces: at rest, and at a
  * shape. */
-static void write_electrodes(emitter *w, const analysis *a)
+static void write_electrodes(emitter *emitter, const analysis *analysis)
 {
-    const pzs_electrodes *t = &a->design.electrodes;
-    if (t->count == 0)
+    const pzs_electrodes *tables = &analysis->design.electrodes;
+    if (tables->count == 0)
         return;
-    const uint32_t entries = t->direct.start[t->count], open = pzs_electrode_open_count(t);
-    w->crc32 = GUARD_CRC_START;
-    emit_shorts(w, "electrode_input", t->input, t->count,
+    const uint32_t entries = tables->direct.start[tables->count],
+                   open = pzs_electrode_open_count(tables);
+    emitter->crc32 = GUARD_CRC_START;
+    emit_shorts(emitter, "electrode_input", tables->input, tables->count,
                 "input whose amount is the volts of each electrode");
-    fprintf(w->file, "static const uint8_t %s_electrode_open[%u] = {", w->prefix, t->count);
-    for (int k = 0; k < t->count; k++)
-        fprintf(w->file, "%u,%s", t->open[k], k % 16 == 15 ? "\n    " : " ");
-    fputs("};\n", w->file);
-    emit_count_bytes(w, t->open, t->count);
-    emit_longs(w, "electrode_start", t->direct.start, t->count + 1u);
-    emit_shorts(w, "electrode_dof", t->direct.dof, entries,
+    fprintf(emitter->file, "static const uint8_t %s_electrode_open[%u] = {", emitter->prefix,
+            tables->count);
+    for (int k = 0; k < tables->count; k++)
+        fprintf(emitter->file, "%u,%s", tables->open[k], k % 16 == 15 ? "\n    " : " ");
+    fputs("};\n", emitter->file);
+    emit_count_bytes(emitter, tables->open, tables->count);
+    emit_longs(emitter, "electrode_start", tables->direct.start, tables->count + 1u);
+    emit_shorts(emitter, "electrode_dof", tables->direct.dof, entries,
                 "inputs that draw charge while the shell is held");
-    emit_reals(w, "electrode_value", t->direct.value, entries, "how much (C/V, C/K)");
-    fprintf(w->file,
+    emit_reals(emitter, "electrode_value", tables->direct.value, entries, "how much (C/V, C/K)");
+    fprintf(emitter->file,
             "#define %s_ELECTRODES %u\n#define %s_ELECTRIC_BYTES PZS_ELECTRIC_BYTES(%u, %u, %u)\n"
             "#define %s_CIRCUIT_BYTES PZS_CIRCUIT_BYTES(%u, %u)\n",
-            w->upper, t->count, w->upper, t->count, (unsigned)open, a->design.structure.input.count,
-            w->upper, t->count, (unsigned)open);
-    emit_begin(w, "electrodes", "electrodes", t->scene, t->crc);
+            emitter->upper, tables->count, emitter->upper, tables->count, (unsigned)open,
+            analysis->design.structure.input.count, emitter->upper, tables->count, (unsigned)open);
+    emit_begin(emitter, "electrodes", "electrodes", tables->scene, tables->crc);
     fprintf(
-        w->file,
+        emitter->file,
         " %u, %s_electrode_input, %s_electrode_open,\n    {%u, %s_electrode_start, %s_electrode_dof, %s_electrode_value},\n};\n\n",
-        t->count, w->prefix, w->prefix, t->count, w->prefix, w->prefix, w->prefix);
+        tables->count, emitter->prefix, emitter->prefix, tables->count, emitter->prefix,
+        emitter->prefix, emitter->prefix);
 }
 
 /* ---- nonlinear image -------------------------------------------------- */
 
-static int write_nonlinear(emitter *w, const analysis *a)
+static int write_nonlinear(emitter *emitter, const analysis *analysis)
 {
-    write_structure(w, a, TABLES_NONLINEAR);
-    write_electrodes(w, a);
-    return tables_path(w, a);
+    write_structure(emitter, analysis, TABLES_NONLINEAR);
+    write_electrodes(emitter, analysis);
+    return tables_path(emitter, analysis);
 }
 
 /* ---- voltage problem -------------------------------------------------- */
 
-static void write_problem(emitter *w, const analysis *a, tables_image image)
+static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
 {
-    const design *d = &a->design;
-    const size_t n = (size_t)d->amplifiers, m = (size_t)d->targets;
+    const design *design = &analysis->design;
+    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
     const int influence = image == TABLES_CONTROL;
-    pzs_problem p = d->problem;
+    pzs_problem problem = design->problem;
     if (!influence) {
-        p.influence = NULL;
-        p.hessian = NULL;
+        problem.influence = NULL;
+        problem.hessian = NULL;
     }
-    const uint16_t counts[2] = {p.inputs, p.outputs};
-    w->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    const uint16_t counts[2] = {problem.inputs, problem.outputs};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (influence) {
-        emit_reals(w, "influence", p.influence, m * n,
-                   d->free_functions > 0 ? "displacement of target node (row) per volt (column), "
-                                           "free functions of the target taken out"
-                                         : "displacement of target node (row) per volt (column)");
-        if (p.hessian)
-            emit_reals(w, "hessian", p.hessian, n * n, "B'W^2 B");
+        emit_reals(emitter, "influence", problem.influence, m * n,
+                   design->free_functions > 0
+                       ? "displacement of target node (row) per volt (column), "
+                         "free functions of the target taken out"
+                       : "displacement of target node (row) per volt (column)");
+        if (problem.hessian)
+            emit_reals(emitter, "hessian", problem.hessian, n * n, "B'W^2 B");
     }
-    emit_reals(w, "weight", d->weight, m, "W");
-    emit_limits(w, "lower", d->lower, n, 0, "voltage limits (V)");
-    emit_limits(w, "upper", d->upper, n, 1, "(V)");
-    emit_limits(w, "slew", d->slew, n, 1, "most change a step (V)");
-    emit_reals(w, "prefer", d->prefer, n, "voltages preferred by the effort term (V)");
-    w->crc32 = emit_crc_reals(w->crc32, &p.regularisation, 1);
-    emit_begin(w, "problem", "problem", p.scene, pzs_problem_crc(&p));
+    emit_reals(emitter, "weight", design->weight, m, "W");
+    emit_limits(emitter, "lower", design->lower, n, 0, "voltage limits (V)");
+    emit_limits(emitter, "upper", design->upper, n, 1, "(V)");
+    emit_limits(emitter, "slew", design->slew, n, 1, "most change a step (V)");
+    emit_reals(emitter, "prefer", design->prefer, n, "voltages preferred by the effort term (V)");
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
+    emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(
-        w->file,
+        emitter->file,
         " %zu, %zu,\n    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_slew, %s_prefer, PZS_R(%.17g),\n};\n\n",
-        n, m, influence ? w->prefix : "NULL", influence ? "_influence" : "",
-        p.hessian ? w->prefix : "NULL", p.hessian ? "_hessian" : "", w->prefix, w->prefix,
-        w->prefix, w->prefix, w->prefix, p.regularisation);
+        n, m, influence ? emitter->prefix : "NULL", influence ? "_influence" : "",
+        problem.hessian ? emitter->prefix : "NULL", problem.hessian ? "_hessian" : "",
+        emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
+        problem.regularisation);
     if (image == TABLES_NONLINEAR)
-        emit_reals(w, "target", d->target, m,
+        emit_reals(emitter, "target", design->target, m,
                    "displacement wanted of each target node, under the loads");
     else
-        emit_reals(w, "target", d->wanted, m,
+        emit_reals(emitter, "target", design->wanted, m,
                    "displacement of each target node that the volts must make");
 }
 
@@ -237,28 +247,33 @@ static void write_problem(emitter *w, const analysis *a, tables_image image)
     {                                                                                              \
         typedef real pzs_real;                                                                     \
         if (controlled)                                                                            \
-            need.work[k] += PZS_CONTROL_BYTES(d->amplifiers, d->targets);                          \
+            need.work[k] += PZS_CONTROL_BYTES(design->amplifiers, design->targets);                \
         if (image != TABLES_CONTROL)                                                               \
-            need.work[k] += PZS_MODEL_BYTES(s->free_dof, padded_entries(&d->mesh, PZS_TILE));      \
+            need.work[k] +=                                                                        \
+                PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE));     \
         if (image == TABLES_LINEAR && controlled) /* the influence matrix made there */            \
-            need.work[k] += sizeof(pzs_real) * (size_t)d->amplifiers * (size_t)d->targets;         \
+            need.work[k] +=                                                                        \
+                sizeof(pzs_real) * (size_t)design->amplifiers * (size_t)design->targets;           \
         if (image == TABLES_NONLINEAR)                                                             \
-            need.work[k] += PZS_SOLVER_BYTES(s->free_dof, s->elements, s->input.count) +           \
-                            sizeof(pzs_real) * (size_t)s->input.count * s->output.count +          \
-                            (d->scene->contact.given ? PZS_CONTACT_BYTES(s->nodes) : 0);           \
-        if (image == TABLES_LINEAR && d->electrodes.count > 0)                                     \
-            need.work[k] += PZS_ELECTRIC_BYTES(d->electrodes.count, open, s->input.count);         \
-        if (image == TABLES_NONLINEAR && d->electrodes.count > 0)                                  \
-            need.work[k] += PZS_CIRCUIT_BYTES(d->electrodes.count, open);                          \
+            need.work[k] +=                                                                        \
+                PZS_SOLVER_BYTES(structure->free_dof, structure->elements,                         \
+                                 structure->input.count) +                                         \
+                sizeof(pzs_real) * (size_t)structure->input.count * structure->output.count +      \
+                (design->scene->contact.given ? PZS_CONTACT_BYTES(structure->nodes) : 0);          \
+        if (image == TABLES_LINEAR && design->electrodes.count > 0)                                \
+            need.work[k] +=                                                                        \
+                PZS_ELECTRIC_BYTES(design->electrodes.count, open, structure->input.count);        \
+        if (image == TABLES_NONLINEAR && design->electrodes.count > 0)                             \
+            need.work[k] += PZS_CIRCUIT_BYTES(design->electrodes.count, open);                     \
         need.stack[k] = image == TABLES_NONLINEAR ? PZS_STACK_NONLINEAR : PZS_STACK_LINEAR;        \
     }
 
-tables_memory tables_need(const analysis *a, tables_image image)
+tables_memory tables_need(const analysis *analysis, tables_image image)
 {
-    const design *d = &a->design;
-    const pzs_structure *s = &d->structure;
-    const int controlled = d->problem.inputs > 0;
-    const uint32_t open = pzs_electrode_open_count(&d->electrodes);
+    const design *design = &analysis->design;
+    const pzs_structure *structure = &design->structure;
+    const int controlled = design->problem.inputs > 0;
+    const uint32_t open = pzs_electrode_open_count(&design->electrodes);
     tables_memory need = {{0, 0}, {0, 0}};
     NEED(float, 0)
     NEED(double, 1)
@@ -268,64 +283,67 @@ tables_memory tables_need(const analysis *a, tables_image image)
 /* ---- beside the controller -------------------------------------------- */
 
 /* Gains of the estimator. */
-static void write_estimator(emitter *w, const estimator *e)
+static void write_estimator(emitter *emitter, const estimator *estimator)
 {
-    const pzs_estimator *t = &e->tables;
-    const uint16_t counts[3] = {t->inputs, t->outputs, t->sensors};
-    w->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    emit_reals(w, "direct", e->direct, (size_t)t->sensors * t->inputs,
+    const pzs_estimator *tables = &estimator->tables;
+    const uint16_t counts[3] = {tables->inputs, tables->outputs, tables->sensors};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emit_reals(emitter, "direct", estimator->direct, (size_t)tables->sensors * tables->inputs,
                "what sensors (rows) show per volt (columns)");
-    emit_reals(w, "gain", e->gain, (size_t)t->outputs * t->sensors,
+    emit_reals(emitter, "gain", estimator->gain, (size_t)tables->outputs * tables->sensors,
                "shape (rows) per what sensors (columns) show besides");
-    fprintf(w->file, "#define %s_SENSORS %u\n", w->upper, t->sensors);
-    emit_begin(w, "estimator", "estimator", t->scene, t->crc);
-    fprintf(w->file, " %u, %u, %u, %s_direct, %s_gain,\n};\n\n", t->inputs, t->outputs, t->sensors,
-            w->prefix, w->prefix);
+    fprintf(emitter->file, "#define %s_SENSORS %u\n", emitter->upper, tables->sensors);
+    emit_begin(emitter, "estimator", "estimator", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %s_direct, %s_gain,\n};\n\n", tables->inputs,
+            tables->outputs, tables->sensors, emitter->prefix, emitter->prefix);
 }
 
 /* The shape, or what the sensors show, under each load of the scene, to be fed forward. */
-static void write_known(emitter *w, const char *name, const pzs_feed_forward_table *t,
+static void write_known(emitter *emitter, const char *name, const pzs_feed_forward_table *table,
                         const char *meaning)
 {
     char array[64];
-    const uint16_t counts[2] = {t->inputs, t->outputs};
-    w->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    const uint16_t counts[2] = {table->inputs, table->outputs};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     snprintf(array, sizeof array, "%s_per_load", name);
-    emit_reals(w, array, t->sensitivity, (size_t)t->outputs * t->inputs, meaning);
-    emit_begin(w, "feed_forward_table", name, t->scene, t->crc);
-    fprintf(w->file, " %u, %u, %s_%s,\n};\n\n", t->inputs, t->outputs, w->prefix, array);
+    emit_reals(emitter, array, table->sensitivity, (size_t)table->outputs * table->inputs, meaning);
+    emit_begin(emitter, "feed_forward_table", name, table->scene, table->crc);
+    fprintf(emitter->file, " %u, %u, %s_%s,\n};\n\n", table->inputs, table->outputs,
+            emitter->prefix, array);
 }
 
-static int write_beside(emitter *w, const analysis *a)
+static int write_beside(emitter *emitter, const analysis *analysis)
 {
-    estimator e;
+    estimator estimator;
     loop_blocks blocks;
     char error[SCENE_ERROR];
-    if (estimator_open(&e, a, error) < 0)
+    if (estimator_open(&estimator, analysis, error) < 0)
         return -1;
-    if (e.known_tables.inputs > 0) {
-        fprintf(w->file, "#define %s_LOADS %u\n", w->upper, e.known_tables.inputs);
-        write_known(w, "known", &e.known_tables,
+    if (estimator.known_tables.inputs > 0) {
+        fprintf(emitter->file, "#define %s_LOADS %u\n", emitter->upper,
+                estimator.known_tables.inputs);
+        write_known(emitter, "known", &estimator.known_tables,
                     "displacement of target node (row) per load (column), 1: as the scene says");
     }
-    if (e.known_tables.inputs > 0 && e.sensors > 0)
-        write_known(w, "shown", &e.shown_tables, "what sensors (rows) show per load (column)");
-    if (e.sensors > 0)
-        write_estimator(w, &e);
-    loop_blocks_fill(&blocks, &a->design, &e);
-    loop_blocks_write(w, &blocks);
-    loop_names_write(w, a);
-    estimator_close(&e);
+    if (estimator.known_tables.inputs > 0 && estimator.sensors > 0)
+        write_known(emitter, "shown", &estimator.shown_tables,
+                    "what sensors (rows) show per load (column)");
+    if (estimator.sensors > 0)
+        write_estimator(emitter, &estimator);
+    loop_blocks_fill(&blocks, &analysis->design, &estimator);
+    loop_blocks_write(emitter, &blocks);
+    loop_names_write(emitter, analysis);
+    estimator_close(&estimator);
     return 0;
 }
 
 /* ---- header ----------------------------------------------------------- */
 
-static void write_head(const emitter *w, const analysis *a, const char *image)
+static void write_head(const emitter *emitter, const analysis *analysis, const char *image)
 {
-    const scene *s = a->design.scene;
+    const scene *scene = analysis->design.scene;
     fprintf(
-        w->file,
+        emitter->file,
         "/*\n * Tables of scene %s, %s image. Made by `pzs tables`; do not edit.\n * %s\n"
         " * Lengths in %s, forces in %s, volts in %s.\n */\n"
         "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
@@ -333,83 +351,84 @@ static void write_head(const emitter *w, const analysis *a, const char *image)
         "/* a program that needs one precision defines this as 32 or 64 before it includes the tables */\n"
         "#if defined(%s_REAL_BITS) && %s_REAL_BITS != PZS_REAL_BITS\n"
         "#error \"the program needs another precision: compile it and the library with its -DPZS_REAL_BITS\"\n#endif\n\n",
-        s->name, image, s->about ? s->about : "", s->unit_length, s->unit_force, s->unit_voltage,
-        w->upper, w->upper, PZS_TABLE_FORMAT, w->upper, w->upper);
+        scene->name, image, scene->about ? scene->about : "", scene->unit_length, scene->unit_force,
+        scene->unit_voltage, emitter->upper, emitter->upper, PZS_TABLE_FORMAT, emitter->upper,
+        emitter->upper);
 }
 
 /* What vibration makes of the control loop, in the words of the certificate. */
-static void write_certificate(const emitter *w, const certificate *c)
+static void write_certificate(const emitter *emitter, const certificate *certificate)
 {
     char text[3 * SCENE_ERROR];
-    certificate_text(c, text);
+    certificate_text(certificate, text);
     if (!text[0])
         return;
-    fprintf(w->file, "/*\n * ");
+    fprintf(emitter->file, "/*\n * ");
     for (const char *p = text; *p; p++)
-        fprintf(w->file, *p == '\n' ? "\n * " : "%c", *p);
-    fputs("\n */\n", w->file);
-    if (certificate_refuses(c))
-        fprintf(w->file, "#define %s_QUASI_STATIC 1\n", w->upper);
-    fputs("\n", w->file);
+        fprintf(emitter->file, *p == '\n' ? "\n * " : "%c", *p);
+    fputs("\n */\n", emitter->file);
+    if (certificate_refuses(certificate))
+        fprintf(emitter->file, "#define %s_QUASI_STATIC 1\n", emitter->upper);
+    fputs("\n", emitter->file);
 }
 
 /* What a nonlinear image asks of its compilation. */
-static void write_demands(const emitter *w, const analysis *a)
+static void write_demands(const emitter *emitter, const analysis *analysis)
 {
     fputs(
         "#if !PZS_NONLINEAR\n#error \"a nonlinear image: compile library and firmware with -DPZS_NONLINEAR=1\"\n#endif\n",
-        w->file);
-    if (!tables_fit_float(a))
+        emitter->file);
+    if (!tables_fit_float(analysis))
         fprintf(
-            w->file,
+            emitter->file,
             "#if PZS_REAL_BITS == 32\n#error \"condition %.1e: above %.0e the nonlinear path needs double, -DPZS_REAL_BITS=64\"\n"
             "#endif\n",
-            a->model.info.condition, TABLES_FLOAT_CONDITION);
-    fputs("\n", w->file);
+            analysis->model.info.condition, TABLES_FLOAT_CONDITION);
+    fputs("\n", emitter->file);
 }
 
-int tables_fit_float(const analysis *a)
+int tables_fit_float(const analysis *analysis)
 {
-    return a->model.info.condition < TABLES_FLOAT_CONDITION;
+    return analysis->model.info.condition < TABLES_FLOAT_CONDITION;
 }
 
-int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix,
+int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
                  tables_size *size)
 {
-    const int controlled = a->design.problem.inputs > 0;
-    emitter w = {file, prefix, "", 0, 0, 0};
+    const int controlled = analysis->design.problem.inputs > 0;
+    emitter emitter = {file, prefix, "", 0, 0, 0};
     int status = 0;
-    for (size_t i = 0; prefix[i] && i + 1 < sizeof w.upper; i++)
-        w.upper[i] = (char)toupper((unsigned char)prefix[i]);
-    write_head(&w, a, tables_image_name[image]);
+    for (size_t i = 0; prefix[i] && i + 1 < sizeof emitter.upper; i++)
+        emitter.upper[i] = (char)toupper((unsigned char)prefix[i]);
+    write_head(&emitter, analysis, tables_image_name[image]);
     if (image == TABLES_NONLINEAR)
-        write_demands(&w, a);
+        write_demands(&emitter, analysis);
     if (controlled)
-        write_certificate(&w, &a->certificate);
+        write_certificate(&emitter, &analysis->certificate);
     if (controlled)
         fprintf(
             file,
             "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
-            w.upper, a->design.amplifiers, w.upper, a->design.targets, w.upper,
-            a->design.amplifiers, a->design.targets);
+            emitter.upper, analysis->design.amplifiers, emitter.upper, analysis->design.targets,
+            emitter.upper, analysis->design.amplifiers, analysis->design.targets);
     if (image == TABLES_NONLINEAR) {
-        status = write_nonlinear(&w, a);
+        status = write_nonlinear(&emitter, analysis);
     } else if (image == TABLES_LINEAR) {
-        write_structure(&w, a, image);
-        write_electrodes(&w, a);
-        fprintf(file, "#define %s_LINEAR 1\n", w.upper);
-        if (a->design.electrodes.count > 0)
+        write_structure(&emitter, analysis, image);
+        write_electrodes(&emitter, analysis);
+        fprintf(file, "#define %s_LINEAR 1\n", emitter.upper);
+        if (analysis->design.electrodes.count > 0)
             fprintf(
                 file,
                 "/* columns of the influence made on the device; the first %s_INPUTS are the amplifiers' */\n#define %s_ALL_INPUTS %u\n",
-                w.upper, w.upper, a->design.structure.input.count);
+                emitter.upper, emitter.upper, analysis->design.structure.input.count);
         fputs("\n", file);
     }
     if (controlled) {
-        write_problem(&w, a, image);
-        status = status == 0 ? write_beside(&w, a) : status;
+        write_problem(&emitter, analysis, image);
+        status = status == 0 ? write_beside(&emitter, analysis) : status;
     }
     fputs("#endif\n", file);
-    *size = (tables_size){w.reals, w.bytes};
+    *size = (tables_size){emitter.reals, emitter.bytes};
     return ferror(file) ? -1 : status;
 }

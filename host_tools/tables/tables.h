@@ -16,7 +16,7 @@ extern const char *const tables_image_name[TABLES_IMAGES];
 /* The nonlinear path has no refinement: float carries it while the scaled stiffness is conditioned
  * better than this. */
 #define TABLES_FLOAT_CONDITION 1e7
-int tables_fit_float(const analysis *a);
+int tables_fit_float(const analysis *analysis);
 
 /* What tables take: numbers and bytes besides in flash. */
 typedef struct tables_size {
@@ -30,7 +30,7 @@ typedef struct tables_size {
 typedef struct tables_memory {
     size_t work[2], stack[2];
 } tables_memory;
-tables_memory tables_need(const analysis *a, tables_image image);
+tables_memory tables_need(const analysis *analysis, tables_image image);
 
 /*
  * Write the tables of an image as a C header.
@@ -39,7 +39,7 @@ tables_memory tables_need(const analysis *a, tables_image image);
  * tables) prefix  in  of every name, a C identifier size    out The same scene gives the same
  * bytes: no dates, no paths. Returns 0, or -1 when writing failed.
  */
-int tables_write(FILE *file, const analysis *a, tables_image image, const char *prefix,
+int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
                  tables_size *size);
 
 #endif

@@ -5,85 +5,91 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /* Actuation, temperature and prescribed displacements. */
-static void write_path(emitter *w, const pzs_nonlinear *t, uint16_t inputs)
+static void write_path(emitter *emitter, const pzs_nonlinear *tables, uint16_t inputs)
 {
     const int strains = LAMINATE_STRAINS;
-    const uint32_t entries = t->given.start ? t->given.start[inputs] : 0;
-    w->crc32 = GUARD_CRC_START;
+    const uint32_t entries = tables->given.start ? tables->given.start[inputs] : 0;
+    emitter->crc32 = GUARD_CRC_START;
     if (entries > 0) {
-        fputs("/* elements on which each input acts by resultants */\n", w->file);
-        emit_longs(w, "given_start", t->given.start, inputs + 1u);
-        emit_shorts(w, "given_element", t->given.element, entries, "element");
-        emit_shorts(w, "given_which", t->given.which, entries, "row of the resultants");
-        emit_blocks(w, "given_value", *t->given.value, t->given.values, &strains, 1,
+        fputs("/* elements on which each input acts by resultants */\n", emitter->file);
+        emit_longs(emitter, "given_start", tables->given.start, inputs + 1u);
+        emit_shorts(emitter, "given_element", tables->given.element, entries, "element");
+        emit_shorts(emitter, "given_which", tables->given.which, entries, "row of the resultants");
+        emit_blocks(emitter, "given_value", *tables->given.value, tables->given.values, &strains, 1,
                     "resultants per unit of an input (N m)");
     }
-    if (t->prescribed.count > 0) {
-        w->crc32 = pzs_guard_crc(w->crc32, &t->prescribed.input, sizeof t->prescribed.input);
-        emit_shorts(w, "prescribed_dof", t->prescribed.dof, t->prescribed.count,
+    if (tables->prescribed.count > 0) {
+        emitter->crc32 = pzs_guard_crc(emitter->crc32, &tables->prescribed.input,
+                                       sizeof tables->prescribed.input);
+        emit_shorts(emitter, "prescribed_dof", tables->prescribed.dof, tables->prescribed.count,
                     "free unknowns that are moved");
-        emit_reals(w, "prescribed_value", t->prescribed.value, t->prescribed.count, "by");
+        emit_reals(emitter, "prescribed_value", tables->prescribed.value, tables->prescribed.count,
+                   "by");
     }
-    emit_begin(w, "nonlinear", "nonlinear", t->scene, t->crc);
+    emit_begin(emitter, "nonlinear", "nonlinear", tables->scene, tables->crc);
     if (entries > 0)
-        fprintf(w->file,
+        fprintf(emitter->file,
                 "\n    {%u, %s_given_start, %s_given_element, %s_given_which, %s_given_value},\n",
-                t->given.values, w->prefix, w->prefix, w->prefix, w->prefix);
+                tables->given.values, emitter->prefix, emitter->prefix, emitter->prefix,
+                emitter->prefix);
     else
-        fputs("\n    {0, NULL, NULL, NULL, NULL},\n", w->file);
-    if (t->prescribed.count > 0)
-        fprintf(w->file, "    {%u, %u, %s_prescribed_dof, %s_prescribed_value},\n};\n\n",
-                t->prescribed.count, t->prescribed.input, w->prefix, w->prefix);
+        fputs("\n    {0, NULL, NULL, NULL, NULL},\n", emitter->file);
+    if (tables->prescribed.count > 0)
+        fprintf(emitter->file, "    {%u, %u, %s_prescribed_dof, %s_prescribed_value},\n};\n\n",
+                tables->prescribed.count, tables->prescribed.input, emitter->prefix,
+                emitter->prefix);
     else
-        fputs("    {0, 0, NULL, NULL},\n};\n\n", w->file);
+        fputs("    {0, 0, NULL, NULL},\n};\n\n", emitter->file);
 }
 
 /* CRC of a follower load's tables, reals rounded to float. */
-static uint32_t follower_crc_32(const pzs_follower *t, const mesh *m)
+static uint32_t follower_crc_32(const pzs_follower *tables, const mesh *mesh)
 {
-    const uint16_t whole[4] = {t->input, t->load_face, t->normal_face, t->true_area};
+    const uint16_t whole[4] = {tables->input, tables->load_face, tables->normal_face,
+                               tables->true_area};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
-    crc = emit_crc_reals(crc, t->share, 3);
-    crc = emit_crc_reals(crc, *t->area, 4 * (size_t)m->kinds);
-    if (t->lean)
-        crc = emit_crc_reals(crc, **t->lean, 8 * (size_t)m->kinds);
-    return ~emit_crc_reals(crc, t->pressure, (size_t)m->nodes);
+    crc = emit_crc_reals(crc, tables->share, 3);
+    crc = emit_crc_reals(crc, *tables->area, 4 * (size_t)mesh->kinds);
+    if (tables->lean)
+        crc = emit_crc_reals(crc, **tables->lean, 8 * (size_t)mesh->kinds);
+    return ~emit_crc_reals(crc, tables->pressure, (size_t)mesh->nodes);
 }
 
-static void write_followers(emitter *w, const path *p)
+static void write_followers(emitter *emitter, const path *p)
 {
-    const mesh *m = &p->design->mesh;
+    const mesh *mesh = &p->design->mesh;
     const int corners = 4, lean[2] = {4, 2};
     char name[64];
     for (int k = 0; k < p->followers; k++) {
         snprintf(name, sizeof name, "follower_area_%d", k);
-        emit_blocks(w, name, *p->follower[k].area, (size_t)m->kinds, &corners, 1,
+        emit_blocks(emitter, name, *p->follower[k].area, (size_t)mesh->kinds, &corners, 1,
                     "area of each corner, by kind");
         snprintf(name, sizeof name, "follower_lean_%d", k);
         if (p->follower[k].lean)
-            emit_blocks(w, name, **p->follower[k].lean, (size_t)m->kinds, lean, 2,
+            emit_blocks(emitter, name, **p->follower[k].lean, (size_t)mesh->kinds, lean, 2,
                         "lean of the base vectors of each corner, by kind");
         snprintf(name, sizeof name, "follower_pressure_%d", k);
-        emit_reals(w, name, p->follower[k].pressure, (size_t)m->nodes, "pressure of each node");
+        emit_reals(emitter, name, p->follower[k].pressure, (size_t)mesh->nodes,
+                   "pressure of each node");
     }
-    fprintf(w->file, "#define %s_FOLLOWERS %d\n", w->upper, p->followers);
+    fprintf(emitter->file, "#define %s_FOLLOWERS %d\n", emitter->upper, p->followers);
     if (p->followers > 0)
-        fprintf(w->file, "static const pzs_follower %s_follower[%d] = {\n", w->prefix,
+        fprintf(emitter->file, "static const pzs_follower %s_follower[%d] = {\n", emitter->prefix,
                 p->followers);
     for (int k = 0; k < p->followers; k++) {
         const pzs_follower *f = &p->follower[k];
-        fprintf(w->file, "    {%uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, ",
-                f->format, (unsigned)f->scene, (unsigned)follower_crc_32(f, m), (unsigned)f->crc,
+        fprintf(emitter->file, "    {%uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, ",
+                f->format, (unsigned)f->scene, (unsigned)follower_crc_32(f, mesh), (unsigned)f->crc,
                 f->input, f->load_face, f->normal_face, f->true_area);
-        emit_vector(w, f->share);
-        fprintf(w->file, ", %s_follower_area_%d, ", w->prefix, k);
+        emit_vector(emitter, f->share);
+        fprintf(emitter->file, ", %s_follower_area_%d, ", emitter->prefix, k);
         if (f->lean)
-            fprintf(w->file, "%s_follower_lean_%d", w->prefix, k);
+            fprintf(emitter->file, "%s_follower_lean_%d", emitter->prefix, k);
         else
-            fputs("NULL", w->file);
-        fprintf(w->file, ", %s_follower_pressure_%d},\n", w->prefix, k);
+            fputs("NULL", emitter->file);
+        fprintf(emitter->file, ", %s_follower_pressure_%d},\n", emitter->prefix, k);
     }
-    fputs(p->followers > 0 ? "};\n\n" : "\n", w->file);
+    fputs(p->followers > 0 ? "};\n\n" : "\n", emitter->file);
 }
 
 /* CRC of a body, reals rounded to float. */
@@ -96,7 +102,7 @@ static uint32_t body_crc_32(const pzs_body *body)
 
 /* The face that may touch, and the body; a body given by a formula wants a distance function of the
  * firmware's own. */
-static void write_contact(emitter *w, const path *p)
+static void write_contact(emitter *emitter, const path *p)
 {
     static const char *const gap[] = {[BODY_PLANE] = "pzs_gap_plane",
                                       [BODY_CYLINDER] = "pzs_gap_cylinder",
@@ -108,72 +114,74 @@ static void write_contact(emitter *w, const path *p)
     if (!contact->given)
         return;
     const uint16_t whole[2] = {face->face, face->input};
-    w->crc32 = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
-    w->crc32 = emit_crc_reals(w->crc32, face->motion, 3);
-    w->crc32 = emit_crc_reals(w->crc32, &face->size, 1);
-    emit_blocks(w, "contact_place", *face->place, nodes, matrix, 1,
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, face->motion, 3);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &face->size, 1);
+    emit_blocks(emitter, "contact_place", *face->place, nodes, matrix, 1,
                 "places of the face that may touch, at rest");
-    emit_blocks(w, "contact_triad", **face->triad, nodes, matrix, 2, "their triads");
-    emit_reals(w, "contact_area", face->area, nodes, "their areas");
+    emit_blocks(emitter, "contact_triad", **face->triad, nodes, matrix, 2, "their triads");
+    emit_reals(emitter, "contact_area", face->area, nodes, "their areas");
     fprintf(
-        w->file,
+        emitter->file,
         "static const pzs_contact_face %s_contact_face = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, ",
-        w->prefix, face->format, (unsigned)face->scene, (unsigned)~w->crc32, (unsigned)face->crc,
-        face->face, face->input);
-    emit_vector(w, face->motion);
-    fprintf(w->file, ", PZS_R(%.17g), %s_contact_place, %s_contact_triad, %s_contact_area,\n};\n",
-            face->size, w->prefix, w->prefix, w->prefix);
+        emitter->prefix, face->format, (unsigned)face->scene, (unsigned)~emitter->crc32,
+        (unsigned)face->crc, face->face, face->input);
+    emit_vector(emitter, face->motion);
+    fprintf(emitter->file,
+            ", PZS_R(%.17g), %s_contact_place, %s_contact_triad, %s_contact_area,\n};\n",
+            face->size, emitter->prefix, emitter->prefix, emitter->prefix);
     if (contact->body.type == BODY_PSI)
         fprintf(
-            w->file,
+            emitter->file,
             "#ifndef %s_GAP\n#error \"the body is a formula: define %s_GAP as its distance function (pzs_body.gap)\"\n#endif\n",
-            w->upper, w->upper);
-    fprintf(w->file, "static const pzs_body %s_body = {\n    %s%s, ", w->prefix,
-            contact->body.type == BODY_PSI ? w->upper : gap[contact->body.type],
+            emitter->upper, emitter->upper);
+    fprintf(emitter->file, "static const pzs_body %s_body = {\n    %s%s, ", emitter->prefix,
+            contact->body.type == BODY_PSI ? emitter->upper : gap[contact->body.type],
             contact->body.type == BODY_PSI ? "_GAP" : "");
-    emit_vector(w, p->body.point);
-    fputs(", ", w->file);
-    emit_vector(w, p->body.axis);
-    fprintf(w->file, ", PZS_R(%.17g), NULL, PZS_BY_BITS(0x%08xu, 0x%08xu),\n};\n", p->body.radius,
-            (unsigned)body_crc_32(&p->body), (unsigned)p->body.crc);
-    fprintf(w->file,
+    emit_vector(emitter, p->body.point);
+    fputs(", ", emitter->file);
+    emit_vector(emitter, p->body.axis);
+    fprintf(emitter->file, ", PZS_R(%.17g), NULL, PZS_BY_BITS(0x%08xu, 0x%08xu),\n};\n",
+            p->body.radius, (unsigned)body_crc_32(&p->body), (unsigned)p->body.crc);
+    fprintf(emitter->file,
             "#define %s_CONTACT_BYTES PZS_CONTACT_BYTES(%zu)\n"
             "#define %s_CONTACT_STIFFNESS PZS_R(%.17g)\n\n",
-            w->upper, nodes, w->upper, p->contact.settings.stiffness);
+            emitter->upper, nodes, emitter->upper, p->contact.settings.stiffness);
 }
 
 /* Sizes and choices of the path, and what the host found with them. */
-static int write_equilibrium(emitter *w, const analysis *a)
+static int write_equilibrium(emitter *emitter, const analysis *analysis)
 {
-    const pzs_structure *s = &a->design.structure;
-    const pzs_solver *run = &a->path.run;
-    double *reached = calloc((size_t)s->output.count + 1, sizeof *reached);
+    const pzs_structure *structure = &analysis->design.structure;
+    const pzs_solver *run = &analysis->path.run;
+    double *reached = calloc((size_t)structure->output.count + 1, sizeof *reached);
     if (!reached)
         return -1;
     fprintf(
-        w->file,
+        emitter->file,
         "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n#define %s_PATH_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n"
         "/* choices of the scene, for the path */\n#define %s_STEPS %u\n#define %s_MIXED %u\n#define %s_SYSTEMS %u\n"
         "#define %s_CHANGE PZS_R(%.17g)\n\n",
-        w->upper, s->input.count, w->upper, s->output.count, w->upper, s->free_dof, s->elements,
-        s->input.count, w->upper, run->settings.load_steps, w->upper,
-        run->settings.extrapolated_iterations, w->upper, (unsigned)run->settings.solve_limit,
-        w->upper, run->settings.tolerance);
-    emit_reals(w, "full", a->path.full, s->input.count,
+        emitter->upper, structure->input.count, emitter->upper, structure->output.count,
+        emitter->upper, structure->free_dof, structure->elements, structure->input.count,
+        emitter->upper, run->settings.load_steps, emitter->upper,
+        run->settings.extrapolated_iterations, emitter->upper, (unsigned)run->settings.solve_limit,
+        emitter->upper, run->settings.tolerance);
+    emit_reals(emitter, "full", analysis->path.full, structure->input.count,
                "amounts of the scene: applied volts, loads, extra inputs");
-    pzs_observe(s, run->info.displacement, reached);
-    if (s->output.count > 0)
-        emit_reals(w, "reached", reached, s->output.count,
+    pzs_observe(structure, run->info.displacement, reached);
+    if (structure->output.count > 0)
+        emit_reals(emitter, "reached", reached, structure->output.count,
                    "outputs under these amounts, as the host found them in double");
-    fputs("\n", w->file);
+    fputs("\n", emitter->file);
     free(reached);
     return 0;
 }
 
-int tables_path(emitter *w, const analysis *a)
+int tables_path(emitter *emitter, const analysis *analysis)
 {
-    write_path(w, &a->path.tables, a->design.structure.input.count);
-    write_followers(w, &a->path);
-    write_contact(w, &a->path);
-    return write_equilibrium(w, a);
+    write_path(emitter, &analysis->path.tables, analysis->design.structure.input.count);
+    write_followers(emitter, &analysis->path);
+    write_contact(emitter, &analysis->path);
+    return write_equilibrium(emitter, analysis);
 }

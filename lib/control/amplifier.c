@@ -37,11 +37,12 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
         return PZS_E_ARGUMENT;
     if (control->state.stage != CONTROL_READY)
         return PZS_E_STAGE;
-    const pzs_problem *p = control->state.problem;
-    for (uint32_t j = 0; j < p->inputs; j++) {
+    const pzs_problem *problem = control->state.problem;
+    for (uint32_t j = 0; j < problem->inputs; j++) {
         const pzs_real wish = control->state.voltage[j];
-        const pzs_real have =
-            number_is_finite(given[j]) ? number_clamp(given[j], p->lower[j], p->upper[j]) : wish;
+        const pzs_real have = number_is_finite(given[j])
+                                  ? number_clamp(given[j], problem->lower[j], problem->upper[j])
+                                  : wish;
         const pzs_real stepped =
             number_absolute(wish - have) <= dead_band ? have : whole_step(wish, have, step);
         given[j] = number_clamp(stepped, control->state.lower[j], control->state.upper[j]);

@@ -51,33 +51,33 @@
 /* A round that lowers the KKT violation by less than this factor renews the tableau */
 #define LEAST_PROGRESS 16
 
-void pzs_boxls_place(pzs_optimiser *b, pzs_real *work)
+void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 {
-    pzs_real **const vector[BOXLS_VECTORS] = {&b->lower,
-                                              &b->upper,
-                                              &b->free_set,
-                                              &b->base,
-                                              &b->regularisation_gradient,
-                                              &b->target_gradient,
-                                              &b->model_gradient,
-                                              &b->gradient,
-                                              &b->direction,
-                                              &b->diagonal,
-                                              &b->start_voltage,
-                                              &b->start_gradient,
-                                              &b->next_voltage,
-                                              &b->scratch};
+    pzs_real **const vector[BOXLS_VECTORS] = {&optimiser->lower,
+                                              &optimiser->upper,
+                                              &optimiser->free_set,
+                                              &optimiser->base,
+                                              &optimiser->regularisation_gradient,
+                                              &optimiser->target_gradient,
+                                              &optimiser->model_gradient,
+                                              &optimiser->gradient,
+                                              &optimiser->direction,
+                                              &optimiser->diagonal,
+                                              &optimiser->start_voltage,
+                                              &optimiser->start_gradient,
+                                              &optimiser->next_voltage,
+                                              &optimiser->scratch};
     for (uint32_t k = 0; k < BOXLS_VECTORS; k++)
-        *vector[k] = work + (size_t)k * b->width;
+        *vector[k] = work + (size_t)k * optimiser->width;
 }
 
 /* ---- gradients ------------------------------------------------------ */
 
 /* y = A x, A [n][width] symmetric. */
-static void symmetric(const pzs_optimiser *b, pzs_real *restrict y, const pzs_real *restrict a,
-                      const pzs_real *restrict x)
+static void symmetric(const pzs_optimiser *optimiser, pzs_real *restrict y,
+                      const pzs_real *restrict a, const pzs_real *restrict x)
 {
-    pzs_product_sum_rows(y, a, b->width, x, b->inputs, optimiser_span(b));
+    pzs_product_sum_rows(y, a, optimiser->width, x, optimiser->inputs, optimiser_span(optimiser));
 }
 
 /* gradient = model gradient - target gradient; next = the same on F, 0 on A. */
@@ -93,10 +93,10 @@ static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
     }
 }
 
-void pzs_boxls_gradient(pzs_optimiser *b)
+void pzs_boxls_gradient(pzs_optimiser *optimiser)
 {
-    combine(b->gradient, b->next_voltage, b->model_gradient, b->target_gradient, b->free_set,
-            optimiser_span(b));
+    combine(optimiser->gradient, optimiser->next_voltage, optimiser->model_gradient,
+            optimiser->target_gradient, optimiser->free_set, optimiser_span(optimiser));
 }
 
 static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y,
@@ -113,18 +113,18 @@ static void add(pzs_real *restrict z, const pzs_real *restrict x, size_t span)
 }
 
 /* Rounding-error bound of H offset (m2/V). */
-static pzs_real rounding_of_product(const pzs_optimiser *b, const pzs_real *offset)
+static pzs_real rounding_of_product(const pzs_optimiser *optimiser, const pzs_real *offset)
 {
-    return PZS_EPSILON * pzs_product_dot_size(b->diagonal, offset, b->width);
+    return PZS_EPSILON * pzs_product_dot_size(optimiser->diagonal, offset, optimiser->width);
 }
 
-void pzs_boxls_true_gradient(pzs_optimiser *b)
+void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
 {
-    subtract(b->scratch, b->voltage, b->base, optimiser_span(b));
-    b->model_rounding = rounding_of_product(b, b->scratch);
-    symmetric(b, b->model_gradient, b->hessian, b->scratch);
-    add(b->model_gradient, b->regularisation_gradient, optimiser_span(b));
-    pzs_boxls_gradient(b);
+    subtract(optimiser->scratch, optimiser->voltage, optimiser->base, optimiser_span(optimiser));
+    optimiser->model_rounding = rounding_of_product(optimiser, optimiser->scratch);
+    symmetric(optimiser, optimiser->model_gradient, optimiser->hessian, optimiser->scratch);
+    add(optimiser->model_gradient, optimiser->regularisation_gradient, optimiser_span(optimiser));
+    pzs_boxls_gradient(optimiser);
 }
 
 /*
@@ -170,11 +170,13 @@ static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
     return open;
 }
 
-uint32_t pzs_boxls_find_direction(pzs_optimiser *b, pzs_real rounding)
+uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
 {
-    symmetric(b, b->direction, b->tableau, b->next_voltage);
-    return predict_step(b->direction, b->next_voltage, b->scratch, b->free_set, b->gradient,
-                        b->voltage, b->lower, b->upper, b->base, rounding, optimiser_span(b));
+    symmetric(optimiser, optimiser->direction, optimiser->tableau, optimiser->next_voltage);
+    return predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
+                        optimiser->free_set, optimiser->gradient, optimiser->voltage,
+                        optimiser->lower, optimiser->upper, optimiser->base, rounding,
+                        optimiser_span(optimiser));
 }
 
 static void entry_violations(pzs_real *restrict out, const pzs_real *restrict v,
@@ -185,26 +187,28 @@ static void entry_violations(pzs_real *restrict out, const pzs_real *restrict v,
         out[i] = entry_violation(gradient[i], v[i], lower[i], upper[i]);
 }
 
-pzs_real pzs_boxls_violation(const pzs_optimiser *b, const pzs_real *v, const pzs_real *gradient)
+pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
+                             const pzs_real *gradient)
 {
-    entry_violations(b->scratch, v, b->lower, b->upper, gradient, optimiser_span(b));
-    return pzs_product_largest(b->scratch, b->width);
+    entry_violations(optimiser->scratch, v, optimiser->lower, optimiser->upper, gradient,
+                     optimiser_span(optimiser));
+    return pzs_product_largest(optimiser->scratch, optimiser->width);
 }
 
 /* Whether a gradient of this size (m2/V) on F costs less than epsilon of the target energy: its
  * square times inverse H. */
-static int is_negligible(pzs_optimiser *b, pzs_real size)
+static int is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
-    const pzs_real square = size * size, most = PZS_EPSILON * b->target_energy;
-    if (b->inverse_trace_bound > 0 && square * b->inverse_trace_bound <= most)
+    const pzs_real square = size * size, most = PZS_EPSILON * optimiser->target_energy;
+    if (optimiser->inverse_trace_bound > 0 && square * optimiser->inverse_trace_bound <= most)
         return 1;
-    const pzs_real soft = pzs_tableau_inverse_trace(b);
+    const pzs_real soft = pzs_tableau_inverse_trace(optimiser);
     return soft >= 0 && square * soft <= most;
 }
 
-int pzs_boxls_needs_new_base(pzs_optimiser *b)
+int pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 {
-    return !is_negligible(b, b->model_rounding);
+    return !is_negligible(optimiser, optimiser->model_rounding);
 }
 
 /* out = KKT violation of each active input, at least `turn` where its gradient is smaller than
@@ -228,19 +232,22 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
  * input's multiplier. Never where a voltage is not finite, because then the rounding bound is not
  * finite either.
  */
-static int is_converged(pzs_optimiser *b)
+static int is_converged(pzs_optimiser *optimiser)
 {
-    if (!number_is_finite(b->rounding_bound))
+    if (!number_is_finite(optimiser->rounding_bound))
         return 0;
-    if (b->kkt_violation <= b->rounding_bound)
+    if (optimiser->kkt_violation <= optimiser->rounding_bound)
         return 1;
-    if (!(b->kkt_violation <= TOLERATED * b->rounding_bound) || !is_negligible(b, b->kkt_violation))
+    if (!(optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound) ||
+        !is_negligible(optimiser, optimiser->kkt_violation))
         return 0;
-    if (b->active_count == 0)
+    if (optimiser->active_count == 0)
         return 1;
-    active_violations(b->scratch, b->voltage, b->lower, b->upper, b->gradient, b->free_set,
-                      (pzs_real)b->inputs * b->kkt_violation, optimiser_span(b));
-    return pzs_product_largest(b->scratch, b->width) <= b->rounding_bound;
+    active_violations(optimiser->scratch, optimiser->voltage, optimiser->lower, optimiser->upper,
+                      optimiser->gradient, optimiser->free_set,
+                      (pzs_real)optimiser->inputs * optimiser->kkt_violation,
+                      optimiser_span(optimiser));
+    return pzs_product_largest(optimiser->scratch, optimiser->width) <= optimiser->rounding_bound;
 }
 
 /* ---- iterations ------------------------------------------------------ */
@@ -266,26 +273,27 @@ static void rank_blocking(pzs_real *restrict urgency, const pzs_real *restrict d
 }
 
 /* First input with the largest entry of x, or the number of inputs if none is above `least`. */
-static uint32_t find_largest(const pzs_optimiser *b, const pzs_real *x, pzs_real least)
+static uint32_t find_largest(const pzs_optimiser *optimiser, const pzs_real *x, pzs_real least)
 {
-    const pzs_real most = pzs_product_largest(x, b->width);
-    uint32_t i = most > least ? 0 : b->inputs;
-    while (i < b->inputs && !(x[i] >= most))
+    const pzs_real most = pzs_product_largest(x, optimiser->width);
+    uint32_t i = most > least ? 0 : optimiser->inputs;
+    while (i < optimiser->inputs && !(x[i] >= most))
         i++;
     return i;
 }
 
 /* Shorten `part` of the direction of the free inputs to the first bound that it meets. */
-static blocking first_blocking(const pzs_optimiser *b, const pzs_real *direction, pzs_real part)
+static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *direction,
+                               pzs_real part)
 {
-    rank_blocking(b->scratch, direction, b->voltage, b->lower, b->upper, b->free_set, part,
-                  optimiser_span(b));
-    blocking first = {part, find_largest(b, b->scratch, 0)};
-    if (first.input < b->inputs) {
+    rank_blocking(optimiser->scratch, direction, optimiser->voltage, optimiser->lower,
+                  optimiser->upper, optimiser->free_set, part, optimiser_span(optimiser));
+    blocking first = {part, find_largest(optimiser, optimiser->scratch, 0)};
+    if (first.input < optimiser->inputs) {
         const uint32_t i = first.input;
-        first.part =
-            (direction[i] < 0 ? b->voltage[i] - b->lower[i] : b->upper[i] - b->voltage[i]) /
-            number_absolute(direction[i]);
+        first.part = (direction[i] < 0 ? optimiser->voltage[i] - optimiser->lower[i]
+                                       : optimiser->upper[i] - optimiser->voltage[i]) /
+                     number_absolute(direction[i]);
     }
     return first;
 }
@@ -302,12 +310,14 @@ static void advance(pzs_real *restrict v, const pzs_real *restrict direction,
 }
 
 /* Move along the direction; an input that meets its bound stands on it exactly. */
-static void move_along(pzs_optimiser *b, const pzs_real *direction, blocking first)
+static void move_along(pzs_optimiser *optimiser, const pzs_real *direction, blocking first)
 {
-    advance(b->voltage, direction, b->lower, b->upper, b->free_set, first.part, optimiser_span(b));
-    if (first.input < b->inputs)
-        b->voltage[first.input] =
-            direction[first.input] < 0 ? b->lower[first.input] : b->upper[first.input];
+    advance(optimiser->voltage, direction, optimiser->lower, optimiser->upper, optimiser->free_set,
+            first.part, optimiser_span(optimiser));
+    if (first.input < optimiser->inputs)
+        optimiser->voltage[first.input] = direction[first.input] < 0
+                                              ? optimiser->lower[first.input]
+                                              : optimiser->upper[first.input];
 }
 
 /* direction *= remaining on F. */
@@ -328,23 +338,25 @@ static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x,
 }
 
 /* Move input j out of F when the part `remaining` of its direction is not yet taken. */
-static void leave_free_set(pzs_optimiser *b, uint32_t j, pzs_real remaining)
+static void leave_free_set(pzs_optimiser *optimiser, uint32_t j, pzs_real remaining)
 {
-    const pzs_real *row = b->tableau + (size_t)j * b->width;
-    pzs_tableau_sweep(b, j);
-    add_multiples(b->direction, row, b->free_set, remaining, -remaining, optimiser_span(b));
-    b->direction[j] = -remaining * row[j];
+    const pzs_real *row = optimiser->tableau + (size_t)j * optimiser->width;
+    pzs_tableau_sweep(optimiser, j);
+    add_multiples(optimiser->direction, row, optimiser->free_set, remaining, -remaining,
+                  optimiser_span(optimiser));
+    optimiser->direction[j] = -remaining * row[j];
 }
 
 /* One descent iteration. Returns nonzero if a bound stopped it. */
-static int descend(pzs_optimiser *b)
+static int descend(pzs_optimiser *optimiser)
 {
-    const blocking first = first_blocking(b, b->direction, 1);
-    move_along(b, b->direction, first);
-    if (first.input == b->inputs)
+    const blocking first = first_blocking(optimiser, optimiser->direction, 1);
+    move_along(optimiser, optimiser->direction, first);
+    if (first.input == optimiser->inputs)
         return 0;
-    scale_direction(b->direction, b->free_set, 1 - first.part, optimiser_span(b));
-    leave_free_set(b, first.input, b->direction[first.input]);
+    scale_direction(optimiser->direction, optimiser->free_set, 1 - first.part,
+                    optimiser_span(optimiser));
+    leave_free_set(optimiser, first.input, optimiser->direction[first.input]);
     return 1;
 }
 
@@ -366,22 +378,25 @@ static void sort_active(pzs_real *restrict between, pzs_real *restrict at,
 
 /* Active input to release: the largest violation strictly between bounds, else the largest at a
  * bound, else none. */
-static uint32_t input_to_release(const pzs_optimiser *b, pzs_real rounding)
+static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
-    sort_active(b->scratch, b->next_voltage, b->voltage, b->lower, b->upper, b->direction,
-                b->free_set, optimiser_span(b));
-    const uint32_t between = find_largest(b, b->scratch, rounding);
-    return between < b->inputs ? between : find_largest(b, b->next_voltage, rounding);
+    sort_active(optimiser->scratch, optimiser->next_voltage, optimiser->voltage, optimiser->lower,
+                optimiser->upper, optimiser->direction, optimiser->free_set,
+                optimiser_span(optimiser));
+    const uint32_t between = find_largest(optimiser, optimiser->scratch, rounding);
+    return between < optimiser->inputs ? between
+                                       : find_largest(optimiser, optimiser->next_voltage, rounding);
 }
 
 /* Length of the ray of input k (V): to the minimum of the ray, or to its own bound. */
-static pzs_real ray_length(const pzs_optimiser *b, uint32_t k, int *to_limit)
+static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, int *to_limit)
 {
-    const pzs_real slope = number_absolute(b->direction[k]),
-                   pivot = b->tableau[(size_t)k * b->width + k];
-    const pzs_real room =
-        b->direction[k] > 0 ? b->voltage[k] - b->lower[k] : b->upper[k] - b->voltage[k];
-    const pzs_real least = (number_is_finite(room) ? PZS_EPSILON : b->pivot_floor) * b->diagonal[k];
+    const pzs_real slope = number_absolute(optimiser->direction[k]),
+                   pivot = optimiser->tableau[(size_t)k * optimiser->width + k];
+    const pzs_real room = optimiser->direction[k] > 0 ? optimiser->voltage[k] - optimiser->lower[k]
+                                                      : optimiser->upper[k] - optimiser->voltage[k];
+    const pzs_real least =
+        (number_is_finite(room) ? PZS_EPSILON : optimiser->pivot_floor) * optimiser->diagonal[k];
     const pzs_real curvature = pivot > least ? pivot : least;
     *to_limit = !(slope < room * curvature);
     return *to_limit ? room : slope / curvature;
@@ -389,62 +404,66 @@ static pzs_real ray_length(const pzs_optimiser *b, uint32_t k, int *to_limit)
 
 /* Move along the ray of k, v_F -= row_F times length, and update the gradients of A. Returns what
  * stopped it. */
-static blocking follow_ray(pzs_optimiser *b, uint32_t k, pzs_real length)
+static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, pzs_real length)
 {
-    const pzs_real *row = b->tableau + (size_t)k * b->width,
-                   sign = b->direction[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
-    for (uint32_t i = 0; i < b->inputs; i++)
-        b->next_voltage[i] = -sign * row[i];
-    const blocking first = first_blocking(b, b->next_voltage, length);
+    const pzs_real *row = optimiser->tableau + (size_t)k * optimiser->width,
+                   sign = optimiser->direction[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->next_voltage[i] = -sign * row[i];
+    const blocking first = first_blocking(optimiser, optimiser->next_voltage, length);
     if (number_is_finite(first.part)) {
         const pzs_real far = sign * first.part;
-        move_along(b, b->next_voltage, first);
-        b->voltage[k] = number_clamp(b->voltage[k] + far, b->lower[k], b->upper[k]);
-        add_multiples(b->direction, row, b->free_set, far, far, optimiser_span(b));
+        move_along(optimiser, optimiser->next_voltage, first);
+        optimiser->voltage[k] =
+            number_clamp(optimiser->voltage[k] + far, optimiser->lower[k], optimiser->upper[k]);
+        add_multiples(optimiser->direction, row, optimiser->free_set, far, far,
+                      optimiser_span(optimiser));
     }
     return first;
 }
 
 /* One release iteration: input k moves along its ray, from a minimum over F. */
-static void release_input(pzs_optimiser *b, uint32_t k)
+static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
-    const int down = b->direction[k] > 0;
+    const int down = optimiser->direction[k] > 0;
     int to_limit;
-    const pzs_real length = ray_length(b, k, &to_limit);
-    const blocking first = follow_ray(b, k, length);
-    if (first.input < b->inputs) {
-        leave_free_set(b, first.input, 0);
+    const pzs_real length = ray_length(optimiser, k, &to_limit);
+    const blocking first = follow_ray(optimiser, k, length);
+    if (first.input < optimiser->inputs) {
+        leave_free_set(optimiser, first.input, 0);
     } else if (to_limit && number_is_finite(first.part)) {
-        b->voltage[k] = down ? b->lower[k] : b->upper[k];
+        optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        b->direction[k] = 0; /* released; a ray without end and curvature would gain nothing but
-                                rounding */
-        if (!to_limit && pzs_tableau_independence(b, k) > b->pivot_floor)
-            pzs_tableau_sweep(b, k);
+        optimiser->direction[k] = 0; /* released; a ray without end and curvature would gain nothing
+                                but rounding */
+        if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
+            pzs_tableau_sweep(optimiser, k);
     }
 }
 
 /* Whether no free input has a gradient above the rounding bound; next_voltage holds these
  * gradients. */
-static int is_stationary(const pzs_optimiser *b)
+static int is_stationary(const pzs_optimiser *optimiser)
 {
     uint32_t i = 0;
-    while (i < b->inputs && number_absolute(b->next_voltage[i]) <= b->rounding_bound)
+    while (i < optimiser->inputs &&
+           number_absolute(optimiser->next_voltage[i]) <= optimiser->rounding_bound)
         i++;
-    return i == b->inputs;
+    return i == optimiser->inputs;
 }
 
 /* Iterations from a blocked direction until the tableau predicts no KKT violation. Returns how many
  * were used. */
-static uint32_t iterate(pzs_optimiser *b, pzs_real rounding, uint32_t allowed)
+static uint32_t iterate(pzs_optimiser *optimiser, pzs_real rounding, uint32_t allowed)
 {
-    const uint32_t most = 2u * b->inputs + 8u < allowed ? 2u * b->inputs + 8u : allowed;
+    const uint32_t most =
+        2u * optimiser->inputs + 8u < allowed ? 2u * optimiser->inputs + 8u : allowed;
     uint32_t used = 0, k = 0;
     int blocked = 1;
     for (; blocked && used < most; used++)
-        blocked = descend(b);
-    for (; used < most && (k = input_to_release(b, rounding)) < b->inputs; used++)
-        release_input(b, k);
+        blocked = descend(optimiser);
+    for (; used < most && (k = input_to_release(optimiser, rounding)) < optimiser->inputs; used++)
+        release_input(optimiser, k);
     return used;
 }
 
@@ -452,13 +471,14 @@ static uint32_t iterate(pzs_optimiser *b, pzs_real rounding, uint32_t allowed)
 
 /* Measure the model gradient of input k after the step. Returns the prediction error of its
  * gradient. */
-static pzs_real measure_gradient(const pzs_optimiser *b, uint32_t k, const pzs_real *offset,
+static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
 {
-    *model_gradient = pzs_product_dot(b->hessian + (size_t)k * b->width, offset, b->width) +
-                      b->regularisation_gradient[k];
-    const pzs_real seen = *model_gradient - b->target_gradient[k];
-    return number_absolute(b->free_set[k] > 0 ? seen : seen - b->direction[k]);
+    *model_gradient = pzs_product_dot(optimiser->hessian + (size_t)k * optimiser->width, offset,
+                                      optimiser->width) +
+                      optimiser->regularisation_gradient[k];
+    const pzs_real seen = *model_gradient - optimiser->target_gradient[k];
+    return number_absolute(optimiser->free_set[k] > 0 ? seen : seen - optimiser->direction[k]);
 }
 
 /* Predicted gradient after the step: 0 on F, the direction entry on A. */
@@ -487,31 +507,33 @@ static void accept_prediction(pzs_real *restrict v, pzs_real *restrict model_gra
  * are not as predicted: the voltages are then where they were and the tableau is no longer
  * verified.
  */
-static int take_direct_iteration(pzs_optimiser *b)
+static int take_direct_iteration(pzs_optimiser *optimiser)
 {
-    const pzs_real *offset = b->scratch, rough = rounding_of_product(b, offset);
-    const uint32_t one = b->checked_next, two = one + 1u < b->inputs ? one + 1u : 0;
-    const pzs_real near = TOLERATED * b->rounding_bound;
+    const pzs_real *offset = optimiser->scratch, rough = rounding_of_product(optimiser, offset);
+    const uint32_t one = optimiser->checked_next, two = one + 1u < optimiser->inputs ? one + 1u : 0;
+    const pzs_real near = TOLERATED * optimiser->rounding_bound;
     pzs_real model_gradient[2];
-    b->kkt_violation = measure_gradient(b, one, offset, &model_gradient[0]) +
-                       measure_gradient(b, two, offset, &model_gradient[1]);
-    b->rounding_bound = ROUNDING_FACTOR * (b->target_rounding + rough);
-    if (b->kkt_violation > b->rounding_bound)
-        predict_gradient(b->gradient, b->direction, b->free_set, optimiser_span(b));
-    if (!is_converged(b) || !(b->kkt_violation <= near) ||
-        (b->kkt_violation > b->rounding_bound &&
-         !is_negligible(b, UNMEASURED_FACTOR * b->kkt_violation))) {
-        b->is_verified = false;
-        pzs_boxls_gradient(b);
+    optimiser->kkt_violation = measure_gradient(optimiser, one, offset, &model_gradient[0]) +
+                               measure_gradient(optimiser, two, offset, &model_gradient[1]);
+    optimiser->rounding_bound = ROUNDING_FACTOR * (optimiser->target_rounding + rough);
+    if (optimiser->kkt_violation > optimiser->rounding_bound)
+        predict_gradient(optimiser->gradient, optimiser->direction, optimiser->free_set,
+                         optimiser_span(optimiser));
+    if (!is_converged(optimiser) || !(optimiser->kkt_violation <= near) ||
+        (optimiser->kkt_violation > optimiser->rounding_bound &&
+         !is_negligible(optimiser, UNMEASURED_FACTOR * optimiser->kkt_violation))) {
+        optimiser->is_verified = false;
+        pzs_boxls_gradient(optimiser);
         return 0;
     }
-    b->model_rounding = rough;
-    b->checked_next = two + 1u < b->inputs ? two + 1u : 0;
-    b->iterations++;
-    accept_prediction(b->voltage, b->model_gradient, b->next_voltage, b->direction, b->free_set,
-                      b->target_gradient, optimiser_span(b));
-    b->model_gradient[one] = model_gradient[0];
-    b->model_gradient[two] = model_gradient[1];
+    optimiser->model_rounding = rough;
+    optimiser->checked_next = two + 1u < optimiser->inputs ? two + 1u : 0;
+    optimiser->iterations++;
+    accept_prediction(optimiser->voltage, optimiser->model_gradient, optimiser->next_voltage,
+                      optimiser->direction, optimiser->free_set, optimiser->target_gradient,
+                      optimiser_span(optimiser));
+    optimiser->model_gradient[one] = model_gradient[0];
+    optimiser->model_gradient[two] = model_gradient[1];
     return 1;
 }
 
@@ -533,36 +555,42 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
  * gradients at both ends). The rounding error over this distance must be below the target energy,
  * or well below the decrease.
  */
-static int has_decreased(const pzs_optimiser *b)
+static int has_decreased(const pzs_optimiser *optimiser)
 {
-    difference(b->scratch, b->direction, b->voltage, b->start_voltage, b->gradient,
-               b->start_gradient, optimiser_span(b));
-    const pzs_real change = pzs_product_dot(b->scratch, b->direction, b->width),
+    difference(optimiser->scratch, optimiser->direction, optimiser->voltage,
+               optimiser->start_voltage, optimiser->gradient, optimiser->start_gradient,
+               optimiser_span(optimiser));
+    const pzs_real change =
+                       pzs_product_dot(optimiser->scratch, optimiser->direction, optimiser->width),
                    sure = -change / SIGNIFICANT;
-    const pzs_real far = PZS_SQRT(pzs_product_dot(b->scratch, b->scratch, b->width));
-    return change < 0 &&
-           far * b->model_rounding < (sure > b->target_energy ? sure : b->target_energy);
+    const pzs_real far =
+        PZS_SQRT(pzs_product_dot(optimiser->scratch, optimiser->scratch, optimiser->width));
+    return change < 0 && far * optimiser->model_rounding <
+                             (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }
 
 /* One round, from the direction to the true gradient at its end. */
-static void run_round(pzs_optimiser *b, int blocked)
+static void run_round(pzs_optimiser *optimiser, int blocked)
 {
-    const size_t bytes = b->width * sizeof(pzs_real);
-    memcpy(b->start_voltage, b->voltage, bytes);
-    memcpy(b->start_gradient, b->gradient, bytes);
+    const size_t bytes = optimiser->width * sizeof(pzs_real);
+    memcpy(optimiser->start_voltage, optimiser->voltage, bytes);
+    memcpy(optimiser->start_gradient, optimiser->gradient, bytes);
     if (blocked)
-        b->iterations += iterate(b, b->rounding_bound / 2, b->iteration_limit - b->iterations);
+        optimiser->iterations += iterate(optimiser, optimiser->rounding_bound / 2,
+                                         optimiser->iteration_limit - optimiser->iterations);
     else
-        memcpy(b->voltage, b->next_voltage, bytes);
-    b->iterations += !blocked;
-    pzs_boxls_true_gradient(b);
+        memcpy(optimiser->voltage, optimiser->next_voltage, bytes);
+    optimiser->iterations += !blocked;
+    pzs_boxls_true_gradient(optimiser);
 }
 
 /* KKT violation at v, and the part of it that may be rounding. */
-static void assess(pzs_optimiser *b)
+static void assess(pzs_optimiser *optimiser)
 {
-    b->kkt_violation = pzs_boxls_violation(b, b->voltage, b->gradient);
-    b->rounding_bound = ROUNDING_FACTOR * (b->target_rounding + b->model_rounding);
+    optimiser->kkt_violation =
+        pzs_boxls_violation(optimiser, optimiser->voltage, optimiser->gradient);
+    optimiser->rounding_bound =
+        ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);
 }
 
 /* Clamp v to the bounds. Returns how many entries were outside. */
@@ -577,11 +605,12 @@ static uint32_t clamp_voltages(pzs_real *restrict v, const pzs_real *restrict lo
     return outside;
 }
 
-int pzs_boxls_enforce_limits(pzs_optimiser *b)
+int pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 {
-    const int moved = clamp_voltages(b->voltage, b->lower, b->upper, optimiser_span(b)) != 0;
+    const int moved = clamp_voltages(optimiser->voltage, optimiser->lower, optimiser->upper,
+                                     optimiser_span(optimiser)) != 0;
     if (moved)
-        pzs_boxls_true_gradient(b);
+        pzs_boxls_true_gradient(optimiser);
     return moved;
 }
 
@@ -590,67 +619,74 @@ int pzs_boxls_enforce_limits(pzs_optimiser *b)
  * the round is undone. A round that looks converged only because its own way raised the rounding
  * bound must have lowered the objective.
  */
-static void conclude_round(pzs_optimiser *b, int moved)
+static void conclude_round(pzs_optimiser *optimiser, int moved)
 {
-    const pzs_real rounding = b->rounding_bound;
-    assess(b);
-    b->is_optimal = is_converged(b);
-    if (b->is_optimal && moved && !b->is_verified) {
-        b->is_verified = true;
-        b->checked_next = 0;
+    const pzs_real rounding = optimiser->rounding_bound;
+    assess(optimiser);
+    optimiser->is_optimal = is_converged(optimiser);
+    if (optimiser->is_optimal && moved && !optimiser->is_verified) {
+        optimiser->is_verified = true;
+        optimiser->checked_next = 0;
     }
-    if (!moved || (b->is_optimal && b->kkt_violation <= rounding) || has_decreased(b))
+    if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
+        has_decreased(optimiser))
         return;
-    memcpy(b->voltage, b->start_voltage, b->width * sizeof(pzs_real));
-    (void)clamp_voltages(b->voltage, b->lower, b->upper, optimiser_span(b));
-    pzs_boxls_true_gradient(b);
-    b->is_verified = false;
-    assess(b);
-    b->is_optimal = is_converged(b);
+    memcpy(optimiser->voltage, optimiser->start_voltage, optimiser->width * sizeof(pzs_real));
+    (void)clamp_voltages(optimiser->voltage, optimiser->lower, optimiser->upper,
+                         optimiser_span(optimiser));
+    pzs_boxls_true_gradient(optimiser);
+    optimiser->is_verified = false;
+    assess(optimiser);
+    optimiser->is_optimal = is_converged(optimiser);
 }
 
 /* Recompute the tableau after a round of little progress. A fresh one already accepts more inputs
  * as dependent. */
-static void renew_tableau(pzs_optimiser *b, int fresh)
+static void renew_tableau(pzs_optimiser *optimiser, int fresh)
 {
-    const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)b->inputs * PZS_EPSILON;
-    b->pivot_floor = fresh ? number_clamp(b->pivot_floor * 16, 0, most) : b->pivot_floor;
-    pzs_tableau_rebuild(b);
-    pzs_boxls_gradient(b);
+    const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
+    optimiser->pivot_floor =
+        fresh ? number_clamp(optimiser->pivot_floor * 16, 0, most) : optimiser->pivot_floor;
+    pzs_tableau_rebuild(optimiser);
+    pzs_boxls_gradient(optimiser);
 }
 
-void pzs_boxls_optimise(pzs_optimiser *b)
+void pzs_boxls_optimise(pzs_optimiser *optimiser)
 {
     int fresh = 0;
-    b->rounding_bound = ROUNDING_FACTOR * (b->target_rounding + b->model_rounding);
-    b->is_optimal = 0;
-    if (b->iterations >= b->iteration_limit) {
-        (void)pzs_boxls_enforce_limits(b);
-        assess(b);
-        b->is_optimal = b->kkt_violation <= b->rounding_bound;
+    optimiser->rounding_bound =
+        ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);
+    optimiser->is_optimal = 0;
+    if (optimiser->iterations >= optimiser->iteration_limit) {
+        (void)pzs_boxls_enforce_limits(optimiser);
+        assess(optimiser);
+        optimiser->is_optimal = optimiser->kkt_violation <= optimiser->rounding_bound;
     }
-    for (uint32_t round = 0; round < ROUNDS && !b->is_optimal && b->iterations < b->iteration_limit;
+    for (uint32_t round = 0; round < ROUNDS && !optimiser->is_optimal &&
+                             optimiser->iterations < optimiser->iteration_limit;
          round++) {
-        const int rest = is_stationary(b),
-                  blocked = pzs_boxls_find_direction(b, b->rounding_bound / 2) != 0,
+        const int rest = is_stationary(optimiser),
+                  blocked = pzs_boxls_find_direction(optimiser, optimiser->rounding_bound / 2) != 0,
                   moves = blocked || !rest;
-        if ((blocked || rest) && pzs_boxls_enforce_limits(b))
+        if ((blocked || rest) && pzs_boxls_enforce_limits(optimiser))
             continue;
-        if (moves && !blocked && b->is_verified) {
-            b->is_optimal = take_direct_iteration(b);
+        if (moves && !blocked && optimiser->is_verified) {
+            optimiser->is_optimal = take_direct_iteration(optimiser);
             continue;
         }
         if (moves)
-            run_round(b, blocked);
-        conclude_round(b, moves);
-        if (!b->is_optimal && b->iterations < b->iteration_limit &&
-            (!moves || b->kkt_violation * LEAST_PROGRESS >
-                           pzs_boxls_violation(b, b->start_voltage, b->start_gradient))) {
-            renew_tableau(b, fresh);
+            run_round(optimiser, blocked);
+        conclude_round(optimiser, moves);
+        if (!optimiser->is_optimal && optimiser->iterations < optimiser->iteration_limit &&
+            (!moves || optimiser->kkt_violation * LEAST_PROGRESS >
+                           pzs_boxls_violation(optimiser, optimiser->start_voltage,
+                                               optimiser->start_gradient))) {
+            renew_tableau(optimiser, fresh);
             fresh = 1;
         }
     }
-    b->is_optimal |= b->iterations < b->iteration_limit &&
-                     b->kkt_violation <= TOLERATED * b->rounding_bound; /* as far as rounding
-                                                                           permits */
+    optimiser->is_optimal |= optimiser->iterations < optimiser->iteration_limit &&
+                             optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound; /* as
+                                                                                   far as rounding
+                                                                                   permits */
 }

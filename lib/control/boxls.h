@@ -17,13 +17,13 @@
     256 /* largest factor by which the pivot floor may grow over its start, 4 inputs epsilon */
 
 /* Point all vectors but the voltages into work [BOXLS_VECTORS][width]; inputs and width are set. */
-void pzs_boxls_place(pzs_optimiser *b, pzs_real *work);
+void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /* Gradient from the model gradient; its entries of the free set also go to next_voltage. */
-void pzs_boxls_gradient(pzs_optimiser *b);
+void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
 /* Model gradient and its rounding bound from H at the present voltages, then the gradient. */
-void pzs_boxls_true_gradient(pzs_optimiser *b);
+void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
  * Direction from the gradient and the tableau, next_voltage after it.
@@ -31,22 +31,23 @@ void pzs_boxls_true_gradient(pzs_optimiser *b);
  * Returns how many inputs would leave their bounds or, in the active set, would have a KKT
  * violation.
  */
-uint32_t pzs_boxls_find_direction(pzs_optimiser *b, pzs_real rounding);
+uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
 /* Clamp voltages that are outside their bounds. If there were any, renew the gradient and return
  * nonzero. */
-int pzs_boxls_enforce_limits(pzs_optimiser *b);
+int pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 
 /*
  * From a gradient to the optimum. Adds to iterations; sets kkt_violation, rounding_bound and
  * is_optimal. The voltages come inside their bounds and stay there.
  */
-void pzs_boxls_optimise(pzs_optimiser *b);
+void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
 /* Largest KKT violation at voltages v [width] with this gradient [width] (m2/V). Uses scratch. */
-pzs_real pzs_boxls_violation(const pzs_optimiser *b, const pzs_real *v, const pzs_real *gradient);
+pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
+                             const pzs_real *gradient);
 
 /* Whether the rounding error of H (v - base) may cost more than epsilon of the target energy. */
-int pzs_boxls_needs_new_base(pzs_optimiser *b);
+int pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 
 #endif

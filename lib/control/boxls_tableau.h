@@ -16,19 +16,19 @@
 
 /* Pivot of an active input divided by its diagonal entry of H: 1 if independent of the free inputs,
  * 0 if dependent. */
-pzs_real pzs_tableau_independence(const pzs_optimiser *b, uint32_t k);
+pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
 /* Move input k into F (positive pivot) or out of F (negative pivot). Uses scratch. */
-void pzs_tableau_sweep(pzs_optimiser *b, uint32_t k);
+void pzs_tableau_sweep(pzs_optimiser *optimiser, uint32_t k);
 
 /*
  * Recompute the tableau from H with the inputs marked as free, the most independent first. Inputs
  * that depend linearly on those before them end in the active set.
  */
-void pzs_tableau_rebuild(pzs_optimiser *b);
+void pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /* Trace of the inverse of H on F; dependent inputs count with the largest value possible (V2/m2).
  * Uses scratch. */
-pzs_real pzs_tableau_inverse_trace(pzs_optimiser *b);
+pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 
 #endif

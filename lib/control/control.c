@@ -56,13 +56,14 @@ static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
  * Where step limit and voltage limits do not overlap, use the voltage limit. Returns the first such
  * input, or -1.
  */
-static int32_t prefer_voltage_limits(pzs_optimiser *b, const pzs_control *c)
+static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control *control)
 {
     int32_t clash = -1;
-    for (uint32_t i = 0; i < b->inputs; i++) {
-        if (b->lower[i] > b->upper[i]) {
-            b->lower[i] = b->upper[i] =
-                b->voltage[i] < c->state.lower[i] ? c->state.lower[i] : c->state.upper[i];
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        if (optimiser->lower[i] > optimiser->upper[i]) {
+            optimiser->lower[i] = optimiser->upper[i] =
+                optimiser->voltage[i] < control->state.lower[i] ? control->state.lower[i]
+                                                                : control->state.upper[i];
             clash = clash < 0 ? (int32_t)i : clash;
         }
     }
@@ -73,23 +74,25 @@ static int32_t prefer_voltage_limits(pzs_optimiser *b, const pzs_control *c)
  * Start a step: gradient, and bounds if step limits are in force. Returns the first input whose
  * step limit and voltage limits do not overlap, or -1.
  */
-static int32_t start_step(pzs_optimiser *b, const pzs_control *c)
+static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 {
-    pzs_boxls_gradient(b);
-    if (!c->state.has_step_limits ||
-        set_step_bounds(b->lower, b->upper, b->voltage, c->state.step_limit, c->state.lower,
-                        c->state.upper, optimiser_span(b)) == 0)
+    pzs_boxls_gradient(optimiser);
+    if (!control->state.has_step_limits ||
+        set_step_bounds(optimiser->lower, optimiser->upper, optimiser->voltage,
+                        control->state.step_limit, control->state.lower, control->state.upper,
+                        optimiser_span(optimiser)) == 0)
         return -1;
-    return prefer_voltage_limits(b, c);
+    return prefer_voltage_limits(optimiser, control);
 }
 
 /* out [inputs] = B'W^2 (e - y). Returns |W (e - y)|^2. */
-static pzs_real project_misfit(const pzs_control *c, pzs_real *out, const pzs_real *e,
+static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const pzs_real *e,
                                const pzs_real *y)
 {
-    const uint32_t m = c->state.problem->outputs, n = c->state.problem->inputs;
-    const pzs_real square = pzs_product_weigh(c->state.weighted, c->state.problem->weight, e, y, m);
-    pzs_product_sum_rows(out, c->state.influence, n, c->state.weighted, m, n);
+    const uint32_t m = control->state.problem->outputs, n = control->state.problem->inputs;
+    const pzs_real square =
+        pzs_product_weigh(control->state.weighted, control->state.problem->weight, e, y, m);
+    pzs_product_sum_rows(out, control->state.influence, n, control->state.weighted, m, n);
     return square;
 }
 
@@ -98,54 +101,56 @@ static pzs_real project_misfit(const pzs_control *c, pzs_real *out, const pzs_re
  * base)|^2. The target energy |W e|^2 is this value + |W B base|^2 + 2 base . target gradient, and
  * not below what rounding leaves of it. Both are finite only if the target gradient is.
  */
-static pzs_real project_target(pzs_optimiser *b, const pzs_control *c, const pzs_real *wanted,
-                               const pzs_real *shown)
+static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
+                               const pzs_real *wanted, const pzs_real *shown)
 {
-    const pzs_real missed = project_misfit(c, b->target_gradient, wanted, shown);
-    b->target_energy =
-        missed + c->state.base_energy + 2 * pzs_product_dot(b->base, b->target_gradient, b->width);
-    b->target_energy =
-        b->target_energy < PZS_EPSILON * missed ? PZS_EPSILON * missed : b->target_energy;
+    const pzs_real missed = project_misfit(control, optimiser->target_gradient, wanted, shown);
+    optimiser->target_energy =
+        missed + control->state.base_energy +
+        2 * pzs_product_dot(optimiser->base, optimiser->target_gradient, optimiser->width);
+    optimiser->target_energy = optimiser->target_energy < PZS_EPSILON * missed
+                                   ? PZS_EPSILON * missed
+                                   : optimiser->target_energy;
     return missed;
 }
 
 /* Make the present voltages the base and predict their shape. */
-static void rebase(pzs_optimiser *b, pzs_control *c)
+static void rebase(pzs_optimiser *optimiser, pzs_control *control)
 {
-    const pzs_real effort = c->state.problem->regularisation;
-    pzs_product_matrix(c->state.predicted, c->state.influence, b->voltage,
-                       c->state.problem->outputs, b->inputs);
-    for (uint32_t i = 0; i < b->inputs; i++) {
-        b->regularisation_gradient[i] = b->model_gradient[i] =
-            effort * (b->voltage[i] - c->state.problem->reference_voltage[i]);
-        b->base[i] = b->voltage[i];
+    const pzs_real effort = control->state.problem->regularisation;
+    pzs_product_matrix(control->state.predicted, control->state.influence, optimiser->voltage,
+                       control->state.problem->outputs, optimiser->inputs);
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        optimiser->regularisation_gradient[i] = optimiser->model_gradient[i] =
+            effort * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
+        optimiser->base[i] = optimiser->voltage[i];
     }
-    c->state.base_energy =
-        pzs_product_energy(c->state.problem->weight, c->state.predicted, c->state.problem->outputs);
-    c->state.behind = PZS_BEHIND_NOTHING;
-    b->model_rounding = 0;
+    control->state.base_energy = pzs_product_energy(
+        control->state.problem->weight, control->state.predicted, control->state.problem->outputs);
+    control->state.behind = PZS_BEHIND_NOTHING;
+    optimiser->model_rounding = 0;
 }
 
-static pzs_status finish(pzs_control *c, pzs_status status, int32_t where)
+static pzs_status finish(pzs_control *control, pzs_status status, int32_t where)
 {
-    c->info.where = where;
+    control->info.where = where;
     return status;
 }
 
-static pzs_status ready(const pzs_control *c, const void *argument)
+static pzs_status ready(const pzs_control *control, const void *argument)
 {
-    if (c == NULL || argument == NULL)
+    if (control == NULL || argument == NULL)
         return PZS_E_ARGUMENT;
-    return c->state.stage == CONTROL_READY ? PZS_OK : PZS_E_STAGE;
+    return control->state.stage == CONTROL_READY ? PZS_OK : PZS_E_STAGE;
 }
 
 /* Measurements to expect: predicted + disturbance. */
-static const pzs_real *expected(const pzs_control *c)
+static const pzs_real *expected(const pzs_control *control)
 {
-    const uint32_t m = c->state.problem->outputs;
-    pzs_real *sum = c->state.weighted + m;
+    const uint32_t m = control->state.problem->outputs;
+    pzs_real *sum = control->state.weighted + m;
     for (uint32_t i = 0; i < m; i++)
-        sum[i] = c->state.predicted[i] + c->state.disturbance[i];
+        sum[i] = control->state.predicted[i] + control->state.disturbance[i];
     return sum;
 }
 
@@ -153,108 +158,112 @@ static const pzs_real *expected(const pzs_control *c)
  * Optimise. If the base is so far away that rounding errors could cost accuracy, optimise again
  * from a new base.
  */
-static void optimise(pzs_optimiser *b, pzs_control *c, const pzs_real *wanted,
+static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                      const pzs_real *shown)
 {
-    pzs_boxls_optimise(b);
-    if (pzs_boxls_needs_new_base(b)) {
-        rebase(b, c);
-        (void)project_target(b, c, wanted, shown == c->state.predicted ? shown : expected(c));
-        pzs_boxls_gradient(b);
-        pzs_boxls_optimise(b);
+    pzs_boxls_optimise(optimiser);
+    if (pzs_boxls_needs_new_base(optimiser)) {
+        rebase(optimiser, control);
+        (void)project_target(optimiser, control, wanted,
+                             shown == control->state.predicted ? shown : expected(control));
+        pzs_boxls_gradient(optimiser);
+        pzs_boxls_optimise(optimiser);
     }
 }
 
 /* The step, once target gradient and target energy are known; missed = |W (e - B base)|^2. */
-static pzs_status solve_step(pzs_optimiser *b, pzs_control *c, const pzs_real *wanted,
+static pzs_status solve_step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                              const pzs_real *shown, pzs_real missed)
 {
-    const int32_t clash = start_step(b, c);
-    b->iterations = 0;
-    b->iteration_limit = c->settings.iteration_limit < PZS_STEP_ITERATIONS
-                             ? c->settings.iteration_limit
-                             : PZS_STEP_ITERATIONS;
-    b->target_rounding = PZS_EPSILON * PZS_SQRT(b->target_energy + missed + SMALLEST_SQUARE) *
-                         c->state.largest_column;
-    optimise(b, c, wanted, shown);
-    c->state.behind = PZS_BEHIND_PREDICTION;
-    c->info.iterations = (uint16_t)b->iterations;
-    c->info.iterations_most =
-        c->info.iterations > c->info.iterations_most ? c->info.iterations : c->info.iterations_most;
-    if (!b->is_optimal)
-        return finish(c, PZS_W_ITERATIONS, -1);
-    return finish(c, clash < 0 ? PZS_OK : PZS_W_STEP_LIMIT, clash);
+    const int32_t clash = start_step(optimiser, control);
+    optimiser->iterations = 0;
+    optimiser->iteration_limit = control->settings.iteration_limit < PZS_STEP_ITERATIONS
+                                     ? control->settings.iteration_limit
+                                     : PZS_STEP_ITERATIONS;
+    optimiser->target_rounding = PZS_EPSILON *
+                                 PZS_SQRT(optimiser->target_energy + missed + SMALLEST_SQUARE) *
+                                 control->state.largest_column;
+    optimise(optimiser, control, wanted, shown);
+    control->state.behind = PZS_BEHIND_PREDICTION;
+    control->info.iterations = (uint16_t)optimiser->iterations;
+    control->info.iterations_most = control->info.iterations > control->info.iterations_most
+                                        ? control->info.iterations
+                                        : control->info.iterations_most;
+    if (!optimiser->is_optimal)
+        return finish(control, PZS_W_ITERATIONS, -1);
+    return finish(control, clash < 0 ? PZS_OK : PZS_W_STEP_LIMIT, clash);
 }
 
 /* One step towards `wanted` from the shape `shown`. */
-static pzs_status step(pzs_optimiser *b, pzs_control *c, const pzs_real *wanted,
+static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                        const pzs_real *shown)
 {
-    const pzs_real missed = project_target(b, c, wanted, shown);
-    if (!number_is_finite(b->target_energy + missed))
-        return finish(c, PZS_E_NONFINITE, pzs_guard_nonfinite(wanted, c->state.problem->outputs));
-    return solve_step(b, c, wanted, shown, missed);
+    const pzs_real missed = project_target(optimiser, control, wanted, shown);
+    if (!number_is_finite(optimiser->target_energy + missed))
+        return finish(control, PZS_E_NONFINITE,
+                      pzs_guard_nonfinite(wanted, control->state.problem->outputs));
+    return solve_step(optimiser, control, wanted, shown, missed);
 }
 
-pzs_status pzs_step(pzs_control *c, const pzs_real *error)
+pzs_status pzs_step(pzs_control *control, const pzs_real *error)
 {
-    const pzs_status status = ready(c, error);
+    const pzs_status status = ready(control, error);
     if (status != PZS_OK)
         return status;
-    pzs_optimiser *b = &c->state.optimiser;
-    if (c->state.behind == PZS_BEHIND_GRADIENT)
-        rebase(b, c);
-    return step(b, c, error, c->state.predicted);
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    if (control->state.behind == PZS_BEHIND_GRADIENT)
+        rebase(optimiser, control);
+    return step(optimiser, control, error, control->state.predicted);
 }
 
 /* ---- tick ------------------------------------------------------------ */
 
 /* Renew the prediction if voltages have changed since the last one. */
-static void renew_prediction(pzs_optimiser *b, pzs_control *c)
+static void renew_prediction(pzs_optimiser *optimiser, pzs_control *control)
 {
-    if (c->state.behind != PZS_BEHIND_NOTHING)
-        rebase(b, c);
+    if (control->state.behind != PZS_BEHIND_NOTHING)
+        rebase(optimiser, control);
 }
 
-void pzs_control_predict(pzs_control *c)
+void pzs_control_predict(pzs_control *control)
 {
-    renew_prediction(&c->state.optimiser, c);
+    renew_prediction(&control->state.optimiser, control);
 }
 
-void pzs_control_moved(pzs_control *c)
+void pzs_control_moved(pzs_control *control)
 {
-    c->state.behind = PZS_BEHIND_GRADIENT;
+    control->state.behind = PZS_BEHIND_GRADIENT;
 }
 
 /* Keep the last voltages, clamped to the limits now in force. */
-static pzs_status hold_voltages(pzs_optimiser *b, pzs_control *c, int32_t where)
+static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, int32_t where)
 {
-    (void)start_step(b, c);
-    if (pzs_boxls_enforce_limits(b))
-        rebase(b, c);
-    return finish(c, PZS_W_HELD, where);
+    (void)start_step(optimiser, control);
+    if (pzs_boxls_enforce_limits(optimiser))
+        rebase(optimiser, control);
+    return finish(control, PZS_W_HELD, where);
 }
 
-pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *measured)
+pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured)
 {
-    const pzs_status status = ready(c, wanted);
+    const pzs_status status = ready(control, wanted);
     if (status != PZS_OK)
         return status;
-    pzs_optimiser *b = &c->state.optimiser;
-    const uint32_t m = c->state.problem->outputs;
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const uint32_t m = control->state.problem->outputs;
     int32_t where = -1;
-    renew_prediction(b, c);
-    const sensor_set all = {m, c->state.predicted, c->state.measured, c->state.disturbance,
-                            c->state.repeats};
+    renew_prediction(optimiser, control);
+    const sensor_set all = {m, control->state.predicted, control->state.measured,
+                            control->state.disturbance, control->state.repeats};
     const uint32_t lost = measured != NULL ? pzs_sensor_check(&all, measured, &where) : 0;
     if (lost == m)
-        return hold_voltages(b, c, where);
-    const pzs_status stepped =
-        step(b, c, wanted, measured != NULL && lost == 0 ? measured : expected(c));
+        return hold_voltages(optimiser, control, where);
+    const pzs_status stepped = step(optimiser, control, wanted,
+                                    measured != NULL && lost == 0 ? measured : expected(control));
     if (stepped == PZS_E_NONFINITE)
-        return hold_voltages(b, c, c->info.where);
-    rebase(b, c);
-    return stepped == PZS_OK && lost != 0 ? finish(c, PZS_W_SENSOR, where) : stepped;
+        return hold_voltages(optimiser, control, control->info.where);
+    rebase(optimiser, control);
+    return stepped == PZS_OK && lost != 0 ? finish(control, PZS_W_SENSOR, where) : stepped;
 }
 
 /* ---- init and limits ------------------------------------------------- */
@@ -263,108 +272,111 @@ pzs_status pzs_tick(pzs_control *c, const pzs_real *wanted, const pzs_real *meas
  * First input whose limits contain no finite voltage or whose step limit is negative or not a
  * number, or -1.
  */
-static int32_t bad_limit(const pzs_problem *p)
+static int32_t bad_limit(const pzs_problem *problem)
 {
-    for (uint32_t i = 0; i < p->inputs; i++) {
-        const pzs_real lower = p->lower[i], upper = p->upper[i];
+    for (uint32_t i = 0; i < problem->inputs; i++) {
+        const pzs_real lower = problem->lower[i], upper = problem->upper[i];
         const int some =
             lower <= upper && (number_is_finite(lower) || number_is_finite(upper) || lower < upper);
-        if (!some || !(p->step_limit[i] >= 0))
+        if (!some || !(problem->step_limit[i] >= 0))
             return (int32_t)i;
     }
     return -1;
 }
 
 /* Index of the first table entry that is not finite, or -1. */
-static int32_t bad_number(const pzs_problem *p, const pzs_real *influence)
+static int32_t bad_number(const pzs_problem *problem, const pzs_real *influence)
 {
-    const uint32_t n = p->inputs, m = p->outputs;
+    const uint32_t n = problem->inputs, m = problem->outputs;
     int32_t bad = pzs_guard_nonfinite(influence, m * n);
-    bad = bad >= 0 ? bad : pzs_guard_nonfinite(p->weight, m);
-    bad = bad >= 0 ? bad : pzs_guard_nonfinite(p->reference_voltage, n);
-    bad = bad >= 0 || p->hessian == NULL ? bad : pzs_guard_nonfinite(p->hessian, n * n);
+    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->weight, m);
+    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->reference_voltage, n);
+    bad = bad >= 0 || problem->hessian == NULL ? bad : pzs_guard_nonfinite(problem->hessian, n * n);
     return bad;
 }
 
-static pzs_status check(const pzs_problem *p, const pzs_real *influence, int32_t *where)
+static pzs_status check(const pzs_problem *problem, const pzs_real *influence, int32_t *where)
 {
-    const int missing = p->weight == NULL || p->lower == NULL || p->upper == NULL ||
-                        p->step_limit == NULL || p->reference_voltage == NULL || influence == NULL;
+    const int missing = problem->weight == NULL || problem->lower == NULL ||
+                        problem->upper == NULL || problem->step_limit == NULL ||
+                        problem->reference_voltage == NULL || influence == NULL;
     *where = -1;
-    if (p->format != PZS_TABLE_FORMAT)
+    if (problem->format != PZS_TABLE_FORMAT)
         return PZS_E_FORMAT;
-    if (missing || p->inputs == 0 || p->inputs > PZS_INPUT_LIMIT || p->outputs == 0 ||
-        !(p->regularisation >= 0))
+    if (missing || problem->inputs == 0 || problem->inputs > PZS_INPUT_LIMIT ||
+        problem->outputs == 0 || !(problem->regularisation >= 0))
         return PZS_E_ARGUMENT;
-    if (pzs_problem_crc(p) != p->crc)
+    if (pzs_problem_crc(problem) != problem->crc)
         return PZS_E_CRC;
-    *where = bad_limit(p);
+    *where = bad_limit(problem);
     if (*where >= 0)
         return PZS_E_LIMITS;
-    *where = bad_number(p, influence);
-    return *where >= 0 || !number_is_finite(p->regularisation) ? PZS_E_NONFINITE : PZS_OK;
+    *where = bad_number(problem, influence);
+    return *where >= 0 || !number_is_finite(problem->regularisation) ? PZS_E_NONFINITE : PZS_OK;
 }
 
 /* Point the arrays of the controller into the workspace. */
-static void lay_out(pzs_control *c, pzs_real *at)
+static void lay_out(pzs_control *control, pzs_real *at)
 {
-    const uint32_t n = c->state.problem->inputs, m = c->state.problem->outputs,
+    const uint32_t n = control->state.problem->inputs, m = control->state.problem->outputs,
                    width = (uint32_t)PZS_CONTROL_WIDTH(n);
-    pzs_optimiser *b = &c->state.optimiser;
-    b->inputs = n;
-    b->width = width;
-    b->hessian = at, at += (size_t)n * width;
-    b->tableau = at, at += (size_t)n * width;
-    pzs_boxls_place(b, at);
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    optimiser->inputs = n;
+    optimiser->width = width;
+    optimiser->hessian = at, at += (size_t)n * width;
+    optimiser->tableau = at, at += (size_t)n * width;
+    pzs_boxls_place(optimiser, at);
     at += BOXLS_VECTORS * width;
-    c->state.voltage = b->voltage = at, at += width;
-    c->state.lower = at, at += width;
-    c->state.upper = at, at += width;
-    c->state.step_limit = at, at += width;
-    c->state.predicted = at, at += m;
-    c->state.disturbance = at, at += m;
-    c->state.measured = at, at += m;
-    c->state.weighted = at, at += 2u * m;
-    c->state.repeats = (uint8_t *)at;
-    c->info.voltage = c->state.voltage;
-    c->info.predicted = c->state.predicted;
-    c->info.disturbance = c->state.disturbance;
-    c->info.lower = c->state.lower;
-    c->info.upper = c->state.upper;
+    control->state.voltage = optimiser->voltage = at, at += width;
+    control->state.lower = at, at += width;
+    control->state.upper = at, at += width;
+    control->state.step_limit = at, at += width;
+    control->state.predicted = at, at += m;
+    control->state.disturbance = at, at += m;
+    control->state.measured = at, at += m;
+    control->state.weighted = at, at += 2u * m;
+    control->state.repeats = (uint8_t *)at;
+    control->info.voltage = control->state.voltage;
+    control->info.predicted = control->state.predicted;
+    control->info.disturbance = control->state.disturbance;
+    control->info.lower = control->state.lower;
+    control->info.upper = control->state.upper;
 }
 
 /*
  * Row k of H: from the table, or the sum over the outputs of W^2 B_ik B_i; symmetric to the last
  * bit.
  */
-static void form_row(const pzs_control *c, const pzs_real *table, uint32_t k)
+static void form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
-    const uint32_t n = c->state.problem->inputs, m = c->state.problem->outputs,
-                   width = c->state.optimiser.width;
-    const pzs_real *weight = c->state.problem->weight;
-    pzs_real *h = c->state.optimiser.hessian, *row = h + (size_t)k * width,
-             *column = c->state.weighted;
+    const uint32_t n = control->state.problem->inputs, m = control->state.problem->outputs,
+                   width = control->state.optimiser.width;
+    const pzs_real *weight = control->state.problem->weight;
+    pzs_real *h = control->state.optimiser.hessian, *row = h + (size_t)k * width,
+             *column = control->state.weighted;
     if (table != NULL) {
         memcpy(row, table + (size_t)k * n, n * sizeof(pzs_real));
     } else {
         for (uint32_t i = 0; i < m; i++)
-            column[i] = weight[i] * weight[i] * c->state.influence[(size_t)i * n + k];
-        pzs_product_sum_rows(row, c->state.influence, n, column, m, n);
+            column[i] = weight[i] * weight[i] * control->state.influence[(size_t)i * n + k];
+        pzs_product_sum_rows(row, control->state.influence, n, column, m, n);
         for (uint32_t j = 0; j < k; j++)
             row[j] = h[(size_t)j * width + k];
     }
-    row[k] += c->state.problem->regularisation;
+    row[k] += control->state.problem->regularisation;
 }
 
 /* Bounds before the first step. Without step limits they are always the voltage limits. */
-static void set_initial_bounds(pzs_optimiser *b, const pzs_control *c)
+static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
-    if (c->state.has_step_limits) {
-        memcpy(b->lower, c->state.lower, b->inputs * sizeof *b->lower);
-        memcpy(b->upper, c->state.upper, b->inputs * sizeof *b->upper);
+    if (control->state.has_step_limits) {
+        memcpy(optimiser->lower, control->state.lower,
+               optimiser->inputs * sizeof *optimiser->lower);
+        memcpy(optimiser->upper, control->state.upper,
+               optimiser->inputs * sizeof *optimiser->upper);
     } else {
-        b->lower = c->state.lower;
-        b->upper = c->state.upper;
+        optimiser->lower = control->state.lower;
+        optimiser->upper = control->state.upper;
     }
 }
 
@@ -372,27 +384,30 @@ static void set_initial_bounds(pzs_optimiser *b, const pzs_control *c)
  * State before the first step: reference voltages inside the limits, every independent input in the
  * free set.
  */
-static void set_initial_state(pzs_optimiser *b, pzs_control *c)
+static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {
-    const pzs_problem *p = c->state.problem;
-    for (uint32_t i = 0; i < b->inputs; i++) {
-        c->state.lower[i] = p->lower[i];
-        c->state.upper[i] = p->upper[i];
-        c->state.step_limit[i] = p->step_limit[i];
-        c->state.has_step_limits |= p->step_limit[i] < p->upper[i] - p->lower[i];
-        b->voltage[i] = number_clamp(p->reference_voltage[i], p->lower[i], p->upper[i]);
-        b->diagonal[i] = b->hessian[(size_t)i * b->width + i];
-        b->free_set[i] = 1;
+    const pzs_problem *problem = control->state.problem;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        control->state.lower[i] = problem->lower[i];
+        control->state.upper[i] = problem->upper[i];
+        control->state.step_limit[i] = problem->step_limit[i];
+        control->state.has_step_limits |=
+            problem->step_limit[i] < problem->upper[i] - problem->lower[i];
+        optimiser->voltage[i] =
+            number_clamp(problem->reference_voltage[i], problem->lower[i], problem->upper[i]);
+        optimiser->diagonal[i] = optimiser->hessian[(size_t)i * optimiser->width + i];
+        optimiser->free_set[i] = 1;
     }
-    set_initial_bounds(b, c);
-    const pzs_real stiffest = pzs_product_largest(b->diagonal, b->width);
-    c->state.largest_column = PZS_SQRT(stiffest);
-    b->pivot_floor = 4 * (pzs_real)b->inputs * PZS_EPSILON;
-    b->inverse_trace_bound = p->regularisation > BOXLS_DEPENDENT * b->pivot_floor * stiffest
-                                 ? (pzs_real)b->inputs / p->regularisation
-                                 : 0;
-    rebase(b, c);
-    pzs_tableau_rebuild(b);
+    set_initial_bounds(optimiser, control);
+    const pzs_real stiffest = pzs_product_largest(optimiser->diagonal, optimiser->width);
+    control->state.largest_column = PZS_SQRT(stiffest);
+    optimiser->pivot_floor = 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
+    optimiser->inverse_trace_bound =
+        problem->regularisation > BOXLS_DEPENDENT * optimiser->pivot_floor * stiffest
+            ? (pzs_real)optimiser->inputs / problem->regularisation
+            : 0;
+    rebase(optimiser, control);
+    pzs_tableau_rebuild(optimiser);
 }
 
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
@@ -419,85 +434,90 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     lay_out(control, work);
     for (uint32_t k = 0; k < problem->inputs; k++)
         form_row(control, influence == NULL ? problem->hessian : NULL, k);
-    pzs_optimiser *b = &control->state.optimiser;
-    const int32_t overflow = pzs_guard_nonfinite(b->hessian, b->inputs * b->width);
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const int32_t overflow =
+        pzs_guard_nonfinite(optimiser->hessian, optimiser->inputs * optimiser->width);
     if (overflow >= 0)
         return finish(control, PZS_E_NONFINITE, overflow);
-    set_initial_state(b, control);
+    set_initial_state(optimiser, control);
     control->state.stage = CONTROL_READY;
     return PZS_OK;
 }
 
-pzs_status pzs_control_start(pzs_control *c, const pzs_real *voltage)
+pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage)
 {
-    const pzs_status status = ready(c, voltage);
+    const pzs_status status = ready(control, voltage);
     if (status != PZS_OK)
         return status;
-    const int32_t bad = pzs_guard_nonfinite(voltage, c->state.problem->inputs);
+    const int32_t bad = pzs_guard_nonfinite(voltage, control->state.problem->inputs);
     if (bad >= 0)
-        return finish(c, PZS_E_NONFINITE, bad);
-    for (uint32_t i = 0; i < c->state.problem->inputs; i++)
-        c->state.voltage[i] = number_clamp(voltage[i], c->state.lower[i], c->state.upper[i]);
-    set_initial_bounds(&c->state.optimiser, c);
-    rebase(&c->state.optimiser, c);
-    return finish(c, PZS_OK, -1);
+        return finish(control, PZS_E_NONFINITE, bad);
+    for (uint32_t i = 0; i < control->state.problem->inputs; i++)
+        control->state.voltage[i] =
+            number_clamp(voltage[i], control->state.lower[i], control->state.upper[i]);
+    set_initial_bounds(&control->state.optimiser, control);
+    rebase(&control->state.optimiser, control);
+    return finish(control, PZS_OK, -1);
 }
 
-pzs_status pzs_hold(pzs_control *c, uint16_t input, pzs_real voltage)
+pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage)
 {
-    const pzs_status status = ready(c, c);
+    const pzs_status status = ready(control, control);
     if (status != PZS_OK)
         return status;
-    const pzs_problem *p = c->state.problem;
-    if (input >= p->inputs)
-        return finish(c, PZS_E_ARGUMENT, input);
+    const pzs_problem *problem = control->state.problem;
+    if (input >= problem->inputs)
+        return finish(control, PZS_E_ARGUMENT, input);
     if (!number_is_finite(voltage))
-        return finish(c, PZS_E_NONFINITE, input);
-    c->state.lower[input] = c->state.upper[input] =
-        number_clamp(voltage, p->lower[input], p->upper[input]);
-    return finish(c, PZS_OK, -1);
+        return finish(control, PZS_E_NONFINITE, input);
+    control->state.lower[input] = control->state.upper[input] =
+        number_clamp(voltage, problem->lower[input], problem->upper[input]);
+    return finish(control, PZS_OK, -1);
 }
 
-pzs_status pzs_release(pzs_control *c, uint16_t input)
+pzs_status pzs_release(pzs_control *control, uint16_t input)
 {
-    const pzs_status status = ready(c, c);
+    const pzs_status status = ready(control, control);
     if (status != PZS_OK)
         return status;
-    if (input >= c->state.problem->inputs)
-        return finish(c, PZS_E_ARGUMENT, input);
-    c->state.lower[input] = c->state.problem->lower[input];
-    c->state.upper[input] = c->state.problem->upper[input];
-    return finish(c, PZS_OK, -1);
+    if (input >= control->state.problem->inputs)
+        return finish(control, PZS_E_ARGUMENT, input);
+    control->state.lower[input] = control->state.problem->lower[input];
+    control->state.upper[input] = control->state.problem->upper[input];
+    return finish(control, PZS_OK, -1);
 }
 
 /* ---- certificate ----------------------------------------------------- */
 
-pzs_status pzs_assess(pzs_control *c, const pzs_real *error, pzs_report *report)
+pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *report)
 {
-    const pzs_status status = report != NULL ? ready(c, error) : PZS_E_ARGUMENT;
+    const pzs_status status = report != NULL ? ready(control, error) : PZS_E_ARGUMENT;
     if (status != PZS_OK)
         return status;
-    const uint32_t m = c->state.problem->outputs;
-    pzs_optimiser *b = &c->state.optimiser;
-    pzs_real *shape = c->state.weighted + m, most = 0;
+    const uint32_t m = control->state.problem->outputs;
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    pzs_real *shape = control->state.weighted + m, most = 0;
     memset(shape, 0, m * sizeof *shape);
-    const pzs_real all = PZS_SQRT(project_misfit(c, b->next_voltage, error, shape));
-    for (uint32_t i = 0; i < b->inputs; i++)
-        most =
-            number_absolute(b->next_voltage[i]) > most ? number_absolute(b->next_voltage[i]) : most;
-    pzs_product_matrix(shape, c->state.influence, b->voltage, m, b->inputs);
-    const pzs_real left = PZS_SQRT(project_misfit(c, b->next_voltage, error, shape));
+    const pzs_real all = PZS_SQRT(project_misfit(control, optimiser->next_voltage, error, shape));
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        most = number_absolute(optimiser->next_voltage[i]) > most
+                   ? number_absolute(optimiser->next_voltage[i])
+                   : most;
+    pzs_product_matrix(shape, control->state.influence, optimiser->voltage, m, optimiser->inputs);
+    const pzs_real left = PZS_SQRT(project_misfit(control, optimiser->next_voltage, error, shape));
     if (!number_is_finite(all + left))
-        return finish(c, PZS_E_NONFINITE, pzs_guard_nonfinite(error, m));
+        return finish(control, PZS_E_NONFINITE, pzs_guard_nonfinite(error, m));
     pzs_report r = {.relative_error = all > 0 ? left / all : 0};
-    for (uint32_t i = 0; i < b->inputs; i++) {
-        b->gradient[i] = c->state.problem->regularisation *
-                             (b->voltage[i] - c->state.problem->reference_voltage[i]) -
-                         b->next_voltage[i];
-        r.active_limits = (uint16_t)(r.active_limits +
-                                     !(b->voltage[i] > b->lower[i] && b->voltage[i] < b->upper[i]));
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        optimiser->gradient[i] =
+            control->state.problem->regularisation *
+                (optimiser->voltage[i] - control->state.problem->reference_voltage[i]) -
+            optimiser->next_voltage[i];
+        r.active_limits =
+            (uint16_t)(r.active_limits + !(optimiser->voltage[i] > optimiser->lower[i] &&
+                                           optimiser->voltage[i] < optimiser->upper[i]));
     }
-    const pzs_real wrong = pzs_boxls_violation(b, b->voltage, b->gradient);
+    const pzs_real wrong = pzs_boxls_violation(optimiser, optimiser->voltage, optimiser->gradient);
     r.kkt_violation = most > 0 ? wrong / most : 0;
     *report = r;
     return PZS_OK;
@@ -509,47 +529,48 @@ pzs_status pzs_assess(pzs_control *c, const pzs_real *error, pzs_report *report)
  * Unconstrained optimum into b->voltage. Needs the target gradient; overwrites free set and
  * tableau. Inputs that depend linearly on others stay at 0 V.
  */
-static void solve_free(pzs_optimiser *b)
+static void solve_free(pzs_optimiser *optimiser)
 {
-    memset(b->voltage, 0, b->width * sizeof(pzs_real));
-    for (uint32_t i = 0; i < b->inputs; i++)
-        b->free_set[i] = 1;
-    pzs_tableau_rebuild(b);
+    memset(optimiser->voltage, 0, optimiser->width * sizeof(pzs_real));
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->free_set[i] = 1;
+    pzs_tableau_rebuild(optimiser);
     for (uint32_t round = 0; round < 3u; round++) {
-        pzs_boxls_true_gradient(b);
-        (void)pzs_boxls_find_direction(b, 0);
-        for (uint32_t i = 0; i < b->inputs; i++)
-            b->voltage[i] += b->free_set[i] > 0 ? b->direction[i] : 0;
+        pzs_boxls_true_gradient(optimiser);
+        (void)pzs_boxls_find_direction(optimiser, 0);
+        for (uint32_t i = 0; i < optimiser->inputs; i++)
+            optimiser->voltage[i] += optimiser->free_set[i] > 0 ? optimiser->direction[i] : 0;
     }
 }
 
-pzs_status pzs_unlimited(pzs_control *c, const pzs_real *error, pzs_real *voltage)
+pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *voltage)
 {
-    const pzs_status status = voltage != NULL ? ready(c, error) : PZS_E_ARGUMENT;
+    const pzs_status status = voltage != NULL ? ready(control, error) : PZS_E_ARGUMENT;
     if (status != PZS_OK)
         return status;
-    pzs_optimiser *b = &c->state.optimiser;
-    uint8_t *swept = c->state.repeats + c->state.problem->outputs;
-    for (uint32_t i = 0; i < b->inputs; i++)
-        swept[i] = b->free_set[i] > 0;
-    (void)project_target(b, c, error, c->state.predicted);
-    pzs_optimiser apart = *b; /* its own voltages and model gradient */
-    apart.voltage = b->start_voltage;
-    apart.model_gradient = b->start_gradient;
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    uint8_t *swept = control->state.repeats + control->state.problem->outputs;
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        swept[i] = optimiser->free_set[i] > 0;
+    (void)project_target(optimiser, control, error, control->state.predicted);
+    pzs_optimiser apart = *optimiser; /* its own voltages and model gradient */
+    apart.voltage = optimiser->start_voltage;
+    apart.model_gradient = optimiser->start_gradient;
     solve_free(&apart);
-    for (uint32_t i = 0; i < b->inputs; i++)
-        b->free_set[i] = swept[i];
-    pzs_tableau_rebuild(b);
-    if (pzs_guard_nonfinite(apart.voltage, b->inputs) >= 0)
-        return finish(c, PZS_E_NONFINITE, pzs_guard_nonfinite(error, c->state.problem->outputs));
-    memcpy(voltage, apart.voltage, b->inputs * sizeof(pzs_real));
-    return finish(c, PZS_OK, -1);
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->free_set[i] = swept[i];
+    pzs_tableau_rebuild(optimiser);
+    if (pzs_guard_nonfinite(apart.voltage, optimiser->inputs) >= 0)
+        return finish(control, PZS_E_NONFINITE,
+                      pzs_guard_nonfinite(error, control->state.problem->outputs));
+    memcpy(voltage, apart.voltage, optimiser->inputs * sizeof(pzs_real));
+    return finish(control, PZS_OK, -1);
 }
 
-pzs_status pzs_clipped(pzs_control *c, const pzs_real *error, pzs_real *voltage)
+pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *voltage)
 {
-    const pzs_status status = pzs_unlimited(c, error, voltage);
-    for (uint32_t i = 0; status == PZS_OK && i < c->state.problem->inputs; i++)
-        voltage[i] = number_clamp(voltage[i], c->state.lower[i], c->state.upper[i]);
+    const pzs_status status = pzs_unlimited(control, error, voltage);
+    for (uint32_t i = 0; status == PZS_OK && i < control->state.problem->inputs; i++)
+        voltage[i] = number_clamp(voltage[i], control->state.lower[i], control->state.upper[i]);
     return status;
 }

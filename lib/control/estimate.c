@@ -17,12 +17,14 @@
 #define READY 1u
 #define FOURS(n) (((size_t)(n) + 3u) & ~(size_t)3u)
 
-uint32_t pzs_estimate_crc(const pzs_estimator *t)
+uint32_t pzs_estimate_crc(const pzs_estimator *tables)
 {
-    const uint16_t counts[3] = {t->inputs, t->outputs, t->sensors};
+    const uint16_t counts[3] = {tables->inputs, tables->outputs, tables->sensors};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_crc(crc, t->direct, (size_t)t->sensors * t->inputs * sizeof(pzs_real));
-    return ~pzs_guard_crc(crc, t->gain, (size_t)t->outputs * t->sensors * sizeof(pzs_real));
+    crc = pzs_guard_crc(crc, tables->direct,
+                        (size_t)tables->sensors * tables->inputs * sizeof(pzs_real));
+    return ~pzs_guard_crc(crc, tables->gain,
+                          (size_t)tables->outputs * tables->sensors * sizeof(pzs_real));
 }
 
 pzs_status pzs_estimator_seal(pzs_estimator *tables)
@@ -36,24 +38,25 @@ pzs_status pzs_estimator_seal(pzs_estimator *tables)
 
 /* ---- estimate --------------------------------------------------------- */
 
-static pzs_status check(const pzs_estimator *t, const pzs_control *c)
+static pzs_status check(const pzs_estimator *tables, const pzs_control *control)
 {
-    if (t->format != PZS_TABLE_FORMAT || t->scene != c->state.problem->scene)
+    if (tables->format != PZS_TABLE_FORMAT || tables->scene != control->state.problem->scene)
         return PZS_E_FORMAT;
-    const int fits =
-        t->inputs == c->state.problem->inputs && t->outputs == c->state.problem->outputs;
-    if (t->direct == NULL || t->gain == NULL || t->sensors == 0 || !fits)
+    const int fits = tables->inputs == control->state.problem->inputs &&
+                     tables->outputs == control->state.problem->outputs;
+    if (tables->direct == NULL || tables->gain == NULL || tables->sensors == 0 || !fits)
         return PZS_E_ARGUMENT;
-    if (pzs_estimate_crc(t) != t->crc)
+    if (pzs_estimate_crc(tables) != tables->crc)
         return PZS_E_CRC;
-    const int finite = pzs_guard_nonfinite(t->direct, (uint32_t)t->sensors * t->inputs) < 0 &&
-                       pzs_guard_nonfinite(t->gain, (uint32_t)t->outputs * t->sensors) < 0;
+    const int finite =
+        pzs_guard_nonfinite(tables->direct, (uint32_t)tables->sensors * tables->inputs) < 0 &&
+        pzs_guard_nonfinite(tables->gain, (uint32_t)tables->outputs * tables->sensors) < 0;
     return finite ? PZS_OK : PZS_E_NONFINITE;
 }
 
-static pzs_status finish(pzs_estimate *e, pzs_status status, int32_t where)
+static pzs_status finish(pzs_estimate *estimate, pzs_status status, int32_t where)
 {
-    e->info.where = where;
+    estimate->info.where = where;
     return status;
 }
 
@@ -85,24 +88,29 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
     return finish(estimate, PZS_OK, -1);
 }
 
-pzs_status pzs_estimate_tick(pzs_estimate *e, const pzs_real *sensed, pzs_real *shape)
+pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs_real *shape)
 {
-    if (e == NULL || sensed == NULL || shape == NULL)
+    if (estimate == NULL || sensed == NULL || shape == NULL)
         return PZS_E_ARGUMENT;
-    if (e->state.stage != READY)
+    if (estimate->state.stage != READY)
         return PZS_E_STAGE;
-    const pzs_estimator *t = e->state.tables;
-    const sensor_set all = {t->sensors, e->state.expected, e->state.sensed, e->state.difference,
-                            e->state.repeats};
+    const pzs_estimator *tables = estimate->state.tables;
+    const sensor_set all = {tables->sensors, estimate->state.expected, estimate->state.sensed,
+                            estimate->state.difference, estimate->state.repeats};
     int32_t where = -1;
-    pzs_product_matrix(e->state.expected, t->direct, e->state.control->state.voltage, t->sensors,
-                       t->inputs);
+    pzs_product_matrix(estimate->state.expected, tables->direct,
+                       estimate->state.control->state.voltage, tables->sensors, tables->inputs);
     const uint32_t lost = pzs_sensor_check(&all, sensed, &where);
-    pzs_control_predict(e->state.control);
-    pzs_product_matrix(shape, t->gain, e->state.difference, t->outputs, t->sensors);
-    for (uint32_t i = 0; i < t->outputs; i++)
-        shape[i] += e->state.control->state.predicted[i];
-    return finish(e, lost == 0 ? PZS_OK : lost < t->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
+    pzs_control_predict(estimate->state.control);
+    pzs_product_matrix(shape, tables->gain, estimate->state.difference, tables->outputs,
+                       tables->sensors);
+    for (uint32_t i = 0; i < tables->outputs; i++)
+        shape[i] += estimate->state.control->state.predicted[i];
+    return finish(estimate,
+                  lost == 0                ? PZS_OK
+                  : lost < tables->sensors ? PZS_W_SENSOR
+                                           : PZS_W_HELD,
+                  where);
 }
 
 /* ---- block ------------------------------------------------------------ */
@@ -117,33 +125,33 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_estimator *t = tables;
-    pzs_estimate *e = self;
-    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *e);
+    pzs_estimate *estimate = self;
+    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *estimate);
     const pzs_status status =
-        pzs_estimate_init(e, signals->control, t, work, PZS_ESTIMATE_BYTES(t->sensors));
-    signals->where = e->info.where;
+        pzs_estimate_init(estimate, signals->control, t, work, PZS_ESTIMATE_BYTES(t->sensors));
+    signals->where = estimate->info.where;
     signals->sensors = t->sensors;
     return status;
 }
 
-static pzs_real *shape_of(pzs_estimate *e)
+static pzs_real *shape_of(pzs_estimate *estimate)
 {
-    const size_t before =
-        PZS_ALIGNED(sizeof *e) + PZS_ALIGNED(PZS_ESTIMATE_BYTES(e->state.tables->sensors));
-    return (void *)((uint8_t *)e + before);
+    const size_t before = PZS_ALIGNED(sizeof *estimate) +
+                          PZS_ALIGNED(PZS_ESTIMATE_BYTES(estimate->state.tables->sensors));
+    return (void *)((uint8_t *)estimate + before);
 }
 
 /* Without a frame there is no new shape either. */
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
-    pzs_estimate *e = self;
+    pzs_estimate *estimate = self;
     signals->measured = NULL;
     if (signals->readings == NULL)
         return PZS_OK;
-    pzs_real *shape = shape_of(e);
-    const pzs_status status = pzs_estimate_tick(e, signals->readings, shape);
+    pzs_real *shape = shape_of(estimate);
+    const pzs_status status = pzs_estimate_tick(estimate, signals->readings, shape);
     signals->measured = shape;
-    signals->where = e->info.where;
+    signals->where = estimate->info.where;
     return status;
 }
 

@@ -7,11 +7,12 @@
 #include "control.h"
 #include "../core/guard.h"
 
-uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *t)
+uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *table)
 {
-    const uint16_t counts[2] = {t->inputs, t->outputs};
+    const uint16_t counts[2] = {table->inputs, table->outputs};
     const uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    return ~pzs_guard_crc(crc, t->sensitivity, (size_t)t->outputs * t->inputs * sizeof(pzs_real));
+    return ~pzs_guard_crc(crc, table->sensitivity,
+                          (size_t)table->outputs * table->inputs * sizeof(pzs_real));
 }
 
 pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table)
@@ -23,29 +24,29 @@ pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table)
     return PZS_OK;
 }
 
-pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *t)
+pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table)
 {
-    if (t == NULL || t->sensitivity == NULL || t->inputs == 0 || t->outputs == 0)
+    if (table == NULL || table->sensitivity == NULL || table->inputs == 0 || table->outputs == 0)
         return PZS_E_ARGUMENT;
-    if (t->format != PZS_TABLE_FORMAT)
+    if (table->format != PZS_TABLE_FORMAT)
         return PZS_E_FORMAT;
-    if (pzs_estimate_known_crc(t) != t->crc)
+    if (pzs_estimate_known_crc(table) != table->crc)
         return PZS_E_CRC;
-    return pzs_guard_nonfinite(t->sensitivity, (uint32_t)t->outputs * t->inputs) < 0
+    return pzs_guard_nonfinite(table->sensitivity, (uint32_t)table->outputs * table->inputs) < 0
                ? PZS_OK
                : PZS_E_NONFINITE;
 }
 
-pzs_status pzs_feed_forward(const pzs_feed_forward_table *t, const pzs_real *amount,
+pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real *amount,
                             pzs_real *shape)
 {
-    if (t == NULL || amount == NULL || shape == NULL)
+    if (table == NULL || amount == NULL || shape == NULL)
         return PZS_E_ARGUMENT;
-    if (pzs_guard_nonfinite(amount, t->inputs) >= 0)
+    if (pzs_guard_nonfinite(amount, table->inputs) >= 0)
         return PZS_E_NONFINITE;
-    for (uint32_t i = 0; i < t->outputs; i++) {
-        const pzs_real *row = t->sensitivity + (size_t)i * t->inputs;
-        for (uint32_t k = 0; k < t->inputs; k++)
+    for (uint32_t i = 0; i < table->outputs; i++) {
+        const pzs_real *row = table->sensitivity + (size_t)i * table->inputs;
+        for (uint32_t k = 0; k < table->inputs; k++)
             shape[i] -= row[k] * amount[k];
     }
     return PZS_OK;
@@ -67,14 +68,15 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /* A table that is valid, of this scene, with so many rows. */
-static pzs_status check(const pzs_feed_forward_table *t, const pzs_problem *problem, uint16_t rows)
+static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *problem,
+                        uint16_t rows)
 {
-    const pzs_status status = pzs_feed_forward_check(t);
+    const pzs_status status = pzs_feed_forward_check(table);
     if (status != PZS_OK)
         return status;
-    if (t->scene != problem->scene)
+    if (table->scene != problem->scene)
         return PZS_E_FORMAT;
-    return t->outputs == rows ? PZS_OK : PZS_E_ARGUMENT;
+    return table->outputs == rows ? PZS_OK : PZS_E_ARGUMENT;
 }
 
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
@@ -96,14 +98,14 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 }
 
 /* Make *signal a copy of itself, in `room`, without the loads of values `known`. */
-static pzs_status take_out(const pzs_feed_forward_table *t, const pzs_real *known,
+static pzs_status take_out(const pzs_feed_forward_table *table, const pzs_real *known,
                            const pzs_real **signal, pzs_real *room)
 {
     if (known == NULL || *signal == NULL)
         return PZS_OK;
-    memcpy(room, *signal, t->outputs * sizeof *room);
+    memcpy(room, *signal, table->outputs * sizeof *room);
     *signal = room;
-    return pzs_feed_forward(t, known, room);
+    return pzs_feed_forward(table, known, room);
 }
 
 /* Index of the first known value that is not finite, or -1. */

@@ -184,11 +184,11 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
 static pzs_status fail(pzs_loop *loop, pzs_status status, const pzs_block_type *block,
                        int32_t where)
 {
-    pzs_control *c = loop->info.control;
+    pzs_control *control = loop->info.control;
     if (block->phase >= PZS_PHASE_STEP) {
-        memcpy(c->state.voltage, loop->state.voltage,
-               c->state.problem->inputs * sizeof *c->state.voltage);
-        pzs_control_moved(c);
+        memcpy(control->state.voltage, loop->state.voltage,
+               control->state.problem->inputs * sizeof *control->state.voltage);
+        pzs_control_moved(control);
     }
     return finish(loop, status, block, where);
 }
@@ -228,9 +228,9 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
     loop->info.electrode = signals.electrode;
     if (PZS_IS_ERROR(status))
         return status;
-    const pzs_control *c = loop->info.control;
-    memcpy(loop->state.voltage, c->info.voltage,
-           c->state.problem->inputs * sizeof *loop->state.voltage);
+    const pzs_control *control = loop->info.control;
+    memcpy(loop->state.voltage, control->info.voltage,
+           control->state.problem->inputs * sizeof *loop->state.voltage);
     return status;
 }
 

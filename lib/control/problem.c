@@ -2,19 +2,19 @@
 #include "control.h"
 #include "../core/guard.h"
 
-uint32_t pzs_problem_crc(const pzs_problem *p)
+uint32_t pzs_problem_crc(const pzs_problem *problem)
 {
-    const size_t n = p->inputs, m = p->outputs;
-    const uint16_t counts[2] = {p->inputs, p->outputs};
+    const size_t n = problem->inputs, m = problem->outputs;
+    const uint16_t counts[2] = {problem->inputs, problem->outputs};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, p->influence, m * n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, p->hessian, n * n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, p->weight, m, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, p->lower, n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, p->upper, n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, p->step_limit, n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, p->reference_voltage, n, sizeof(pzs_real));
-    return ~pzs_guard_crc(crc, &p->regularisation, sizeof p->regularisation);
+    crc = pzs_guard_array_crc(crc, problem->influence, m * n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, problem->hessian, n * n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, problem->weight, m, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, problem->lower, n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, problem->upper, n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, problem->step_limit, n, sizeof(pzs_real));
+    crc = pzs_guard_array_crc(crc, problem->reference_voltage, n, sizeof(pzs_real));
+    return ~pzs_guard_crc(crc, &problem->regularisation, sizeof problem->regularisation);
 }
 
 pzs_status pzs_problem_seal(pzs_problem *problem)

@@ -22,20 +22,20 @@ static pzs_real largest_size(const pzs_real *x, uint32_t n)
  * expected value of all outputs (computed when first needed): smaller changes are below the
  * resolution of sensors.
  */
-static int doubtful(const sensor_set *s, uint32_t i, pzs_real measured, pzs_real *most)
+static int doubtful(const sensor_set *sensors, uint32_t i, pzs_real measured, pzs_real *most)
 {
-    const pzs_real difference = measured - s->expected[i];
+    const pzs_real difference = measured - sensors->expected[i];
     if (!number_is_finite(difference))
         return 1;
-    const pzs_real moved =
-        FROZEN_PART * number_absolute(difference - s->difference[i]) - number_absolute(measured);
+    const pzs_real moved = FROZEN_PART * number_absolute(difference - sensors->difference[i]) -
+                           number_absolute(measured);
     if (moved > 0 && *most < 0)
-        *most = largest_size(s->expected, s->n);
+        *most = largest_size(sensors->expected, sensors->n);
     if (moved > 0 && moved > *most)
-        s->frozen[i] = (uint8_t)(s->frozen[i] + (s->frozen[i] < SENSE_FROZEN));
-    if (s->frozen[i] >= SENSE_FROZEN)
+        sensors->frozen[i] = (uint8_t)(sensors->frozen[i] + (sensors->frozen[i] < SENSE_FROZEN));
+    if (sensors->frozen[i] >= SENSE_FROZEN)
         return 1;
-    s->difference[i] = difference;
+    sensors->difference[i] = difference;
     return 0;
 }
 
@@ -43,12 +43,12 @@ static int doubtful(const sensor_set *s, uint32_t i, pzs_real measured, pzs_real
  * Differences of measurements that are finite and new, starting at i < n. Returns the first that is
  * neither, or n.
  */
-static uint32_t sense_new(const sensor_set *s, const pzs_real *measured, uint32_t i)
+static uint32_t sense_new(const sensor_set *sensors, const pzs_real *measured, uint32_t i)
 {
-    const uint32_t n = s->n;
-    const pzs_real *expected = s->expected;
-    pzs_real *before = s->before, *all = s->difference;
-    uint8_t *frozen = s->frozen;
+    const uint32_t n = sensors->n;
+    const pzs_real *expected = sensors->expected;
+    pzs_real *before = sensors->before, *all = sensors->difference;
+    uint8_t *frozen = sensors->frozen;
     do {
         const pzs_real seen = measured[i], difference = seen - expected[i];
         if (!(seen != before[i]) || !number_is_finite(difference))
@@ -60,13 +60,13 @@ static uint32_t sense_new(const sensor_set *s, const pzs_real *measured, uint32_
     return n;
 }
 
-uint32_t pzs_sensor_check(const sensor_set *s, const pzs_real *measured, int32_t *where)
+uint32_t pzs_sensor_check(const sensor_set *sensors, const pzs_real *measured, int32_t *where)
 {
     pzs_real most = -1;
     uint32_t lost = 0;
-    for (uint32_t i = 0; i < s->n; i++) {
-        i = sense_new(s, measured, i);
-        if (i < s->n && doubtful(s, i, measured[i], &most))
+    for (uint32_t i = 0; i < sensors->n; i++) {
+        i = sense_new(sensors, measured, i);
+        if (i < sensors->n && doubtful(sensors, i, measured[i], &most))
             *where = lost++ == 0 ? (int32_t)i : *where;
     }
     return lost;

@@ -16,7 +16,7 @@ typedef struct sensor_set {
 } sensor_set;
 
 /* All differences. Returns the number of unusable measurements, the first in where. */
-uint32_t pzs_sensor_check(const sensor_set *s, const pzs_real *measured, int32_t *where);
+uint32_t pzs_sensor_check(const sensor_set *sensors, const pzs_real *measured, int32_t *where);
 
 /* Was a measurement unusable in the last call? */
 static inline int sense_lost(const uint8_t *frozen, pzs_real measured)

@@ -67,11 +67,11 @@ size_t pzs_linalg_reals(const uint16_t *first, uint32_t n)
     return reals;
 }
 
-void pzs_linalg_layout(pzs_envelope *a)
+void pzs_linalg_layout(pzs_envelope *matrix)
 {
-    a->start[0] = 0;
-    for (uint32_t p = 0; p < panels_of(a->n); p++)
-        a->start[p + 1u] = a->start[p] + panel_reals(a->first, a->n, p);
+    matrix->start[0] = 0;
+    for (uint32_t p = 0; p < panels_of(matrix->n); p++)
+        matrix->start[p + 1u] = matrix->start[p] + panel_reals(matrix->first, matrix->n, p);
 }
 
 /*
@@ -90,26 +90,26 @@ void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t n, pzs_real *work, vo
     pzs_linalg_layout(dense);
 }
 
-void pzs_linalg_clear(pzs_envelope *a)
+void pzs_linalg_clear(pzs_envelope *matrix)
 {
-    memset(a->value, 0, a->start[panels_of(a->n)] * sizeof *a->value);
+    memset(matrix->value, 0, matrix->start[panels_of(matrix->n)] * sizeof *matrix->value);
 }
 
 /* Leftmost column of a panel, from its number of entries. */
-static uint32_t left_of(const pzs_envelope *a, uint32_t panel)
+static uint32_t left_of(const pzs_envelope *matrix, uint32_t panel)
 {
-    return (panel + 1u) * PZS_TILE - (a->start[panel + 1u] - a->start[panel]) / PZS_TILE;
+    return (panel + 1u) * PZS_TILE - (matrix->start[panel + 1u] - matrix->start[panel]) / PZS_TILE;
 }
 
 /* The PZS_TILE entries of column k in a panel; those of the next column follow directly. */
-static pzs_real *column(const pzs_envelope *a, uint32_t panel, uint32_t k)
+static pzs_real *column(const pzs_envelope *matrix, uint32_t panel, uint32_t k)
 {
-    return a->value + a->start[panel] + (size_t)(k - left_of(a, panel)) * PZS_TILE;
+    return matrix->value + matrix->start[panel] + (size_t)(k - left_of(matrix, panel)) * PZS_TILE;
 }
 
-pzs_real *pzs_linalg_entry(const pzs_envelope *a, uint32_t i, uint32_t j)
+pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j)
 {
-    return column(a, i / PZS_TILE, j) + i % PZS_TILE;
+    return column(matrix, i / PZS_TILE, j) + i % PZS_TILE;
 }
 
 /* Copy the rows of a panel that exist: all of them but in the last panel. */
@@ -139,30 +139,31 @@ static pzs_real unit_scale(pzs_real d)
     return s;
 }
 
-int32_t pzs_linalg_scale(pzs_envelope *a, pzs_real *scale)
+int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 {
-    for (uint32_t i = 0; i < a->n; i++) {
-        const pzs_real d = *pzs_linalg_entry(a, i, i);
+    for (uint32_t i = 0; i < matrix->n; i++) {
+        const pzs_real d = *pzs_linalg_entry(matrix, i, i);
         if (!(d > 0 && d <= REAL_MOST))
             return (int32_t)i;
         scale[i] = unit_scale(d);
     }
-    pzs_linalg_apply_scale(a, scale);
+    pzs_linalg_apply_scale(matrix, scale);
     return -1;
 }
 
 /*
  * Scales panel by panel and column by column, in memory order. The padding is zero and stays zero.
  */
-void pzs_linalg_apply_scale(pzs_envelope *a, const pzs_real *scale)
+void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
 {
-    pzs_real *restrict entry = a->value;
+    pzs_real *restrict entry = matrix->value;
 
-    for (uint32_t row = 0; row < a->n; row += PZS_TILE) {
+    for (uint32_t row = 0; row < matrix->n; row += PZS_TILE) {
         pzs_real s[PZS_TILE] = {0};
-        copy_rows(s, scale + row, smaller(PZS_TILE, a->n - row));
-        for (uint32_t k = left_of(a, row / PZS_TILE); k < row + PZS_TILE; k++, entry += PZS_TILE) {
-            const pzs_real t = k < a->n ? scale[k] : 0;
+        copy_rows(s, scale + row, smaller(PZS_TILE, matrix->n - row));
+        for (uint32_t k = left_of(matrix, row / PZS_TILE); k < row + PZS_TILE;
+             k++, entry += PZS_TILE) {
+            const pzs_real t = k < matrix->n ? scale[k] : 0;
             UNROLLED
             for (int i = 0; i < PZS_TILE; i++)
                 entry[i] = entry[i] * s[i] * t;
@@ -170,20 +171,20 @@ void pzs_linalg_apply_scale(pzs_envelope *a, const pzs_real *scale)
     }
 }
 
-pzs_real pzs_linalg_norm1(const pzs_envelope *a, pzs_real *sum)
+pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
     pzs_real norm = 0;
 
-    for (uint32_t i = 0; i < a->n; i++) {
-        const pzs_real *entry = pzs_linalg_entry(a, i, a->first[i]);
+    for (uint32_t i = 0; i < matrix->n; i++) {
+        const pzs_real *entry = pzs_linalg_entry(matrix, i, matrix->first[i]);
         sum[i] = 0;
-        for (uint32_t j = a->first[i]; j < i; j++, entry += PZS_TILE) {
+        for (uint32_t j = matrix->first[i]; j < i; j++, entry += PZS_TILE) {
             sum[i] += PZS_ABS(*entry);
             sum[j] += PZS_ABS(*entry);
         }
         sum[i] += PZS_ABS(*entry);
     }
-    for (uint32_t i = 0; i < a->n; i++) {
+    for (uint32_t i = 0; i < matrix->n; i++) {
         if (!(sum[i] <= REAL_MOST))
             return sum[i];
         norm = most(norm, sum[i]);
@@ -279,30 +280,32 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
  * All of a panel except the pivots of its diagonal tile: left-looking, tile by tile from its
  * leftmost column.
  */
-static void eliminate_panel(const pzs_envelope *a, uint32_t panel)
+static void eliminate_panel(const pzs_envelope *matrix, uint32_t panel)
 {
-    const uint32_t left = left_of(a, panel);
+    const uint32_t left = left_of(matrix, panel);
 
     for (uint32_t q = left; q < panel * PZS_TILE; q += STRIP) {
-        const uint32_t from = left_of(a, q / PZS_TILE) > left ? left_of(a, q / PZS_TILE) : left;
-        eliminate(column(a, panel, q), column(a, panel, from),
-                  column(a, q / PZS_TILE, from) + q % PZS_TILE, q - from);
+        const uint32_t from =
+            left_of(matrix, q / PZS_TILE) > left ? left_of(matrix, q / PZS_TILE) : left;
+        eliminate(column(matrix, panel, q), column(matrix, panel, from),
+                  column(matrix, q / PZS_TILE, from) + q % PZS_TILE, q - from);
     }
-    eliminate_diagonal(column(a, panel, panel * PZS_TILE), column(a, panel, left),
-                       a->inverse + left, panel * PZS_TILE - left);
+    eliminate_diagonal(column(matrix, panel, panel * PZS_TILE), column(matrix, panel, left),
+                       matrix->inverse + left, panel * PZS_TILE - left);
 }
 
-linalg_inertia pzs_linalg_factor(pzs_envelope *a)
+linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
 {
-    const pzs_real tolerance =
-        (pzs_real)a->n * PZS_EPSILON < SMALL_PIVOT ? (pzs_real)a->n * PZS_EPSILON : SMALL_PIVOT;
+    const pzs_real tolerance = (pzs_real)matrix->n * PZS_EPSILON < SMALL_PIVOT
+                                   ? (pzs_real)matrix->n * PZS_EPSILON
+                                   : SMALL_PIVOT;
     linalg_inertia found = {0, -1, -1, 0};
     pzs_real diagonal = 0;
     pzs_real pivot = 0;
 
-    for (uint32_t row = 0; row < a->n && found.zero < 0; row += PZS_TILE) {
-        const uint32_t rows = smaller(PZS_TILE, a->n - row);
-        pzs_real *tile = column(a, row / PZS_TILE, row);
+    for (uint32_t row = 0; row < matrix->n && found.zero < 0; row += PZS_TILE) {
+        const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
+        pzs_real *tile = column(matrix, row / PZS_TILE, row);
         pzs_real least[PZS_TILE];
         uint32_t usable;
 
@@ -310,8 +313,8 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *a)
             least[r] = tolerance * PZS_ABS(tile[r * PZS_TILE + r]);
             diagonal = most(diagonal, PZS_ABS(tile[r * PZS_TILE + r]));
         }
-        eliminate_panel(a, row / PZS_TILE);
-        usable = factor_tile(tile, least, a->inverse + row, rows);
+        eliminate_panel(matrix, row / PZS_TILE);
+        usable = factor_tile(tile, least, matrix->inverse + row, rows);
         for (uint32_t r = 0; r < usable; r++) {
             pivot = most(pivot, PZS_ABS(tile[r * PZS_TILE + r]));
             if (tile[r * PZS_TILE + r] < 0 && found.negative++ == 0)
@@ -339,12 +342,12 @@ pzs_real pzs_linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n)
  * L x = b, first half of a panel: subtract the known x_k left of its diagonal tile, for all rows at
  * once.
  */
-static void forward_known(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *x)
 {
     const uint32_t row = panel * PZS_TILE;
-    const uint32_t rows = smaller(PZS_TILE, a->n - row);
-    const uint32_t left = left_of(a, panel);
-    const pzs_real *restrict l = column(a, panel, left);
+    const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
+    const uint32_t left = left_of(matrix, panel);
+    const pzs_real *restrict l = column(matrix, panel, left);
     pzs_real y[PZS_TILE] = {0};
 
     copy_rows(y, x + row, rows);
@@ -361,11 +364,11 @@ static void forward_known(const pzs_envelope *a, uint32_t panel, pzs_real *x)
  * L x = b, second half: the triangle of the diagonal tile. Separate from the first half, so that
  * vectors stay whole there.
  */
-static void forward_triangle(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *x)
 {
     const uint32_t row = panel * PZS_TILE;
-    const uint32_t rows = smaller(PZS_TILE, a->n - row);
-    const pzs_real *restrict l = column(a, panel, row);
+    const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
+    const pzs_real *restrict l = column(matrix, panel, row);
     pzs_real y[PZS_TILE] = {0};
 
     copy_rows(y, x + row, rows);
@@ -381,13 +384,13 @@ static void forward_triangle(const pzs_envelope *a, uint32_t panel, pzs_real *x)
  * L^T x = b, one panel: finish its rows, then subtract them from the x_k to its left, the last row
  * first.
  */
-static void backward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
+static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *x)
 {
     const uint32_t row = panel * PZS_TILE;
-    const uint32_t rows = smaller(PZS_TILE, a->n - row);
-    const uint32_t left = left_of(a, panel);
-    const pzs_real *restrict tile = column(a, panel, row);
-    const pzs_real *restrict l = column(a, panel, left);
+    const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
+    const uint32_t left = left_of(matrix, panel);
+    const pzs_real *restrict tile = column(matrix, panel, row);
+    const pzs_real *restrict l = column(matrix, panel, left);
     pzs_real y[PZS_TILE] = {0};
 
     copy_rows(y, x + row, rows);
@@ -404,27 +407,27 @@ static void backward(const pzs_envelope *a, uint32_t panel, pzs_real *x)
 }
 
 /* Each panel is applied to all right-hand sides while it is in cache. */
-void pzs_linalg_solve_many(const pzs_envelope *a, pzs_real *x, uint32_t count, size_t stride)
+void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *x, uint32_t count, size_t stride)
 {
-    const uint32_t panels = panels_of(a->n);
+    const uint32_t panels = panels_of(matrix->n);
 
     for (uint32_t p = 0; p < panels; p++) {
         for (uint32_t r = 0; r < count; r++)
-            forward_known(a, p, x + r * stride);
+            forward_known(matrix, p, x + r * stride);
         for (uint32_t r = 0; r < count; r++)
-            forward_triangle(a, p, x + r * stride);
+            forward_triangle(matrix, p, x + r * stride);
     }
     for (uint32_t r = 0; r < count; r++)
-        for (uint32_t i = 0; i < a->n; i++)
-            x[r * stride + i] *= a->inverse[i];
+        for (uint32_t i = 0; i < matrix->n; i++)
+            x[r * stride + i] *= matrix->inverse[i];
     for (uint32_t p = panels; p-- > 0;)
         for (uint32_t r = 0; r < count; r++)
-            backward(a, p, x + r * stride);
+            backward(matrix, p, x + r * stride);
 }
 
-void pzs_linalg_solve(const pzs_envelope *a, pzs_real *x)
+void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *x)
 {
-    pzs_linalg_solve_many(a, x, 1, 0);
+    pzs_linalg_solve_many(matrix, x, 1, 0);
 }
 
 /* ---- condition -------------------------------------------------------- */
@@ -468,17 +471,17 @@ static uint32_t largest(const pzs_real *x, uint32_t n)
  * |A^-1 b| / |b| for the b of alternating signs and growing size that defeats cancellation (Higham
  * 1988, section 3).
  */
-static pzs_real alternating(const pzs_envelope *a, pzs_real *x)
+static pzs_real alternating(const pzs_envelope *matrix, pzs_real *x)
 {
     pzs_real size;
 
-    for (uint32_t i = 0; i < a->n; i++) {
-        const pzs_real b = 1 + (pzs_real)i / (pzs_real)a->n;
+    for (uint32_t i = 0; i < matrix->n; i++) {
+        const pzs_real b = 1 + (pzs_real)i / (pzs_real)matrix->n;
         x[i] = i % 2u != 0u ? -b : b;
     }
-    size = norm1(x, a->n);
-    pzs_linalg_solve(a, x);
-    return norm1(x, a->n) / size;
+    size = norm1(x, matrix->n);
+    pzs_linalg_solve(matrix, x);
+    return norm1(x, matrix->n) / size;
 }
 
 /*
@@ -486,9 +489,9 @@ static pzs_real alternating(const pzs_envelope *a, pzs_real *x)
  * = A^-1 sign(A^-1 x) shows the best corner to go to. Any x gives a lower bound; five corners are
  * enough in practice.
  */
-pzs_real pzs_linalg_condition(const pzs_envelope *a, pzs_real norm_a, pzs_real *work)
+pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {
-    const uint32_t n = a->n;
+    const uint32_t n = matrix->n;
     pzs_real *x = work;
     pzs_real *sign = work + n;
     pzs_real inverse = 0;
@@ -500,19 +503,19 @@ pzs_real pzs_linalg_condition(const pzs_envelope *a, pzs_real norm_a, pzs_real *
     }
     for (int corner = 0; corner < 5; corner++) {
         uint32_t best;
-        pzs_linalg_solve(a, x);
+        pzs_linalg_solve(matrix, x);
         if (!(norm1(x, n) > inverse))
             break;
         inverse = norm1(x, n);
         if (take_signs(x, sign, n) == 0)
             break;
-        pzs_linalg_solve(a, x);
+        pzs_linalg_solve(matrix, x);
         best = largest(x, n);
         if (!(PZS_ABS(x[best]) > inverse))
             break;
         memset(x, 0, n * sizeof *x);
         x[best] = 1;
     }
-    other = alternating(a, x);
+    other = alternating(matrix, x);
     return norm_a * (other <= inverse ? inverse : other);
 }

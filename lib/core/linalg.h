@@ -22,8 +22,8 @@ size_t pzs_linalg_reals(const uint16_t *first, uint32_t n);
  * Fill `start` of an envelope whose n, first and start pointers are set, and set all entries to
  * zero; set all entries to zero.
  */
-void pzs_linalg_layout(pzs_envelope *a);
-void pzs_linalg_clear(pzs_envelope *a);
+void pzs_linalg_layout(pzs_envelope *matrix);
+void pzs_linalg_clear(pzs_envelope *matrix);
 
 /*
  * Lay out a dense matrix of n rows, zero.
@@ -34,20 +34,20 @@ void pzs_linalg_clear(pzs_envelope *a);
 void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t n, pzs_real *work, void *index);
 
 /* Address of entry (i, j), first[i] <= j <= i. */
-pzs_real *pzs_linalg_entry(const pzs_envelope *a, uint32_t i, uint32_t j);
+pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j);
 
 /*
  * Scale a to unit diagonal within a factor of two: a_ij *= s_i s_j, s a power of two.
  *   scale [n] out
  * Returns -1, or the first row whose diagonal is zero, negative or not finite (a untouched).
  */
-int32_t pzs_linalg_scale(pzs_envelope *a, pzs_real *scale);
+int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale);
 
 /* a_ij *= s_i s_j.  scale [n] in */
-void pzs_linalg_apply_scale(pzs_envelope *a, const pzs_real *scale);
+void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale);
 
 /* 1-norm of the symmetric matrix.  sum [n] work */
-pzs_real pzs_linalg_norm1(const pzs_envelope *a, pzs_real *sum);
+pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum);
 
 typedef struct linalg_inertia {
     uint32_t negative;      /* pivots below zero */
@@ -62,18 +62,18 @@ typedef struct linalg_inertia {
  * A pivot of size at most min(n epsilon, 2^-23) times its own diagonal entry before elimination,
  * or whose inverse is not finite, is reported as zero and ends the factorisation.
  */
-linalg_inertia pzs_linalg_factor(pzs_envelope *a);
+linalg_inertia pzs_linalg_factor(pzs_envelope *matrix);
 
 /* x . y, summed in ascending order. */
 pzs_real pzs_linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n);
 
 /* Solve L D L^T x = b in place. x [n] in b, out solution. */
-void pzs_linalg_solve(const pzs_envelope *a, pzs_real *x);
+void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *x);
 
 /* The same for `count` right-hand sides, each of n entries, `stride` apart. */
-void pzs_linalg_solve_many(const pzs_envelope *a, pzs_real *x, uint32_t count, size_t stride);
+void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *x, uint32_t count, size_t stride);
 
 /* 1-norm condition estimate (Hager, Higham): norm1 of the unfactored matrix, work [2 n]. */
-pzs_real pzs_linalg_condition(const pzs_envelope *a, pzs_real norm1, pzs_real *work);
+pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm1, pzs_real *work);
 
 #endif

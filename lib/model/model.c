@@ -24,15 +24,17 @@ static int rows_complete(const pzs_rows *rows)
 
 /* All there, and counts that fit together: a damaged one must not lead the checksum past the
  * tables. */
-static int structure_complete(const pzs_structure *s)
+static int structure_complete(const pzs_structure *structure)
 {
-    const int counts_fit = s->types <= s->elements && s->nodes <= 4u * s->elements &&
-                           s->free_dof <= (uint32_t)s->nodes * s->dof_per_node;
-    return s->nodes > 0 && s->elements > 0 && s->types > 0 && s->free_dof > 0 &&
-           s->free_dof < PZS_CONSTRAINED && counts_fit &&
-           (s->dof_per_node == 6 || s->dof_per_node == 7) && s->element && s->element_type &&
-           s->node_dof && s->first_column && s->stiffness && rows_complete(&s->input) &&
-           rows_complete(&s->output);
+    const int counts_fit =
+        structure->types <= structure->elements && structure->nodes <= 4u * structure->elements &&
+        structure->free_dof <= (uint32_t)structure->nodes * structure->dof_per_node;
+    return structure->nodes > 0 && structure->elements > 0 && structure->types > 0 &&
+           structure->free_dof > 0 && structure->free_dof < PZS_CONSTRAINED && counts_fit &&
+           (structure->dof_per_node == 6 || structure->dof_per_node == 7) && structure->element &&
+           structure->element_type && structure->node_dof && structure->first_column &&
+           structure->stiffness && rows_complete(&structure->input) &&
+           rows_complete(&structure->output);
 }
 
 /* Every index of a list of rows inside its range, row starts ascending. */
@@ -49,18 +51,20 @@ static int rows_in_range(const pzs_rows *rows, uint32_t dof)
 }
 
 /* Unknowns of an element inside the envelope: no row begins right of one of its columns. */
-static int element_in_envelope(const pzs_structure *s, const uint16_t node[4])
+static int element_in_envelope(const pzs_structure *structure, const uint16_t node[4])
 {
     uint32_t least = PZS_CONSTRAINED;
     for (int pass = 0; pass < 2; pass++)
-        for (unsigned i = 0; i < SHELL_NODES * (unsigned)s->dof_per_node; i++) {
-            const uint16_t dof = s->node_dof[(size_t)node[i / s->dof_per_node] * s->dof_per_node +
-                                             i % s->dof_per_node];
+        for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
+            const uint16_t dof =
+                structure
+                    ->node_dof[(size_t)node[i / structure->dof_per_node] * structure->dof_per_node +
+                               i % structure->dof_per_node];
             if (dof == PZS_CONSTRAINED)
                 continue;
             if (pass == 0)
                 least = dof < least ? dof : least;
-            else if (s->first_column[dof] > least)
+            else if (structure->first_column[dof] > least)
                 return 0;
         }
     return 1;
@@ -68,24 +72,26 @@ static int element_in_envelope(const pzs_structure *s, const uint16_t node[4])
 
 /* A checksum says that tables arrived as they were made; this, that no index in them can lead
  * astray. */
-static int indices_in_range(const pzs_structure *s)
+static int indices_in_range(const pzs_structure *structure)
 {
-    for (uint32_t i = 0; i < (uint32_t)s->nodes * s->dof_per_node; i++)
-        if (s->node_dof[i] != PZS_CONSTRAINED && s->node_dof[i] >= s->free_dof)
+    for (uint32_t i = 0; i < (uint32_t)structure->nodes * structure->dof_per_node; i++)
+        if (structure->node_dof[i] != PZS_CONSTRAINED &&
+            structure->node_dof[i] >= structure->free_dof)
             return 0;
-    for (uint32_t i = 0; i < s->free_dof; i++)
-        if (s->first_column[i] > i)
+    for (uint32_t i = 0; i < structure->free_dof; i++)
+        if (structure->first_column[i] > i)
             return 0;
-    for (uint32_t e = 0; e < s->elements; e++) {
-        if (s->element_type[e] >= s->types)
+    for (uint32_t e = 0; e < structure->elements; e++) {
+        if (structure->element_type[e] >= structure->types)
             return 0;
         for (int r = 0; r < SHELL_NODES; r++)
-            if (s->element[e][r] >= s->nodes)
+            if (structure->element[e][r] >= structure->nodes)
                 return 0;
-        if (!element_in_envelope(s, s->element[e]))
+        if (!element_in_envelope(structure, structure->element[e]))
             return 0;
     }
-    return rows_in_range(&s->input, s->free_dof) && rows_in_range(&s->output, s->free_dof);
+    return rows_in_range(&structure->input, structure->free_dof) &&
+           rows_in_range(&structure->output, structure->free_dof);
 }
 
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work,
@@ -166,11 +172,11 @@ typedef struct add_place {
 static unsigned free_places(const pzs_model *model, const uint16_t *node, unsigned count,
                             add_place *place)
 {
-    const unsigned unknowns = model->state.structure->dof_per_node;
+    const unsigned dof_per_node = model->state.structure->dof_per_node;
     unsigned found = 0;
-    for (unsigned i = 0; i < count * unknowns; i++) {
+    for (unsigned i = 0; i < count * dof_per_node; i++) {
         const uint16_t dof =
-            free_unknown(model, node_dofs(model, node[i / unknowns])[i % unknowns]);
+            free_unknown(model, node_dofs(model, node[i / dof_per_node])[i % dof_per_node]);
         if (dof == PZS_CONSTRAINED)
             continue;
         const size_t step = (size_t)dof * PZS_TILE,
@@ -221,12 +227,12 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
     model->state.stiffness_factor = stiffness_factor;
     model->state.constrained = held;
     pzs_linalg_clear(&model->state.stiffness);
-    const pzs_structure *s = model->state.structure;
-    for (uint32_t e = 0; e < s->elements; e++)
-        pzs_model_add_matrix(model, s->element[e], SHELL_NODES, pzs_model_type_factor(model, e),
-                             s->stiffness +
-                                 s->element_type[e] *
-                                     (size_t)SHELL_PACKED(SHELL_NODES * s->dof_per_node));
+    const pzs_structure *structure = model->state.structure;
+    for (uint32_t e = 0; e < structure->elements; e++)
+        pzs_model_add_matrix(
+            model, structure->element[e], SHELL_NODES, pzs_model_type_factor(model, e),
+            structure->stiffness + structure->element_type[e] *
+                                       (size_t)SHELL_PACKED(SHELL_NODES * structure->dof_per_node));
     for (uint32_t i = 0; held && i < model->state.stiffness.n; i++)
         if (held[i])
             *pzs_linalg_entry(&model->state.stiffness, i, i) = 1;
@@ -299,12 +305,14 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
 /* f += K p, formed element by element from strains */
 static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
 {
-    const pzs_structure *s = model->state.structure;
-    for (uint32_t e = 0; e < s->elements; e++) {
+    const pzs_structure *structure = model->state.structure;
+    for (uint32_t e = 0; e < structure->elements; e++) {
         pzs_real u[SHELL_MAX]; /* displacement, then force */
-        pzs_model_gather(model, s->element[e], SHELL_NODES, p, u);
-        pzs_shell_force(&s->type[s->element_type[e]], s->dof_per_node, u, u);
-        pzs_model_scatter(model, s->element[e], SHELL_NODES, pzs_model_type_factor(model, e), u, f);
+        pzs_model_gather(model, structure->element[e], SHELL_NODES, p, u);
+        pzs_shell_force(&structure->type[structure->element_type[e]], structure->dof_per_node, u,
+                        u);
+        pzs_model_scatter(model, structure->element[e], SHELL_NODES,
+                          pzs_model_type_factor(model, e), u, f);
     }
 }
 
@@ -459,11 +467,11 @@ pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u)
 
 /* ---- influence -------------------------------------------------------- */
 
-pzs_real pzs_model_observe_row(const pzs_structure *s, const pzs_real *u, uint32_t row)
+pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *u, uint32_t row)
 {
     pzs_real sum = 0;
-    for (uint32_t t = s->output.start[row]; t < s->output.start[row + 1]; t++)
-        sum += s->output.value[t] * u[s->output.dof[t]];
+    for (uint32_t t = structure->output.start[row]; t < structure->output.start[row + 1]; t++)
+        sum += structure->output.value[t] * u[structure->output.dof[t]];
     return sum;
 }
 
@@ -479,16 +487,17 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_FACTORED)
         return fail(model, PZS_E_STAGE, -1);
-    const pzs_structure *s = model->state.structure;
+    const pzs_structure *structure = model->state.structure;
     pzs_real *u = model->state.work + 5 * (size_t)model->state.stiffness.n;
-    for (uint32_t j = 0; j < s->input.count; j++) {
+    for (uint32_t j = 0; j < structure->input.count; j++) {
         memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
         pzs_model_add_input(model, j, 1, model->state.work);
         const pzs_status status = solve_loaded(model, u);
         if (status != PZS_OK)
             return fail(model, status, (int32_t)j);
-        for (uint32_t i = 0; i < s->output.count; i++)
-            influence[(size_t)i * s->input.count + j] = pzs_model_observe_row(s, u, i);
+        for (uint32_t i = 0; i < structure->output.count; i++)
+            influence[(size_t)i * structure->input.count + j] =
+                pzs_model_observe_row(structure, u, i);
     }
     return fail(model, PZS_OK, -1);
 }

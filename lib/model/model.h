@@ -41,6 +41,6 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *r);
 void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_real *f);
 
 /* One output of a displacement. */
-pzs_real pzs_model_observe_row(const pzs_structure *s, const pzs_real *u, uint32_t row);
+pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *u, uint32_t row);
 
 #endif

@@ -41,46 +41,46 @@ static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
         y[i] += factor * x[i];
 }
 
-static shape at_rest(const pzs_element_type *kind, int r)
+static shape at_rest(const pzs_element_type *type, int r)
 {
-    const shape s = {kind->g_mean[r], kind->g_diff[r], e3, 0};
+    const shape s = {type->g_mean[r], type->g_diff[r], e3, 0};
     return s;
 }
 
 /* Derivatives of a displacement at corner r: lam_a = S_a u_r + T_a u_r', of means and of
  * differences. */
-static corner corner_derivatives(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
-                                 int r)
+static corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
+                                 const pzs_real *u, int r)
 {
     corner c;
-    const pzs_real *own = u + (unsigned)r * unknowns;
+    const pzs_real *own = u + (unsigned)r * dof_per_node;
     memset(&c, 0, sizeof c);
     for (int a = 0; a < 2; a++) {
-        const pzs_real *other = u + neighbour[r][a] * unknowns;
-        add_product(c.mean[a], kind->s[r][a], own);
-        add_product(c.mean[a], kind->t[r][a], other);
-        add_product(c.diff[a], kind->s[r][a], own + 3);
-        add_product(c.diff[a], kind->t[r][a], other + 3);
+        const pzs_real *other = u + neighbour[r][a] * dof_per_node;
+        add_product(c.mean[a], type->s[r][a], own);
+        add_product(c.mean[a], type->t[r][a], other);
+        add_product(c.diff[a], type->s[r][a], own + 3);
+        add_product(c.diff[a], type->t[r][a], other + 3);
     }
     memcpy(c.beta, own + 3, sizeof c.beta);
-    c.q = unknowns == 7 ? own[6] : 0;
+    c.q = dof_per_node == 7 ? own[6] : 0;
     return c;
 }
 
 /* The transpose of corner_derivatives: forces on the nodes from forces on the derivatives. */
-static void corner_scatter(const pzs_element_type *kind, unsigned unknowns, const corner *c, int r,
-                           pzs_real *f)
+static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node, const corner *c,
+                           int r, pzs_real *f)
 {
-    pzs_real *own = f + (unsigned)r * unknowns;
+    pzs_real *own = f + (unsigned)r * dof_per_node;
     for (int a = 0; a < 2; a++) {
-        pzs_real *other = f + neighbour[r][a] * unknowns;
-        add_transposed(own, kind->s[r][a], c->mean[a]);
-        add_transposed(other, kind->t[r][a], c->mean[a]);
-        add_transposed(own + 3, kind->s[r][a], c->diff[a]);
-        add_transposed(other + 3, kind->t[r][a], c->diff[a]);
+        pzs_real *other = f + neighbour[r][a] * dof_per_node;
+        add_transposed(own, type->s[r][a], c->mean[a]);
+        add_transposed(other, type->t[r][a], c->mean[a]);
+        add_transposed(own + 3, type->s[r][a], c->diff[a]);
+        add_transposed(other + 3, type->t[r][a], c->diff[a]);
     }
     add_scaled(own + 3, 1, c->beta);
-    if (unknowns == 7)
+    if (dof_per_node == 7)
         own[6] += c->q;
 }
 
@@ -178,18 +178,18 @@ static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
 
 /* Add the warp to the 12 mean of mode 00: a fixed combination of strains by mode
  * (pzs_element_type). */
-static void add_warp(const pzs_element_type *kind, pzs_real e[4][10])
+static void add_warp(const pzs_element_type *type, pzs_real e[4][10])
 {
-    const pzs_real *w = kind->warp;
+    const pzs_real *w = type->warp;
     e[0][E12M] += w[0] * e[0][E12D] + w[1] * e[1][E13] + w[2] * e[2][E23] + w[3] * e[0][E13] +
                   w[4] * e[0][E23] + w[5] * e[0][E11D] + w[6] * e[1][E11D] + w[7] * e[0][E22D] +
                   w[8] * e[2][E22D];
 }
 
 /* The transpose of add_warp: resultants by mode that the 12 mean's resultant adds to. */
-static void share_warp(const pzs_element_type *kind, pzs_real h[4][10])
+static void share_warp(const pzs_element_type *type, pzs_real h[4][10])
 {
-    const pzs_real *w = kind->warp, mean = h[0][E12M];
+    const pzs_real *w = type->warp, mean = h[0][E12M];
     h[0][E12D] += w[0] * mean;
     h[1][E13] += w[1] * mean;
     h[2][E23] += w[2] * mean;
@@ -203,72 +203,72 @@ static void share_warp(const pzs_element_type *kind, pzs_real h[4][10])
 
 /* Resultants by mode in place of strains by mode, the warp in the strains; share_warp comes after.
  */
-static void multiply_modes(const pzs_element_type *kind, pzs_real e[4][10])
+static void multiply_modes(const pzs_element_type *type, pzs_real e[4][10])
 {
     for (int m = 0; m < SHELL_MODES; m++)
-        multiply_mode(kind->d[m], m, e[m]);
+        multiply_mode(type->d[m], m, e[m]);
 }
 
 /* Strains at rest by mode, linear in u. */
-static void strains_at_rest(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+static void strains_at_rest(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                             pzs_real modes[4][10])
 {
     memset(modes, 0, sizeof(pzs_real[4][10]));
     for (int r = 0; r < SHELL_NODES; r++) {
-        const shape rest = at_rest(kind, r);
-        const corner d = corner_derivatives(kind, unknowns, u, r);
+        const shape rest = at_rest(type, r);
+        const corner d = corner_derivatives(type, dof_per_node, u, r);
         pzs_real e[10];
-        corner_strains(&rest, &d, kind->thickness, e);
+        corner_strains(&rest, &d, type->thickness, e);
         add_modes(modes, e, r);
     }
-    add_warp(kind, modes);
+    add_warp(type, modes);
 }
 
 /* f = sum of L' h at rest */
-static void force_at_rest(const pzs_element_type *kind, unsigned unknowns, pzs_real h[4][10],
+static void force_at_rest(const pzs_element_type *type, unsigned dof_per_node, pzs_real h[4][10],
                           pzs_real *f)
 {
-    share_warp(kind, h);
-    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    share_warp(type, h);
+    memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
-        const shape rest = at_rest(kind, r);
+        const shape rest = at_rest(type, r);
         pzs_real t[10];
         corner force;
         corner_of_modes(h, r, t);
-        corner_stresses(&rest, t, kind->thickness, &force);
-        corner_scatter(kind, unknowns, &force, r, f);
+        corner_stresses(&rest, t, type->thickness, &force);
+        corner_scatter(type, dof_per_node, &force, r, f);
     }
 }
 
-void pzs_shell_force(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                      pzs_real *f)
 {
     pzs_real modes[4][10];
-    strains_at_rest(kind, unknowns, u, modes);
-    multiply_modes(kind, modes);
-    force_at_rest(kind, unknowns, modes, f);
+    strains_at_rest(type, dof_per_node, u, modes);
+    multiply_modes(type, modes);
+    force_at_rest(type, dof_per_node, modes, f);
 }
 
-void pzs_shell_stiffness(const pzs_element_type *kind, unsigned unknowns, pzs_real *k)
+void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *k)
 {
-    const unsigned n = SHELL_NODES * unknowns;
+    const unsigned n = SHELL_NODES * dof_per_node;
     pzs_real u[SHELL_MAX] = {0}, f[SHELL_MAX];
     for (unsigned i = 0; i < n; i++) {
         u[i] = 1;
-        pzs_shell_force(kind, unknowns, u, f);
+        pzs_shell_force(type, dof_per_node, u, f);
         memcpy(k, f, (i + 1) * sizeof *k);
         k += i + 1;
         u[i] = 0;
     }
 }
 
-void pzs_shell_given(const pzs_element_type *kind, unsigned unknowns, const pzs_real *h0,
+void pzs_shell_given(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *h0,
                      pzs_real *f)
 {
     pzs_real h[4][10] = {{0}};
     for (int i = 0; i < SHELL_STRAINS; i++)
         h[0][i] = -h0[i];
-    force_at_rest(kind, unknowns, h, f);
+    force_at_rest(type, dof_per_node, h, f);
 }
 
 #if PZS_NONLINEAR
@@ -281,11 +281,11 @@ static shape shape_of(const corner *d)
 }
 
 /* Base vectors at corner r plus `share` of the derivatives d. */
-static corner moved(const pzs_element_type *kind, const corner *d, pzs_real share, int r)
+static corner moved(const pzs_element_type *type, const corner *d, pzs_real share, int r)
 {
     corner s;
-    memcpy(s.mean, kind->g_mean[r], sizeof s.mean);
-    memcpy(s.diff, kind->g_diff[r], sizeof s.diff);
+    memcpy(s.mean, type->g_mean[r], sizeof s.mean);
+    memcpy(s.diff, type->g_diff[r], sizeof s.diff);
     memcpy(s.beta, e3, sizeof s.beta);
     for (int a = 0; a < 2; a++) {
         add_scaled(s.mean[a], share, d->mean[a]);
@@ -296,55 +296,55 @@ static corner moved(const pzs_element_type *kind, const corner *d, pzs_real shar
     return s;
 }
 
-static void derivatives(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+static void derivatives(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                         corner d[4])
 {
     for (int r = 0; r < SHELL_NODES; r++)
-        d[r] = corner_derivatives(kind, unknowns, u, r);
+        d[r] = corner_derivatives(type, dof_per_node, u, r);
 }
 
 /* e += L(share u) v, the first variation of the strains by mode without the warp.
  * d, v [4] in derivatives of u and v at the corners */
-static void add_variation(const pzs_element_type *kind, const corner d[4], pzs_real share,
+static void add_variation(const pzs_element_type *type, const corner d[4], pzs_real share,
                           const corner v[4], pzs_real e[4][10])
 {
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner at = moved(kind, &d[r], share, r);
+        const corner at = moved(type, &d[r], share, r);
         const shape s = shape_of(&at);
         pzs_real corner_e[10];
-        corner_strains(&s, &v[r], kind->thickness, corner_e);
+        corner_strains(&s, &v[r], type->thickness, corner_e);
         add_modes(e, corner_e, r);
     }
 }
 
 /* e(u) + L(u) du by mode; du may be NULL. Strains are quadratic, so the variation at half of u,
  * applied to u, is exact. */
-static void strains_ahead(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+static void strains_ahead(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           const pzs_real *du, pzs_real e[4][10])
 {
     corner d[4], v[4];
     memset(e, 0, sizeof(pzs_real[4][10]));
-    derivatives(kind, unknowns, u, d);
-    add_variation(kind, d, (pzs_real)0.5, d, e);
+    derivatives(type, dof_per_node, u, d);
+    add_variation(type, d, (pzs_real)0.5, d, e);
     if (du) {
-        derivatives(kind, unknowns, du, v);
-        add_variation(kind, d, 1, v, e);
+        derivatives(type, dof_per_node, du, v);
+        add_variation(type, d, 1, v, e);
     }
-    add_warp(kind, e);
+    add_warp(type, e);
 }
 
-void pzs_shell_strains_at(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           pzs_real e[4][10])
 {
-    strains_ahead(kind, unknowns, u, NULL, e);
+    strains_ahead(type, dof_per_node, u, NULL, e);
 }
 
-void pzs_shell_resultants(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           const pzs_real *du, const pzs_real *given, pzs_real *resultant)
 {
     pzs_real h[4][10];
-    strains_ahead(kind, unknowns, u, du, h);
-    multiply_modes(kind, h);
+    strains_ahead(type, dof_per_node, u, du, h);
+    multiply_modes(type, h);
     for (int i = 0; given && i < SHELL_STRAINS; i++)
         h[0][i] += given[i];
     for (int m = 0; m < SHELL_MODES; m++)
@@ -352,47 +352,47 @@ void pzs_shell_resultants(const pzs_element_type *kind, unsigned unknowns, const
             *resultant++ = h[m][kept_strain[m][i]];
 }
 
-void pzs_shell_corners(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                        corner now[4])
 {
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner d = corner_derivatives(kind, unknowns, u, r);
-        now[r] = moved(kind, &d, 1, r);
+        const corner d = corner_derivatives(type, dof_per_node, u, r);
+        now[r] = moved(type, &d, 1, r);
     }
 }
 
-void pzs_shell_stresses(const pzs_element_type *kind, const pzs_real *resultant, pzs_real t[4][10])
+void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10])
 {
     pzs_real h[4][10];
     memset(h, 0, sizeof h);
     for (int m = 0; m < SHELL_MODES; m++)
         for (int i = 0; i < kept_strains[m]; i++)
             h[m][kept_strain[m][i]] = *resultant++;
-    share_warp(kind, h);
+    share_warp(type, h);
     for (int r = 0; r < SHELL_NODES; r++)
         corner_of_modes(h, r, t[r]);
 }
 
-void pzs_shell_corner_force(const pzs_element_type *kind, unsigned unknowns, const corner at[4],
+void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node, const corner at[4],
                             pzs_real t[4][10], pzs_real *f)
 {
-    memset(f, 0, SHELL_NODES * unknowns * sizeof *f);
+    memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const shape s = shape_of(&at[r]);
         corner force;
-        corner_stresses(&s, t[r], kind->thickness, &force);
-        corner_scatter(kind, unknowns, &force, r, f);
+        corner_stresses(&s, t[r], type->thickness, &force);
+        corner_scatter(type, dof_per_node, &force, r, f);
     }
 }
 
-void pzs_shell_force_at(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                         const pzs_real *resultant, pzs_real *f)
 {
     pzs_real t[4][10];
     corner at[4];
-    pzs_shell_corners(kind, unknowns, u, at);
-    pzs_shell_stresses(kind, resultant, t);
-    pzs_shell_corner_force(kind, unknowns, at, t, f);
+    pzs_shell_corners(type, dof_per_node, u, at);
+    pzs_shell_stresses(type, resultant, t);
+    pzs_shell_corner_force(type, dof_per_node, at, t, f);
 }
 
 #endif

@@ -23,19 +23,19 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
  * Small strains are differences taken before anything is multiplied by a stiffness, so
  * f keeps the digits that K u loses on thin shells.
  */
-void pzs_shell_force(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                      pzs_real *f);
 
 /* Stiffness at rest, column by column from pzs_shell_force. k [SHELL_PACKED(4 unknowns)] out, lower
  * triangle. */
-void pzs_shell_stiffness(const pzs_element_type *kind, unsigned unknowns, pzs_real *k);
+void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *k);
 
 /*
  * Force of given resultants H0 of actuation or temperature, mode 00:  f = -L_00^T H0.
  *   h0 [10]         in  times the element's area (N m), order of D
  *   f  [4 unknowns] out
  */
-void pzs_shell_given(const pzs_element_type *kind, unsigned unknowns, const pzs_real *h0,
+void pzs_shell_given(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *h0,
                      pzs_real *f);
 
 #if PZS_NONLINEAR
@@ -47,7 +47,7 @@ void pzs_shell_given(const pzs_element_type *kind, unsigned unknowns, const pzs_
 enum { SHELL_RESULTANTS = 22 };
 
 /* Strains by mode.  e [4][10] out, order of D. */
-void pzs_shell_strains_at(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           pzs_real e[4][10]);
 
 /*
@@ -59,7 +59,7 @@ void pzs_shell_strains_at(const pzs_element_type *kind, unsigned unknowns, const
  *   f [4 unknowns] out (N, N m)
  *   k [SHELL_PACKED(4 unknowns)] out, lower triangle
  */
-void pzs_shell_system(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                       const pzs_real *given, const pzs_real *resultant, pzs_real *f, pzs_real *k);
 
 /*
@@ -68,11 +68,11 @@ void pzs_shell_system(const pzs_element_type *kind, unsigned unknowns, const pzs
  *   given     [10] in          as above
  *   resultant [22] out
  */
-void pzs_shell_resultants(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           const pzs_real *du, const pzs_real *given, pzs_real *resultant);
 
 /* Force of resultants alone:  f = sum_m L_m(u)^T H_m.  resultant [22] in, f [4 unknowns] out. */
-void pzs_shell_force_at(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                         const pzs_real *resultant, pzs_real *f);
 #endif
 

@@ -26,16 +26,16 @@ typedef struct corner {
 
 #if PZS_NONLINEAR
 /* Shape of the corners at displacement u: base vectors plus derivatives of the displacement. */
-void pzs_shell_corners(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                        corner shape[4]);
 
 /* Stresses at the corners that go with resultants [22], the warp's share included. t [4][10] out,
  * order of D. */
-void pzs_shell_stresses(const pzs_element_type *kind, const pzs_real *resultant, pzs_real t[4][10]);
+void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10]);
 
 /* Force of stresses at corners of a shape.  f [4 unknowns] out. */
-void pzs_shell_corner_force(const pzs_element_type *kind, unsigned unknowns, const corner shape[4],
-                            pzs_real t[4][10], pzs_real *f);
+void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
+                            const corner shape[4], pzs_real t[4][10], pzs_real *f);
 #endif
 
 #endif

@@ -2,21 +2,27 @@
 #include "model.h"
 #include "../core/guard.h"
 
-uint32_t pzs_structure_crc(const pzs_structure *s)
+uint32_t pzs_structure_crc(const pzs_structure *structure)
 {
-    const size_t corners = 4u * (size_t)s->dof_per_node;
-    const uint16_t counts[5] = {s->nodes, s->elements, s->types, s->dof_per_node, s->free_dof};
+    const size_t corners = 4u * (size_t)structure->dof_per_node;
+    const uint16_t counts[5] = {structure->nodes, structure->elements, structure->types,
+                                structure->dof_per_node, structure->free_dof};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, s->element, s->elements, sizeof s->element[0]);
-    crc = pzs_guard_array_crc(crc, s->element_type, s->elements, sizeof s->element_type[0]);
-    crc = pzs_guard_array_crc(crc, s->node_dof, (size_t)s->nodes * s->dof_per_node,
-                              sizeof s->node_dof[0]);
-    crc = pzs_guard_array_crc(crc, s->first_column, s->free_dof, sizeof s->first_column[0]);
-    crc = pzs_guard_array_crc(crc, s->stiffness, s->types * (corners * (corners + 1u) / 2u),
-                              sizeof s->stiffness[0]);
-    crc = pzs_guard_array_crc(crc, s->type, s->types, sizeof s->type[0]);
-    crc = pzs_guard_rows_crc(crc, &s->input, s->free_dof);
-    return ~pzs_guard_rows_crc(crc, &s->output, s->free_dof);
+    crc = pzs_guard_array_crc(crc, structure->element, structure->elements,
+                              sizeof structure->element[0]);
+    crc = pzs_guard_array_crc(crc, structure->element_type, structure->elements,
+                              sizeof structure->element_type[0]);
+    crc = pzs_guard_array_crc(crc, structure->node_dof,
+                              (size_t)structure->nodes * structure->dof_per_node,
+                              sizeof structure->node_dof[0]);
+    crc = pzs_guard_array_crc(crc, structure->first_column, structure->free_dof,
+                              sizeof structure->first_column[0]);
+    crc = pzs_guard_array_crc(crc, structure->stiffness,
+                              structure->types * (corners * (corners + 1u) / 2u),
+                              sizeof structure->stiffness[0]);
+    crc = pzs_guard_array_crc(crc, structure->type, structure->types, sizeof structure->type[0]);
+    crc = pzs_guard_rows_crc(crc, &structure->input, structure->free_dof);
+    return ~pzs_guard_rows_crc(crc, &structure->output, structure->free_dof);
 }
 
 pzs_status pzs_structure_seal(pzs_structure *structure)

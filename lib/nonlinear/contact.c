@@ -95,34 +95,34 @@ typedef struct place {
     pzs_real gap, global[3], normal[3], hessian[3][3];
 } place;
 
-static pzs_real height(const pzs_contact *c, const pzs_solver *path)
+static pzs_real height(const pzs_contact *contact, const pzs_solver *solver)
 {
-    return pzs_face_height(path->state.model->state.structure, c->state.face->face);
+    return pzs_face_height(solver->state.model->state.structure, contact->state.face->face);
 }
 
 /* Displacement of a node of the face, in its triad. p [dof] in */
-static void displacement(const pzs_contact *c, const pzs_solver *path, uint16_t node,
+static void displacement(const pzs_contact *contact, const pzs_solver *solver, uint16_t node,
                          const pzs_real *p, pzs_real w[3])
 {
     pzs_real all[1][3];
-    pzs_face_gather(path->state.model, &node, 1, height(c, path), p, all);
+    pzs_face_gather(solver->state.model, &node, 1, height(contact, solver), p, all);
     memcpy(w, all[0], sizeof all[0]);
 }
 
-static place place_of(const pzs_contact *c, const pzs_solver *path, uint16_t node)
+static place place_of(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
-    const pzs_contact_face *f = c->state.face;
-    const pzs_real(*triad)[3] = f->triad[node];
-    const pzs_real moved = f->input < path->state.model->state.structure->input.count
-                               ? path->state.input_value[f->input]
+    const pzs_contact_face *face = contact->state.face;
+    const pzs_real(*triad)[3] = face->triad[node];
+    const pzs_real moved = face->input < solver->state.model->state.structure->input.count
+                               ? solver->state.input_value[face->input]
                                : 0;
     pzs_real w[3], x[3], global[3][3];
     place at;
-    displacement(c, path, node, path->state.displacement, w);
+    displacement(contact, solver, node, solver->state.displacement, w);
     for (int i = 0; i < 3; i++)
-        x[i] = f->place[node][i] - moved * f->motion[i] + w[0] * triad[0][i] + w[1] * triad[1][i] +
-               w[2] * triad[2][i];
-    at.gap = c->state.body->gap(c->state.body, x, at.global, global);
+        x[i] = face->place[node][i] - moved * face->motion[i] + w[0] * triad[0][i] +
+               w[1] * triad[1][i] + w[2] * triad[2][i];
+    at.gap = contact->state.body->gap(contact->state.body, x, at.global, global);
     for (int i = 0; i < 3; i++) {
         const pzs_real turned[3] = {dot(triad[i], global[0]), dot(triad[i], global[1]),
                                     dot(triad[i], global[2])};
@@ -135,18 +135,18 @@ static place place_of(const pzs_contact *c, const pzs_solver *path, uint16_t nod
 
 /* The structure's own stiffness per area at a node, by its unknowns along e3; 0 where nothing of
  * the face can move. */
-static pzs_real own_stiffness(const pzs_contact *c, const pzs_solver *path, uint16_t node)
+static pzs_real own_stiffness(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
     static const uint8_t order[6] = {5, 2, 3, 4, 0, 1};
-    const pzs_structure *s = path->state.model->state.structure;
-    for (int k = 0; k < 6 && c->state.face->area[node] > 0; k++) {
-        const uint16_t dof = s->node_dof[(size_t)node * s->dof_per_node + order[k]];
+    const pzs_structure *structure = solver->state.model->state.structure;
+    for (int k = 0; k < 6 && contact->state.face->area[node] > 0; k++) {
+        const uint16_t dof = structure->node_dof[(size_t)node * structure->dof_per_node + order[k]];
         if (dof == PZS_CONSTRAINED ||
-            (path->state.model->state.constrained && path->state.model->state.constrained[dof]))
+            (solver->state.model->state.constrained && solver->state.model->state.constrained[dof]))
             continue;
-        const pzs_real scale =
-            path->state.model->state.scale[dof] * (order[k] < 3 ? 1 : s->type[0].thickness);
-        return 1 / (scale * scale * c->state.face->area[node]);
+        const pzs_real scale = solver->state.model->state.scale[dof] *
+                               (order[k] < 3 ? 1 : structure->type[0].thickness);
+        return 1 / (scale * scale * contact->state.face->area[node]);
     }
     return 0;
 }
@@ -156,65 +156,66 @@ static pzs_real own_stiffness(const pzs_contact *c, const pzs_solver *path, uint
  * own/(own + e) of itself a system, slowly where kappa is small, so e doubles with each system of a
  * load step.
  */
-static pzs_real against(const pzs_contact *c, const pzs_solver *path, uint16_t node)
+static pzs_real against(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
-    pzs_real e = c->settings.stiffness;
-    for (uint32_t i = 0; i < path->state.iteration && e < FIRM; i++)
+    pzs_real e = contact->settings.stiffness;
+    for (uint32_t i = 0; i < solver->state.iteration && e < FIRM; i++)
         e *= 2;
-    return e * own_stiffness(c, path, node);
+    return e * own_stiffness(contact, solver, node);
 }
 
 /* ---- which nodes ------------------------------------------------------ */
 
 /* facing = normal of the deformed face, out of the shell, times that of the body, summed over the
  * elements of a node. */
-static void find_facing(pzs_contact *c, const pzs_solver *path)
+static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
-    const pzs_structure *s = path->state.model->state.structure;
-    const pzs_real z = height(c, path);
-    memset(c->state.facing, 0, s->nodes * sizeof *c->state.facing);
-    for (uint32_t e = 0; e < s->elements; e++) {
+    const pzs_structure *structure = solver->state.model->state.structure;
+    const pzs_real z = height(contact, solver);
+    memset(contact->state.facing, 0, structure->nodes * sizeof *contact->state.facing);
+    for (uint32_t e = 0; e < structure->elements; e++) {
         pzs_real w[SHELL_NODES][3];
-        pzs_face_gather(path->state.model, s->element[e], SHELL_NODES, z, path->state.displacement,
-                        w);
+        pzs_face_gather(solver->state.model, structure->element[e], SHELL_NODES, z,
+                        solver->state.displacement, w);
         for (unsigned r = 0; r < SHELL_NODES; r++) {
-            const uint16_t node = s->element[e][r];
-            const place at = place_of(c, path, node);
+            const uint16_t node = structure->element[e][r];
+            const place at = place_of(contact, solver, node);
             pzs_real eta[3];
-            pzs_face_normal(&s->type[s->element_type[e]], z, (const pzs_real(*)[3])w, r, eta);
-            c->state.facing[node] +=
-                c->state.face->face == 0 ? -dot(eta, at.normal) : dot(eta, at.normal);
+            pzs_face_normal(&structure->type[structure->element_type[e]], z,
+                            (const pzs_real(*)[3])w, r, eta);
+            contact->state.facing[node] +=
+                contact->state.face->face == 0 ? -dot(eta, at.normal) : dot(eta, at.normal);
         }
     }
 }
 
 /* May a node touch at all: does it point at the body, and can it move? */
-static int may_touch(const pzs_contact *c, const pzs_solver *path, uint16_t node)
+static int may_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
-    return c->state.facing[node] < 0 && own_stiffness(c, path, node) > 0;
+    return contact->state.facing[node] < 0 && own_stiffness(contact, solver, node) > 0;
 }
 
 /* Does a node belong into contact, by its gap and pressure? A closed one does while it is pressed.
  */
-static int belongs(const pzs_contact *c, const pzs_solver *path, uint16_t node)
+static int belongs(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
-    if (!may_touch(c, path, node))
+    if (!may_touch(contact, solver, node))
         return 0;
-    const pzs_real gap = place_of(c, path, node).gap, closed = contact_closed(c);
+    const pzs_real gap = place_of(contact, solver, node).gap, closed = contact_closed(contact);
     const pzs_real least = gap < 0 && gap >= -closed ? 0 : gap;
-    if (!c->state.touching[node])
+    if (!contact->state.touching[node])
         return gap < -closed;
-    return c->state.pressure[node] > WEIGHING * own_stiffness(c, path, node) * least;
+    return contact->state.pressure[node] > WEIGHING * own_stiffness(contact, solver, node) * least;
 }
 
 /* The node of smallest gap that may touch, or -1. */
-static int32_t nearest(const pzs_contact *c, const pzs_solver *path)
+static int32_t nearest(const pzs_contact *contact, const pzs_solver *solver)
 {
     int32_t best = -1;
     pzs_real least = 0;
-    for (uint16_t n = 0; n < path->state.model->state.structure->nodes; n++) {
-        const pzs_real gap = may_touch(c, path, n) ? place_of(c, path, n).gap : 0;
-        if (may_touch(c, path, n) && (best < 0 || gap < least)) {
+    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
+        const pzs_real gap = may_touch(contact, solver, n) ? place_of(contact, solver, n).gap : 0;
+        if (may_touch(contact, solver, n) && (best < 0 || gap < least)) {
             best = n;
             least = gap;
         }
@@ -224,195 +225,204 @@ static int32_t nearest(const pzs_contact *c, const pzs_solver *path)
 
 /* Nodes in contact for the first system of a load step: those of the last equilibrium and those
  * that a motion of the body ran into; without any of the former, those whose gap is closed. */
-static void begin(pzs_contact *c, const pzs_solver *path)
+static void begin(pzs_contact *contact, const pzs_solver *solver)
 {
-    const uint16_t nodes = path->state.model->state.structure->nodes;
+    const uint16_t nodes = solver->state.model->state.structure->nodes;
     uint32_t given = 0, added = 0;
     for (uint16_t n = 0; n < nodes; n++)
-        given += c->state.touching[n];
-    const pzs_real most = given > 0 ? -contact_closed(c) : contact_closed(c);
+        given += contact->state.touching[n];
+    const pzs_real most = given > 0 ? -contact_closed(contact) : contact_closed(contact);
     for (uint16_t n = 0; n < nodes; n++)
-        if (!c->state.touching[n] && may_touch(c, path, n) && place_of(c, path, n).gap <= most) {
-            c->state.touching[n] = 1;
+        if (!contact->state.touching[n] && may_touch(contact, solver, n) &&
+            place_of(contact, solver, n).gap <= most) {
+            contact->state.touching[n] = 1;
             added++;
         }
-    c->state.is_warm = given > 0 && added == 0;
-    c->state.has_changed = added > 0;
-    c->state.is_adrift = given + added == 0;
+    contact->state.is_warm = given > 0 && added == 0;
+    contact->state.has_changed = added > 0;
+    contact->state.is_adrift = given + added == 0;
 }
 
 /* Nodes in contact by gap and pressure; of a loose shell the nearest one stays, which nothing
  * settles with (settled). */
-static void choose(pzs_contact *c, const pzs_solver *path)
+static void choose(pzs_contact *contact, const pzs_solver *solver)
 {
-    const uint16_t nodes = path->state.model->state.structure->nodes;
+    const uint16_t nodes = solver->state.model->state.structure->nodes;
     uint32_t count = 0;
     for (uint16_t n = 0; n < nodes; n++) {
-        const uint8_t now = (uint8_t)belongs(c, path, n);
-        c->state.has_changed = (uint8_t)(c->state.has_changed || now != c->state.touching[n]);
-        c->state.touching[n] = now;
+        const uint8_t now = (uint8_t)belongs(contact, solver, n);
+        contact->state.has_changed =
+            (uint8_t)(contact->state.has_changed || now != contact->state.touching[n]);
+        contact->state.touching[n] = now;
         count += now;
         if (!now)
-            c->state.pressure[n] = 0;
+            contact->state.pressure[n] = 0;
     }
-    const int32_t lone = count == 0 && c->state.is_loose ? nearest(c, path) : -1;
-    c->state.is_adrift = lone >= 0;
+    const int32_t lone = count == 0 && contact->state.is_loose ? nearest(contact, solver) : -1;
+    contact->state.is_adrift = lone >= 0;
     if (lone >= 0)
-        c->state.touching[lone] = 1;
+        contact->state.touching[lone] = 1;
 }
 
-static int prepare(pzs_solver_option *option, pzs_solver *path)
+static int prepare(pzs_solver_option *option, pzs_solver *solver)
 {
-    pzs_contact *c = contact_of(option);
-    c->state.has_changed = 0;
-    find_facing(c, path);
-    if (path->state.iteration == 0)
-        begin(c, path);
-    else if (!c->state.is_warm || path->info.relative_increment < QUIET)
-        choose(c, path);
-    return path->state.iteration > 0 || !c->state.is_loose || !c->state.is_adrift;
+    pzs_contact *contact = contact_of(option);
+    contact->state.has_changed = 0;
+    find_facing(contact, solver);
+    if (solver->state.iteration == 0)
+        begin(contact, solver);
+    else if (!contact->state.is_warm || solver->info.relative_increment < QUIET)
+        choose(contact, solver);
+    return solver->state.iteration > 0 || !contact->state.is_loose || !contact->state.is_adrift;
 }
 
-static int settled(pzs_solver_option *option, pzs_solver *path)
+static int settled(pzs_solver_option *option, pzs_solver *solver)
 {
-    pzs_contact *c = contact_of(option);
-    if (c->state.has_changed)
+    pzs_contact *contact = contact_of(option);
+    if (contact->state.has_changed)
         return 0;
-    find_facing(c, path);
-    const pzs_real closed = contact_closed(c);
-    for (uint16_t n = 0; n < path->state.model->state.structure->nodes; n++) {
-        const pzs_real gap = c->state.touching[n] ? place_of(c, path, n).gap : 0;
-        if (gap > closed || gap < -closed || belongs(c, path, n) != c->state.touching[n])
+    find_facing(contact, solver);
+    const pzs_real closed = contact_closed(contact);
+    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
+        const pzs_real gap = contact->state.touching[n] ? place_of(contact, solver, n).gap : 0;
+        if (gap > closed || gap < -closed ||
+            belongs(contact, solver, n) != contact->state.touching[n])
             return 0;
     }
     return 1;
 }
 
-static pzs_status refuses(pzs_solver_option *option, pzs_solver *path)
+static pzs_status refuses(pzs_solver_option *option, pzs_solver *solver)
 {
-    pzs_contact *c = contact_of(option);
-    const pzs_status status = contact_check(c, path);
-    path->state.refused_at = c->info.element;
+    pzs_contact *contact = contact_of(option);
+    const pzs_status status = contact_check(contact, solver);
+    solver->state.refused_at = contact->info.element;
     return status;
 }
 
-static pzs_real longest(pzs_solver_option *option, const pzs_solver *path, const pzs_real *amount)
+static pzs_real longest(pzs_solver_option *option, const pzs_solver *solver, const pzs_real *amount)
 {
-    return contact_longest(contact_of(option), path, amount);
+    return contact_longest(contact_of(option), solver, amount);
 }
 
 /* ---- forces ----------------------------------------------------------- */
 
 /* Stiffness w (e n n' - p Hess g) of a node's face onto its unknowns. */
-static void add_stiffness(const pzs_contact *c, pzs_solver *path, uint16_t node, const place *at,
-                          pzs_real e)
+static void add_stiffness(const pzs_contact *contact, pzs_solver *solver, uint16_t node,
+                          const place *at, pzs_real e)
 {
-    const pzs_real z = height(c, path);
+    const pzs_real z = height(contact, solver);
     pzs_real k[SHELL_PACKED(7)] = {0};
     for (unsigned i = 0; i < 6; i++)
         for (unsigned j = 0; j <= i; j++)
             k[SHELL_PACKED(i) + j] = (i < 3 ? 1 : z) * (j < 3 ? 1 : z) *
                                      (e * at->normal[i % 3] * at->normal[j % 3] -
-                                      c->state.pressure[node] * at->hessian[i % 3][j % 3]);
-    pzs_model_add_matrix(path->state.model, &node, 1, c->state.face->area[node], k);
+                                      contact->state.pressure[node] * at->hessian[i % 3][j % 3]);
+    pzs_model_add_matrix(solver->state.model, &node, 1, contact->state.face->area[node], k);
 }
 
-static void add(pzs_solver_option *option, pzs_solver *path, pzs_real *load)
+static void add(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
 {
-    pzs_contact *c = contact_of(option);
-    memset(c->info.force, 0, sizeof c->info.force);
-    c->info.nodes = 0;
-    for (uint16_t n = 0; n < path->state.model->state.structure->nodes; n++) {
-        if (!c->state.touching[n])
+    pzs_contact *contact = contact_of(option);
+    memset(contact->info.force, 0, sizeof contact->info.force);
+    contact->info.nodes = 0;
+    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
+        if (!contact->state.touching[n])
             continue;
-        const place at = place_of(c, path, n);
-        const pzs_real e = against(c, path, n);
-        const pzs_real push = c->state.face->area[n] * (c->state.pressure[n] - e * at.gap);
+        const place at = place_of(contact, solver, n);
+        const pzs_real e = against(contact, solver, n);
+        const pzs_real push =
+            contact->state.face->area[n] * (contact->state.pressure[n] - e * at.gap);
         pzs_real force[1][3];
         for (int i = 0; i < 3; i++) {
             force[0][i] = push * at.normal[i];
-            c->info.force[i] += c->state.face->area[n] * c->state.pressure[n] * at.global[i];
+            contact->info.force[i] +=
+                contact->state.face->area[n] * contact->state.pressure[n] * at.global[i];
         }
-        pzs_face_scatter(path->state.model, &n, 1, height(c, path), (const pzs_real(*)[3])force,
-                         load);
-        add_stiffness(c, path, n, &at, e);
-        c->info.nodes++;
+        pzs_face_scatter(solver->state.model, &n, 1, height(contact, solver),
+                         (const pzs_real(*)[3])force, load);
+        add_stiffness(contact, solver, n, &at, e);
+        contact->info.nodes++;
     }
 }
 
-static void solved(pzs_solver_option *option, pzs_solver *path, const pzs_real *du)
+static void solved(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
 {
-    pzs_contact *c = contact_of(option);
-    for (uint16_t n = 0; n < path->state.model->state.structure->nodes; n++) {
-        if (!c->state.touching[n])
+    pzs_contact *contact = contact_of(option);
+    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
+        if (!contact->state.touching[n])
             continue;
-        const place at = place_of(c, path, n);
+        const place at = place_of(contact, solver, n);
         pzs_real d[3];
-        displacement(c, path, n, du, d);
-        c->state.pressure[n] -= against(c, path, n) * (at.gap + dot(at.normal, d));
+        displacement(contact, solver, n, du, d);
+        contact->state.pressure[n] -= against(contact, solver, n) * (at.gap + dot(at.normal, d));
     }
 }
 
 /* Force per unit of the body's motion m: its gap falls by n . m, its normal turns by -Hess g m. */
-static void unit(pzs_solver_option *option, pzs_solver *path, uint32_t input, pzs_real *out)
+static void unit(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *out)
 {
-    const pzs_contact *c = contact_of(option);
+    const pzs_contact *contact = contact_of(option);
     for (uint16_t n = 0;
-         input == c->state.face->input && n < path->state.model->state.structure->nodes; n++) {
-        if (!c->state.touching[n])
+         input == contact->state.face->input && n < solver->state.model->state.structure->nodes;
+         n++) {
+        if (!contact->state.touching[n])
             continue;
-        const place at = place_of(c, path, n);
-        const pzs_real e = against(c, path, n);
+        const place at = place_of(contact, solver, n);
+        const pzs_real e = against(contact, solver, n);
         pzs_real force[1][3], m[3];
         for (int i = 0; i < 3; i++)
-            m[i] = dot(c->state.face->triad[n][i], c->state.face->motion);
+            m[i] = dot(contact->state.face->triad[n][i], contact->state.face->motion);
         for (int i = 0; i < 3; i++)
-            force[0][i] = c->state.face->area[n] * (e * dot(at.normal, m) * at.normal[i] -
-                                                    c->state.pressure[n] * dot(at.hessian[i], m));
-        pzs_face_scatter(path->state.model, &n, 1, height(c, path), (const pzs_real(*)[3])force,
-                         out);
+            force[0][i] =
+                contact->state.face->area[n] * (e * dot(at.normal, m) * at.normal[i] -
+                                                contact->state.pressure[n] * dot(at.hessian[i], m));
+        pzs_face_scatter(solver->state.model, &n, 1, height(contact, solver),
+                         (const pzs_real(*)[3])force, out);
     }
 }
 
 /* ---- state ------------------------------------------------------------ */
 
-static void keep(pzs_solver_option *option, pzs_solver *path)
+static void keep(pzs_solver_option *option, pzs_solver *solver)
 {
-    pzs_contact *c = contact_of(option);
-    memcpy(c->state.kept_pressure, c->state.pressure,
-           path->state.model->state.structure->nodes * sizeof *c->state.pressure);
-    memcpy(c->state.kept_touching, c->state.touching, path->state.model->state.structure->nodes);
+    pzs_contact *contact = contact_of(option);
+    memcpy(contact->state.kept_pressure, contact->state.pressure,
+           solver->state.model->state.structure->nodes * sizeof *contact->state.pressure);
+    memcpy(contact->state.kept_touching, contact->state.touching,
+           solver->state.model->state.structure->nodes);
 }
 
-static void restore(pzs_solver_option *option, pzs_solver *path)
+static void restore(pzs_solver_option *option, pzs_solver *solver)
 {
-    pzs_contact *c = contact_of(option);
-    memcpy(c->state.pressure, c->state.kept_pressure,
-           path->state.model->state.structure->nodes * sizeof *c->state.pressure);
-    memcpy(c->state.touching, c->state.kept_touching, path->state.model->state.structure->nodes);
+    pzs_contact *contact = contact_of(option);
+    memcpy(contact->state.pressure, contact->state.kept_pressure,
+           solver->state.model->state.structure->nodes * sizeof *contact->state.pressure);
+    memcpy(contact->state.touching, contact->state.kept_touching,
+           solver->state.model->state.structure->nodes);
 }
 
-static void rest(pzs_solver_option *option, pzs_solver *path)
+static void rest(pzs_solver_option *option, pzs_solver *solver)
 {
-    pzs_contact *c = contact_of(option);
-    memset(c->state.pressure, 0,
-           path->state.model->state.structure->nodes * sizeof *c->state.pressure);
-    memset(c->state.touching, 0, path->state.model->state.structure->nodes);
-    memset(c->info.force, 0, sizeof c->info.force);
-    c->info.nodes = 0;
-    c->info.penetration = 0;
-    c->info.sag = 0;
-    c->info.depth = 0;
-    keep(option, path);
+    pzs_contact *contact = contact_of(option);
+    memset(contact->state.pressure, 0,
+           solver->state.model->state.structure->nodes * sizeof *contact->state.pressure);
+    memset(contact->state.touching, 0, solver->state.model->state.structure->nodes);
+    memset(contact->info.force, 0, sizeof contact->info.force);
+    contact->info.nodes = 0;
+    contact->info.penetration = 0;
+    contact->info.sag = 0;
+    contact->info.depth = 0;
+    keep(option, solver);
 }
 
 /* ---- supports --------------------------------------------------------- */
 
-static int is_fixed(const pzs_solver *path, uint16_t dof)
+static int is_fixed(const pzs_solver *solver, uint16_t dof)
 {
-    const pzs_prescribed_motion *p = &path->state.tables->prescribed;
-    int fixed = dof == PZS_CONSTRAINED ||
-                (path->state.model->state.constrained && path->state.model->state.constrained[dof]);
+    const pzs_prescribed_motion *p = &solver->state.tables->prescribed;
+    int fixed = dof == PZS_CONSTRAINED || (solver->state.model->state.constrained &&
+                                           solver->state.model->state.constrained[dof]);
     for (uint32_t i = 0; i < p->count && !fixed; i++)
         fixed = p->dof[i] == dof;
     return fixed;
@@ -420,15 +430,16 @@ static int is_fixed(const pzs_solver *path, uint16_t dof)
 
 /* gram [6][6] += row row', row = what a rigid motion (translation, rotation times size) does to
  * unknown k < 6 of a node. */
-static void add_support(const pzs_contact *c, pzs_real z, uint16_t node, int k, pzs_real gram[6][6])
+static void add_support(const pzs_contact *contact, pzs_real z, uint16_t node, int k,
+                        pzs_real gram[6][6])
 {
-    const pzs_real(*triad)[3] = c->state.face->triad[node], *e = triad[k % 3];
+    const pzs_real(*triad)[3] = contact->state.face->triad[node], *e = triad[k % 3];
     pzs_real arm[3], row[6];
     for (int i = 0; i < 3; i++)
-        arm[i] =
-            k < 3 ? (c->state.face->place[node][i] - z * triad[2][i] - c->state.face->place[0][i]) /
-                        c->state.face->size
-                  : triad[2][i];
+        arm[i] = k < 3 ? (contact->state.face->place[node][i] - z * triad[2][i] -
+                          contact->state.face->place[0][i]) /
+                             contact->state.face->size
+                       : triad[2][i];
     for (int i = 0; i < 3; i++) {
         row[i] = k < 3 ? e[i] : 0;
         row[3 + i] = arm[(i + 1) % 3] * e[(i + 2) % 3] - arm[(i + 2) % 3] * e[(i + 1) % 3];
@@ -443,14 +454,15 @@ static void add_support(const pzs_contact *c, pzs_real z, uint16_t node, int k, 
  * support is a row of size 1; what is left of a motion after the others must be above the rounding
  * of their sum, and a thousandth of a row.
  */
-static int is_loose(const pzs_contact *c, const pzs_solver *path)
+static int is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {
-    const pzs_structure *s = path->state.model->state.structure;
+    const pzs_structure *structure = solver->state.model->state.structure;
     pzs_real gram[6][6] = {{0}}, least[6];
-    for (uint16_t n = 0; n < s->nodes; n++)
+    for (uint16_t n = 0; n < structure->nodes; n++)
         for (int k = 0; k < 6; k++)
-            if (is_fixed(path, s->node_dof[(size_t)n * s->dof_per_node + (size_t)k]))
-                add_support(c, height(c, path), n, k, gram);
+            if (is_fixed(solver,
+                         structure->node_dof[(size_t)n * structure->dof_per_node + (size_t)k]))
+                add_support(contact, height(contact, solver), n, k, gram);
     for (int i = 0; i < 6; i++)
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int p = 0; p < 6; p++) {
@@ -473,15 +485,15 @@ static int choices_in_range(const pzs_solver_option *option)
 
 /* A loose shell: it does not touch the body or is not pressed onto it; or its first contact leaves
  * it free to slide. */
-static int adrift(const pzs_solver_option *option, const pzs_solver *path)
+static int adrift(const pzs_solver_option *option, const pzs_solver *solver)
 {
-    const pzs_contact *c = (const pzs_contact *)(const void *)option;
+    const pzs_contact *contact = (const pzs_contact *)(const void *)option;
     uint32_t kept = 0;
-    for (uint16_t n = 0; n < path->state.model->state.structure->nodes; n++)
-        kept += c->state.kept_touching[n];
-    return c->state.is_loose &&
-           (c->state.is_adrift ||
-            (kept == 0 && (path->info.where >= 0 || path->info.negative_pivots > 0)));
+    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++)
+        kept += contact->state.kept_touching[n];
+    return contact->state.is_loose &&
+           (contact->state.is_adrift ||
+            (kept == 0 && (solver->info.where >= 0 || solver->info.negative_pivots > 0)));
 }
 
 static const struct pzs_solver_option_calls calls = {
@@ -502,15 +514,15 @@ static const struct pzs_solver_option_calls calls = {
 
 /* ---- attach ------------------------------------------------------------- */
 
-uint32_t pzs_contact_crc(const pzs_contact_face *f, const pzs_structure *s)
+uint32_t pzs_contact_crc(const pzs_contact_face *face, const pzs_structure *structure)
 {
-    const uint16_t whole[2] = {f->face, f->input};
+    const uint16_t whole[2] = {face->face, face->input};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
-    crc = pzs_guard_crc(crc, f->motion, sizeof f->motion);
-    crc = pzs_guard_crc(crc, &f->size, sizeof f->size);
-    crc = pzs_guard_crc(crc, f->place, s->nodes * sizeof *f->place);
-    crc = pzs_guard_crc(crc, f->triad, s->nodes * sizeof *f->triad);
-    return ~pzs_guard_crc(crc, f->area, s->nodes * sizeof *f->area);
+    crc = pzs_guard_crc(crc, face->motion, sizeof face->motion);
+    crc = pzs_guard_crc(crc, &face->size, sizeof face->size);
+    crc = pzs_guard_crc(crc, face->place, structure->nodes * sizeof *face->place);
+    crc = pzs_guard_crc(crc, face->triad, structure->nodes * sizeof *face->triad);
+    return ~pzs_guard_crc(crc, face->area, structure->nodes * sizeof *face->area);
 }
 
 pzs_status pzs_contact_face_seal(pzs_contact_face *tables, const pzs_structure *structure)
@@ -551,38 +563,40 @@ static pzs_status check_body(const pzs_body *body, int32_t *where)
     return has_axis && !(PZS_ABS(off) <= UNIT) ? PZS_E_ARGUMENT : PZS_OK;
 }
 
-static pzs_status check(const pzs_contact_face *f, const pzs_structure *s)
+static pzs_status check(const pzs_contact_face *face, const pzs_structure *structure)
 {
-    if (!f->place || !f->triad || !f->area)
+    if (!face->place || !face->triad || !face->area)
         return PZS_E_ARGUMENT;
-    if (f->format != PZS_TABLE_FORMAT || f->scene != s->scene)
+    if (face->format != PZS_TABLE_FORMAT || face->scene != structure->scene)
         return PZS_E_FORMAT;
-    if (pzs_contact_crc(f, s) != f->crc)
+    if (pzs_contact_crc(face, structure) != face->crc)
         return PZS_E_CRC;
-    if (pzs_guard_nonfinite(f->motion, 3) >= 0 || pzs_guard_nonfinite(&f->size, 1) >= 0)
+    if (pzs_guard_nonfinite(face->motion, 3) >= 0 || pzs_guard_nonfinite(&face->size, 1) >= 0)
         return PZS_E_ARGUMENT;
-    return f->face <= 1 && f->size > 0 && (f->input < s->input.count || f->input == NO_MOTION)
+    return face->face <= 1 && face->size > 0 &&
+                   (face->input < structure->input.count || face->input == NO_MOTION)
                ? PZS_OK
                : PZS_E_ARGUMENT;
 }
 
-pzs_status pzs_attach_contact(pzs_solver *path, pzs_contact *contact, const pzs_contact_face *face,
-                              const pzs_body *body, void *work, size_t bytes)
+pzs_status pzs_attach_contact(pzs_solver *solver, pzs_contact *contact,
+                              const pzs_contact_face *face, const pzs_body *body, void *work,
+                              size_t bytes)
 {
-    if (!path || !path->state.model || !contact || !face || !body || !body->gap || !work)
+    if (!solver || !solver->state.model || !contact || !face || !body || !body->gap || !work)
         return PZS_E_ARGUMENT;
-    pzs_status status = check(face, path->state.model->state.structure);
+    pzs_status status = check(face, solver->state.model->state.structure);
     if (status == PZS_OK)
-        status = check_body(body, &path->info.where);
+        status = check_body(body, &solver->info.where);
     if (status != PZS_OK)
         return status;
-    const uint16_t nodes = path->state.model->state.structure->nodes;
+    const uint16_t nodes = solver->state.model->state.structure->nodes;
     const int32_t lacking = guard_missing_bytes(work, bytes, PZS_CONTACT_BYTES(nodes));
     if (lacking >= 0) {
-        path->info.where = lacking;
+        solver->info.where = lacking;
         return PZS_E_WORKSPACE;
     }
-    if (pzs_nonlinear_is_attached(path, &contact->option))
+    if (pzs_nonlinear_is_attached(solver, &contact->option))
         return PZS_E_ARGUMENT;
     memset(contact, 0, sizeof *contact);
     contact->state.face = face;
@@ -595,10 +609,10 @@ pzs_status pzs_attach_contact(pzs_solver *path, pzs_contact *contact, const pzs_
     contact->info.pressure = contact->state.pressure;
     contact->settings.stiffness = 10;
     contact->info.node = PZS_CONSTRAINED;
-    contact->state.reach = contact_reach(contact, path->state.model->state.structure);
-    contact->state.is_loose = is_loose(contact, path);
-    rest(&contact->option, path);
-    pzs_nonlinear_attach(path, &contact->option, &calls);
+    contact->state.reach = contact_reach(contact, solver->state.model->state.structure);
+    contact->state.is_loose = is_loose(contact, solver);
+    rest(&contact->option, solver);
+    pzs_nonlinear_attach(solver, &contact->option, &calls);
     return PZS_OK;
 }
 

@@ -19,19 +19,20 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-pzs_real contact_closed(const pzs_contact *c)
+pzs_real contact_closed(const pzs_contact *contact)
 {
     const pzs_real rounding = 32 * PZS_EPSILON;
-    return c->state.face->size * (rounding > (pzs_real)1e-8 ? rounding : (pzs_real)1e-8);
+    return contact->state.face->size * (rounding > (pzs_real)1e-8 ? rounding : (pzs_real)1e-8);
 }
 
 /* ---- places in the frame of the body ------------------------------------ */
 
 /* Amount of the body's motion among the amounts; 0 for a body that stays. */
-static pzs_real motion_of(const pzs_contact *c, const pzs_solver *path, const pzs_real *amount)
+static pzs_real motion_of(const pzs_contact *contact, const pzs_solver *solver,
+                          const pzs_real *amount)
 {
-    return c->state.face->input < path->state.model->state.structure->input.count
-               ? amount[c->state.face->input]
+    return contact->state.face->input < solver->state.model->state.structure->input.count
+               ? amount[contact->state.face->input]
                : 0;
 }
 
@@ -41,30 +42,30 @@ static pzs_real motion_of(const pzs_contact *c, const pzs_solver *path, const pz
  *   amount [inputs]   in
  *   x      [count][3] out
  */
-static void find_places(const pzs_contact *c, const pzs_solver *path, const uint16_t *node,
+static void find_places(const pzs_contact *contact, const pzs_solver *solver, const uint16_t *node,
                         unsigned count, pzs_real z, const pzs_real *u, const pzs_real *amount,
                         pzs_real (*x)[3])
 {
-    const pzs_contact_face *f = c->state.face;
-    const pzs_real up = z - pzs_face_height(path->state.model->state.structure, f->face);
-    const pzs_real moved = motion_of(c, path, amount);
-    pzs_face_gather(path->state.model, node, count, z, u, x);
+    const pzs_contact_face *face = contact->state.face;
+    const pzs_real up = z - pzs_face_height(solver->state.model->state.structure, face->face);
+    const pzs_real moved = motion_of(contact, solver, amount);
+    pzs_face_gather(solver->state.model, node, count, z, u, x);
     for (unsigned r = 0; r < count; r++) {
-        const pzs_real(*triad)[3] = f->triad[node[r]];
+        const pzs_real(*triad)[3] = face->triad[node[r]];
         const pzs_real w[3] = {x[r][0], x[r][1], x[r][2] + up};
         for (int i = 0; i < 3; i++)
-            x[r][i] = f->place[node[r]][i] - moved * f->motion[i] + w[0] * triad[0][i] +
+            x[r][i] = face->place[node[r]][i] - moved * face->motion[i] + w[0] * triad[0][i] +
                       w[1] * triad[1][i] + w[2] * triad[2][i];
     }
 }
 
-pzs_real contact_reach(const pzs_contact *c, const pzs_structure *s)
+pzs_real contact_reach(const pzs_contact *contact, const pzs_structure *structure)
 {
     pzs_real most = 0;
-    for (uint32_t e = 0; e < s->elements; e++)
+    for (uint32_t e = 0; e < structure->elements; e++)
         for (int k = 0; k < 2; k++) {
-            const pzs_real *a = c->state.face->place[s->element[e][k]];
-            const pzs_real *b = c->state.face->place[s->element[e][k + 2]];
+            const pzs_real *a = contact->state.face->place[structure->element[e][k]];
+            const pzs_real *b = contact->state.face->place[structure->element[e][k + 2]];
             const pzs_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
             const pzs_real size2 = dot(d, d);
             most = size2 > most ? size2 : most;
@@ -81,10 +82,10 @@ typedef struct nearby {
     pzs_real radius;     /* smallest radius of curvature of the body; 0: flat */
 } nearby;
 
-static pzs_real gap_at(const pzs_contact *c, const pzs_real x[3], pzs_real normal[3])
+static pzs_real gap_at(const pzs_contact *contact, const pzs_real x[3], pzs_real normal[3])
 {
     pzs_real hessian[3][3];
-    return c->state.body->gap(c->state.body, x, normal, hessian);
+    return contact->state.body->gap(contact->state.body, x, normal, hessian);
 }
 
 /* The larger eigenvalue of P H P, P = 1 - n n'. Its trace and Frobenius norm give both of them. */
@@ -102,11 +103,11 @@ static pzs_real largest_curvature(const pzs_real h[3][3])
 
 /* Distances grow by 1 with each unit of the gap, and so do their radii: the body's own is
  * 1/curvature - gap. */
-static nearby body_at(const pzs_contact *c, const pzs_real x[3])
+static nearby body_at(const pzs_contact *contact, const pzs_real x[3])
 {
     nearby at;
     pzs_real h[3][3], left[3];
-    at.gap = c->state.body->gap(c->state.body, x, at.normal, h);
+    at.gap = contact->state.body->gap(contact->state.body, x, at.normal, h);
     for (int i = 0; i < 3; i++)
         left[i] = dot(h[i], at.normal);
     const pzs_real across = dot(left, at.normal);
@@ -118,7 +119,7 @@ static nearby body_at(const pzs_contact *c, const pzs_real x[3])
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             at.bend[i][j] += curvature * at.normal[i] * at.normal[j];
-    at.radius = curvature * c->state.face->size > PZS_EPSILON ? 1 / curvature - at.gap : 0;
+    at.radius = curvature * contact->state.face->size > PZS_EPSILON ? 1 / curvature - at.gap : 0;
     return at;
 }
 
@@ -207,13 +208,13 @@ static pzs_real allowed(const facet *f, pzs_real a, pzs_real b, const pzs_real x
 /* Is a point now deeper in the body than a node or a sagging facet may be? */
 static int is_inside(facet *f, pzs_real a, pzs_real b)
 {
-    const pzs_contact *c = f->contact;
+    const pzs_contact *contact = f->contact;
     const int is_corner = (a == 0 || a == 1) && (b == 0 || b == 1);
     pzs_real x[3];
     place_in((const pzs_real(*)[3])f->corner[1], a, b, x);
-    const nearby at = body_at(c, x);
+    const nearby at = body_at(contact, x);
     find_slopes(f, a, b, 1, at.normal);
-    const pzs_real most = 2 * contact_closed(c);
+    const pzs_real most = 2 * contact_closed(contact);
     if (at.gap >= -most)
         return 0;
     if (!is_corner && at.gap >= -most - allowed(f, a, b, x, &at)) {
@@ -229,16 +230,16 @@ static int is_inside(facet *f, pzs_real a, pzs_real b)
  * Has a point come from before the body to behind it, through the body? The normal of the least gap
  * on the way into `normal`; returns the time, 0 to 1, or -1: it has.
  */
-static pzs_real follow(const pzs_contact *c, const pzs_real from[3], const pzs_real to[3],
+static pzs_real follow(const pzs_contact *contact, const pzs_real from[3], const pzs_real to[3],
                        pzs_real normal[3])
 {
     const pzs_real d[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-    const pzs_real closed = 2 * contact_closed(c);
+    const pzs_real closed = 2 * contact_closed(contact);
     pzs_real behind[3], low = 0, high = 1;
-    const pzs_real gap = gap_at(c, from, normal);
+    const pzs_real gap = gap_at(contact, from, normal);
     if (gap < -closed || !(dot(normal, d) < 0))
         return 0;
-    gap_at(c, to, behind);
+    gap_at(contact, to, behind);
     const int passes = dot(normal, behind) < 0;
     memcpy(normal, behind, sizeof behind);
     if (!(dot(normal, d) > 0))
@@ -247,7 +248,7 @@ static pzs_real follow(const pzs_contact *c, const pzs_real from[3], const pzs_r
         const pzs_real middle = (low + high) / 2;
         const pzs_real x[3] = {from[0] + middle * d[0], from[1] + middle * d[1],
                                from[2] + middle * d[2]};
-        if (gap_at(c, x, normal) < -closed && passes)
+        if (gap_at(contact, x, normal) < -closed && passes)
             return -1;
         if (dot(normal, d) > 0)
             high = middle;
@@ -362,53 +363,54 @@ static int looks_away(const facet *f)
     return 1;
 }
 
-static finding element_fault(pzs_contact *c, const pzs_solver *path, uint32_t e, pzs_real z)
+static finding element_fault(pzs_contact *contact, const pzs_solver *solver, uint32_t e, pzs_real z)
 {
-    const uint16_t *node = path->state.model->state.structure->element[e];
-    facet f = {.contact = c};
-    find_places(c, path, node, SHELL_NODES, z, path->state.kept_displacement,
-                path->state.kept_input_value, f.corner[0]);
-    find_places(c, path, node, SHELL_NODES, z, path->state.displacement, path->state.input_value,
-                f.corner[1]);
+    const uint16_t *node = solver->state.model->state.structure->element[e];
+    facet f = {.contact = contact};
+    find_places(contact, solver, node, SHELL_NODES, z, solver->state.kept_displacement,
+                solver->state.kept_input_value, f.corner[0]);
+    find_places(contact, solver, node, SHELL_NODES, z, solver->state.displacement,
+                solver->state.input_value, f.corner[1]);
     for (unsigned r = 0; r < SHELL_NODES; r++)
-        f.supported |= c->state.touching[node[r]];
+        f.supported |= contact->state.touching[node[r]];
     search_facet(&f);
     if (f.found.node != PZS_CONSTRAINED)
         f.found.node = node[f.found.node];
-    f.found.is_behind =
-        f.found.how && c->info.nodes > 0 && f.found.how != PZS_PENETRATION_PASSED && looks_away(&f);
+    f.found.is_behind = f.found.how && contact->info.nodes > 0 &&
+                        f.found.how != PZS_PENETRATION_PASSED && looks_away(&f);
     return f.found;
 }
 
-static void report(pzs_contact *c, const pzs_solver *path, const finding *found, uint32_t e,
+static void report(pzs_contact *contact, const pzs_solver *solver, const finding *found, uint32_t e,
                    uint8_t side)
 {
-    const pzs_real moved = motion_of(c, path, path->state.input_value);
-    c->info.penetration = found->how;
-    c->info.side = side;
-    c->info.element = (uint16_t)e;
-    c->info.node = found->node;
-    c->info.depth = found->depth;
+    const pzs_real moved = motion_of(contact, solver, solver->state.input_value);
+    contact->info.penetration = found->how;
+    contact->info.side = side;
+    contact->info.element = (uint16_t)e;
+    contact->info.node = found->node;
+    contact->info.depth = found->depth;
     for (int i = 0; i < 3; i++)
-        c->info.spot[i] = found->spot[i] + moved * c->state.face->motion[i];
+        contact->info.spot[i] = found->spot[i] + moved * contact->state.face->motion[i];
 }
 
-pzs_status contact_check(pzs_contact *c, const pzs_solver *path)
+pzs_status contact_check(pzs_contact *contact, const pzs_solver *solver)
 {
-    const pzs_structure *s = path->state.model->state.structure;
+    const pzs_structure *structure = solver->state.model->state.structure;
     pzs_status status = PZS_OK;
-    c->info.sag = 0;
-    c->info.depth = 0;
-    c->info.penetration = 0;
-    for (uint32_t i = 0; i < 2 * (uint32_t)s->elements && !PZS_IS_ERROR(status); i++) {
-        const uint32_t e = i % s->elements;
-        const uint8_t side = i < s->elements ? c->state.face->face : 1 - c->state.face->face;
-        const finding found = element_fault(c, path, e, pzs_face_height(s, side));
+    contact->info.sag = 0;
+    contact->info.depth = 0;
+    contact->info.penetration = 0;
+    for (uint32_t i = 0; i < 2 * (uint32_t)structure->elements && !PZS_IS_ERROR(status); i++) {
+        const uint32_t e = i % structure->elements;
+        const uint8_t side =
+            i < structure->elements ? contact->state.face->face : 1 - contact->state.face->face;
+        const finding found = element_fault(contact, solver, e, pzs_face_height(structure, side));
         if (!found.how ||
-            (found.is_behind && status == PZS_W_BEHIND && found.depth <= c->info.depth))
+            (found.is_behind && status == PZS_W_BEHIND && found.depth <= contact->info.depth))
             continue;
         status = found.is_behind ? PZS_W_BEHIND : PZS_E_PENETRATION;
-        report(c, path, &found, e, side);
+        report(contact, solver, &found, e, side);
     }
     return status;
 }
@@ -417,7 +419,7 @@ pzs_status contact_check(pzs_contact *c, const pzs_solver *path)
 
 /* Part of the body's way d, from 0 to 1, after which it is as near to x as `near`: gaps fall by
  * at most |d|. */
-static pzs_real free_part(const pzs_contact *c, const pzs_real x[3], const pzs_real d[3],
+static pzs_real free_part(const pzs_contact *contact, const pzs_real x[3], const pzs_real d[3],
                           pzs_real near)
 {
     const pzs_real length = PZS_SQRT(dot(d, d));
@@ -425,7 +427,7 @@ static pzs_real free_part(const pzs_contact *c, const pzs_real x[3], const pzs_r
     for (int i = 0; i < WAY_STEPS && part < 1; i++) {
         const pzs_real at[3] = {x[0] - part * d[0], x[1] - part * d[1], x[2] - part * d[2]};
         pzs_real normal[3];
-        const pzs_real left = gap_at(c, at, normal) - near;
+        const pzs_real left = gap_at(contact, at, normal) - near;
         if (left > 0 && dot(normal, d) <= 0)
             return 1;
         if (!(left > near / 16))
@@ -435,21 +437,23 @@ static pzs_real free_part(const pzs_contact *c, const pzs_real x[3], const pzs_r
     return part < 1 ? part : 1;
 }
 
-pzs_real contact_longest(const pzs_contact *c, const pzs_solver *path, const pzs_real *amount)
+pzs_real contact_longest(const pzs_contact *contact, const pzs_solver *solver,
+                         const pzs_real *amount)
 {
-    const pzs_contact_face *f = c->state.face;
-    const pzs_real moved =
-        motion_of(c, path, amount) - motion_of(c, path, path->state.kept_input_value);
-    const pzs_real d[3] = {moved * f->motion[0], moved * f->motion[1], moved * f->motion[2]};
+    const pzs_contact_face *face = contact->state.face;
+    const pzs_real moved = motion_of(contact, solver, amount) -
+                           motion_of(contact, solver, solver->state.kept_input_value);
+    const pzs_real d[3] = {moved * face->motion[0], moved * face->motion[1],
+                           moved * face->motion[2]};
     const pzs_real length = PZS_SQRT(dot(d, d)),
-                   z = pzs_face_height(path->state.model->state.structure, f->face);
-    pzs_real part = 1, radius = f->size;
-    for (uint16_t n = 0; length > 0 && n < path->state.model->state.structure->nodes; n++) {
+                   z = pzs_face_height(solver->state.model->state.structure, face->face);
+    pzs_real part = 1, radius = face->size;
+    for (uint16_t n = 0; length > 0 && n < solver->state.model->state.structure->nodes; n++) {
         pzs_real x[1][3];
-        find_places(c, path, &n, 1, z, path->state.kept_displacement, path->state.kept_input_value,
-                    x);
-        const nearby at = body_at(c, x[0]);
-        const pzs_real most = free_part(c, x[0], d, c->state.reach);
+        find_places(contact, solver, &n, 1, z, solver->state.kept_displacement,
+                    solver->state.kept_input_value, x);
+        const nearby at = body_at(contact, x[0]);
+        const pzs_real most = free_part(contact, x[0], d, contact->state.reach);
         part = most < part ? most : part;
         radius = at.radius > 0 && at.radius < radius ? at.radius : radius;
     }

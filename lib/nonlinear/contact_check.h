@@ -24,14 +24,14 @@ pzs_real contact_reach(const pzs_contact *contact, const pzs_structure *structur
  * Does the body enter the shell at path->u, or has it passed through since the last equilibrium?
  * PZS_OK or PZS_E_PENETRATION. contact->entered, element, node, spot and depth say where.
  */
-pzs_status contact_check(pzs_contact *contact, const pzs_solver *path);
+pzs_status contact_check(pzs_contact *contact, const pzs_solver *solver);
 
 /*
  * Largest part, at most 1, of the way from the last equilibrium to the amounts that one load step
  * may take: until the body comes as near to a node as an element reaches, and then by half the
  * smallest radius of the body. amount [inputs] in
  */
-pzs_real contact_longest(const pzs_contact *contact, const pzs_solver *path,
+pzs_real contact_longest(const pzs_contact *contact, const pzs_solver *solver,
                          const pzs_real *amount);
 
 #endif

@@ -21,155 +21,162 @@ static pzs_circuit *circuit_of(pzs_solver_option *option)
 
 /* Charge at path->u: the resultants of a volt times the strains, their sign turned, and what flows
  * while these are held. */
-static pzs_real charge_at(const pzs_solver *path, const pzs_electrodes *t, uint32_t electrode)
+static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables,
+                          uint32_t electrode)
 {
-    const pzs_structure *s = path->state.model->state.structure;
-    const pzs_prescribed_resultants *g = &path->state.tables->given;
-    const uint16_t input = t->input[electrode];
+    const pzs_structure *structure = solver->state.model->state.structure;
+    const pzs_prescribed_resultants *g = &solver->state.tables->given;
+    const uint16_t input = tables->input[electrode];
     pzs_real charge = 0;
     for (uint32_t i = g->start[input]; i < g->start[input + 1]; i++) {
         pzs_real u[SHELL_MAX], e[SHELL_MODES][SHELL_STRAINS];
-        pzs_model_gather(path->state.model, s->element[g->element[i]], SHELL_NODES,
-                         path->state.displacement, u);
-        pzs_shell_strains_at(&s->type[s->element_type[g->element[i]]], s->dof_per_node, u, e);
+        pzs_model_gather(solver->state.model, structure->element[g->element[i]], SHELL_NODES,
+                         solver->state.displacement, u);
+        pzs_shell_strains_at(&structure->type[structure->element_type[g->element[i]]],
+                             structure->dof_per_node, u, e);
         charge -= pzs_linalg_inner(g->value[g->which[i]], e[0], SHELL_STRAINS);
     }
-    for (uint32_t i = t->direct.start[electrode]; i < t->direct.start[electrode + 1]; i++)
-        charge += t->direct.value[i] * path->state.input_value[t->direct.dof[i]];
+    for (uint32_t i = tables->direct.start[electrode]; i < tables->direct.start[electrode + 1]; i++)
+        charge += tables->direct.value[i] * solver->state.input_value[tables->direct.dof[i]];
     return charge;
 }
 
-pzs_status pzs_charges_at(const pzs_solver *path, const pzs_electrodes *tables, pzs_real *charge)
+pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables, pzs_real *charge)
 {
-    if (!path || !path->state.model || !tables || !charge || !path->state.tables->given.start)
+    if (!solver || !solver->state.model || !tables || !charge || !solver->state.tables->given.start)
         return PZS_E_ARGUMENT;
     for (uint32_t k = 0; k < tables->count; k++)
-        charge[k] = charge_at(path, tables, k);
+        charge[k] = charge_at(solver, tables, k);
     return PZS_OK;
 }
 
 /* Force of a volt on open electrode a.  f [dof] out */
-static void volt_force(const pzs_circuit *c, pzs_solver *path, uint32_t a, pzs_real *f)
+static void volt_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t a, pzs_real *f)
 {
-    memset(f, 0, path->state.model->state.structure->free_dof * sizeof *f);
-    pzs_nonlinear_unit_force(path, pzs_electrode_open_input(c->state.tables, a), f);
+    memset(f, 0, solver->state.model->state.structure->free_dof * sizeof *f);
+    pzs_nonlinear_unit_force(solver, pzs_electrode_open_input(circuit->state.tables, a), f);
 }
 
 /* z = K^-1 z, where prescribed unknowns do not move. */
-static void solve_free(pzs_solver *path, pzs_real *z)
+static void solve_free(pzs_solver *solver, pzs_real *z)
 {
-    pzs_nonlinear_clear_prescribed(path, z);
-    pzs_model_backsolve(path->state.model, z, z);
+    pzs_nonlinear_clear_prescribed(solver, z);
+    pzs_model_backsolve(solver->state.model, z, z);
 }
 
 /* Charge per volt between open electrodes at path->u, factored; f, z [dof] work. Returns whether it
  * can be solved. */
-static int factor_open(pzs_circuit *c, pzs_solver *path, pzs_real *f, pzs_real *z)
+static int factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *f, pzs_real *z)
 {
-    const uint32_t dof = path->state.model->state.structure->free_dof;
-    pzs_linalg_clear(&c->state.open);
-    for (uint32_t a = 0; a < c->state.open.n; a++) {
-        const uint32_t k = pzs_electrode_open(c->state.tables, a);
-        volt_force(c, path, a, z);
-        solve_free(path, z);
+    const uint32_t dof = solver->state.model->state.structure->free_dof;
+    pzs_linalg_clear(&circuit->state.open);
+    for (uint32_t a = 0; a < circuit->state.open.n; a++) {
+        const uint32_t k = pzs_electrode_open(circuit->state.tables, a);
+        volt_force(circuit, solver, a, z);
+        solve_free(solver, z);
         for (uint32_t b = 0; b <= a; b++) {
-            volt_force(c, path, b, f);
-            *pzs_linalg_entry(&c->state.open, a, b) =
+            volt_force(circuit, solver, b, f);
+            *pzs_linalg_entry(&circuit->state.open, a, b) =
                 pzs_linalg_inner(f, z, dof) +
-                pzs_electrode_direct(c->state.tables, k,
-                                     pzs_electrode_open_input(c->state.tables, b));
+                pzs_electrode_direct(circuit->state.tables, k,
+                                     pzs_electrode_open_input(circuit->state.tables, b));
         }
     }
-    const linalg_inertia inertia = pzs_linalg_factor(&c->state.open);
+    const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /* Inertia is additive: a negative pivot of K that open electrodes stiffen away comes back here.
      */
-    path->info.negative_pivots -= inertia.negative < path->info.negative_pivots
-                                      ? inertia.negative
-                                      : path->info.negative_pivots;
+    solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
+                                        ? inertia.negative
+                                        : solver->info.negative_pivots;
     return inertia.zero < 0;
 }
 
-static int condense(pzs_solver_option *option, pzs_solver *path, uint32_t input, pzs_real *du)
+static int condense(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *du)
 {
-    pzs_circuit *c = circuit_of(option);
-    const uint32_t dof = path->state.model->state.structure->free_dof;
-    pzs_real *z = path->state.model->state.work + 2 * (size_t)dof, *f = z + dof;
-    if (input == NEWTON && !factor_open(c, path, f, z))
+    pzs_circuit *circuit = circuit_of(option);
+    const uint32_t dof = solver->state.model->state.structure->free_dof;
+    pzs_real *z = solver->state.model->state.work + 2 * (size_t)dof, *f = z + dof;
+    if (input == NEWTON && !factor_open(circuit, solver, f, z))
         return 0;
-    for (uint32_t a = 0; a < c->state.open.n; a++) {
-        const uint32_t k = pzs_electrode_open(c->state.tables, a);
-        volt_force(c, path, a, f);
-        c->state.voltage_change[a] =
-            input == NEWTON ? c->settings.charge[k] - charge_at(path, c->state.tables, k)
-                            : (c->state.tables->input[k] == input) -
-                                  pzs_electrode_direct(c->state.tables, k, input);
-        c->state.voltage_change[a] -= pzs_linalg_inner(f, du, dof);
+    for (uint32_t a = 0; a < circuit->state.open.n; a++) {
+        const uint32_t k = pzs_electrode_open(circuit->state.tables, a);
+        volt_force(circuit, solver, a, f);
+        circuit->state.voltage_change[a] =
+            input == NEWTON
+                ? circuit->settings.charge[k] - charge_at(solver, circuit->state.tables, k)
+                : (circuit->state.tables->input[k] == input) -
+                      pzs_electrode_direct(circuit->state.tables, k, input);
+        circuit->state.voltage_change[a] -= pzs_linalg_inner(f, du, dof);
     }
-    pzs_linalg_solve(&c->state.open, c->state.voltage_change);
+    pzs_linalg_solve(&circuit->state.open, circuit->state.voltage_change);
     memset(z, 0, dof * sizeof *z);
-    for (uint32_t a = 0; a < c->state.open.n; a++) {
-        volt_force(c, path, a, f);
+    for (uint32_t a = 0; a < circuit->state.open.n; a++) {
+        volt_force(circuit, solver, a, f);
         for (uint32_t i = 0; i < dof; i++)
-            z[i] += c->state.voltage_change[a] * f[i];
+            z[i] += circuit->state.voltage_change[a] * f[i];
     }
-    solve_free(path, z);
+    solve_free(solver, z);
     for (uint32_t i = 0; i < dof; i++)
         du[i] += z[i];
     return 1;
 }
 
 /* The volts into the path's amounts and resultants. */
-static void apply(const pzs_circuit *c, pzs_solver *path)
+static void apply(const pzs_circuit *circuit, pzs_solver *solver)
 {
-    for (uint32_t a = 0; a < c->state.open.n; a++)
-        path->state.input_value[pzs_electrode_open_input(c->state.tables, a)] = c->state.voltage[a];
-    pzs_nonlinear_set_given(path);
+    for (uint32_t a = 0; a < circuit->state.open.n; a++)
+        solver->state.input_value[pzs_electrode_open_input(circuit->state.tables, a)] =
+            circuit->state.voltage[a];
+    pzs_nonlinear_set_given(solver);
 }
 
-static int prepare(pzs_solver_option *option, pzs_solver *path)
+static int prepare(pzs_solver_option *option, pzs_solver *solver)
 {
-    if (path->state.iteration == 0)
-        apply(circuit_of(option), path);
+    if (solver->state.iteration == 0)
+        apply(circuit_of(option), solver);
     return 1;
 }
 
-static void solved(pzs_solver_option *option, pzs_solver *path, const pzs_real *du)
+static void solved(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
 {
-    pzs_circuit *c = circuit_of(option);
+    pzs_circuit *circuit = circuit_of(option);
     (void)du;
-    for (uint32_t a = 0; a < c->state.open.n; a++)
-        c->state.voltage[a] += c->state.voltage_change[a];
-    apply(c, path);
+    for (uint32_t a = 0; a < circuit->state.open.n; a++)
+        circuit->state.voltage[a] += circuit->state.voltage_change[a];
+    apply(circuit, solver);
 }
 
-static int settled(pzs_solver_option *option, pzs_solver *path)
+static int settled(pzs_solver_option *option, pzs_solver *solver)
 {
-    const pzs_circuit *c = circuit_of(option);
-    const pzs_real volt2 = pzs_linalg_inner(c->state.voltage, c->state.voltage, c->state.open.n);
-    const pzs_real change2 =
-        pzs_linalg_inner(c->state.voltage_change, c->state.voltage_change, c->state.open.n);
-    return change2 <= path->settings.tolerance * path->settings.tolerance * volt2;
+    const pzs_circuit *circuit = circuit_of(option);
+    const pzs_real volt2 =
+        pzs_linalg_inner(circuit->state.voltage, circuit->state.voltage, circuit->state.open.n);
+    const pzs_real change2 = pzs_linalg_inner(circuit->state.voltage_change,
+                                              circuit->state.voltage_change, circuit->state.open.n);
+    return change2 <= solver->settings.tolerance * solver->settings.tolerance * volt2;
 }
 
-static void keep(pzs_solver_option *option, pzs_solver *path)
+static void keep(pzs_solver_option *option, pzs_solver *solver)
 {
-    const pzs_circuit *c = circuit_of(option);
-    (void)path;
-    memcpy(c->state.kept_voltage, c->state.voltage, c->state.open.n * sizeof *c->state.voltage);
+    const pzs_circuit *circuit = circuit_of(option);
+    (void)solver;
+    memcpy(circuit->state.kept_voltage, circuit->state.voltage,
+           circuit->state.open.n * sizeof *circuit->state.voltage);
 }
 
-static void restore(pzs_solver_option *option, pzs_solver *path)
+static void restore(pzs_solver_option *option, pzs_solver *solver)
 {
-    const pzs_circuit *c = circuit_of(option);
-    memcpy(c->state.voltage, c->state.kept_voltage, c->state.open.n * sizeof *c->state.voltage);
-    apply(c, path);
+    const pzs_circuit *circuit = circuit_of(option);
+    memcpy(circuit->state.voltage, circuit->state.kept_voltage,
+           circuit->state.open.n * sizeof *circuit->state.voltage);
+    apply(circuit, solver);
 }
 
-static void rest(pzs_solver_option *option, pzs_solver *path)
+static void rest(pzs_solver_option *option, pzs_solver *solver)
 {
-    const pzs_circuit *c = circuit_of(option);
-    memset(c->state.kept_voltage, 0, c->state.open.n * sizeof *c->state.voltage);
-    restore(option, path);
+    const pzs_circuit *circuit = circuit_of(option);
+    memset(circuit->state.kept_voltage, 0, circuit->state.open.n * sizeof *circuit->state.voltage);
+    restore(option, solver);
 }
 
 static const struct pzs_solver_option_calls calls = {
@@ -183,33 +190,33 @@ static const struct pzs_solver_option_calls calls = {
     .condense = condense,
 };
 
-pzs_status pzs_attach_circuit(pzs_solver *path, pzs_circuit *c, const pzs_electrodes *tables,
-                              void *work, size_t bytes)
+pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
+                              const pzs_electrodes *tables, void *work, size_t bytes)
 {
-    if (!path || !path->state.model || !c || !work || !path->state.tables->given.start)
+    if (!solver || !solver->state.model || !circuit || !work || !solver->state.tables->given.start)
         return PZS_E_ARGUMENT;
-    const pzs_status status = pzs_electrode_check(tables, path->state.model->state.structure);
+    const pzs_status status = pzs_electrode_check(tables, solver->state.model->state.structure);
     if (status != PZS_OK)
         return status;
     const uint32_t open = pzs_electrode_open_count(tables);
     const int32_t lacking =
         guard_missing_bytes(work, bytes, PZS_CIRCUIT_BYTES(tables->count, open));
     if (lacking >= 0) {
-        path->info.where = lacking;
+        solver->info.where = lacking;
         return PZS_E_WORKSPACE;
     }
-    if (pzs_nonlinear_is_attached(path, &c->option))
+    if (pzs_nonlinear_is_attached(solver, &circuit->option))
         return PZS_E_ARGUMENT;
-    memset(c, 0, sizeof *c);
-    c->state.tables = tables;
-    c->settings.charge = work;
-    c->state.voltage = c->settings.charge + tables->count;
-    c->state.kept_voltage = c->state.voltage + open;
-    c->state.voltage_change = c->state.kept_voltage + open;
-    memset(work, 0, sizeof *c->settings.charge * ((size_t)tables->count + 3 * (size_t)open));
-    pzs_linalg_dense_layout(&c->state.open, open, c->state.voltage_change + open,
-                            c->state.voltage_change + open + PZS_DENSE(open));
-    pzs_nonlinear_attach(path, &c->option, &calls);
+    memset(circuit, 0, sizeof *circuit);
+    circuit->state.tables = tables;
+    circuit->settings.charge = work;
+    circuit->state.voltage = circuit->settings.charge + tables->count;
+    circuit->state.kept_voltage = circuit->state.voltage + open;
+    circuit->state.voltage_change = circuit->state.kept_voltage + open;
+    memset(work, 0, sizeof *circuit->settings.charge * ((size_t)tables->count + 3 * (size_t)open));
+    pzs_linalg_dense_layout(&circuit->state.open, open, circuit->state.voltage_change + open,
+                            circuit->state.voltage_change + open + PZS_DENSE(open));
+    pzs_nonlinear_attach(solver, &circuit->option, &calls);
     return PZS_OK;
 }
 

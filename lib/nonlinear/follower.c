@@ -58,35 +58,35 @@ static void divide(const turning *n, pzs_real size, turning *x)
 }
 
 /* U_a at corner r. */
-static void set_base(const pzs_element_type *kind, pzs_real z, unsigned r, unsigned a,
+static void set_base(const pzs_element_type *type, pzs_real z, unsigned r, unsigned a,
                      const pzs_real g[3], const turning *t, turning *base)
 {
     const unsigned neighbour = a == 0 ? r ^ 1u : 3u - r;
-    const pzs_real lean = kind->g_mean[r][a][2] + z * kind->g_diff[r][a][2];
+    const pzs_real lean = type->g_mean[r][a][2] + z * type->g_diff[r][a][2];
     memset(base, 0, sizeof *base);
     for (unsigned i = 0; i < 3; i++) {
         base->v[i] = g[i] - lean * t->v[i];
         base->slope[i][BY_DIRECTOR + i] = -lean;
         for (unsigned j = 0; j < 3; j++) {
-            base->slope[i][3 * r + j] = kind->s[r][a][i][j];
-            base->slope[i][3 * neighbour + j] = kind->t[r][a][i][j];
+            base->slope[i][3 * r + j] = type->s[r][a][i][j];
+            base->slope[i][3 * neighbour + j] = type->t[r][a][i][j];
         }
     }
 }
 
 /* n and side at corner r of an element of a kind, per reference area.  w [4][3], t [3] in */
-static void push_at(const pzs_follower *load, const pzs_structure *s, uint16_t kind,
+static void push_at(const pzs_follower *load, const pzs_structure *structure, uint16_t kind,
                     const pzs_real (*w)[3], const pzs_real t[3], unsigned r, turning *n,
                     turning *side)
 {
-    const pzs_real z = pzs_face_height(s, load->normal_face);
+    const pzs_real z = pzs_face_height(structure, load->normal_face);
     pzs_real g[2][3];
     turning director = {{t[0], t[1], t[2]}, {{0}}}, base[2];
-    pzs_face_base(&s->type[kind], z, w, r, g);
+    pzs_face_base(&structure->type[kind], z, w, r, g);
     for (unsigned i = 0; i < 3; i++)
         director.slope[i][BY_DIRECTOR + i] = 1;
     for (unsigned a = 0; a < 2; a++)
-        set_base(&s->type[kind], z, r, a, g[a], &director, &base[a]);
+        set_base(&structure->type[kind], z, r, a, g[a], &director, &base[a]);
     memset(n, 0, sizeof *n);
     memset(side, 0, sizeof *side);
     add_cross(1, &base[0], &base[1], n);
@@ -126,25 +126,25 @@ static void add_part(const turning *x, pzs_real part, pzs_real z_load, pzs_real 
  *   force [24]     out
  *   slope [24][24] out their derivative S; NULL: not wanted
  */
-static void element_force(const pzs_follower *load, const pzs_solver *path, uint32_t e,
+static void element_force(const pzs_follower *load, const pzs_solver *solver, uint32_t e,
                           pzs_real amount, pzs_real *force, pzs_real (*slope)[ALL])
 {
-    const pzs_structure *s = path->state.model->state.structure;
-    const uint16_t *node = s->element[e], kind = s->element_type[e];
-    const pzs_real z = pzs_face_height(s, load->normal_face),
-                   z_load = pzs_face_height(s, load->load_face);
+    const pzs_structure *structure = solver->state.model->state.structure;
+    const uint16_t *node = structure->element[e], kind = structure->element_type[e];
+    const pzs_real z = pzs_face_height(structure, load->normal_face),
+                   z_load = pzs_face_height(structure, load->load_face);
     pzs_real u[SHELL_MAX], w[SHELL_NODES][3];
-    pzs_model_gather(path->state.model, node, SHELL_NODES, path->state.displacement, u);
-    pzs_face_gather(path->state.model, node, SHELL_NODES, z, path->state.displacement, w);
+    pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement, u);
+    pzs_face_gather(solver->state.model, node, SHELL_NODES, z, solver->state.displacement, w);
     memset(force, 0, ALL * sizeof *force);
     if (slope)
         memset(slope, 0, ALL * sizeof *slope);
     for (unsigned from = 0; from < SHELL_NODES; from++) {
         const pzs_real size = amount * load->pressure[node[from]] * load->area[kind][from],
-                       *d = u + from * s->dof_per_node + 3;
+                       *d = u + from * structure->dof_per_node + 3;
         const pzs_real t[3] = {d[0], d[1], 1 + d[2]};
         turning n, side;
-        push_at(load, s, kind, (const pzs_real(*)[3])w, t, from, &n, &side);
+        push_at(load, structure, kind, (const pzs_real(*)[3])w, t, from, &n, &side);
         for (unsigned r = 0; r < SHELL_NODES; r++) {
             const pzs_real part = size * load->share[r == from ? 0 : (r ^ from) == 2 ? 2 : 1];
             if (part != 0)
@@ -158,28 +158,30 @@ static void element_force(const pzs_follower *load, const pzs_solver *path, uint
 /* ---- over the element's unknowns --------------------------------------- */
 
 /* Own unknown of an element's unknown i, or ALL for one that moves no face. */
-static unsigned own_of(unsigned i, unsigned unknowns)
+static unsigned own_of(unsigned i, unsigned dof_per_node)
 {
-    return i % unknowns < OWN ? i / unknowns * OWN + i % unknowns : ALL;
+    return i % dof_per_node < OWN ? i / dof_per_node * OWN + i % dof_per_node : ALL;
 }
 
 /* f [dof] += factor times the forces [24] of an element */
-static void scatter(const pzs_solver *path, uint32_t e, pzs_real factor, const pzs_real *force,
+static void scatter(const pzs_solver *solver, uint32_t e, pzs_real factor, const pzs_real *force,
                     pzs_real *f)
 {
-    const pzs_structure *s = path->state.model->state.structure;
+    const pzs_structure *structure = solver->state.model->state.structure;
     pzs_real all[SHELL_MAX];
-    for (unsigned i = 0; i < SHELL_NODES * (unsigned)s->dof_per_node; i++)
-        all[i] = own_of(i, s->dof_per_node) < ALL ? force[own_of(i, s->dof_per_node)] : 0;
-    pzs_model_scatter(path->state.model, s->element[e], SHELL_NODES, factor, all, f);
+    for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++)
+        all[i] = own_of(i, structure->dof_per_node) < ALL
+                     ? force[own_of(i, structure->dof_per_node)]
+                     : 0;
+    pzs_model_scatter(solver->state.model, structure->element[e], SHELL_NODES, factor, all, f);
 }
 
 /* k [packed] = -(S + S')/2 */
-static void symmetric_tangent(pzs_real (*slope)[ALL], unsigned unknowns, pzs_real *k)
+static void symmetric_tangent(pzs_real (*slope)[ALL], unsigned dof_per_node, pzs_real *k)
 {
     unsigned own[SHELL_MAX];
-    for (unsigned i = 0; i < SHELL_NODES * unknowns; i++) {
-        own[i] = own_of(i, unknowns);
+    for (unsigned i = 0; i < SHELL_NODES * dof_per_node; i++) {
+        own[i] = own_of(i, dof_per_node);
         for (unsigned j = 0; j <= i; j++)
             *k++ = own[i] < ALL && own[j] < ALL
                        ? -(slope[own[i]][own[j]] + slope[own[j]][own[i]]) / 2
@@ -189,64 +191,65 @@ static void symmetric_tangent(pzs_real (*slope)[ALL], unsigned unknowns, pzs_rea
 
 /* ---- calls -------------------------------------------------------------- */
 
-static void add(pzs_solver_option *option, pzs_solver *path, pzs_real *load)
+static void add(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
 {
-    const pzs_follower *t = ((pzs_follower_load *)option)->state.tables;
-    const pzs_structure *s = path->state.model->state.structure;
-    const pzs_real amount = path->state.input_value[t->input];
-    for (uint32_t e = 0; amount != 0 && e < s->elements; e++) {
+    const pzs_follower *tables = ((pzs_follower_load *)option)->state.tables;
+    const pzs_structure *structure = solver->state.model->state.structure;
+    const pzs_real amount = solver->state.input_value[tables->input];
+    for (uint32_t e = 0; amount != 0 && e < structure->elements; e++) {
         pzs_real force[ALL], slope[ALL][ALL], k[SHELL_PACKED(SHELL_MAX)];
-        element_force(t, path, e, amount, force, slope);
-        scatter(path, e, 1, force, load);
-        symmetric_tangent(slope, s->dof_per_node, k);
-        pzs_model_add_matrix(path->state.model, s->element[e], SHELL_NODES, 1, k);
+        element_force(tables, solver, e, amount, force, slope);
+        scatter(solver, e, 1, force, load);
+        symmetric_tangent(slope, structure->dof_per_node, k);
+        pzs_model_add_matrix(solver->state.model, structure->element[e], SHELL_NODES, 1, k);
     }
 }
 
-static void unit(pzs_solver_option *option, pzs_solver *path, uint32_t input, pzs_real *out)
+static void unit(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *out)
 {
-    const pzs_follower *t = ((pzs_follower_load *)option)->state.tables;
-    for (uint32_t e = 0; input == t->input && e < path->state.model->state.structure->elements;
-         e++) {
+    const pzs_follower *tables = ((pzs_follower_load *)option)->state.tables;
+    for (uint32_t e = 0;
+         input == tables->input && e < solver->state.model->state.structure->elements; e++) {
         pzs_real force[ALL];
-        element_force(t, path, e, 1, force, NULL);
-        scatter(path, e, 1, force, out);
+        element_force(tables, solver, e, 1, force, NULL);
+        scatter(solver, e, 1, force, out);
     }
 }
 
 /* (S - S')/2 x */
-static void skew(pzs_solver_option *option, pzs_solver *path, const pzs_real *x, pzs_real factor,
+static void skew(pzs_solver_option *option, pzs_solver *solver, const pzs_real *x, pzs_real factor,
                  pzs_real *y)
 {
-    const pzs_follower *t = ((pzs_follower_load *)option)->state.tables;
-    const pzs_structure *s = path->state.model->state.structure;
-    const pzs_real amount = path->state.input_value[t->input];
-    for (uint32_t e = 0; amount != 0 && e < s->elements; e++) {
+    const pzs_follower *tables = ((pzs_follower_load *)option)->state.tables;
+    const pzs_structure *structure = solver->state.model->state.structure;
+    const pzs_real amount = solver->state.input_value[tables->input];
+    for (uint32_t e = 0; amount != 0 && e < structure->elements; e++) {
         pzs_real force[ALL], slope[ALL][ALL], u[SHELL_MAX], own[ALL];
-        element_force(t, path, e, amount, force, slope);
-        pzs_model_gather(path->state.model, s->element[e], SHELL_NODES, x, u);
+        element_force(tables, solver, e, amount, force, slope);
+        pzs_model_gather(solver->state.model, structure->element[e], SHELL_NODES, x, u);
         for (unsigned i = 0; i < ALL; i++) {
-            own[i] = u[i / OWN * s->dof_per_node + i % OWN];
+            own[i] = u[i / OWN * structure->dof_per_node + i % OWN];
             force[i] = 0;
         }
         for (unsigned i = 0; i < ALL; i++)
             for (unsigned j = 0; j < ALL; j++)
                 force[i] += (slope[i][j] - slope[j][i]) * own[j];
-        scatter(path, e, factor / 2, force, y);
+        scatter(solver, e, factor / 2, force, y);
     }
 }
 
 static const struct pzs_solver_option_calls calls = {.add = add, .unit = unit, .skew = skew};
 
-uint32_t pzs_follower_crc(const pzs_follower *t, const pzs_structure *s)
+uint32_t pzs_follower_crc(const pzs_follower *tables, const pzs_structure *structure)
 {
-    const uint16_t whole[4] = {t->input, t->load_face, t->normal_face, t->true_area};
+    const uint16_t whole[4] = {tables->input, tables->load_face, tables->normal_face,
+                               tables->true_area};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
-    crc = pzs_guard_crc(crc, t->share, sizeof t->share);
-    crc = pzs_guard_crc(crc, t->area, s->types * sizeof *t->area);
-    if (t->lean)
-        crc = pzs_guard_crc(crc, t->lean, s->types * sizeof *t->lean);
-    return ~pzs_guard_crc(crc, t->pressure, s->nodes * sizeof *t->pressure);
+    crc = pzs_guard_crc(crc, tables->share, sizeof tables->share);
+    crc = pzs_guard_crc(crc, tables->area, structure->types * sizeof *tables->area);
+    if (tables->lean)
+        crc = pzs_guard_crc(crc, tables->lean, structure->types * sizeof *tables->lean);
+    return ~pzs_guard_crc(crc, tables->pressure, structure->nodes * sizeof *tables->pressure);
 }
 
 pzs_status pzs_follower_seal(pzs_follower *tables, const pzs_structure *structure)
@@ -259,29 +262,31 @@ pzs_status pzs_follower_seal(pzs_follower *tables, const pzs_structure *structur
     return PZS_OK;
 }
 
-static pzs_status check(const pzs_follower *t, const pzs_structure *s)
+static pzs_status check(const pzs_follower *tables, const pzs_structure *structure)
 {
-    if (!t->area || !t->pressure)
+    if (!tables->area || !tables->pressure)
         return PZS_E_ARGUMENT;
-    if (t->format != PZS_TABLE_FORMAT || t->scene != s->scene)
+    if (tables->format != PZS_TABLE_FORMAT || tables->scene != structure->scene)
         return PZS_E_FORMAT;
-    if (pzs_follower_crc(t, s) != t->crc)
+    if (pzs_follower_crc(tables, structure) != tables->crc)
         return PZS_E_CRC;
-    return t->load_face <= 2 && t->normal_face <= 1 && t->input < s->input.count ? PZS_OK
-                                                                                 : PZS_E_ARGUMENT;
+    return tables->load_face <= 2 && tables->normal_face <= 1 &&
+                   tables->input < structure->input.count
+               ? PZS_OK
+               : PZS_E_ARGUMENT;
 }
 
-pzs_status pzs_attach_follower(pzs_solver *path, pzs_follower_load *load,
+pzs_status pzs_attach_follower(pzs_solver *solver, pzs_follower_load *load,
                                const pzs_follower *tables)
 {
-    if (!path || !path->state.model || !load || !tables ||
-        pzs_nonlinear_is_attached(path, &load->option))
+    if (!solver || !solver->state.model || !load || !tables ||
+        pzs_nonlinear_is_attached(solver, &load->option))
         return PZS_E_ARGUMENT;
-    const pzs_status status = check(tables, path->state.model->state.structure);
+    const pzs_status status = check(tables, solver->state.model->state.structure);
     if (status != PZS_OK)
         return status;
     load->state.tables = tables;
-    pzs_nonlinear_attach(path, &load->option, &calls);
+    pzs_nonlinear_attach(solver, &load->option, &calls);
     return PZS_OK;
 }
 

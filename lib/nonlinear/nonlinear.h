@@ -67,21 +67,21 @@ uint32_t pzs_follower_crc(const pzs_follower *tables, const pzs_structure *struc
 uint32_t pzs_contact_crc(const pzs_contact_face *tables, const pzs_structure *structure);
 
 /* Once in the list, an option must not come into it again: the list would have no end. */
-int pzs_nonlinear_is_attached(const pzs_solver *path, const pzs_solver_option *option);
+int pzs_nonlinear_is_attached(const pzs_solver *solver, const pzs_solver_option *option);
 
 /* Put an option in front of those attached; its state counts as that of the last equilibrium. */
-void pzs_nonlinear_attach(pzs_solver *path, pzs_solver_option *option,
+void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
                           const struct pzs_solver_option_calls *call);
 
 /* ---- inputs ------------------------------------------------------------- */
 
 /* H0 of every element at the present amounts, per unit of its stiffness factor, into path->given.
  */
-void pzs_nonlinear_set_given(pzs_solver *path);
+void pzs_nonlinear_set_given(pzs_solver *solver);
 
 /* Force at path->u per unit of an input, onto force [dof]: a dead load's row, -L(u)' H0, or that of
  * an option. */
-void pzs_nonlinear_unit_force(pzs_solver *path, uint32_t input, pzs_real *force);
+void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *force);
 
 /* ---- one system --------------------------------------------------------- */
 
@@ -90,25 +90,25 @@ void pzs_nonlinear_unit_force(pzs_solver *path, uint32_t input, pzs_real *force)
  *   plain     in        geometric part by the true resultants instead of the extrapolated ones
  *   imbalance [dof] out load - internal force; path->load gets the load
  */
-void pzs_nonlinear_build(pzs_solver *path, int plain, pzs_real *imbalance);
+void pzs_nonlinear_build(pzs_solver *solver, int plain, pzs_real *imbalance);
 
 /* Take unknown p out of a system: K x = b with x_p = value. Its row becomes d x_p = d value, d its
  * diagonal. */
 void pzs_nonlinear_prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b);
 
 /* f [dof] without what it has on prescribed unknowns. */
-void pzs_nonlinear_clear_prescribed(const pzs_solver *path, pzs_real *f);
+void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *f);
 
 /* Scale and factor what was built; sets path->negative and where. Returns whether it can be solved.
  */
-int pzs_nonlinear_factor(pzs_solver *path);
+int pzs_nonlinear_factor(pzs_solver *solver);
 
 /* What the options' own unknowns make of du [dof]. Returns whether it can be done. */
-int pzs_nonlinear_condense(pzs_solver *path, uint32_t input, pzs_real *du);
+int pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du);
 
 /* Square of the size of a displacement x, or x - y: mean u, h times difference/h, h times (u3M -
  * mean u3)/h. */
-pzs_real pzs_nonlinear_norm2(const pzs_solver *path, const pzs_real *x, const pzs_real *y);
+pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *x, const pzs_real *y);
 
 #endif
 #endif

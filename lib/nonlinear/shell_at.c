@@ -70,12 +70,12 @@ static void transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3
 
 /* What node p feels of vectors that multiply lam_a at itself and at its neighbour along a: y = S_a'
  * own + T_a' other. */
-static void pull(const pzs_element_type *kind, int p, int a, const pzs_real own[3],
+static void pull(const pzs_element_type *type, int p, int a, const pzs_real own[3],
                  const pzs_real other[3], pzs_real y[3])
 {
     pzs_real t[3];
-    transposed(y, kind->s[p][a], own);
-    transposed(t, kind->t[neighbour[p][a]][a], other);
+    transposed(y, type->s[p][a], own);
+    transposed(t, type->t[neighbour[p][a]][a], other);
     for (int i = 0; i < 3; i++)
         y[i] += t[i];
 }
@@ -95,43 +95,43 @@ static void set_rows(pzs_real h, const pzs_real mean[3], const pzs_real diff[3],
 }
 
 /* In-plane strains of node p: 11 and 22 by edges, 12 by both directions. */
-static void in_plane(const pzs_element_type *kind, const corner shape[4], int p,
+static void in_plane(const pzs_element_type *type, const corner shape[4], int p,
                      pzs_real a[ROWS][COLUMNS])
 {
     const corner *own = &shape[p];
     pzs_real mean[3], diff[3], more[3];
     for (int d = 0; d < 2; d++) {
         const corner *other = &shape[neighbour[p][d]];
-        pull(kind, p, d, own->mean[d], other->mean[d], mean);
-        pull(kind, p, d, own->diff[d], other->diff[d], diff);
-        set_rows(kind->thickness, mean, diff, a[A11M + 2 * d] + OWN * p, a[A11D + 2 * d] + OWN * p);
+        pull(type, p, d, own->mean[d], other->mean[d], mean);
+        pull(type, p, d, own->diff[d], other->diff[d], diff);
+        set_rows(type->thickness, mean, diff, a[A11M + 2 * d] + OWN * p, a[A11D + 2 * d] + OWN * p);
     }
     const corner *along1 = &shape[neighbour[p][0]], *along2 = &shape[neighbour[p][1]];
-    pull(kind, p, 0, own->mean[1], along1->mean[1], mean);
-    pull(kind, p, 1, own->mean[0], along2->mean[0], more);
+    pull(type, p, 0, own->mean[1], along1->mean[1], mean);
+    pull(type, p, 1, own->mean[0], along2->mean[0], more);
     for (int i = 0; i < 3; i++)
         mean[i] += more[i];
-    pull(kind, p, 0, own->diff[1], along1->diff[1], diff);
-    pull(kind, p, 1, own->diff[0], along2->diff[0], more);
+    pull(type, p, 0, own->diff[1], along1->diff[1], diff);
+    pull(type, p, 1, own->diff[0], along2->diff[0], more);
     for (int i = 0; i < 3; i++)
         diff[i] += more[i];
-    set_rows(kind->thickness, mean, diff, a[A12M] + OWN * p, a[A12D] + OWN * p);
+    set_rows(type->thickness, mean, diff, a[A12M] + OWN * p, a[A12D] + OWN * p);
 }
 
 /* Strains of node p with a 3 in them. */
-static void transverse(const pzs_element_type *kind, const corner shape[4], int p,
+static void transverse(const pzs_element_type *type, const corner shape[4], int p,
                        pzs_real a[ROWS][COLUMNS])
 {
     const corner *own = &shape[p];
-    const pzs_real quarter = (pzs_real)0.25, h2 = kind->thickness / 2;
+    const pzs_real quarter = (pzs_real)0.25, h2 = type->thickness / 2;
     for (int d = 0; d < 2; d++) {
         const int n = neighbour[p][d];
         pzs_real *row = a[A13 + d] + OWN * p, y[3];
-        pull(kind, p, d, own->beta, shape[n].beta, y);
+        pull(type, p, d, own->beta, shape[n].beta, y);
         for (int i = 0; i < 3; i++) {
             row[i] = quarter * y[i];
             row[i + 3] = quarter * own->mean[d][i] -
-                         h2 * (own->q * kind->s[p][d][2][i] + shape[n].q * kind->t[n][d][2][i]);
+                         h2 * (own->q * type->s[p][d][2][i] + shape[n].q * type->t[n][d][2][i]);
         }
         a[A13 + d][Q + p] = -h2 * own->diff[d][2];
     }
@@ -148,9 +148,9 @@ static void transverse(const pzs_element_type *kind, const corner shape[4], int 
  * Add the warp to the 12 mean at node p. Mode 00 alone keeps 12m, so its row may carry the signs
  * that the modes 01 and 10 of the strains in the warp give to node p.
  */
-static void add_warp(const pzs_element_type *kind, int p, pzs_real a[ROWS][COLUMNS])
+static void add_warp(const pzs_element_type *type, int p, pzs_real a[ROWS][COLUMNS])
 {
-    const pzs_real *w = kind->warp, xi2 = mode_sign[1][p], xi1 = mode_sign[2][p];
+    const pzs_real *w = type->warp, xi2 = mode_sign[1][p], xi1 = mode_sign[2][p];
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
     for (int i = OWN * p; i < OWN * (p + 1); i++)
@@ -159,13 +159,13 @@ static void add_warp(const pzs_element_type *kind, int p, pzs_real a[ROWS][COLUM
     a[A12M][Q + p] = of_13 * a[A13][Q + p] + of_23 * a[A23][Q + p];
 }
 
-static void nodal_strains(const pzs_element_type *kind, const corner shape[4],
+static void nodal_strains(const pzs_element_type *type, const corner shape[4],
                           pzs_real a[ROWS][COLUMNS])
 {
     for (int p = 0; p < SHELL_NODES; p++) {
-        in_plane(kind, shape, p, a);
-        transverse(kind, shape, p, a);
-        add_warp(kind, p, a);
+        in_plane(type, shape, p, a);
+        transverse(type, shape, p, a);
+        add_warp(type, p, a);
     }
 }
 
@@ -216,8 +216,8 @@ static int has_q(const mode_rows *mode, int s)
 }
 
 /* The rows D_m A of all modes. */
-static void stress_rows(const pzs_element_type *kind, unsigned unknowns, pzs_real a[ROWS][COLUMNS],
-                        pzs_real y[22][COLUMNS])
+static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
+                        pzs_real a[ROWS][COLUMNS], pzs_real y[22][COLUMNS])
 {
     for (int m = 0; m < SHELL_MODES; m++) {
         const mode_rows *mode = &kept[m];
@@ -230,11 +230,11 @@ static void stress_rows(const pzs_element_type *kind, unsigned unknowns, pzs_rea
             pzs_real factor[ROWS], *to = y[mode->start + s];
             for (int t = 0; t < mode->count; t++) {
                 const int j = in_d[mode->strain[t]];
-                factor[t] = kind->d[m][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+                factor[t] = type->d[m][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
             }
             combine(to, factor, 1, row, 0);
             combine(to + HALF, factor, 1, row, HALF);
-            if (unknowns == 7 && has_q(mode, s))
+            if (dof_per_node == 7 && has_q(mode, s))
                 combine_q(to + Q, factor, 1, row, mode->with_q);
         }
     }
@@ -251,14 +251,14 @@ static void exchange(pzs_real *restrict x, pzs_real *restrict y, int sum_in_x, i
 }
 
 /* From rows by mode to rows seen from the nodes, in place. */
-static void see_from_nodes(unsigned unknowns, pzs_real y[22][COLUMNS])
+static void see_from_nodes(unsigned dof_per_node, pzs_real y[22][COLUMNS])
 {
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = y[row_pairs[i].first], *second = y[row_pairs[i].second];
         const pzs_real *sign = mode_sign[row_pairs[i].mode];
         for (int p = 0; p < SHELL_NODES; p++) {
             exchange(first + OWN * p, second + OWN * p, sign[p] < 0, OWN);
-            if (unknowns == 7 && i < PAIRS_WITH_Q)
+            if (dof_per_node == 7 && i < PAIRS_WITH_Q)
                 exchange(first + Q + p, second + Q + p, sign[p] < 0, 1);
         }
     }
@@ -294,12 +294,12 @@ static void add_product(block *restrict z, const pzs_real *restrict l, const pzs
 
 /* One corner's sum over a and b of t_ab lam_a . lam_b, lam_a = S_a u_r + T_a u_r'; t [10] stresses
  * at the corner. */
-static void add_in_plane(const pzs_element_type *kind, int r, const pzs_real t[10], block pair[10])
+static void add_in_plane(const pzs_element_type *type, int r, const pzs_real t[10], block pair[10])
 {
-    const pzs_real *const map[4] = {kind->s[r][0][0], kind->s[r][1][0], kind->t[r][0][0],
-                                    kind->t[r][1][0]};
+    const pzs_real *const map[4] = {type->s[r][0][0], type->s[r][1][0], type->t[r][0][0],
+                                    type->t[r][1][0]};
     const int node[4] = {r, r, neighbour[r][0], neighbour[r][1]};
-    const pzs_real h = kind->thickness;
+    const pzs_real h = type->thickness;
     const pzs_real mean[3] = {t[E11M], t[E12M], t[E22M]},
                    cross[3] = {h * t[E11D], h * t[E12D], h * t[E22D]};
     for (int x = 0; x < 4; x++)
@@ -317,27 +317,27 @@ static pzs_real *entry(pzs_real *k, unsigned row, unsigned column)
 
 /* One corner's part of the strains with a 3 in them: beta and q with everything that multiplies
  * them. */
-static void add_transverse(const pzs_element_type *kind, unsigned unknowns, int r,
+static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int r,
                            const pzs_real t[10], pzs_real *k)
 {
-    const unsigned beta = (unsigned)r * unknowns + 3, q = beta + 3;
+    const unsigned beta = (unsigned)r * dof_per_node + 3, q = beta + 3;
     for (int a = 0; a < 2; a++) {
-        const pzs_real shear = t[E13 + a], h2 = -2 * kind->thickness * shear;
-        const unsigned own = (unsigned)r * unknowns, other = neighbour[r][a] * unknowns;
+        const pzs_real shear = t[E13 + a], h2 = -2 * type->thickness * shear;
+        const unsigned own = (unsigned)r * dof_per_node, other = neighbour[r][a] * dof_per_node;
         for (unsigned j = 0; j < 3; j++) {
             for (unsigned i = 0; i < 3; i++) {
-                *entry(k, beta + i, own + j) += shear * kind->s[r][a][i][j];
-                *entry(k, beta + i, other + j) += shear * kind->t[r][a][i][j];
+                *entry(k, beta + i, own + j) += shear * type->s[r][a][i][j];
+                *entry(k, beta + i, other + j) += shear * type->t[r][a][i][j];
             }
-            if (unknowns == 7) {
-                *entry(k, q, own + 3 + j) += h2 * kind->s[r][a][2][j];
-                *entry(k, q, other + 3 + j) += h2 * kind->t[r][a][2][j];
+            if (dof_per_node == 7) {
+                *entry(k, q, own + 3 + j) += h2 * type->s[r][a][2][j];
+                *entry(k, q, other + 3 + j) += h2 * type->t[r][a][2][j];
             }
         }
     }
     for (unsigned i = 0; i < 3; i++)
         *entry(k, beta + i, beta + i) += t[E33M];
-    if (unknowns == 7) {
+    if (dof_per_node == 7) {
         *entry(k, q, beta + 2) -= 8 * t[E33D];
         *entry(k, q, q) += 16 * t[E33M];
     }
@@ -348,11 +348,11 @@ static void add_transverse(const pzs_element_type *kind, unsigned unknowns, int 
 /* Row i of node p: products A' Y in columns up to its own, with the pairs' part. Written to its
  * place in k. */
 static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
-                      unsigned unknowns, int p, int i, pzs_real *restrict k)
+                      unsigned dof_per_node, int p, int i, pzs_real *restrict k)
 {
-    const unsigned row = (unsigned)p * unknowns + (unsigned)i;
+    const unsigned row = (unsigned)p * dof_per_node + (unsigned)i;
     k += row * (row + 1) / 2;
-    for (int other = 0; other <= p; other++, k += unknowns, sum += OWN) {
+    for (int other = 0; other <= p; other++, k += dof_per_node, sum += OWN) {
         const block *z = &pair[pair_of(p, other)];
         const pzs_real *with_mean = (i < 3 ? z->mean : z->cross) + i % 3 * 3;
         const pzs_real *with_diff = (i < 3 ? z->cross : z->mean) + i % 3 * 3,
@@ -366,18 +366,18 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 }
 
 /* Rows of node p but that of q. stress [11] rows seen from the node, NULL at the end. */
-static void write_node(const pzs_element_type *kind, unsigned unknowns, int p,
+static void write_node(const pzs_element_type *type, unsigned dof_per_node, int p,
                        pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress,
                        const block pair[10], pzs_real *k)
 {
-    const pzs_real hh4 = kind->thickness * kind->thickness / 4;
+    const pzs_real hh4 = type->thickness * type->thickness / 4;
     for (int i = 0; i < OWN; i++) {
         pzs_real sum[2 * HALF];
         const int first = i < 3 ? WITHOUT_MEAN : 0;
         combine(sum, &a[first][OWN * p + i], COLUMNS, stress + first, 0);
         if (p >= 2)
             combine(sum + HALF, &a[first][OWN * p + i], COLUMNS, stress + first, HALF);
-        write_row(sum, pair, hh4, unknowns, p, i, k);
+        write_row(sum, pair, hh4, dof_per_node, p, i, k);
     }
 }
 
@@ -403,42 +403,42 @@ static void write_q(int p, pzs_real a[ROWS][COLUMNS], const pzs_real *const *str
 }
 
 /* k from the shape of the corners and the stresses t [4][10] there. */
-static void tangent(const pzs_element_type *kind, unsigned unknowns, const corner shape[4],
+static void tangent(const pzs_element_type *type, unsigned dof_per_node, const corner shape[4],
                     pzs_real t[4][10], pzs_real *k)
 {
     pzs_real a[ROWS][COLUMNS], y[22][COLUMNS];
     block pair[10];
-    nodal_strains(kind, shape, a);
-    stress_rows(kind, unknowns, a, y);
-    see_from_nodes(unknowns, y);
+    nodal_strains(type, shape, a);
+    stress_rows(type, dof_per_node, a, y);
+    see_from_nodes(dof_per_node, y);
     memset(pair, 0, sizeof pair);
     for (int r = 0; r < SHELL_NODES; r++)
-        add_in_plane(kind, r, t[r], pair);
+        add_in_plane(type, r, t[r], pair);
     for (int p = 0; p < SHELL_NODES; p++) {
         const pzs_real *stress[ROWS + 1];
         for (int s = 0; s < ROWS; s++)
             stress[s] = y[seen_from[p][s]];
         stress[ROWS] = NULL;
-        write_node(kind, unknowns, p, a, stress, pair, k);
-        if (unknowns == 7)
+        write_node(type, dof_per_node, p, a, stress, pair, k);
+        if (dof_per_node == 7)
             write_q(p, a, stress, k);
     }
     for (int r = 0; r < SHELL_NODES; r++)
-        add_transverse(kind, unknowns, r, t[r], k);
+        add_transverse(type, dof_per_node, r, t[r], k);
 }
 
-void pzs_shell_system(const pzs_element_type *kind, unsigned unknowns, const pzs_real *u,
+void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                       const pzs_real *given, const pzs_real *resultant, pzs_real *f, pzs_real *k)
 {
     pzs_real own[SHELL_RESULTANTS], t[4][10];
     corner shape[4];
-    pzs_shell_resultants(kind, unknowns, u, NULL, given, own);
-    pzs_shell_corners(kind, unknowns, u, shape);
-    pzs_shell_stresses(kind, own, t);
-    pzs_shell_corner_force(kind, unknowns, shape, t, f);
+    pzs_shell_resultants(type, dof_per_node, u, NULL, given, own);
+    pzs_shell_corners(type, dof_per_node, u, shape);
+    pzs_shell_stresses(type, own, t);
+    pzs_shell_corner_force(type, dof_per_node, shape, t, f);
     if (resultant)
-        pzs_shell_stresses(kind, resultant, t);
-    tangent(kind, unknowns, shape, t, k);
+        pzs_shell_stresses(type, resultant, t);
+    tangent(type, dof_per_node, shape, t, k);
 }
 
 #endif

@@ -25,34 +25,36 @@ static timing measure(const char *name, const char *element, int n)
     timing t = {0};
     snprintf(path, sizeof path, SCENE_FOLDER "/%s.yaml", name);
     snprintf(formulation, sizeof formulation, "element=%s", element);
-    for (int a = 0; a < 2; a++)
-        snprintf(size[a], sizeof size[a], "mesh.theta%d.elements=%d", a + 1, n);
+    for (int analysis = 0; analysis < 2; analysis++)
+        snprintf(size[analysis], sizeof size[analysis], "mesh.theta%d.elements=%d", analysis + 1,
+                 n);
     for (int k = 0; k < RUNS; k++) {
-        scene s;
-        analysis a;
+        scene scene;
+        analysis analysis;
         const double begin = now();
-        if (scene_read(&s, path, set, 3, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
+        if (scene_read(&scene, path, set, 3, error) < 0 ||
+            analysis_prepare(&analysis, &scene, error) < 0) {
             fprintf(stderr, "%s\n", error);
             exit(1);
         }
         const double built = now();
-        pzs_assemble(&a.model, NULL, NULL);
-        pzs_factor(&a.model);
+        pzs_assemble(&analysis.model, NULL, NULL);
+        pzs_factor(&analysis.model);
         const double factored = now();
-        double *u = calloc((size_t)a.design.mesh.dof, sizeof *u),
-               *y = calloc(a.design.structure.output.count + 1u, sizeof *y);
-        if (!u || !y || analysis_solve(&a, u, error) < 0)
+        double *u = calloc((size_t)analysis.design.mesh.dof, sizeof *u),
+               *y = calloc(analysis.design.structure.output.count + 1u, sizeof *y);
+        if (!u || !y || analysis_solve(&analysis, u, error) < 0)
             exit(1);
         build[k] = built - begin;
         factor[k] = factored - built;
         solve[k] = now() - factored;
-        pzs_observe(&a.design.structure, u, y);
-        t.ratio = y[a.design.named_first[0]] / s.output[0].reference;
-        t.dof = a.design.mesh.dof;
+        pzs_observe(&analysis.design.structure, u, y);
+        t.ratio = y[analysis.design.named_first[0]] / scene.output[0].reference;
+        t.dof = analysis.design.mesh.dof;
         free(u);
         free(y);
-        analysis_free(&a);
-        scene_free(&s);
+        analysis_free(&analysis);
+        scene_free(&scene);
     }
     t.build = median(build, RUNS);
     t.factor = median(factor, RUNS);

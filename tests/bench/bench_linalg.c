@@ -70,18 +70,18 @@ static pzs_real entry(int i, int j, int band)
 static pzs_envelope build(int n, int band)
 {
     uint16_t *first = calloc((size_t)n, sizeof *first);
-    pzs_envelope a = {(uint32_t)n, first, calloc((size_t)n / PZS_TILE + 2, sizeof(uint32_t)), NULL,
-                      reals((size_t)n)};
+    pzs_envelope matrix = {(uint32_t)n, first, calloc((size_t)n / PZS_TILE + 2, sizeof(uint32_t)),
+                           NULL, reals((size_t)n)};
 
     for (int i = 0; i < n; i++)
         first[i] = (uint16_t)(i > band ? i - band : 0);
-    a.value = reals(pzs_linalg_reals(first, a.n));
-    pzs_linalg_layout(&a);
-    pzs_linalg_clear(&a);
+    matrix.value = reals(pzs_linalg_reals(first, matrix.n));
+    pzs_linalg_layout(&matrix);
+    pzs_linalg_clear(&matrix);
     for (int i = 0; i < n; i++)
         for (int j = first[i]; j <= i; j++)
-            *pzs_linalg_entry(&a, (uint32_t)i, (uint32_t)j) = entry(i, j, band);
-    return a;
+            *pzs_linalg_entry(&matrix, (uint32_t)i, (uint32_t)j) = entry(i, j, band);
+    return matrix;
 }
 
 /* LAPACK band storage, column by column with band + 1 entries each. */
@@ -98,8 +98,8 @@ static struct row measure(int n, int band)
     static double t[6][MOST_TURNS];
     const int turns = n < 1000 ? MOST_TURNS : n < 5000 ? 60 : 9, ld = band + 1, one = 1;
     const size_t peer_size = (size_t)n * (size_t)ld;
-    pzs_envelope a = build(n, band);
-    const size_t size = pzs_linalg_reals(a.first, a.n);
+    pzs_envelope matrix = build(n, band);
+    const size_t size = pzs_linalg_reals(matrix.first, matrix.n);
     pzs_real *a0 = reals(size), *ab = reals(peer_size),
              *ab0[2] = {reals(peer_size), reals(peer_size)};
     pzs_real *x = reals((size_t)n), *y = reals((size_t)n);
@@ -107,19 +107,19 @@ static struct row measure(int n, int band)
     struct row row;
     int info;
 
-    memcpy(a0, a.value, size * sizeof *a0);
+    memcpy(a0, matrix.value, size * sizeof *a0);
     build_peer('U', n, band, ab0[0]);
     build_peer('L', n, band, ab0[1]);
     for (int turn = 0; turn < turns; turn++) {
         double start;
         for (int i = 0; i < n; i++)
             x[i] = (pzs_real)(i % 7 - 3);
-        memcpy(a.value, a0, size * sizeof *a0);
+        memcpy(matrix.value, a0, size * sizeof *a0);
         start = now();
-        pzs_linalg_factor(&a);
+        pzs_linalg_factor(&matrix);
         t[0][turn] = now() - start;
         start = now();
-        pzs_linalg_solve(&a, x);
+        pzs_linalg_solve(&matrix, x);
         t[1][turn] = now() - start;
         for (int lower = 0; lower < 2; lower++) {
             for (int i = 0; i < n; i++)
@@ -142,7 +142,7 @@ static struct row measure(int n, int band)
     row.peer_factor = fmin(median(t[2], turns), median(t[3], turns));
     row.peer_solve = fmin(median(t[4], turns), median(t[5], turns));
     row.difference = difference / largest;
-    free((void *)a.first), free(a.start), free(a.value), free(a.inverse);
+    free((void *)matrix.first), free(matrix.start), free(matrix.value), free(matrix.inverse);
     free(a0), free(ab), free(ab0[0]), free(ab0[1]), free(x), free(y);
     return row;
 }

@@ -86,28 +86,28 @@ static double error_of(const ladder *l, const double end[2])
 }
 
 /* Equilibrium from rest, with the plain Newton method or as the scene says. */
-static void solve(const ladder *l, analysis *a, int plain, run *r)
+static void solve(const ladder *l, analysis *analysis, int plain, run *r)
 {
-    pzs_solver *path = &a->path.run;
-    double time[RUNS], *y = calloc(a->design.structure.output.count + 1u, sizeof *y);
+    pzs_solver *solver = &analysis->path.run;
+    double time[RUNS], *y = calloc(analysis->design.structure.output.count + 1u, sizeof *y);
     if (!y)
         exit(1);
     if (plain)
-        path->settings.extrapolated_iterations = 0;
+        solver->settings.extrapolated_iterations = 0;
     for (int k = 0; k < RUNS; k++) {
-        pzs_solver_reset(path);
+        pzs_solver_reset(solver);
         const double begin = processor_time();
-        r->status = pzs_equilibrium(path, a->path.full);
+        r->status = pzs_equilibrium(solver, analysis->path.full);
         time[k] = 1e-3 * (processor_time() - begin);
     }
-    pzs_observe(&a->design.structure, path->info.displacement, y);
+    pzs_observe(&analysis->design.structure, solver->info.displacement, y);
     r->solve = median(time, RUNS);
-    r->end[0] = l->sign_a * y[a->design.named_first[0]];
-    r->end[1] = y[a->design.named_first[1]];
+    r->end[0] = l->sign_a * y[analysis->design.named_first[0]];
+    r->end[1] = y[analysis->design.named_first[1]];
     r->error = error_of(l, r->end);
-    r->systems = path->info.linear_solves;
-    r->steps = path->info.load_steps;
-    r->negative = path->info.negative_pivots;
+    r->systems = solver->info.linear_solves;
+    r->steps = solver->info.load_steps;
+    r->negative = solver->info.negative_pivots;
     free(y);
 }
 
@@ -116,23 +116,23 @@ static run measure(const ladder *l, const char *element, const grid *g, int plai
     char file[512], text[3][64], error[SCENE_ERROR];
     const char *const set[5] = {text[0], text[1], text[2], "mesh.theta1.centre=1.4",
                                 "mesh.theta2.grading=4"};
-    scene s;
-    analysis a;
+    scene scene;
+    analysis analysis;
     run r = {0};
     snprintf(file, sizeof file, SCENE_FOLDER "/%s.yaml", l->scene);
     snprintf(text[0], sizeof text[0], "element=%s", element);
     for (int i = 0; i < 2; i++)
         snprintf(text[1 + i], sizeof text[1 + i], "mesh.theta%d.elements=%d", 1 + i, g->n[i]);
     const double begin = processor_time();
-    if (scene_read(&s, file, set, g->graded ? 5 : 3, error) < 0 ||
-        analysis_prepare(&a, &s, error) < 0) {
+    if (scene_read(&scene, file, set, g->graded ? 5 : 3, error) < 0 ||
+        analysis_prepare(&analysis, &scene, error) < 0) {
         fprintf(stderr, "%s\n", error);
         exit(1);
     }
     r.tables = 1e-3 * (processor_time() - begin);
-    solve(l, &a, plain, &r);
-    analysis_free(&a);
-    scene_free(&s);
+    solve(l, &analysis, plain, &r);
+    analysis_free(&analysis);
+    scene_free(&scene);
     return r;
 }
 

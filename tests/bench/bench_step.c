@@ -155,11 +155,12 @@ static double limit_for(double active)
 static void our_step(int t, int turn)
 {
     const double from = now();
-    pzs_optimiser *b = &ours.control.state.optimiser;
-    const double missed = project(b, &ours.control, ours.target[t], ours.control.info.predicted);
+    pzs_optimiser *optimiser = &ours.control.state.optimiser;
+    const double missed =
+        project(optimiser, &ours.control, ours.target[t], ours.control.info.predicted);
     const double between = now();
     const pzs_status status =
-        step_to(b, &ours.control, ours.target[t], ours.control.info.predicted, missed);
+        step_to(optimiser, &ours.control, ours.target[t], ours.control.info.predicted, missed);
     const double end = now();
 
     spent[0][0][t][turn] = end - from;

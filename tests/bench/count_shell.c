@@ -68,19 +68,19 @@ static void fill(void *to, size_t bytes, uint32_t seed)
     }
 }
 
-static void row(unsigned unknowns)
+static void row(unsigned dof_per_node)
 {
     uint32_t time[4];
     fill(&out, sizeof out, 5);
     time[0] = count();
-    pzs_shell_resultants(&kind, unknowns, u, du, given, out.resultant);
+    pzs_shell_resultants(&kind, dof_per_node, u, du, given, out.resultant);
     time[1] = count();
-    pzs_shell_force_at(&kind, unknowns, u, out.resultant, out.f);
+    pzs_shell_force_at(&kind, dof_per_node, u, out.resultant, out.f);
     time[2] = count();
-    pzs_shell_system(&kind, unknowns, u, given, out.resultant, out.f, out.k);
+    pzs_shell_system(&kind, dof_per_node, u, given, out.resultant, out.f, out.k);
     time[3] = count();
     print_text("count");
-    print_count("unknowns", unknowns);
+    print_count("unknowns", dof_per_node);
     print_count("system", between(time[2], time[3]));
     print_count("resultants", between(time[0], time[1]));
     print_count("force", between(time[1], time[2]));

@@ -87,7 +87,7 @@ static void act(const pzs_control *control, int tick)
  * One tick with everything on. The estimate is made and paid for, but every node is measured
  * besides, or nobody could watch over the electrodes.
  */
-static pzs_status run(pzs_control *control, pzs_fault_detector *watch, pzs_estimate *estimate,
+static pzs_status run(pzs_control *control, pzs_fault_detector *detector, pzs_estimate *estimate,
                       int tick, cost *part)
 {
     const pzs_real load = tick < LOADED ? 0 : 1;
@@ -115,7 +115,7 @@ static pzs_status run(pzs_control *control, pzs_fault_detector *watch, pzs_estim
 int main(void)
 {
     pzs_control control = {0};
-    pzs_fault_detector watch = {0};
+    pzs_fault_detector detector = {0};
     pzs_estimate estimate = {0};
     cost part[PARTS + 1] = {{0, 0}};
     uint32_t crc = GUARD_CRC_START;
@@ -130,7 +130,7 @@ int main(void)
                                   sizeof estimate_work);
     for (int tick = 0; tick < TICKS && !PZS_IS_ERROR(worst); tick++) {
         act(&control, tick);
-        const pzs_status status = run(&control, &watch, &estimate, tick, part);
+        const pzs_status status = run(&control, &detector, &estimate, tick, part);
         worst = status > worst ? status : worst;
         crc = pzs_guard_crc(crc, control.info.voltage, sizeof voltage);
         crc = pzs_guard_crc(crc, shape, sizeof shape);
@@ -153,9 +153,9 @@ int main(void)
     print_count("passes_allowed", PZS_STEP_ITERATIONS);
     print_text("\nbits");
     print_hex("volts", ~crc);
-    print_count("found", watch.info.found);
+    print_count("found", detector.info.found);
     print_count("passes", control.info.iterations_most);
     print_count("status", worst);
     print_text("\n");
-    return PZS_IS_ERROR(worst) || watch.info.found != 2;
+    return PZS_IS_ERROR(worst) || detector.info.found != 2;
 }

@@ -13,23 +13,24 @@ int main(int count, char **argument)
 {
     char file[512], error[SCENE_ERROR];
     const char *set[MOST_SETTINGS];
-    scene s;
-    analysis a;
+    scene scene;
+    analysis analysis;
     if (count < 2 || count - 2 > MOST_SETTINGS)
         return 2;
     for (int i = 2; i < count; i++)
         set[i - 2] = argument[i];
     snprintf(file, sizeof file, SCENE_FOLDER "/%s.yaml", argument[1]);
-    if (scene_read(&s, file, set, count - 2, error) < 0 || analysis_prepare(&a, &s, error) < 0) {
+    if (scene_read(&scene, file, set, count - 2, error) < 0 ||
+        analysis_prepare(&analysis, &scene, error) < 0) {
         fprintf(stderr, "%s\n", error);
         return 1;
     }
     const double begin = processor_time();
-    pzs_equilibrium(&a.path.run, a.path.full);
+    pzs_equilibrium(&analysis.path.run, analysis.path.full);
     const double end = processor_time();
-    printf("elements %u unknowns %u seconds %.9f\n", (unsigned)a.design.structure.elements,
-           (unsigned)a.model.state.stiffness.n, 1e-6 * (end - begin));
-    analysis_free(&a);
-    scene_free(&s);
+    printf("elements %u unknowns %u seconds %.9f\n", (unsigned)analysis.design.structure.elements,
+           (unsigned)analysis.model.state.stiffness.n, 1e-6 * (end - begin));
+    analysis_free(&analysis);
+    scene_free(&scene);
     return 0;
 }

@@ -31,39 +31,39 @@ static void fill_path(bridge *b, const path *p)
 
 static int fill(bridge *b, inside *in, char *error)
 {
-    const design *d = &in->analysis.design;
-    const mesh *m = &d->mesh;
-    b->nodes = m->nodes;
-    b->elements = m->elements;
-    b->kinds = m->kinds;
-    b->unknowns = (int)m->unknowns;
-    b->dof = m->dof;
-    b->element = m->element[0];
-    b->element_kind = m->element_kind;
-    b->node_dof = m->node_dof;
-    b->first = m->first;
-    b->stiffness = m->stiffness;
-    b->kind = (const double *)m->kind;
-    b->kind_reals = sizeof *m->kind / sizeof(double);
-    b->input = rows_of(&d->structure.input);
-    b->output = rows_of(&d->structure.output);
-    b->electrodes = d->electrodes.count;
-    b->electrode_input = d->electrodes.input;
-    b->pzs_electrode_open = d->electrodes.open;
-    b->direct = rows_of(&d->electrodes.direct);
+    const design *design = &in->analysis.design;
+    const mesh *mesh = &design->mesh;
+    b->nodes = mesh->nodes;
+    b->elements = mesh->elements;
+    b->kinds = mesh->kinds;
+    b->unknowns = (int)mesh->unknowns;
+    b->dof = mesh->dof;
+    b->element = mesh->element[0];
+    b->element_kind = mesh->element_kind;
+    b->node_dof = mesh->node_dof;
+    b->first = mesh->first;
+    b->stiffness = mesh->stiffness;
+    b->kind = (const double *)mesh->kind;
+    b->kind_reals = sizeof *mesh->kind / sizeof(double);
+    b->input = rows_of(&design->structure.input);
+    b->output = rows_of(&design->structure.output);
+    b->electrodes = design->electrodes.count;
+    b->electrode_input = design->electrodes.input;
+    b->pzs_electrode_open = design->electrodes.open;
+    b->direct = rows_of(&design->electrodes.direct);
     b->amount = in->analysis.amount;
-    b->amplifiers = d->amplifiers;
-    b->targets = d->targets;
-    b->u = calloc((size_t)m->dof, sizeof *b->u);
+    b->amplifiers = design->amplifiers;
+    b->targets = design->targets;
+    b->u = calloc((size_t)mesh->dof, sizeof *b->u);
     if (!b->u || analysis_solve(&in->analysis, b->u, error) < 0)
         return -1;
     fill_path(b, &in->analysis.path);
     b->condition = in->analysis.model.info.condition;
     b->error = in->analysis.model.info.error_estimate;
-    if (d->targets && analysis_influence(&in->analysis, error) < 0)
+    if (design->targets && analysis_influence(&in->analysis, error) < 0)
         return -1;
     b->influence = in->analysis.influence;
-    b->target = d->target;
+    b->target = design->target;
     return 0;
 }
 

@@ -30,7 +30,7 @@ static inline pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
 /* Reals of a structure, to be freed. */
 enum { ROUNDED_STIFFNESS, ROUNDED_KIND, ROUNDED_INPUT, ROUNDED_OUTPUT, ROUNDED_ARRAYS };
 
-static inline void round_structure(const bridge *b, pzs_structure *s,
+static inline void round_structure(const bridge *b, pzs_structure *structure,
                                    pzs_real *owned[ROUNDED_ARRAYS])
 {
     const size_t corners = 4 * (size_t)b->unknowns;
@@ -38,21 +38,21 @@ static inline void round_structure(const bridge *b, pzs_structure *s,
     owned[ROUNDED_STIFFNESS] =
         rounded(b->stiffness, (size_t)b->kinds * corners * (corners + 1) / 2);
     owned[ROUNDED_KIND] = rounded(b->kind, (size_t)b->kinds * b->kind_reals);
-    s->format = PZS_TABLE_FORMAT;
-    s->nodes = (uint16_t)b->nodes;
-    s->elements = (uint16_t)b->elements;
-    s->types = (uint16_t)b->kinds;
-    s->dof_per_node = (uint16_t)b->unknowns;
-    s->free_dof = (uint16_t)b->dof;
-    s->element = (const uint16_t(*)[4])(const void *)b->element;
-    s->element_type = b->element_kind;
-    s->node_dof = b->node_dof;
-    s->first_column = b->first;
-    s->stiffness = owned[ROUNDED_STIFFNESS];
-    s->type = (const pzs_element_type *)(const void *)owned[ROUNDED_KIND];
-    owned[ROUNDED_INPUT] = round_rows(&b->input, &s->input);
-    owned[ROUNDED_OUTPUT] = round_rows(&b->output, &s->output);
-    s->crc = pzs_structure_crc(s);
+    structure->format = PZS_TABLE_FORMAT;
+    structure->nodes = (uint16_t)b->nodes;
+    structure->elements = (uint16_t)b->elements;
+    structure->types = (uint16_t)b->kinds;
+    structure->dof_per_node = (uint16_t)b->unknowns;
+    structure->free_dof = (uint16_t)b->dof;
+    structure->element = (const uint16_t(*)[4])(const void *)b->element;
+    structure->element_type = b->element_kind;
+    structure->node_dof = b->node_dof;
+    structure->first_column = b->first;
+    structure->stiffness = owned[ROUNDED_STIFFNESS];
+    structure->type = (const pzs_element_type *)(const void *)owned[ROUNDED_KIND];
+    owned[ROUNDED_INPUT] = round_rows(&b->input, &structure->input);
+    owned[ROUNDED_OUTPUT] = round_rows(&b->output, &structure->output);
+    structure->crc = pzs_structure_crc(structure);
 }
 
 #endif

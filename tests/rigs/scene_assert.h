@@ -50,10 +50,10 @@ static inline void assert_refused(const char *name, const refusal *bad, size_t c
     snprintf(path, sizeof path, SCENE_FOLDER "/%s.yaml", name);
     for (size_t i = 0; i < count; i++) {
         char error[SCENE_ERROR] = "no fault";
-        scene s;
-        const int status = scene_read(&s, path, &bad[i].set, 1, error);
+        scene scene;
+        const int status = scene_read(&scene, path, &bad[i].set, 1, error);
         if (status == 0)
-            scene_free(&s);
+            scene_free(&scene);
         if (status == 0 || !strstr(error, bad[i].expected) || strchr(error, '\n'))
             fail_msg("%s: expected '%s', got '%s'", bad[i].set, bad[i].expected, error);
     }

@@ -150,7 +150,7 @@ static inline void number(rig *g, fixing *fixed)
  * empty row. */
 static inline void make_structure(rig *g, int loaded)
 {
-    pzs_structure *s = &g->structure;
+    pzs_structure *structure = &g->structure;
     const pzs_rows input = {2, g->input_start, g->load_dof, g->load_value};
     const pzs_rows output = {1, g->output_start, g->output_dof, g->output_value};
     for (int j = 0; j <= g->n2; j++) {
@@ -175,10 +175,10 @@ static inline void make_structure(rig *g, int loaded)
                                 .type = &g->kind,
                                 .input = input,
                                 .output = output};
-    *s = made;
-    s->crc = pzs_structure_crc(s);
+    *structure = made;
+    structure->crc = pzs_structure_crc(structure);
     g->tables.format = PZS_TABLE_FORMAT;
-    g->tables.crc = pzs_nonlinear_crc(&g->tables, s);
+    g->tables.crc = pzs_nonlinear_crc(&g->tables, structure);
 }
 
 /* A shell at rest with a path on it. radius 0: a plate; step: lengths of an element. */
@@ -268,32 +268,32 @@ static inline void attach_follower(rig *g, int load_face, int normal_face, int t
  * which g->body is a copy. */
 static inline pzs_status try_contact(rig *g, const pzs_body *body, const double motion[3])
 {
-    pzs_contact_face *f = &g->face;
+    pzs_contact_face *face = &g->face;
     const size_t bytes = PZS_CONTACT_BYTES(g->nodes);
     for (int n = 0; n < g->nodes; n++)
         for (int i = 0; i < 3; i++) {
             g->place[n][i] = (pzs_real)(g->x[n][i] + g->h / 2 * g->e[n][2][i]);
             for (int j = 0; j < 3; j++)
                 g->triad[n][i][j] = (pzs_real)g->e[n][i][j];
-            f->motion[i] = (pzs_real)motion[i];
+            face->motion[i] = (pzs_real)motion[i];
         }
     memset(g->area, 0, sizeof g->area);
     for (int e = 0; e < g->elements; e++)
         for (int r = 0; r < 4; r++)
             g->area[g->element[e][r]] += (pzs_real)(g->step[0] * g->step[1] / 4);
-    f->face = 1;
-    f->input = 1;
-    f->size = (pzs_real)(g->radius > 0 ? 2 * g->radius : g->n1 * g->step[0]);
-    f->place = (const pzs_real(*)[3])g->place;
-    f->triad = (const pzs_real(*)[3][3])g->triad;
-    f->area = g->area;
-    f->format = PZS_TABLE_FORMAT;
-    f->crc = pzs_contact_crc(f, &g->structure);
+    face->face = 1;
+    face->input = 1;
+    face->size = (pzs_real)(g->radius > 0 ? 2 * g->radius : g->n1 * g->step[0]);
+    face->place = (const pzs_real(*)[3])g->place;
+    face->triad = (const pzs_real(*)[3][3])g->triad;
+    face->area = g->area;
+    face->format = PZS_TABLE_FORMAT;
+    face->crc = pzs_contact_crc(face, &g->structure);
     if (!g->contact_work)
         g->contact_work = malloc(bytes);
     g->body = *body;
     g->body.crc = pzs_body_crc(body);
-    return pzs_attach_contact(&g->path, &g->contact, f, &g->body, g->contact_work, bytes);
+    return pzs_attach_contact(&g->path, &g->contact, face, &g->body, g->contact_work, bytes);
 }
 
 static inline void attach_contact(rig *g, const pzs_body *body, const double motion[3])

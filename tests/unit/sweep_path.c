@@ -80,47 +80,48 @@ static void print(const char *name, const tally *t)
 }
 
 /* What one rounding of the displacement is worth in path->residual. */
-static double rounding(const pzs_solver *path)
+static double rounding(const pzs_solver *solver)
 {
-    const pzs_model *model = path->state.model;
+    const pzs_model *model = solver->state.model;
     double u2 = 0, load2 = 0;
     for (uint32_t i = 0; i < model->state.structure->free_dof; i++) {
-        u2 += pow(path->info.displacement[i] / model->state.scale[i], 2);
-        load2 += pow(path->state.load[i] * model->state.scale[i], 2);
+        u2 += pow(solver->info.displacement[i] / model->state.scale[i], 2);
+        load2 += pow(solver->state.load[i] * model->state.scale[i], 2);
     }
     return PZS_EPSILON * sqrt(u2 / load2);
 }
 
 /* One equilibrium from rest. */
-static void run_level(pzs_solver *path, const double *amount, size_t dof, tally *t)
+static void run_level(pzs_solver *solver, const double *amount, size_t dof, tally *t)
 {
-    pzs_solver_reset(path);
-    const pzs_status status = pzs_equilibrium(path, amount);
-    int finite = path->info.linear_solves <= path->settings.solve_limit;
+    pzs_solver_reset(solver);
+    const pzs_status status = pzs_equilibrium(solver, amount);
+    int finite = solver->info.linear_solves <= solver->settings.solve_limit;
     for (size_t i = 0; i < dof; i++)
-        finite = finite && isfinite(path->info.displacement[i]);
+        finite = finite && isfinite(solver->info.displacement[i]);
     t->runs++;
     t->unnamed += !finite;
     if (PZS_IS_ERROR(status)) {
         const int known = status >= PZS_E_DIVERGED && status <= PZS_E_SOLVES;
         t->failed[known ? status - PZS_E_DIVERGED : STATUSES - 1]++;
         t->unnamed += !known;
-        t->systems_failed += path->info.linear_solves;
+        t->systems_failed += solver->info.linear_solves;
         return;
     }
     t->unstable += status == PZS_W_UNSTABLE;
-    t->residual = fmax(t->residual, path->info.residual);
-    if (path->info.residual > balanced)
-        t->rounding = fmax(t->rounding, path->info.residual / rounding(path));
-    t->unbalanced += !(path->info.residual <= fmax(balanced, roundings * rounding(path)));
-    if (path->info.load_steps == 1) {
+    t->residual = fmax(t->residual, solver->info.residual);
+    if (solver->info.residual > balanced)
+        t->rounding = fmax(t->rounding, solver->info.residual / rounding(solver));
+    t->unbalanced += !(solver->info.residual <= fmax(balanced, roundings * rounding(solver)));
+    if (solver->info.load_steps == 1) {
         t->one_step++;
-        t->systems_one += path->info.linear_solves;
-        t->most_one = (long)path->info.linear_solves > t->most_one ? (long)path->info.linear_solves
-                                                                   : t->most_one;
+        t->systems_one += solver->info.linear_solves;
+        t->most_one = (long)solver->info.linear_solves > t->most_one
+                          ? (long)solver->info.linear_solves
+                          : t->most_one;
     } else {
         t->cut++;
-        t->systems_cut += path->info.linear_solves;
+        t->systems_cut += solver->info.linear_solves;
     }
 }
 

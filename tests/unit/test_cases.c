@@ -211,12 +211,12 @@ static void test_pressure_on_a_ring(void **state)
 /* Rows of named output k against a function of the node's position. */
 static double patch_error(const scene_run *r, int k, double (*exact)(double x, double y))
 {
-    const design *d = &r->analysis.design;
+    const design *design = &r->analysis.design;
     double error = 0, largest = 0;
-    for (int n = 0; n < d->mesh.nodes; n++) {
-        const double *x = d->mesh.point[n].x, want = exact(x[0], x[1]);
+    for (int n = 0; n < design->mesh.nodes; n++) {
+        const double *x = design->mesh.point[n].x, want = exact(x[0], x[1]);
         largest = fmax(largest, fabs(want));
-        error = fmax(error, fabs(r->output[d->named_first[k] + n] - want));
+        error = fmax(error, fabs(r->output[design->named_first[k] + n] - want));
     }
     return error / largest;
 }
@@ -294,12 +294,12 @@ static void test_bimorph_tip(void **state)
         assert_true(fabs(ratio("bimorph-actuator", changes[i], 0, 0) - 1) < 1e-6);
 }
 
-static void shape_of(scene_run *r, const char *changes, voltages *v)
+static void shape_of(scene_run *r, const char *changes, voltages *result)
 {
     char error[SCENE_ERROR] = "";
     solve_run(r, "bimorph-actuator", changes);
     if (analysis_influence(&r->analysis, error) < 0 ||
-        voltages_optimum(&r->analysis, no_limits(), v, error) < 0)
+        voltages_optimum(&r->analysis, no_limits(), result, error) < 0)
         fail_msg("%s", error);
 }
 
@@ -312,13 +312,13 @@ static void test_equal_voltages(void **state)
 {
     (void)state;
     scene_run r;
-    voltages v;
-    shape_of(&r, PUBLISHED FIVE ";target={u3: middle, at: nodes, value: x^2/2}", &v);
+    voltages result;
+    shape_of(&r, PUBLISHED FIVE ";target={u3: middle, at: nodes, value: x^2/2}", &result);
     assert_int_equal(r.analysis.design.amplifiers, 5);
     for (int k = 0; k < 5; k++)
-        assert_true(fabs(2 * v.volt[k] / 14492.7536231884 - 1) < 1e-6);
-    assert_true(v.error < 1e-8);
-    voltages_free(&v);
+        assert_true(fabs(2 * result.volt[k] / 14492.7536231884 - 1) < 1e-6);
+    assert_true(result.error < 1e-8);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 
@@ -332,36 +332,36 @@ static void test_tip_force(void **state)
     (void)state;
     static const double beam[5] = {-1615.4, -1186.3, -884.5, -512.3, -190.4};
     scene_run r;
-    voltages v;
+    voltages result;
     shape_of(
         &r,
         PUBLISHED FIVE
         ";actuators.v.applied=0;target={u3: middle, at: nodes, value: 0, weight: area}"
         ";loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.5e-3}, {point: {theta1: 0.1, theta2: 0.005}, u3: 0.5e-3}]",
-        &v);
+        &result);
     for (int k = 0; k < 5; k++)
-        assert_true(fabs(2 * v.volt[k] / beam[k] - 1) < (k < 4 ? 1.2e-3 : 1e-2));
-    assert_true(fabs(v.error - 0.00053) < 1e-5);
-    voltages_free(&v);
+        assert_true(fabs(2 * result.volt[k] / beam[k] - 1) < (k < 4 ? 1.2e-3 : 1e-2));
+    assert_true(fabs(result.error - 0.00053) < 1e-5);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 
 /* ---- the plate with 25 pairs of patches ------------------------------- */
 
 /* No voltage beyond its limit by even one bit; KKT to 1e-9; shape errors as known. */
-static void check_plate(analysis *a, double limit, double shape_error, int active)
+static void check_plate(analysis *analysis, double limit, double shape_error, int active)
 {
     char error[SCENE_ERROR] = "";
-    voltages v;
-    if (voltages_optimum(a, within(limit), &v, error) < 0)
+    voltages result;
+    if (voltages_optimum(analysis, within(limit), &result, error) < 0)
         fail_msg("%s", error);
     for (int k = 0; k < 25; k++)
-        assert_true(v.volt[k] >= -limit && v.volt[k] <= limit);
-    if (!(fabs(v.error - shape_error) < 1e-5))
-        fail_msg("limit %g: shape error %.6f, known %.5f", limit, v.error, shape_error);
-    assert_int_equal(v.active, active);
-    assert_true(v.optimality <= 1e-9);
-    voltages_free(&v);
+        assert_true(result.volt[k] >= -limit && result.volt[k] <= limit);
+    if (!(fabs(result.error - shape_error) < 1e-5))
+        fail_msg("limit %g: shape error %.6f, known %.5f", limit, result.error, shape_error);
+    assert_int_equal(result.active, active);
+    assert_true(result.optimality <= 1e-9);
+    voltages_free(&result);
 }
 
 /* Law: the bounded optimum of the plate is that of an independent program, with and without limits.
@@ -370,7 +370,7 @@ static void test_plate_shapes(void **state)
 {
     (void)state;
     scene_run r;
-    voltages v;
+    voltages result;
     char error[SCENE_ERROR] = "";
     solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
@@ -378,13 +378,13 @@ static void test_plate_shapes(void **state)
     check_plate(&r.analysis, 500, .05560, 2);
     check_plate(&r.analysis, 200, .08975, 6);
     check_plate(&r.analysis, 100, .36114, 18);
-    assert_int_equal(voltages_clipped(&r.analysis, within(200), &v, error), 0);
-    assert_true(fabs(v.error - .520) < 5e-4);
-    voltages_free(&v);
-    assert_int_equal(voltages_given(&r.analysis, "published", r.scene.compare[0].value, &v, error),
-                     0);
-    assert_true(fabs(v.error - .0706) < 5e-5);
-    voltages_free(&v);
+    assert_int_equal(voltages_clipped(&r.analysis, within(200), &result, error), 0);
+    assert_true(fabs(result.error - .520) < 5e-4);
+    voltages_free(&result);
+    assert_int_equal(
+        voltages_given(&r.analysis, "published", r.scene.compare[0].value, &result, error), 0);
+    assert_true(fabs(result.error - .0706) < 5e-5);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 
@@ -401,17 +401,17 @@ static void test_plate_volts(void **state)
     fclose(file);
     for (int i = 0; i < 3; i++) {
         scene_run r;
-        voltages v;
+        voltages result;
         char error[SCENE_ERROR] = "";
         const double *known = testdata_values(&t, key[i]);
         solve_run(&r, "plate-50-patches", changes[i]);
         assert_int_equal(analysis_influence(&r.analysis, error), 0);
         assert_int_equal(
-            voltages_optimum(&r.analysis, i == 2 ? within(200) : no_limits(), &v, error), 0);
+            voltages_optimum(&r.analysis, i == 2 ? within(200) : no_limits(), &result, error), 0);
         for (int k = 0; k < 25; k++) /* the witness's influence carries 1e-6, the weakest direction
                                         is 250 times softer */
-            assert_true(fabs(v.volt[k] - known[k]) < 250 * 1e-6 * 570);
-        voltages_free(&v);
+            assert_true(fabs(result.volt[k] - known[k]) < 250 * 1e-6 * 570);
+        voltages_free(&result);
         scene_run_close(&r);
     }
     testdata_free(&t);
@@ -432,10 +432,10 @@ static void test_depolarisation(void **state)
                      poling, factor);
             solve_run(&r, "plate-50-patches", changes);
             assert_int_equal(analysis_influence(&r.analysis, error), 0);
-            const design *d = &r.analysis.design;
+            const design *design = &r.analysis.design;
             const int against = poling * factor > 0; /* the positive voltage is the dangerous one */
-            assert_true(fabs(d->upper[7] - (against ? 100 : 600)) < 1e-9);
-            assert_true(fabs(d->lower[7] - (against ? -600 : -100)) < 1e-9);
+            assert_true(fabs(design->upper[7] - (against ? 100 : 600)) < 1e-9);
+            assert_true(fabs(design->lower[7] - (against ? -600 : -100)) < 1e-9);
             scene_run_close(&r);
         }
 }
@@ -521,28 +521,28 @@ static void test_held_electrode(void **state)
 static void test_no_voltage_left(void **state)
 {
     (void)state;
-    voltages v;
+    voltages result;
     scene_run r;
     solve_run(&r, "plate-50-patches", "limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]");
     assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
     assert_int_equal(
-        voltages_optimum(&r.analysis, (common_limits){LIMITS_GIVEN, 30, 90}, &v, r.error), -1);
+        voltages_optimum(&r.analysis, (common_limits){LIMITS_GIVEN, 30, 90}, &result, r.error), -1);
     assert_non_null(strstr(
         r.error, "v_2_3 has no voltage left between 30 and 20: the limits asked for, its own"));
-    voltages_free(&v);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 
 /* |B'W^2 (B v - wanted) + lambda s v| of amplifier j of the plate. */
 static double gradient(const clipped *c, double lambda, const double *voltage, int j)
 {
-    const design *d = c->design;
+    const design *design = c->design;
     double sum = lambda * c->scale * voltage[j];
-    for (int i = 0; i < d->targets; i++) {
-        double miss = -d->wanted[i];
+    for (int i = 0; i < design->targets; i++) {
+        double miss = -design->wanted[i];
         for (int k = 0; k < 25; k++)
-            miss += d->influence[i * 25 + k] * voltage[k];
-        sum += d->weight[i] * d->weight[i] * d->influence[i * 25 + j] * miss;
+            miss += design->influence[i * 25 + k] * voltage[k];
+        sum += design->weight[i] * design->weight[i] * design->influence[i * 25 + j] * miss;
     }
     return fabs(sum);
 }
@@ -561,7 +561,7 @@ static void test_regularised_equations(void **state)
     clipped c;
     solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
-    const design *d = &r.analysis.design;
+    const design *design = &r.analysis.design;
     const double nothing[25] = {0};
     for (int i = 0; i < 4; i++) {
         for (int k = 0; k < 25; k++) {
@@ -569,7 +569,7 @@ static void test_regularised_equations(void **state)
             if (k == 7)
                 lower[k] = upper[k] = 35;
         }
-        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(clipped_open(&c, design, lower, upper, design->wanted), 0);
         assert_int_equal(clipped_solve(&c, lambda[i], open), PZS_OK);
         for (int k = 0; k < 25; k++)
             scale = fmax(scale, gradient(&c, 0, nothing, k));
@@ -580,7 +580,7 @@ static void test_regularised_equations(void **state)
         for (int k = 0; k < 25; k++)
             if (k != 7)
                 lower[k] = -(upper[k] = 90);
-        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(clipped_open(&c, design, lower, upper, design->wanted), 0);
         assert_int_equal(clipped_solve(&c, lambda[i], cut), PZS_OK);
         for (int k = 0; k < 25; k++)
             assert_true(cut[k] == fmin(fmax(open[k], lower[k]), upper[k]));
@@ -602,7 +602,7 @@ static void test_tuned(void **state)
     scene_run r;
     solve_run(&r, "plate-50-patches", "");
     assert_int_equal(analysis_influence(&r.analysis, r.error), 0);
-    const design *d = &r.analysis.design;
+    const design *design = &r.analysis.design;
     for (int i = 0; i < 4; i++) {
         voltages tuned, plain, best, other;
         double lower[25], upper[25], voltage[25];
@@ -612,8 +612,8 @@ static void test_tuned(void **state)
         assert_int_equal(voltages_optimum(&r.analysis, within(limit[i]), &best, r.error), 0);
         assert_true(fabs(tuned.error - known[i]) < 1e-5);
         assert_true(tuned.error <= plain.error && tuned.error >= best.error * (1 - 1e-12));
-        assert_int_equal(design_limits(d, within(limit[i]), lower, upper, r.error), 0);
-        assert_int_equal(clipped_open(&c, d, lower, upper, d->wanted), 0);
+        assert_int_equal(design_limits(design, within(limit[i]), lower, upper, r.error), 0);
+        assert_int_equal(clipped_open(&c, design, lower, upper, design->wanted), 0);
         for (int k = -400; k <= 40; k++) {
             assert_int_equal(clipped_solve(&c, pow(10, k / 40.0), voltage), PZS_OK);
             assert_int_equal(voltages_given(&r.analysis, "other", voltage, &other, r.error), 0);
@@ -640,13 +640,14 @@ static void test_area_weights(void **state)
     solve_run(
         &r, "tests/rigs/scenes/free-bimorph.yaml",
         "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}");
-    const design *d = &r.analysis.design;
-    for (int i = 0; i < d->targets; i++)
-        sum += d->weight[i] * d->weight[i] + d->fixed_weight[i] * d->fixed_weight[i];
-    assert_true(fabs(sum / d->targets - 1) < 1e-14);
+    const design *design = &r.analysis.design;
+    for (int i = 0; i < design->targets; i++)
+        sum += design->weight[i] * design->weight[i] +
+               design->fixed_weight[i] * design->fixed_weight[i];
+    assert_true(fabs(sum / design->targets - 1) < 1e-14);
     const double corner = 0.03 * 0.1 / 3 / 4, area = 0.01; /* first node, of a plate 0.1 x 0.1 */
-    assert_true(fabs(pow(d->weight[0] + d->fixed_weight[0], 2) - corner / area * d->targets) <
-                1e-13);
+    assert_true(fabs(pow(design->weight[0] + design->fixed_weight[0], 2) -
+                     corner / area * design->targets) < 1e-13);
     scene_run_close(&r);
 }
 
@@ -659,10 +660,10 @@ static void test_target_under_load(void **state)
     char error[SCENE_ERROR] = "";
     solve_run(&r, "plate-50-patches", "loads=[{face: outer, pressure: 5}]");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
-    const design *d = &r.analysis.design;
-    for (int i = 0; i < d->targets; i++)
-        assert_true(fabs(d->wanted[i] - (d->target[i] - r.output[i])) < 1e-12 * 0.002);
-    assert_true(fabs(r.output[d->targets - 1]) > 1e-6);
+    const design *design = &r.analysis.design;
+    for (int i = 0; i < design->targets; i++)
+        assert_true(fabs(design->wanted[i] - (design->target[i] - r.output[i])) < 1e-12 * 0.002);
+    assert_true(fabs(r.output[design->targets - 1]) > 1e-6);
     scene_run_close(&r);
 }
 

@@ -483,14 +483,14 @@ static void every_bit_of_contact_tables_counts(void **state)
 {
     (void)state;
     rig *g = ring_open(ring_support);
-    pzs_contact_face *f = &g->face;
+    pzs_contact_face *face = &g->face;
     const size_t nodes = (size_t)g->nodes;
     attach_contact(g, &ground, still);
     g->path.state.option = NULL;
-    assert_bits_count(g, &f->format, 3 * sizeof f->format, attach_face);
-    assert_bits_count(g, &f->face, sizeof f->face, attach_face);
-    assert_bits_count(g, &f->input, sizeof f->input, attach_face);
-    assert_bits_count(g, f->motion, sizeof f->motion + sizeof f->size, attach_face);
+    assert_bits_count(g, &face->format, 3 * sizeof face->format, attach_face);
+    assert_bits_count(g, &face->face, sizeof face->face, attach_face);
+    assert_bits_count(g, &face->input, sizeof face->input, attach_face);
+    assert_bits_count(g, face->motion, sizeof face->motion + sizeof face->size, attach_face);
     assert_bits_count(g, g->place, nodes * sizeof *g->place, attach_face);
     assert_bits_count(g, g->triad, nodes * sizeof *g->triad, attach_face);
     assert_bits_count(g, g->area, nodes * sizeof *g->area, attach_face);

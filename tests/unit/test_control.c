@@ -506,28 +506,29 @@ static void errors_are_reported(void **state)
     assert_int_equal(pzs_hold(&desk.c, 0, 0), PZS_E_STAGE);
     assert_int_equal(start(&desk), PZS_OK);
     const size_t need = PZS_CONTROL_BYTES(4, 7);
-    pzs_control c;
-    memset(&c, 0, sizeof c);
+    pzs_control control;
+    memset(&control, 0, sizeof control);
     assert_int_equal(pzs_control_init(NULL, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&c, NULL, NULL, desk.work, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, NULL, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need - 1), PZS_E_WORKSPACE);
-    assert_int_equal(c.info.where, need);
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, (char *)desk.work + 1, need + 8),
+    assert_int_equal(pzs_control_init(&control, NULL, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, NULL, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need - 1),
                      PZS_E_WORKSPACE);
-    assert_int_equal(c.state.stage, 0);
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_OK);
+    assert_int_equal(control.info.where, need);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, (char *)desk.work + 1, need + 8),
+                     PZS_E_WORKSPACE);
+    assert_int_equal(control.state.stage, 0);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_OK);
     assert_int_equal(pzs_step(NULL, desk.error), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_step(&c, NULL), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_tick(&c, NULL, NULL), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_unlimited(&c, desk.error, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_step(&control, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_tick(&control, NULL, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_unlimited(&control, desk.error, NULL), PZS_E_ARGUMENT);
     desk.p.format = 99;
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_E_FORMAT);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_FORMAT);
     desk.p.format = PZS_TABLE_FORMAT;
     desk.b[5] += 1;
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_E_CRC);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_CRC);
     desk.p.influence = NULL;
-    assert_int_equal(pzs_control_init(&c, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
     assert_int_equal(start(&desk), PZS_OK); /* influence computed on the device */
 }
 

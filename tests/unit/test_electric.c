@@ -67,11 +67,11 @@ static void test_circuits(void **state)
     (void)state;
     scene_run r;
     solve_run(&r, "bimorph-sensor", "");
-    analysis *a = &r.analysis;
+    analysis *analysis = &r.analysis;
     double charge[5], amount[16] = {0}, voltage[5];
     for (int k = 0; k < 5; k++) {
-        assert_true(fabs(a->charge[k]) < 1e-12 * 1e-9 * 300);
-        voltage[k] = a->amount[a->design.electrodes.input[k]];
+        assert_true(fabs(analysis->charge[k]) < 1e-12 * 1e-9 * 300);
+        voltage[k] = analysis->amount[analysis->design.electrodes.input[k]];
     }
     scene_run_close(&r);
     solve_run(&r, "bimorph-sensor", "sensors.s.circuit=short");
@@ -84,16 +84,16 @@ static void test_circuits(void **state)
     /* Held at the charges of the short circuit, open electrodes stay without volts; half of it,
      * half of the volts. */
     solve_run(&r, "bimorph-sensor", "");
-    a = &r.analysis;
+    analysis = &r.analysis;
     for (int half = 0; half < 2; half++) {
         memset(amount, 0, sizeof amount);
-        amount[a->design.amplifiers] = 1;
+        amount[analysis->design.amplifiers] = 1;
         for (int k = 0; k < 5; k++)
-            a->electric.settings.charge[k] = charge[k] * (half ? 0.5 : 1);
-        assert_int_equal(pzs_open_voltages(&a->electric, amount), PZS_OK);
+            analysis->electric.settings.charge[k] = charge[k] * (half ? 0.5 : 1);
+        assert_int_equal(pzs_open_voltages(&analysis->electric, amount), PZS_OK);
         for (int k = 0; k < 5; k++)
-            assert_true(fabs(amount[a->design.electrodes.input[k]] - (half ? voltage[k] / 2 : 0)) <
-                        1e-10 * 300);
+            assert_true(fabs(amount[analysis->design.electrodes.input[k]] -
+                             (half ? voltage[k] / 2 : 0)) < 1e-10 * 300);
     }
     scene_run_close(&r);
 }
@@ -118,14 +118,14 @@ static void test_reciprocity(void **state)
     for (int e = 0; e < 3; e++) {
         scene_run r;
         open_run(&r, PLATE, with(elements[e], FOUR));
-        const pzs_electrodes *t = &r.analysis.design.electrodes;
+        const pzs_electrodes *tables = &r.analysis.design.electrodes;
         const size_t inputs = r.analysis.design.structure.input.count;
         const double *per = r.analysis.electric.state.sensitivity;
-        assert_int_equal(t->count, 12);
+        assert_int_equal(tables->count, 12);
         for (size_t i = 0; i < 12; i++)
             for (size_t j = 0; j < i; j++)
-                assert_true(fabs(per[i * inputs + t->input[j]] - per[j * inputs + t->input[i]]) <
-                            1e-12 * per[0]);
+                assert_true(fabs(per[i * inputs + tables->input[j]] -
+                                 per[j * inputs + tables->input[i]]) < 1e-12 * per[0]);
         scene_run_close(&r);
     }
 }
@@ -143,7 +143,7 @@ static void test_sensor_row(void **state)
             scene_run r;
             open_run(&r, PLATE, with(elements[e], FOUR "kinematics=nonlinear"));
             pzs_solver *run = &r.analysis.path.run;
-            const pzs_electrodes *t = &r.analysis.design.electrodes;
+            const pzs_electrodes *tables = &r.analysis.design.electrodes;
             const int dof = r.analysis.design.mesh.dof;
             double *shape = calloc((size_t)dof, sizeof *shape),
                    *step = calloc((size_t)dof, sizeof *step);
@@ -155,17 +155,17 @@ static void test_sensor_row(void **state)
                 step[i] = 0.01 * random_part();
                 run->state.displacement[i] = shape[i] + step[i];
             }
-            pzs_charges_at(run, t, above);
+            pzs_charges_at(run, tables, above);
             for (int i = 0; i < dof; i++)
                 run->state.displacement[i] = shape[i] - step[i];
-            pzs_charges_at(run, t, below);
+            pzs_charges_at(run, tables, below);
             memcpy(run->state.displacement, shape, (size_t)dof * sizeof *shape);
             for (int k = 0; k < 12; k++) {
                 double work = 0, size = 0;
                 memset(force, 0, (size_t)dof * sizeof *force);
-                pzs_nonlinear_unit_force(run, t->input[k], force);
+                pzs_nonlinear_unit_force(run, tables->input[k], force);
                 memset(column, 0, (size_t)dof * sizeof *column);
-                pzs_model_add_input(&r.analysis.model, t->input[k], 1, column);
+                pzs_model_add_input(&r.analysis.model, tables->input[k], 1, column);
                 for (int i = 0; i < dof; i++) {
                     work += force[i] * step[i];
                     size += fabs(force[i] * step[i]);
@@ -186,28 +186,30 @@ static void test_sensor_row(void **state)
 /* ---- energy ----------------------------------------------------------- */
 
 /* u K u / 2, element by element from strains. */
-static double elastic_energy(const analysis *a, const double *u)
+static double elastic_energy(const analysis *analysis, const double *u)
 {
-    const pzs_structure *s = &a->design.structure;
+    const pzs_structure *structure = &analysis->design.structure;
     double sum = 0;
-    for (uint32_t e = 0; e < s->elements; e++) {
+    for (uint32_t e = 0; e < structure->elements; e++) {
         double own[SHELL_MAX], force[SHELL_MAX];
-        pzs_model_gather(&a->model, s->element[e], SHELL_NODES, u, own);
-        pzs_shell_force(&s->type[s->element_type[e]], s->dof_per_node, own, force);
-        for (unsigned i = 0; i < 4u * s->dof_per_node; i++)
+        pzs_model_gather(&analysis->model, structure->element[e], SHELL_NODES, u, own);
+        pzs_shell_force(&structure->type[structure->element_type[e]], structure->dof_per_node, own,
+                        force);
+        for (unsigned i = 0; i < 4u * structure->dof_per_node; i++)
             sum += own[i] * force[i] / 2;
     }
     return sum;
 }
 
 /* V C V / 2 of what the electrodes hold while the shell is held. */
-static double electric_energy(const analysis *a)
+static double electric_energy(const analysis *analysis)
 {
-    const pzs_electrodes *t = &a->design.electrodes;
+    const pzs_electrodes *tables = &analysis->design.electrodes;
     double sum = 0;
-    for (uint32_t k = 0; k < t->count; k++)
-        for (uint32_t i = t->direct.start[k]; i < t->direct.start[k + 1]; i++)
-            sum += a->amount[t->input[k]] * t->direct.value[i] * a->amount[t->direct.dof[i]] / 2;
+    for (uint32_t k = 0; k < tables->count; k++)
+        for (uint32_t i = tables->direct.start[k]; i < tables->direct.start[k + 1]; i++)
+            sum += analysis->amount[tables->input[k]] * tables->direct.value[i] *
+                   analysis->amount[tables->direct.dof[i]] / 2;
     return sum;
 }
 
@@ -222,15 +224,16 @@ static void test_energy(void **state)
         for (int k = 0; k < 2; k++) {
             scene_run r;
             solve_run(&r, scenes[k], with(elements[e], loads[k]));
-            const analysis *a = &r.analysis;
-            const pzs_rows *input = &a->design.structure.input;
+            const analysis *analysis = &r.analysis;
+            const pzs_rows *input = &analysis->design.structure.input;
             double work = 0;
-            for (int j = a->design.amplifiers; j < a->design.amplifiers + a->design.loads; j++)
+            for (int j = analysis->design.amplifiers;
+                 j < analysis->design.amplifiers + analysis->design.loads; j++)
                 for (uint32_t t = input->start[j]; t < input->start[j + 1]; t++)
                     work += input->value[t] * r.u[input->dof[t]] / 2;
-            const double electric = electric_energy(a);
+            const double electric = electric_energy(analysis);
             assert_true(electric > 1e-3 * work);
-            assert_near(scenes[k], elastic_energy(a, r.u) + electric, work, 1e-10);
+            assert_near(scenes[k], elastic_energy(analysis, r.u) + electric, work, 1e-10);
             scene_run_close(&r);
         }
 }
@@ -263,10 +266,11 @@ static void test_capacitance(void **state)
     for (int e = 0; e < 3; e++) {
         scene_run r;
         open_run(&r, PLATE, with(elements[e], ONE_LAYER));
-        const analysis *a = &r.analysis;
-        assert_near("clamped", a->design.electrodes.direct.value[0],
+        const analysis *analysis = &r.analysis;
+        assert_near("clamped", analysis->design.electrodes.direct.value[0],
                     CLAMPED_PERMITTIVITY * AREA / LAYER, 1e-12);
-        assert_near("free", a->electric.state.sensitivity[a->design.electrodes.input[0]],
+        assert_near("free",
+                    analysis->electric.state.sensitivity[analysis->design.electrodes.input[0]],
                     free_permittivity() * AREA / LAYER, 1e-10);
         scene_run_close(&r);
     }
@@ -327,33 +331,34 @@ static void test_open_influence(void **state)
     (void)state;
     scene_run r;
     open_run(&r, PLATE, FOUR "target={u3: middle, at: nodes, value: x}");
-    analysis *a = &r.analysis;
-    const size_t inputs = a->design.structure.input.count;
+    analysis *analysis = &r.analysis;
+    const size_t inputs = analysis->design.structure.input.count;
     double voltage[6], size = 0;
-    assert_int_equal(analysis_influence(a, r.error), 0);
+    assert_int_equal(analysis_influence(analysis, r.error), 0);
     for (int j = 0; j < 6; j++) {
         memset(voltage, 0, sizeof voltage);
         voltage[j] = 1;
-        assert_int_equal(analysis_reach(a, voltage, 0, r.u, r.error), 0);
+        assert_int_equal(analysis_reach(analysis, voltage, 0, r.u, r.error), 0);
         scene_run_observe(&r, r.u);
-        for (int i = 0; i < a->design.targets; i++)
+        for (int i = 0; i < analysis->design.targets; i++)
             size = fmax(size, fabs(r.output[i]));
-        for (int i = 0; i < a->design.targets; i++)
-            assert_true(fabs(r.output[i] - a->influence[(size_t)i * inputs + (size_t)j]) <
+        for (int i = 0; i < analysis->design.targets; i++)
+            assert_true(fabs(r.output[i] - analysis->influence[(size_t)i * inputs + (size_t)j]) <
                         1e-9 * size);
     }
     /* Columns of the open ones are per unit of charge. */
     for (int k = 0; k < 6; k++) {
         double amount[12] = {0};
-        a->electric.settings.charge[6 + k] = 1;
-        assert_int_equal(pzs_open_voltages(&a->electric, amount), PZS_OK);
-        assert_int_equal(pzs_solve(&a->model, amount, r.u), PZS_OK);
+        analysis->electric.settings.charge[6 + k] = 1;
+        assert_int_equal(pzs_open_voltages(&analysis->electric, amount), PZS_OK);
+        assert_int_equal(pzs_solve(&analysis->model, amount, r.u), PZS_OK);
         scene_run_observe(&r, r.u);
-        a->electric.settings.charge[6 + k] = 0;
-        for (int i = 0; i < a->design.targets; i++)
-            assert_true(fabs(r.output[i] -
-                             a->influence[(size_t)i * inputs + a->design.electrodes.input[6 + k]]) <
-                        1e-9 * size / CLAMPED_PERMITTIVITY);
+        analysis->electric.settings.charge[6 + k] = 0;
+        for (int i = 0; i < analysis->design.targets; i++)
+            assert_true(
+                fabs(r.output[i] - analysis->influence[(size_t)i * inputs +
+                                                       analysis->design.electrodes.input[6 + k]]) <
+                1e-9 * size / CLAMPED_PERMITTIVITY);
     }
     scene_run_close(&r);
 }
@@ -449,21 +454,22 @@ static const double gauss_w[GAUSS] = {0.1012285362903763, 0.2223810344533745, 0.
 
 /* Elastic energy at the shape reached: half of the resultants of the modes, given ones left out,
  * times their strains. */
-static double energy_at(const analysis *a)
+static double energy_at(const analysis *analysis)
 {
-    const pzs_structure *s = &a->design.structure;
-    const pzs_solver *run = &a->path.run;
+    const pzs_structure *structure = &analysis->design.structure;
+    const pzs_solver *run = &analysis->path.run;
     double sum = 0;
-    for (uint32_t e = 0; e < s->elements; e++) {
-        const pzs_element_type *kind = &s->type[s->element_type[e]];
+    for (uint32_t e = 0; e < structure->elements; e++) {
+        const pzs_element_type *type = &structure->type[structure->element_type[e]];
         double u[SHELL_MAX], strain[4][10];
-        pzs_model_gather(run->state.model, s->element[e], SHELL_NODES, run->info.displacement, u);
-        pzs_shell_strains_at(kind, s->dof_per_node, u, strain);
+        pzs_model_gather(run->state.model, structure->element[e], SHELL_NODES,
+                         run->info.displacement, u);
+        pzs_shell_strains_at(type, structure->dof_per_node, u, strain);
         for (int m = 0; m < 4; m++)
             for (int i = 0; i < 10; i++)
                 for (int j = 0; j < 10; j++)
                     sum += strain[m][i] *
-                           kind->d[m][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i] *
+                           type->d[m][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i] *
                            strain[m][j] / 2;
     }
     return sum;
@@ -484,22 +490,23 @@ static void test_energy_at_a_shape(void **state)
                  with(element[e], "kinematics=nonlinear;equilibrium={change: 1e-10};"
                                   "loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.1}];"
                                   "outputs=[{name: tip, u3: mean, at: {theta1: 0.1, theta2: 0}}]"));
-        analysis *a = &r.analysis;
-        const int inputs = a->design.structure.input.count, load = a->design.amplifiers;
+        analysis *analysis = &r.analysis;
+        const int inputs = analysis->design.structure.input.count,
+                  load = analysis->design.amplifiers;
         double *influence = calloc((size_t)inputs, sizeof *influence),
                *amount = calloc((size_t)inputs, sizeof *amount);
         for (int g = 0; g < GAUSS; g++) {
             amount[load] = (1 + gauss_x[g]) / 2;
-            assert_int_equal(pzs_equilibrium(&a->path.run, amount), PZS_OK);
-            assert_int_equal(pzs_influence_at(&a->path.run, influence), PZS_OK);
+            assert_int_equal(pzs_equilibrium(&analysis->path.run, amount), PZS_OK);
+            assert_int_equal(pzs_influence_at(&analysis->path.run, influence), PZS_OK);
             work += gauss_w[g] / 2 * 0.1 * amount[load] * influence[load];
         }
-        if (analysis_solve(a, r.u, r.error) < 0)
+        if (analysis_solve(analysis, r.u, r.error) < 0)
             fail_msg("%s", r.error);
         scene_run_observe(&r, r.u);
         assert_true(fabs(r.output[0]) > 0.03);
-        assert_true(electric_energy(a) > 1e-3 * work);
-        assert_near("work", energy_at(a) + electric_energy(a), work, 1e-9);
+        assert_true(electric_energy(analysis) > 1e-3 * work);
+        assert_near("work", energy_at(analysis) + electric_energy(analysis), work, 1e-9);
         free(influence);
         free(amount);
         scene_run_close(&r);
@@ -518,35 +525,35 @@ static void test_refusals(void **state)
     pzs_model *model = &r.analysis.model;
     const pzs_electrodes good = r.analysis.design.electrodes;
     const uint16_t inputs = r.analysis.design.structure.input.count;
-    pzs_electric e;
+    pzs_electric electric;
     double work[200], amount[8] = {0}, charge[5];
     const size_t need = PZS_ELECTRIC_BYTES(5, 5, inputs);
     assert_true(need <= sizeof work);
-    assert_int_equal(pzs_electric_init(&e, model, &good, work, need - 1), PZS_E_WORKSPACE);
-    assert_int_equal(e.info.where, need);
+    assert_int_equal(pzs_electric_init(&electric, model, &good, work, need - 1), PZS_E_WORKSPACE);
+    assert_int_equal(electric.info.where, need);
     assert_int_equal(pzs_electric_init(NULL, model, &good, work, need), PZS_E_ARGUMENT);
     pzs_electrodes bad = good;
     bad.scene++;
-    assert_int_equal(pzs_electric_init(&e, model, &bad, work, need), PZS_E_FORMAT);
+    assert_int_equal(pzs_electric_init(&electric, model, &bad, work, need), PZS_E_FORMAT);
     bad = good;
     bad.crc++;
-    assert_int_equal(pzs_electric_init(&e, model, &bad, work, need), PZS_E_CRC);
+    assert_int_equal(pzs_electric_init(&electric, model, &bad, work, need), PZS_E_CRC);
     const uint16_t beyond[5] = {1, 2, 3, 4, inputs}, falling[5] = {2, 1, 3, 4, 5};
     for (int k = 0; k < 2; k++) {
         bad = good;
         bad.input = k ? beyond : falling;
         bad.crc = pzs_electrode_crc(&bad, inputs);
-        assert_int_equal(pzs_electric_init(&e, model, &bad, work, need), PZS_E_ARGUMENT);
+        assert_int_equal(pzs_electric_init(&electric, model, &bad, work, need), PZS_E_ARGUMENT);
     }
-    assert_int_equal(pzs_electric_init(&e, model, &good, work, need), PZS_OK);
-    assert_int_equal(pzs_open_voltages(&e, amount), PZS_E_STAGE);
-    assert_int_equal(pzs_charges(&e, amount, charge), PZS_E_STAGE);
-    assert_int_equal(pzs_influence_open(&e, work), PZS_E_STAGE);
-    assert_int_equal(pzs_electric_factor(&e), PZS_OK);
+    assert_int_equal(pzs_electric_init(&electric, model, &good, work, need), PZS_OK);
+    assert_int_equal(pzs_open_voltages(&electric, amount), PZS_E_STAGE);
+    assert_int_equal(pzs_charges(&electric, amount, charge), PZS_E_STAGE);
+    assert_int_equal(pzs_influence_open(&electric, work), PZS_E_STAGE);
+    assert_int_equal(pzs_electric_factor(&electric), PZS_OK);
     amount[0] = (double)NAN;
     for (int j = 1; j < inputs; j++)
         amount[j] = j;
-    assert_int_equal(pzs_open_voltages(&e, amount), PZS_E_NONFINITE);
+    assert_int_equal(pzs_open_voltages(&electric, amount), PZS_E_NONFINITE);
     for (int j = 1; j < inputs; j++)
         assert_true(amount[j] == j); /* untouched, volts of open electrodes too */
     pzs_solver never = {0};
@@ -559,9 +566,9 @@ static void test_refusals(void **state)
     bad = good;
     bad.direct.value = negative;
     bad.crc = pzs_electrode_crc(&bad, inputs);
-    assert_int_equal(pzs_electric_init(&e, model, &bad, work, need), PZS_OK);
-    assert_int_equal(pzs_electric_factor(&e), PZS_E_NEGATIVE);
-    assert_int_equal(e.info.where, 3);
+    assert_int_equal(pzs_electric_init(&electric, model, &bad, work, need), PZS_OK);
+    assert_int_equal(pzs_electric_factor(&electric), PZS_E_NEGATIVE);
+    assert_int_equal(electric.info.where, 3);
     scene_run_close(&r);
 }
 

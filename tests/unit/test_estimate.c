@@ -98,12 +98,12 @@ static void rig_open(rig *r, unsigned seed)
         r->upper[k] = 100;
         r->slew[k] = 15;
     }
-    const pzs_problem p = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
-                           r->influence,     NULL,      r->weight, r->lower, r->upper,
-                           r->slew,          r->prefer, 0};
+    const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
+                                 r->influence,     NULL,      r->weight, r->lower, r->upper,
+                                 r->slew,          r->prefer, 0};
     const pzs_estimator e = {PZS_TABLE_FORMAT, 1, 0, N, M, K, r->direct, r->gain};
     const pzs_feed_forward_table known = {PZS_TABLE_FORMAT, 1, 0, LOADS, M, r->per};
-    r->problem = p;
+    r->problem = problem;
     r->tables = e;
     r->known = known;
     r->work = malloc(PZS_CONTROL_BYTES(N, M));

@@ -47,39 +47,41 @@ static void rig_close(rig *r)
  */
 static double column(const rig *r, int disturbance, double *shape, double *reading)
 {
-    const analysis *a = &r->run.analysis;
-    const design *d = &a->design;
-    const size_t inputs = d->structure.input.count;
-    const int input = disturbance < d->loads ? d->amplifiers + disturbance : disturbance - d->loads;
-    double *amount = calloc(inputs, sizeof *amount), *u = calloc((size_t)d->mesh.dof, sizeof *u),
-           *y = calloc(d->structure.output.count, sizeof *y);
+    const analysis *analysis = &r->run.analysis;
+    const design *design = &analysis->design;
+    const size_t inputs = design->structure.input.count;
+    const int input = disturbance < design->loads ? design->amplifiers + disturbance
+                                                  : disturbance - design->loads;
+    double *amount = calloc(inputs, sizeof *amount),
+           *u = calloc((size_t)design->mesh.dof, sizeof *u),
+           *y = calloc(design->structure.output.count, sizeof *y);
     assert_true(amount && u && y);
     amount[input] = 1;
-    assert_int_equal(pzs_open_voltages(&a->electric, amount), PZS_OK);
+    assert_int_equal(pzs_open_voltages(&analysis->electric, amount), PZS_OK);
     assert_int_equal(pzs_solve((pzs_model *)&r->run.analysis.model, amount, u), PZS_OK);
-    pzs_observe(&d->structure, u, y);
-    memcpy(shape, y, (size_t)d->targets * sizeof *shape);
+    pzs_observe(&design->structure, u, y);
+    memcpy(shape, y, (size_t)design->targets * sizeof *shape);
     int row = 0;
-    for (int i = 0; i < d->scene->estimate.readings; i++) {
-        const int k = d->scene->estimate.reading[i].output;
-        for (int j = 0; j < analysis_outputs(a, k); j++)
-            reading[row++] = d->scene->output[k].electric == ELECTRIC_VOLTAGE
-                                 ? amount[electrodes_input(d, &d->scene->output[k], j)]
-                                 : y[d->named_first[k] + j];
+    for (int i = 0; i < design->scene->estimate.readings; i++) {
+        const int k = design->scene->estimate.reading[i].output;
+        for (int j = 0; j < analysis_outputs(analysis, k); j++)
+            reading[row++] = design->scene->output[k].electric == ELECTRIC_VOLTAGE
+                                 ? amount[electrodes_input(design, &design->scene->output[k], j)]
+                                 : y[design->named_first[k] + j];
     }
     assert_int_equal(row, r->e.sensors);
     free(amount);
     free(u);
     free(y);
-    return disturbance < d->loads ? d->scene->estimate.loads : 30;
+    return disturbance < design->loads ? design->scene->estimate.loads : 30;
 }
 
 /* Mean square of W (y - gain times readings) over all disturbances and the noise, by the
  * definition. */
 static double mean_square(const rig *r, const double *gain, double *without)
 {
-    const design *d = &r->run.analysis.design;
-    const size_t m = (size_t)d->targets, k = (size_t)r->e.sensors;
+    const design *design = &r->run.analysis.design;
+    const size_t m = (size_t)design->targets, k = (size_t)r->e.sensors;
     double *shape = calloc(m, sizeof *shape), *reading = calloc(k, sizeof *reading), sum = 0;
     assert_true(shape && reading);
     *without = 0;
@@ -89,17 +91,17 @@ static double mean_square(const rig *r, const double *gain, double *without)
             double left = shape[i];
             for (size_t s = 0; s < k; s++)
                 left -= gain[i * k + s] * reading[s];
-            sum += pow(sigma * d->weight[i] * left, 2);
-            *without += pow(sigma * d->weight[i] * shape[i], 2);
+            sum += pow(sigma * design->weight[i] * left, 2);
+            *without += pow(sigma * design->weight[i] * shape[i], 2);
         }
     }
-    for (int i = 0, row = 0; i < d->scene->estimate.readings; i++)
+    for (int i = 0, row = 0; i < design->scene->estimate.readings; i++)
         for (int j = 0;
-             j < analysis_outputs(&r->run.analysis, d->scene->estimate.reading[i].output);
+             j < analysis_outputs(&r->run.analysis, design->scene->estimate.reading[i].output);
              j++, row++)
             for (size_t t = 0; t < m; t++)
-                sum += pow(d->weight[t] * gain[t * k + (size_t)row] *
-                               d->scene->estimate.reading[i].noise,
+                sum += pow(design->weight[t] * gain[t * k + (size_t)row] *
+                               design->scene->estimate.reading[i].noise,
                            2);
     free(shape);
     free(reading);
@@ -140,14 +142,14 @@ static void test_all_measured(void **state)
     rig r;
     (void)state;
     assert_int_equal(rig_open(&r, "estimate={readings: [{output: all, noise: 1e-12}]}"), 0);
-    const design *d = &r.run.analysis.design;
+    const design *design = &r.run.analysis.design;
     double shape[200], reading[200];
-    assert_int_equal(r.e.sensors, d->targets);
+    assert_int_equal(r.e.sensors, design->targets);
     assert_true(r.e.missed < 1e-6 * r.e.disturbed);
     for (int j = 0; j < r.e.disturbances; j++) {
         column(&r, j, shape, reading);
         double most = 0, off = 0;
-        for (int i = 0; i < d->targets; i++) {
+        for (int i = 0; i < design->targets; i++) {
             double sum = 0;
             for (int k = 0; k < r.e.sensors; k++)
                 sum += r.e.gain[i * r.e.sensors + k] * reading[k];
@@ -218,12 +220,12 @@ static void test_tables(void **state)
     }
     pzs_control control;
     pzs_estimate estimate;
-    const pzs_problem *p = &r.run.analysis.design.problem;
-    void *work = malloc(PZS_CONTROL_BYTES(p->inputs, p->outputs)),
+    const pzs_problem *problem = &r.run.analysis.design.problem;
+    void *work = malloc(PZS_CONTROL_BYTES(problem->inputs, problem->outputs)),
          *own = malloc(PZS_ESTIMATE_BYTES(26));
-    assert_int_equal(
-        pzs_control_init(&control, p, NULL, work, PZS_CONTROL_BYTES(p->inputs, p->outputs)),
-        PZS_OK);
+    assert_int_equal(pzs_control_init(&control, problem, NULL, work,
+                                      PZS_CONTROL_BYTES(problem->inputs, problem->outputs)),
+                     PZS_OK);
     assert_int_equal(
         pzs_estimate_init(&estimate, &control, &r.e.tables, own, PZS_ESTIMATE_BYTES(26)), PZS_OK);
     free(work);

@@ -93,10 +93,10 @@ static void rig_open(rig *r, unsigned seed)
         r->strength[k] = 0.8 / 1.1 * uniform(&r->seed, 0.9, 1.1);
     }
     r->noise = 1e-7;
-    const pzs_problem p = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
-                           r->influence,     NULL,      r->weight, r->lower, r->upper,
-                           r->slew,          r->prefer, 0};
-    r->problem = p;
+    const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
+                                 r->influence,     NULL,      r->weight, r->lower, r->upper,
+                                 r->slew,          r->prefer, 0};
+    r->problem = problem;
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
     assert_non_null(r->work);
     rig_start(r);
@@ -474,30 +474,32 @@ static void test_swings_changed(void **state)
 static void test_misuse(void **state)
 {
     const size_t bytes = PZS_FAULT_DETECTOR_BYTES(N, M, 2);
-    pzs_fault_detector watch;
+    pzs_fault_detector detector;
     pzs_control none;
     rig r;
     (void)state;
-    memset(&watch, 0, sizeof watch);
+    memset(&detector, 0, sizeof detector);
     memset(&none, 0, sizeof none);
     rig_open(&r, 19);
     char *work = malloc(bytes + 8);
-    assert_int_equal(pzs_fault_detector_tick(&watch, r.measured), PZS_E_STAGE);
+    assert_int_equal(pzs_fault_detector_tick(&detector, r.measured), PZS_E_STAGE);
     assert_int_equal(pzs_fault_detector_tick(NULL, r.measured), PZS_E_ARGUMENT);
     assert_int_equal(pzs_fault_detector_init(NULL, &r.control, 2, work, bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_fault_detector_init(&watch, NULL, 2, work, bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_fault_detector_init(&watch, &r.control, 2, NULL, bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_fault_detector_init(&watch, &r.control, PZS_DELAY_LIMIT + 1, work, bytes),
+    assert_int_equal(pzs_fault_detector_init(&detector, NULL, 2, work, bytes), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_fault_detector_init(&detector, &r.control, 2, NULL, bytes),
                      PZS_E_ARGUMENT);
-    assert_int_equal(pzs_fault_detector_init(&watch, &none, 2, work, bytes), PZS_E_STAGE);
-    assert_int_equal(pzs_fault_detector_init(&watch, &r.control, 2, work, bytes - 1),
+    assert_int_equal(
+        pzs_fault_detector_init(&detector, &r.control, PZS_DELAY_LIMIT + 1, work, bytes),
+        PZS_E_ARGUMENT);
+    assert_int_equal(pzs_fault_detector_init(&detector, &none, 2, work, bytes), PZS_E_STAGE);
+    assert_int_equal(pzs_fault_detector_init(&detector, &r.control, 2, work, bytes - 1),
                      PZS_E_WORKSPACE);
-    assert_int_equal(watch.info.where, bytes);
-    assert_int_equal(pzs_fault_detector_init(&watch, &r.control, 2, work + 1, bytes),
+    assert_int_equal(detector.info.where, bytes);
+    assert_int_equal(pzs_fault_detector_init(&detector, &r.control, 2, work + 1, bytes),
                      PZS_E_WORKSPACE);
-    assert_int_equal(pzs_fault_detector_tick(&watch, r.measured), PZS_E_STAGE);
-    assert_int_equal(pzs_fault_detector_init(&watch, &r.control, 2, work, bytes), PZS_OK);
-    assert_int_equal(pzs_fault_detector_tick(&watch, NULL), PZS_OK);
+    assert_int_equal(pzs_fault_detector_tick(&detector, r.measured), PZS_E_STAGE);
+    assert_int_equal(pzs_fault_detector_init(&detector, &r.control, 2, work, bytes), PZS_OK);
+    assert_int_equal(pzs_fault_detector_tick(&detector, NULL), PZS_OK);
     free(work);
     rig_close(&r);
 }

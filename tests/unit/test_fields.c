@@ -212,13 +212,14 @@ static void test_spiral(void **state)
 /* Largest difference of output k at the nodes from its value f(x, y), over the largest value. */
 static double output_error(const scene_run *r, int k, const double f[4])
 {
-    const design *d = &r->analysis.design;
+    const design *design = &r->analysis.design;
     double error = 0, largest = 0;
-    for (int n = 0; n < d->mesh.nodes; n++) {
-        const double *x = d->mesh.point[n].x, want = f[0] * x[0] + f[1] * x[1] +
-                                                     f[2] * (x[0] * x[0] + x[1] * x[1]) / 2 + f[3];
+    for (int n = 0; n < design->mesh.nodes; n++) {
+        const double *x = design->mesh.point[n].x,
+                     want =
+                         f[0] * x[0] + f[1] * x[1] + f[2] * (x[0] * x[0] + x[1] * x[1]) / 2 + f[3];
         largest = fmax(largest, fabs(want));
-        error = fmax(error, fabs(r->output[d->named_first[k] + n] - want));
+        error = fmax(error, fabs(r->output[design->named_first[k] + n] - want));
     }
     return error / largest;
 }

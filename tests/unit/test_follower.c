@@ -450,9 +450,10 @@ static void damaged_counts_are_not_followed(void **state)
     for (int i = 0; i < 3; i++)
         bad[i].crc = pzs_nonlinear_crc(&sound, &g->structure);
     for (int i = 0; i < 3; i++) {
-        pzs_solver path;
+        pzs_solver solver;
         pzs_real work[8];
-        assert_int_equal(pzs_solver_init(&path, &g->model, &bad[i], work, sizeof work), PZS_E_CRC);
+        assert_int_equal(pzs_solver_init(&solver, &g->model, &bad[i], work, sizeof work),
+                         PZS_E_CRC);
     }
     pzs_structure damaged[2] = {g->structure, g->structure};
     damaged[0].types |= 0x8000u;
@@ -523,19 +524,19 @@ static void influence_solves_the_unsymmetric_system(void **state)
     rig_close(g);
 }
 
-static void no_force(pzs_solver_option *option, pzs_solver *path, pzs_real *load)
+static void no_force(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
 {
-    (void)option, (void)path, (void)load;
+    (void)option, (void)solver, (void)load;
 }
 
 /* A symmetric matrix that outweighs K. */
-static void not_skew(pzs_solver_option *option, pzs_solver *path, const pzs_real *x,
+static void not_skew(pzs_solver_option *option, pzs_solver *solver, const pzs_real *x,
                      pzs_real factor, pzs_real *y)
 {
     (void)option;
-    for (uint32_t i = 0; i < path->state.model->state.structure->free_dof; i++)
+    for (uint32_t i = 0; i < solver->state.model->state.structure->free_dof; i++)
         y[i] += 10 * factor * x[i] /
-                (path->state.model->state.scale[i] * path->state.model->state.scale[i]);
+                (solver->state.model->state.scale[i] * solver->state.model->state.scale[i]);
 }
 
 /* Passes that do not converge are an error at the input they belong to. */

@@ -75,23 +75,23 @@ static void test_sees_what_gains_see(void **state)
     bench b;
     (void)state;
     open_bench(&b, EXACT "simulate.events=[{at: 0, load: 0, amount: 40}]");
-    const design *d = &b.run.analysis.design;
-    const estimator *e = &b.s.estimator;
-    const size_t inputs = d->structure.input.count;
+    const design *design = &b.run.analysis.design;
+    const estimator *estimator = &b.s.estimator;
+    const size_t inputs = design->structure.input.count;
     double sum = 0, noise = 0;
-    for (int i = 0; i < d->targets; i++) {
-        double left = 40 * e->known[i];
-        for (int k = 0; k < e->sensors; k++) {
-            left -= 40 * e->gain[i * e->sensors + k] *
-                    b.run.analysis
-                        .influence[(size_t)d->named_first[k] * inputs + (size_t)d->amplifiers];
-            noise += pow(d->weight[i] * e->gain[i * e->sensors + k] *
+    for (int i = 0; i < design->targets; i++) {
+        double left = 40 * estimator->known[i];
+        for (int k = 0; k < estimator->sensors; k++) {
+            left -= 40 * estimator->gain[i * estimator->sensors + k] *
+                    b.run.analysis.influence[(size_t)design->named_first[k] * inputs +
+                                             (size_t)design->amplifiers];
+            noise += pow(design->weight[i] * estimator->gain[i * estimator->sensors + k] *
                              b.run.scene.estimate.reading[k].noise,
                          2);
         }
-        sum += pow(d->weight[i] * left, 2);
+        sum += pow(design->weight[i] * left, 2);
     }
-    assert_int_equal(e->sensors, 8);
+    assert_int_equal(estimator->sensors, 8);
     for (int at = 0; at < 60; at++) {
         tick(&b, at);
         if (!(fabs(b.l.missed - sqrt(sum) / b.s.reference) <= 6 * sqrt(noise) / b.s.reference))
@@ -112,12 +112,12 @@ static void test_all_nodes_estimated(void **state)
         "simulate.plant.d=0.8;simulate.sensors.delay=2;simulate.events=[];simulate.ticks=300;outputs=[{name: all, u3: middle, at: nodes}];"
         "estimate.readings=[{output: all, noise: 1e-9}]");
     optima(&b);
-    const simulate_phase *p = &b.s.phase[b.s.phases - 1];
+    const simulate_phase *phase = &b.s.phase[b.s.phases - 1];
     print_message("every node read: missed %.1e, %.1e above the optimum\n",
-                  p->course[LAW_CONTROLLER].missed,
-                  p->course[LAW_CONTROLLER].steady / p->optimum - 1);
-    assert_true(p->course[LAW_CONTROLLER].missed < 6e-9 * sqrt(b.l.sensors) / b.s.reference);
-    assert_true(fabs(p->course[LAW_CONTROLLER].steady / p->optimum - 1) < 1e-6);
+                  phase->course[LAW_CONTROLLER].missed,
+                  phase->course[LAW_CONTROLLER].steady / phase->optimum - 1);
+    assert_true(phase->course[LAW_CONTROLLER].missed < 6e-9 * sqrt(b.l.sensors) / b.s.reference);
+    assert_true(fabs(phase->course[LAW_CONTROLLER].steady / phase->optimum - 1) < 1e-6);
     close_bench(&b);
 }
 
@@ -180,11 +180,12 @@ static void test_shipped(void **state)
     assert_true(b.s.estimator.missed <= b.run.scene.estimate.tolerance * b.s.estimator.disturbed);
     optima(&b);
     for (int k = 0; k < 3; k++) {
-        const simulate_course *c = &b.s.phase[k].course[LAW_CONTROLLER];
+        const simulate_course *course = &b.s.phase[k].course[LAW_CONTROLLER];
         print_message("%.3f %% steady, optimum %.3f %%, worst %.3f %%, estimate off by %.3f %%\n",
-                      100 * c->steady, 100 * b.s.phase[k].optimum, 100 * c->worst, 100 * c->missed);
-        assert_true(c->steady < 1.06 * b.s.phase[k].optimum &&
-                    c->missed < b.run.scene.estimate.tolerance);
+                      100 * course->steady, 100 * b.s.phase[k].optimum, 100 * course->worst,
+                      100 * course->missed);
+        assert_true(course->steady < 1.06 * b.s.phase[k].optimum &&
+                    course->missed < b.run.scene.estimate.tolerance);
     }
     assert_true(b.s.phase[1].course[0].worst < 1.1 * b.s.phase[1].course[0].steady);
     assert_true(b.s.phase[2].course[0].worst > 2 * b.s.phase[2].course[0].steady);

@@ -329,27 +329,28 @@ static void test_misuse(void **state)
     (void)state;
     device d;
     device_open(&d, "clamped-plate", NULL, 0);
-    pzs_structure *s = &d.structure;
+    pzs_structure *structure = &d.structure;
     pzs_real *before = calloc((size_t)d.bridge.dof, sizeof *before);
-    assert_int_equal(pzs_model_init(NULL, s, d.work, d.bytes), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_model_init(NULL, structure, d.work, d.bytes), PZS_E_ARGUMENT);
     assert_int_equal(pzs_model_init(&d.model, NULL, d.work, d.bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_model_init(&d.model, s, NULL, d.bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes - 1), PZS_E_WORKSPACE);
+    assert_int_equal(pzs_model_init(&d.model, structure, NULL, d.bytes), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_model_init(&d.model, structure, d.work, d.bytes - 1), PZS_E_WORKSPACE);
     assert_int_equal(d.model.info.where, d.bytes);
-    assert_int_equal(pzs_model_init(&d.model, s, (char *)d.work + 1, d.bytes), PZS_E_WORKSPACE);
+    assert_int_equal(pzs_model_init(&d.model, structure, (char *)d.work + 1, d.bytes),
+                     PZS_E_WORKSPACE);
     assert_int_equal(pzs_assemble(&d.model, NULL, NULL), PZS_E_STAGE);
     assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_E_STAGE);
-    s->format++;
-    assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_E_FORMAT);
-    s->format--;
+    structure->format++;
+    assert_int_equal(pzs_model_init(&d.model, structure, d.work, d.bytes), PZS_E_FORMAT);
+    structure->format--;
     d.owned[ROUNDED_STIFFNESS][5] += 1;
-    assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_E_CRC);
+    assert_int_equal(pzs_model_init(&d.model, structure, d.work, d.bytes), PZS_E_CRC);
     d.owned[ROUNDED_STIFFNESS][5] -= 1;
-    s->free_dof = PZS_CONSTRAINED;
-    assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_E_ARGUMENT);
-    s->free_dof = (uint16_t)d.bridge.dof;
-    s->crc = pzs_structure_crc(s);
-    assert_int_equal(pzs_model_init(&d.model, s, d.work, d.bytes), PZS_OK);
+    structure->free_dof = PZS_CONSTRAINED;
+    assert_int_equal(pzs_model_init(&d.model, structure, d.work, d.bytes), PZS_E_ARGUMENT);
+    structure->free_dof = (uint16_t)d.bridge.dof;
+    structure->crc = pzs_structure_crc(structure);
+    assert_int_equal(pzs_model_init(&d.model, structure, d.work, d.bytes), PZS_OK);
     assert_int_equal(pzs_factor(&d.model), PZS_E_STAGE);
     pzs_real factor[2] = {(pzs_real)NAN, (pzs_real)NAN};
     assert_int_equal(pzs_assemble(&d.model, factor, NULL), PZS_E_NONFINITE);
@@ -407,34 +408,35 @@ static void test_open_electrodes(void **state)
     device d;
     device_open(&d, "tests/rigs/scenes/piezo-plate.yaml", set, 3);
     const bridge *b = &d.bridge;
-    pzs_electrodes t = {PZS_TABLE_FORMAT,      0,  0, (uint16_t)b->electrodes, b->electrode_input,
-                        b->pzs_electrode_open, {0}};
-    pzs_real *direct = round_rows(&b->direct, &t.direct),
+    pzs_electrodes tables = {
+        PZS_TABLE_FORMAT,      0,  0, (uint16_t)b->electrodes, b->electrode_input,
+        b->pzs_electrode_open, {0}};
+    pzs_real *direct = round_rows(&b->direct, &tables.direct),
              *charge = calloc((size_t)b->electrodes, sizeof *charge);
-    t.crc = pzs_electrode_crc(&t, (uint32_t)b->input.count);
+    tables.crc = pzs_electrode_crc(&tables, (uint32_t)b->input.count);
     const size_t bytes = PZS_ELECTRIC_BYTES(b->electrodes, b->electrodes, b->input.count);
     void *work = malloc(bytes);
-    pzs_electric e;
+    pzs_electric electric;
     assert_int_equal(b->electrodes, 4);
     assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_OK);
-    assert_int_equal(pzs_electric_init(&e, &d.model, &t, work, bytes), PZS_OK);
-    assert_int_equal(pzs_electric_factor(&e), PZS_E_STAGE);
+    assert_int_equal(pzs_electric_init(&electric, &d.model, &tables, work, bytes), PZS_OK);
+    assert_int_equal(pzs_electric_factor(&electric), PZS_E_STAGE);
     assert_int_equal(pzs_assemble(&d.model, NULL, NULL), PZS_OK);
     assert_int_equal(pzs_factor(&d.model), PZS_OK);
-    assert_int_equal(pzs_electric_factor(&e), PZS_OK);
+    assert_int_equal(pzs_electric_factor(&electric), PZS_OK);
     for (int k = 0; k < b->electrodes; k++)
         d.amount[b->electrode_input[k]] = 0;
-    assert_int_equal(pzs_open_voltages(&e, d.amount), PZS_OK);
-    assert_int_equal(pzs_charges(&e, d.amount, charge), PZS_OK);
+    assert_int_equal(pzs_open_voltages(&electric, d.amount), PZS_OK);
+    assert_int_equal(pzs_charges(&electric, d.amount, charge), PZS_OK);
     for (int k = 0; k < b->electrodes; k++) {
         const int input = b->electrode_input[k];
         assert_true(fabs(b->amount[input]) > 1);
         assert_true(fabs((double)d.amount[input] - b->amount[input]) <
                     100 * EPS * fabs(b->amount[input]));
-        assert_true(
-            fabs((double)charge[k]) <
-            100 * EPS *
-                fabs((double)e.state.sensitivity[k * b->input.count + input] * b->amount[input]));
+        assert_true(fabs((double)charge[k]) <
+                    100 * EPS *
+                        fabs((double)electric.state.sensitivity[k * b->input.count + input] *
+                             b->amount[input]));
     }
     free(direct);
     free(charge);

@@ -141,21 +141,21 @@ static void test_mixed_beats_plain(void **state)
 /* Twice the strain energy at u, from strains (*linear: from strains of first order alone). */
 static double energy(const scene_run *r, const double *u, int linear)
 {
-    const pzs_structure *s = &r->analysis.design.structure;
+    const pzs_structure *structure = &r->analysis.design.structure;
     double sum = 0;
-    for (uint32_t e = 0; e < s->elements; e++) {
-        const pzs_element_type *kind = &s->type[s->element_type[e]];
+    for (uint32_t e = 0; e < structure->elements; e++) {
+        const pzs_element_type *type = &structure->type[structure->element_type[e]];
         double v[SHELL_MAX], f[SHELL_MAX], strain[4][10];
-        pzs_model_gather(&r->analysis.model, s->element[e], SHELL_NODES, u, v);
-        pzs_shell_force(kind, s->dof_per_node, v, f);
-        for (unsigned i = 0; linear && i < SHELL_NODES * s->dof_per_node; i++)
+        pzs_model_gather(&r->analysis.model, structure->element[e], SHELL_NODES, u, v);
+        pzs_shell_force(type, structure->dof_per_node, v, f);
+        for (unsigned i = 0; linear && i < SHELL_NODES * structure->dof_per_node; i++)
             sum += v[i] * f[i];
-        pzs_shell_strains_at(kind, s->dof_per_node, v, strain);
+        pzs_shell_strains_at(type, structure->dof_per_node, v, strain);
         for (int m = 0; !linear && m < 4; m++)
             for (int i = 0; i < 10; i++)
                 for (int j = 0; j < 10; j++)
                     sum += strain[m][i] * strain[m][j] *
-                           kind->d[m][i > j ? SHELL_PACKED(i) + j : SHELL_PACKED(j) + i];
+                           type->d[m][i > j ? SHELL_PACKED(i) + j : SHELL_PACKED(j) + i];
     }
     return sum;
 }
@@ -169,13 +169,13 @@ static void test_rigid_motion(void **state)
     for (size_t k = 0; k < COUNT(element); k++) {
         scene_run r;
         solve_run(&r, "tests/rigs/scenes/rigid.yaml", element[k]);
-        const design *d = &r.analysis.design;
-        for (int n = 0; n < d->mesh.nodes; n++) {
-            const double *x = d->mesh.point[n].x,
+        const design *design = &r.analysis.design;
+        for (int n = 0; n < design->mesh.nodes; n++) {
+            const double *x = design->mesh.point[n].x,
                          want[3] = {0, x[1] * (cos(0.6) - 1) - x[2] * sin(0.6),
                                     x[1] * sin(0.6) + x[2] * (cos(0.6) - 1)};
             for (int i = 0; i < 3; i++)
-                assert_true(fabs(r.output[d->named_first[i] + n] - want[i]) < 1e-11 * 10);
+                assert_true(fabs(r.output[design->named_first[i] + n] - want[i]) < 1e-11 * 10);
         }
         const double part = energy(&r, r.u, 0) / energy(&r, r.u, 1);
         print_message("rigid turn: %.1e of the energy of the strains of first order\n", part);
@@ -208,13 +208,14 @@ static void test_rigid_motion_of_the_source(void **state)
 /* Internal force at u. f [dof] out */
 static void internal_force(const scene_run *r, const double *u, double *f)
 {
-    const pzs_structure *s = &r->analysis.design.structure;
-    memset(f, 0, s->free_dof * sizeof *f);
-    for (uint32_t e = 0; e < s->elements; e++) {
+    const pzs_structure *structure = &r->analysis.design.structure;
+    memset(f, 0, structure->free_dof * sizeof *f);
+    for (uint32_t e = 0; e < structure->elements; e++) {
         double v[SHELL_MAX], own[SHELL_MAX], k[SHELL_PACKED(SHELL_MAX)];
-        pzs_model_gather(&r->analysis.model, s->element[e], SHELL_NODES, u, v);
-        pzs_shell_system(&s->type[s->element_type[e]], s->dof_per_node, v, NULL, NULL, own, k);
-        pzs_model_scatter(&r->analysis.model, s->element[e], SHELL_NODES, 1, own, f);
+        pzs_model_gather(&r->analysis.model, structure->element[e], SHELL_NODES, u, v);
+        pzs_shell_system(&structure->type[structure->element_type[e]], structure->dof_per_node, v,
+                         NULL, NULL, own, k);
+        pzs_model_scatter(&r->analysis.model, structure->element[e], SHELL_NODES, 1, own, f);
     }
 }
 
@@ -443,24 +444,24 @@ static void test_given_force_at_rest(void **state)
         scene_run r;
         snprintf(changes, sizeof changes, "%skinematics=nonlinear", element[k]);
         open_run(&r, "plate-50-patches", changes);
-        const pzs_structure *s = &r.analysis.design.structure;
+        const pzs_structure *structure = &r.analysis.design.structure;
         const pzs_prescribed_resultants *g = &r.analysis.path.tables.given;
-        double *f = calloc(s->free_dof, sizeof *f), *column = calloc(s->free_dof, sizeof *f),
-               zero[SHELL_MAX] = {0};
+        double *f = calloc(structure->free_dof, sizeof *f),
+               *column = calloc(structure->free_dof, sizeof *f), zero[SHELL_MAX] = {0};
         for (uint32_t j = 0; j < 25; j++) {
-            memset(f, 0, s->free_dof * sizeof *f);
-            memset(column, 0, s->free_dof * sizeof *f);
+            memset(f, 0, structure->free_dof * sizeof *f);
+            memset(column, 0, structure->free_dof * sizeof *f);
             pzs_model_add_input(&r.analysis.model, j, 1, column);
             assert_true(g->start[j + 1] > g->start[j]);
             for (uint32_t t = g->start[j]; t < g->start[j + 1]; t++) {
                 double own[SHELL_MAX], resultant[SHELL_RESULTANTS] = {0};
                 memcpy(resultant, g->value[g->which[t]], sizeof *g->value);
-                pzs_shell_force_at(&s->type[s->element_type[g->element[t]]], s->dof_per_node, zero,
-                                   resultant, own);
-                pzs_model_scatter(&r.analysis.model, s->element[g->element[t]], SHELL_NODES, -1,
-                                  own, f);
+                pzs_shell_force_at(&structure->type[structure->element_type[g->element[t]]],
+                                   structure->dof_per_node, zero, resultant, own);
+                pzs_model_scatter(&r.analysis.model, structure->element[g->element[t]], SHELL_NODES,
+                                  -1, own, f);
             }
-            assert_true(apart(f, column, s->free_dof) < 1e-12);
+            assert_true(apart(f, column, structure->free_dof) < 1e-12);
         }
         free(f);
         free(column);
@@ -474,14 +475,14 @@ static void test_given_force_at_rest(void **state)
  * amounts. y [outputs] out */
 static void outputs_beside(scene_run *r, uint32_t j, double d, double *y)
 {
-    pzs_solver *path = path_of(r);
+    pzs_solver *solver = path_of(r);
     double *amount = r->analysis.path.full;
     const double kept = amount[j];
     amount[j] += d;
-    const pzs_status status = pzs_equilibrium(path, amount);
+    const pzs_status status = pzs_equilibrium(solver, amount);
     if (PZS_IS_ERROR(status))
         fail_msg("beside the equilibrium: %s", pzs_status_text(status));
-    pzs_observe(&r->analysis.design.structure, path->info.displacement, y);
+    pzs_observe(&r->analysis.design.structure, solver->info.displacement, y);
     amount[j] = kept;
 }
 
@@ -533,8 +534,8 @@ static void check_influence(const influence_case *c)
 {
     scene_run r;
     solve_run(&r, c->scene, c->changes);
-    const pzs_structure *s = &r.analysis.design.structure;
-    const size_t rows = s->output.count, inputs = s->input.count;
+    const pzs_structure *structure = &r.analysis.design.structure;
+    const size_t rows = structure->output.count, inputs = structure->input.count;
     double *influence = calloc(rows * inputs, sizeof *influence),
            *coarse = calloc(rows, sizeof *coarse), *fine = calloc(rows, sizeof *fine);
     assert_int_equal(pzs_influence_at(path_of(&r), influence), PZS_OK);
@@ -624,10 +625,10 @@ static void test_influence_at_rest(void **state)
     (void)state;
     scene_run r;
     open_run(&r, "plate-50-patches", IMPROVED "kinematics=nonlinear");
-    const pzs_structure *s = &r.analysis.design.structure;
-    const size_t size = (size_t)s->output.count * s->input.count;
+    const pzs_structure *structure = &r.analysis.design.structure;
+    const size_t size = (size_t)structure->output.count * structure->input.count;
     double *linear = calloc(size, sizeof *linear), *here = calloc(size, sizeof *here),
-           *none = calloc(s->input.count, sizeof *none);
+           *none = calloc(structure->input.count, sizeof *none);
     assert_int_equal(pzs_equilibrium(path_of(&r), none), PZS_OK);
     assert_int_equal(pzs_influence_at(path_of(&r), here), PZS_OK);
     assert_int_equal(pzs_assemble(&r.analysis.model, NULL, NULL), PZS_OK);

@@ -50,31 +50,31 @@ static void test_budget(void **state)
  */
 static void check_end(scene_run *r, const char *what)
 {
-    pzs_solver *path = path_of(r);
+    pzs_solver *solver = path_of(r);
     const size_t n = dof_of(r);
     const pzs_status status = r->analysis.status;
     print_message("%s: %s, factor %.4g, %u systems, %u steps, %u negative\n", what,
-                  pzs_status_text(status), path->info.load_factor, path->info.linear_solves,
-                  path->info.load_steps, path->info.negative_pivots);
+                  pzs_status_text(status), solver->info.load_factor, solver->info.linear_solves,
+                  solver->info.load_steps, solver->info.negative_pivots);
     assert_true(status == PZS_OK || status == PZS_W_UNSTABLE || status == PZS_W_BEHIND ||
                 (status >= PZS_E_DIVERGED && status <= PZS_E_SOLVES));
-    assert_true(path->info.linear_solves <= path->settings.solve_limit &&
-                path->info.load_factor >= 0 && path->info.load_factor <= 1);
-    assert_true((path->info.load_factor < 1) == PZS_IS_ERROR(status));
+    assert_true(solver->info.linear_solves <= solver->settings.solve_limit &&
+                solver->info.load_factor >= 0 && solver->info.load_factor <= 1);
+    assert_true((solver->info.load_factor < 1) == PZS_IS_ERROR(status));
     double *u = calloc(n, sizeof *u),
            *amount = calloc(r->analysis.design.structure.input.count, sizeof *amount);
-    memcpy(u, path->info.displacement, n * sizeof *u);
-    memcpy(amount, path->info.input_value,
+    memcpy(u, solver->info.displacement, n * sizeof *u);
+    memcpy(amount, solver->info.input_value,
            r->analysis.design.structure.input.count * sizeof *amount);
-    assert_true(largest(u, n) < HUGE_VAL && isfinite(path->info.residual));
+    assert_true(largest(u, n) < HUGE_VAL && isfinite(solver->info.residual));
     for (size_t i = 0; i < n; i++)
         assert_true(isfinite(u[i]));
     if (largest(u, n) > 0) {
-        path->settings.solve_limit = 400;
-        path->settings.load_steps = 1;
-        assert_false(PZS_IS_ERROR(pzs_equilibrium(path, amount)));
-        assert_true(apart(path->info.displacement, u, n) < 1e-3);
-        assert_int_equal(path->info.load_steps, 1);
+        solver->settings.solve_limit = 400;
+        solver->settings.load_steps = 1;
+        assert_false(PZS_IS_ERROR(pzs_equilibrium(solver, amount)));
+        assert_true(apart(solver->info.displacement, u, n) < 1e-3);
+        assert_int_equal(solver->info.load_steps, 1);
     }
     free(u);
     free(amount);

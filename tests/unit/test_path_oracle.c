@@ -50,16 +50,16 @@ static void open_case(scene_run *r, const testdata *t, const char *equilibrium)
  * largest displacement. */
 static double off(const scene_run *r, const testdata *t)
 {
-    const pzs_structure *s = &r->analysis.design.structure;
+    const pzs_structure *structure = &r->analysis.design.structure;
     const testdata_array *u = testdata_find(t, "u");
     double most = 0, size = 0;
-    assert_int_equal(u->rows, s->nodes);
-    assert_int_equal(u->columns, s->dof_per_node);
-    for (int n = 0; n < s->nodes; n++)
-        for (int k = 0; k < s->dof_per_node; k++) {
-            const uint16_t dof = s->node_dof[n * s->dof_per_node + k];
-            const double want = u->value[n * s->dof_per_node + k],
-                         weight = k < 3 ? 1 : s->type[0].thickness;
+    assert_int_equal(u->rows, structure->nodes);
+    assert_int_equal(u->columns, structure->dof_per_node);
+    for (int n = 0; n < structure->nodes; n++)
+        for (int k = 0; k < structure->dof_per_node; k++) {
+            const uint16_t dof = structure->node_dof[n * structure->dof_per_node + k];
+            const double want = u->value[n * structure->dof_per_node + k],
+                         weight = k < 3 ? 1 : structure->type[0].thickness;
             most = fmax(most, weight * fabs((dof == PZS_CONSTRAINED ? 0 : r->u[dof]) - want));
             size = fmax(size, weight * fabs(want));
         }
@@ -69,17 +69,18 @@ static double off(const scene_run *r, const testdata *t)
 /* Contact: the same nodes, the same pressures, the same force. */
 static void check_contact(const scene_run *r, const testdata *t, double tolerance)
 {
-    const pzs_contact *c = &r->analysis.path.contact;
+    const pzs_contact *contact = &r->analysis.path.contact;
     const double *multiplier = testdata_values(t, "multiplier"),
                  *active = testdata_values(t, "active"), *force = testdata_values(t, "force");
     const int nodes = r->analysis.design.mesh.nodes;
     double peak = largest(multiplier, (size_t)nodes);
     for (int n = 0; n < nodes; n++) {
-        assert_int_equal(c->state.touching[n], active[n] > 0);
-        assert_true(fabs(c->info.pressure[n] + multiplier[n]) < tolerance * peak);
+        assert_int_equal(contact->state.touching[n], active[n] > 0);
+        assert_true(fabs(contact->info.pressure[n] + multiplier[n]) < tolerance * peak);
     }
-    assert_true(fabs(hypot(c->info.force[0], c->info.force[1]) / hypot(force[0], force[1]) - 1) <
-                tolerance);
+    assert_true(
+        fabs(hypot(contact->info.force[0], contact->info.force[1]) / hypot(force[0], force[1]) -
+             1) < tolerance);
 }
 
 /*

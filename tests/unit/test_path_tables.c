@@ -328,15 +328,15 @@ static int row_fails(const row *t)
 {
     scene_run r;
     open_run(&r, t->scene, t->changes);
-    const pzs_solver *path = path_of(&r);
+    const pzs_solver *solver = path_of(&r);
     const int failed = scene_run_solve(&r) < 0;
     int wrong =
-        failed || path->info.load_steps != t->steps || path->info.linear_solves > t->systems;
-    wrong = wrong || (t->negative == SOME ? path->info.negative_pivots == 0
-                                          : path->info.negative_pivots != t->negative);
+        failed || solver->info.load_steps != t->steps || solver->info.linear_solves > t->systems;
+    wrong = wrong || (t->negative == SOME ? solver->info.negative_pivots == 0
+                                          : solver->info.negative_pivots != t->negative);
     wrong = wrong || r.analysis.status != expected_status(t, &r);
-    print_message("%-16s %u steps, %3u systems:", t->scene, path->info.load_steps,
-                  path->info.linear_solves);
+    print_message("%-16s %u steps, %3u systems:", t->scene, solver->info.load_steps,
+                  solver->info.linear_solves);
     for (int k = 0; k < 3 && t->expected[k] != 0; k++) {
         const double unit = t->unit[k] != 0 ? t->unit[k] : 1, got = scene_run_value(&r, k) / unit;
         print_message(" %.7g (known %.7g)", got, t->expected[k]);
@@ -349,9 +349,9 @@ static int row_fails(const row *t)
     print_message("  %s\n", t->changes);
     if (wrong)
         print_error("%s %s: %u steps of %u, %u systems of %u, %u negative pivots of %u; %s\n",
-                    t->scene, t->changes, path->info.load_steps, t->steps, path->info.linear_solves,
-                    t->systems, path->info.negative_pivots, t->negative,
-                    failed ? r.error : "settled");
+                    t->scene, t->changes, solver->info.load_steps, t->steps,
+                    solver->info.linear_solves, t->systems, solver->info.negative_pivots,
+                    t->negative, failed ? r.error : "settled");
     scene_run_close(&r);
     return wrong;
 }
@@ -447,10 +447,10 @@ static void test_pressed_torus(void **state)
     scene_run r;
     solve_run(&r, "torus-contact", PUBLISHED);
     const path *p = &r.analysis.path;
-    const mesh *m = &r.analysis.design.mesh;
+    const mesh *mesh = &r.analysis.design.mesh;
     double peak[2] = {0, 0}, edge = 0; /* pressure, angle; angle */
-    for (int n = 0; n < m->nodes; n++) {
-        const double *x = m->point[n].x,
+    for (int n = 0; n < mesh->nodes; n++) {
+        const double *x = mesh->point[n].x,
                      angle = atan2(-x[2], hypot(x[0], x[1]) - 200) * 180 / acos(-1.0);
         if (fabs(x[1]) > 1e-6 || x[0] < 0 || angle < 0 || !p->contact.state.touching[n])
             continue;
@@ -497,23 +497,23 @@ static void test_flat_base(void **state)
     (void)state;
     scene_run r;
     open_run(&r, "ring-contact", PUBLISHED BASE_FLAT "equilibrium={change: 1e-8}");
-    pzs_solver *path = path_of(&r);
+    pzs_solver *solver = path_of(&r);
     double part[8];
     assert_true(r.analysis.design.structure.input.count <= COUNT(part));
     for (int j = 0; j < r.analysis.design.structure.input.count; j++)
         part[j] = 0.95 * r.analysis.path.full[j];
-    assert_int_equal(pzs_equilibrium(path, part), PZS_OK);
-    assert_int_equal(pzs_equilibrium(path, r.analysis.path.full), PZS_OK);
-    scene_run_observe(&r, path->info.displacement);
+    assert_int_equal(pzs_equilibrium(solver, part), PZS_OK);
+    assert_int_equal(pzs_equilibrium(solver, r.analysis.path.full), PZS_OK);
+    scene_run_observe(&r, solver->info.displacement);
     assert_true(fabs(scene_run_value(&r, 0) + 197.80) < 6e-3);
-    assert_int_equal(path->info.negative_pivots, 0);
-    pzs_solver_reset(path);
-    const pzs_status status = pzs_equilibrium(path, r.analysis.path.full);
-    scene_run_observe(&r, path->info.displacement);
+    assert_int_equal(solver->info.negative_pivots, 0);
+    pzs_solver_reset(solver);
+    const pzs_status status = pzs_equilibrium(solver, r.analysis.path.full);
+    scene_run_observe(&r, solver->info.displacement);
     print_message("flat base in one step: %.2f, %u negative pivots\n", scene_run_value(&r, 0),
-                  path->info.negative_pivots);
-    assert_int_equal(status, path->info.negative_pivots > 0 ? PZS_W_UNSTABLE : PZS_OK);
-    assert_true(path->info.negative_pivots > 0 || fabs(scene_run_value(&r, 0) + 197.80) < 6e-3);
+                  solver->info.negative_pivots);
+    assert_int_equal(status, solver->info.negative_pivots > 0 ? PZS_W_UNSTABLE : PZS_OK);
+    assert_true(solver->info.negative_pivots > 0 || fabs(scene_run_value(&r, 0) + 197.80) < 6e-3);
     scene_run_close(&r);
 }
 
@@ -568,15 +568,15 @@ static void test_published_voltages(void **state)
     (void)state;
     char error[SCENE_ERROR] = "";
     scene_run r;
-    voltages v;
+    voltages result;
     open_run(&r, "plate-50-patches", PUBLISHED "kinematics=nonlinear");
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
-    assert_int_equal(voltages_given(&r.analysis, "published", r.scene.compare[0].value, &v, error),
-                     0);
-    scene_run_observe(&r, v.u);
-    assert_true(fabs(v.error - .147) < 5e-4 + 1e-5);
+    assert_int_equal(
+        voltages_given(&r.analysis, "published", r.scene.compare[0].value, &result, error), 0);
+    scene_run_observe(&r, result.u);
+    assert_true(fabs(result.error - .147) < 5e-4 + 1e-5);
     assert_true(fabs(fabs(scene_run_value(&r, 0)) - 1.628e-3) < 1e-6);
-    voltages_free(&v);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 

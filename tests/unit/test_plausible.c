@@ -63,21 +63,21 @@ static const edge_case edges[] = {
      ACTUATED "limits={voltage: [-900, 900], each: [{actuator: v, hold: 0}]}", 3.6e6},
 };
 
-static const plausible_warning *find_rule(const plausible *p, const char *rule)
+static const plausible_warning *find_rule(const plausible *warnings, const char *rule)
 {
-    for (int i = 0; i < p->count; i++)
-        if (strcmp(p->warning[i].rule, rule) == 0)
-            return &p->warning[i];
+    for (int i = 0; i < warnings->count; i++)
+        if (strcmp(warnings->warning[i].rule, rule) == 0)
+            return &warnings->warning[i];
     return NULL;
 }
 
 /* Warnings of the numbers of a scene, by name or path. */
-static void warnings_of(const char *name, const char *changes, plausible *p)
+static void warnings_of(const char *name, const char *changes, plausible *warnings)
 {
     scene_run r;
-    memset(p, 0, sizeof *p);
+    memset(warnings, 0, sizeof *warnings);
     open_run(&r, name, changes);
-    plausible_scene(p, &r.scene);
+    plausible_scene(warnings, &r.scene);
     scene_run_close(&r);
 }
 
@@ -87,18 +87,18 @@ static void test_edges(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
         const edge_case *c = &edges[i];
-        plausible p;
-        warnings_of(PLATE, with(c->units, c->fires), &p);
-        const plausible_warning *w = find_rule(&p, c->rule);
+        plausible warnings;
+        warnings_of(PLATE, with(c->units, c->fires), &warnings);
+        const plausible_warning *w = find_rule(&warnings, c->rule);
         if (!w)
             fail_msg("%s is silent at %s", c->rule, c->fires);
         assert_near(c->fires, w->value, c->value, 1e-12);
         assert_true(w->value > w->limit ? w->limit < c->value : w->limit > c->value);
         if (!strchr(w->text, ';'))
             fail_msg("no cure in '%s'", w->text);
-        warnings_of(PLATE, with(c->units, c->silent), &p);
-        if (find_rule(&p, c->rule))
-            fail_msg("%s fires at %s: %s", c->rule, c->silent, find_rule(&p, c->rule)->text);
+        warnings_of(PLATE, with(c->units, c->silent), &warnings);
+        if (find_rule(&warnings, c->rule))
+            fail_msg("%s fires at %s: %s", c->rule, c->silent, find_rule(&warnings, c->rule)->text);
     }
 }
 
@@ -110,10 +110,10 @@ static void test_unitless(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof edges / sizeof *edges; i++)
         for (int k = 0; k < 2; k++) {
-            plausible p;
-            warnings_of(PLATE, with(unknown[k], edges[i].fires), &p);
-            if (p.count > 0)
-                fail_msg("without SI units: %s", p.warning[0].text);
+            plausible warnings;
+            warnings_of(PLATE, with(unknown[k], edges[i].fires), &warnings);
+            if (warnings.count > 0)
+                fail_msg("without SI units: %s", warnings.warning[0].text);
         }
 }
 
@@ -122,24 +122,24 @@ static void test_unitless(void **state)
 static void test_places(void **state)
 {
     char many[4096] = METRES "layers=[";
-    plausible p;
+    plausible warnings;
     (void)state;
-    warnings_of("plate-50-patches", "", &p);
-    assert_int_equal(p.count, 1);
+    warnings_of("plate-50-patches", "", &warnings);
+    assert_int_equal(warnings.count, 1);
     assert_non_null(
-        strstr(p.warning[0].text,
+        strstr(warnings.warning[0].text,
                "plate-50-patches.yaml:34:9: electric field in patches 'up' at the voltage limit"));
-    assert_near("600 V on 0.25 mm", p.warning[0].value, 2.4e6, 1e-12);
-    warnings_of(PLATE, METRES "layers.2={material: ceramic, thickness: 2}", &p);
-    assert_non_null(strstr(p.warning[0].text, "--set layers.2: thickness of layer 2"));
+    assert_near("600 V on 0.25 mm", warnings.warning[0].value, 2.4e6, 1e-12);
+    warnings_of(PLATE, METRES "layers.2={material: ceramic, thickness: 2}", &warnings);
+    assert_non_null(strstr(warnings.warning[0].text, "--set layers.2: thickness of layer 2"));
     for (int i = 0; i < 30; i++)
         snprintf(many + strlen(many), sizeof many - strlen(many),
                  "{name: l%d, material: ceramic, thickness: %d},", i, 2 + i);
     snprintf(many + strlen(many), sizeof many - strlen(many),
              "];patches=[];sensors=[];outputs=[];loads=[]");
-    warnings_of(PLATE, many, &p);
-    assert_int_equal(p.count, PLAUSIBLE_MOST);
-    assert_int_equal(p.dropped, 30 - PLAUSIBLE_MOST);
+    warnings_of(PLATE, many, &warnings);
+    assert_int_equal(warnings.count, PLAUSIBLE_MOST);
+    assert_int_equal(warnings.dropped, 30 - PLAUSIBLE_MOST);
 }
 
 /* ---- the mesh at local loads ------------------------------------------ */
@@ -152,14 +152,14 @@ static void test_places(void **state)
 static void test_point_resolution(void **state)
 {
     scene_run r;
-    plausible p;
+    plausible warnings;
     (void)state;
-    warnings_of("pinched-cylinder", "mesh.theta2.elements=6", &p);
-    const plausible_warning *w = find_rule(&p, "resolution");
+    warnings_of("pinched-cylinder", "mesh.theta2.elements=6", &warnings);
+    const plausible_warning *w = find_rule(&warnings, "resolution");
     assert_non_null(w);
     assert_near("2 100^(1/4) over 6", w->value, 2 * pow(100, 0.25) / 6, 1e-12);
-    warnings_of("pinched-cylinder", "mesh.theta2.elements=7", &p);
-    assert_null(find_rule(&p, "resolution"));
+    warnings_of("pinched-cylinder", "mesh.theta2.elements=7", &warnings);
+    assert_null(find_rule(&warnings, "resolution"));
     solve_run(&r, "pinched-cylinder",
               "element=improved;mesh.theta1.elements=4;mesh.theta2.elements=4");
     assert_true(scene_run_value(&r, 0) / -1.8248e-5 < 0.75);
@@ -173,12 +173,12 @@ static void test_point_resolution(void **state)
 /* Flat shells and strips narrower than the bending length have no dent, whatever their mesh. */
 static void test_no_dent(void **state)
 {
-    plausible p;
+    plausible warnings;
     (void)state;
-    warnings_of("clamped-plate", "mesh.theta1.elements=1;mesh.theta2.elements=1", &p);
-    assert_null(find_rule(&p, "resolution"));
-    warnings_of("ring-contact", "mesh.theta1.elements=6", &p);
-    assert_null(find_rule(&p, "resolution"));
+    warnings_of("clamped-plate", "mesh.theta1.elements=1;mesh.theta2.elements=1", &warnings);
+    assert_null(find_rule(&warnings, "resolution"));
+    warnings_of("ring-contact", "mesh.theta1.elements=6", &warnings);
+    assert_null(find_rule(&warnings, "resolution"));
 }
 
 /* A load along the rim of a cylinder bends it over sqrt(R h) = 30: elements of 300/n across the
@@ -187,14 +187,14 @@ static void test_edge_resolution(void **state)
 {
     static const char *const rim =
         "loads=[{line: theta1-, u3: 1}];mesh.theta2.elements=2;mesh.theta1.elements=";
-    plausible p;
+    plausible warnings;
     (void)state;
-    warnings_of("pinched-cylinder", with(rim, "9"), &p);
-    const plausible_warning *w = find_rule(&p, "resolution");
+    warnings_of("pinched-cylinder", with(rim, "9"), &warnings);
+    const plausible_warning *w = find_rule(&warnings, "resolution");
     assert_non_null(w);
     assert_near("300/9 over 30", w->value, 300 / 9.0 / 30, 1e-12);
-    warnings_of("pinched-cylinder", with(rim, "10"), &p);
-    assert_null(find_rule(&p, "resolution"));
+    warnings_of("pinched-cylinder", with(rim, "10"), &warnings);
+    assert_null(find_rule(&warnings, "resolution"));
 }
 
 /* ---- displacements, strains, voltages --------------------------------- */
@@ -207,10 +207,10 @@ static void scale(const scene_run *r, double factor)
 
 static int fires(const scene_run *r, const char *rule, int is_linear)
 {
-    plausible p;
-    memset(&p, 0, sizeof p);
-    plausible_result(&p, &r->analysis.design.mesh, r->u, is_linear, "the test");
-    return find_rule(&p, rule) != NULL;
+    plausible warnings;
+    memset(&warnings, 0, sizeof warnings);
+    plausible_result(&warnings, &r->analysis.design.mesh, r->u, is_linear, "the test");
+    return find_rule(&warnings, rule) != NULL;
 }
 
 /* A tip that moves by w: the displacement rule fires from w above the thickness on, and only for
@@ -271,18 +271,19 @@ static void test_strain_of_rotation(void **state)
 /* Of several results the worst stands, whatever their order. */
 static void test_worst(void **state)
 {
-    plausible p;
+    plausible warnings;
     scene_run r;
     (void)state;
-    memset(&p, 0, sizeof p);
+    memset(&warnings, 0, sizeof warnings);
     solve_run(&r, "bimorph-sensor", "");
     const double factors[3] = {1, 2, 0.25};
     for (int i = 0; i < 3; i++) {
         scale(&r, factors[i]);
-        plausible_result(&p, &r.analysis.design.mesh, r.u, 1, i == 1 ? "the worst" : "another");
+        plausible_result(&warnings, &r.analysis.design.mesh, r.u, 1,
+                         i == 1 ? "the worst" : "another");
     }
-    assert_int_equal(p.count, 1);
-    assert_non_null(strstr(p.warning[0].text, "of the worst"));
+    assert_int_equal(warnings.count, 1);
+    assert_non_null(strstr(warnings.warning[0].text, "of the worst"));
     scene_run_close(&r);
 }
 
@@ -300,12 +301,12 @@ static void test_found_voltages(void **state)
                  {ACTUATED "limits={voltage: [-9, 9]}", 252.5, 1}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        plausible p;
+        plausible warnings;
         scene_run r;
-        memset(&p, 0, sizeof p);
+        memset(&warnings, 0, sizeof warnings);
         open_run(&r, PLATE, with(METRES, cases[i].changes));
-        plausible_voltages(&p, &r.scene, &cases[i].volt, "the test");
-        assert_int_equal(p.count, cases[i].fires);
+        plausible_voltages(&warnings, &r.scene, &cases[i].volt, "the test");
+        assert_int_equal(warnings.count, cases[i].fires);
         scene_run_close(&r);
     }
 }
@@ -354,14 +355,16 @@ static void test_shipped(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof shipped / sizeof *shipped; i++) {
         char found[400] = "";
-        plausible p;
+        plausible warnings;
         scene_run r;
-        memset(&p, 0, sizeof p);
+        memset(&warnings, 0, sizeof warnings);
         solve_run(&r, shipped[i].scene, "");
-        plausible_scene(&p, &r.scene);
-        plausible_result(&p, &r.analysis.design.mesh, r.u, !r.analysis.nonlinear, "the solution");
-        for (int k = 0; k < p.count; k++)
-            snprintf(found + strlen(found), sizeof found - strlen(found), " %s", p.warning[k].rule);
+        plausible_scene(&warnings, &r.scene);
+        plausible_result(&warnings, &r.analysis.design.mesh, r.u, !r.analysis.nonlinear,
+                         "the solution");
+        for (int k = 0; k < warnings.count; k++)
+            snprintf(found + strlen(found), sizeof found - strlen(found), " %s",
+                     warnings.warning[k].rule);
         if (strcmp(found, shipped[i].warnings) != 0)
             fail_msg("%s warns of%s, expected%s", shipped[i].scene, found, shipped[i].warnings);
         scene_run_close(&r);

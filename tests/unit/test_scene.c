@@ -93,19 +93,19 @@ static void write_lines(const char *const *lines)
 static void expect_fault(const char *const *set, int sets, const char *expected)
 {
     char error[SCENE_ERROR];
-    scene s;
-    int status = scene_read(&s, file, set, sets, error);
+    scene scene;
+    int status = scene_read(&scene, file, set, sets, error);
     if (status == 0)
-        scene_free(&s);
+        scene_free(&scene);
     if (status == 0 || !strstr(error, expected))
         fail_msg("expected '%s', got '%s'", expected, status == 0 ? "no fault" : error);
     assert_null(strchr(error, '\n'));
 }
 
-static void expect_good(scene *s, const char *path, const char *const *set, int sets)
+static void expect_good(scene *scene, const char *path, const char *const *set, int sets)
 {
     char error[SCENE_ERROR];
-    if (scene_read(s, path, set, sets, error) != 0)
+    if (scene_read(scene, path, set, sets, error) != 0)
         fail_msg("%s", error);
 }
 
@@ -597,7 +597,7 @@ static void test_bad_files(void **state)
 {
     static const char nul[] = "name: a\0b\n";
     char error[SCENE_ERROR];
-    scene s;
+    scene scene;
     (void)state;
     write_bytes("", 0);
     expect_fault(NULL, 0, ":1:1: the file is empty");
@@ -609,9 +609,9 @@ static void test_bad_files(void **state)
     expect_fault(NULL, 0, ":1:8: not text");
     assert_int_equal(truncate(file, 100000000), 0);
     expect_fault(NULL, 0, "larger than 4 MB");
-    assert_int_equal(scene_read(&s, "/tmp", NULL, 0, error), -1);
+    assert_int_equal(scene_read(&scene, "/tmp", NULL, 0, error), -1);
     assert_string_equal(error, "/tmp: is not a file; give the path of a scene file");
-    assert_int_equal(scene_read(&s, "/no/such.yaml", NULL, 0, error), -1);
+    assert_int_equal(scene_read(&scene, "/no/such.yaml", NULL, 0, error), -1);
     assert_non_null(strstr(error, "/no/such.yaml: cannot be opened"));
 }
 
@@ -628,14 +628,14 @@ static void test_shipped(void **state)
     while ((entry = readdir(folder)) != NULL) {
         const size_t n = strlen(entry->d_name);
         char path[600];
-        scene s;
+        scene scene;
         if (n < 6 || strcmp(entry->d_name + n - 5, ".yaml") != 0)
             continue;
         snprintf(path, sizeof path, "%s/%s", scenes, entry->d_name);
-        expect_good(&s, path, NULL, 0);
-        assert_int_equal(strlen(s.name), n - 5);
-        assert_memory_equal(s.name, entry->d_name, n - 5);
-        scene_free(&s);
+        expect_good(&scene, path, NULL, 0);
+        assert_int_equal(strlen(scene.name), n - 5);
+        assert_memory_equal(scene.name, entry->d_name, n - 5);
+        scene_free(&scene);
         count++;
     }
     closedir(folder);
@@ -647,42 +647,42 @@ static void test_meaning(void **state)
 {
     char path[600], name[SCENE_LABEL];
     const expr_point at = {0.2, 0.2, 0, 0.2, 0.2};
-    scene s;
+    scene scene;
     int first, count;
     (void)state;
     snprintf(path, sizeof path, "%s/plate-50-patches.yaml", scenes);
-    expect_good(&s, path, NULL, 0);
-    assert_int_equal(s.layers, 6);
-    assert_int_equal(s.amplifiers, 25);
-    assert_int_equal(s.line[0].elements, 10);
-    assert_true(s.element.cartesian == 0 && s.element.tau == 0 && s.element.exact_area == 0 &&
-                s.element.unknowns == 7);
-    assert_true(s.layer[1].angle == 90 && s.layer[0].patched && !s.layer[1].patched &&
-                s.layer[5].poling == 3);
-    assert_true(s.material[1].e[2] == 63e9 && fabs(s.material[1].g23 - 63e9 / 2.6) < 1 &&
-                s.material[1].has_d);
-    assert_true(fabs(s.reference - 0.5e-3) < 1e-15);
-    assert_int_equal(s.support[0].fix, 0x7f);
-    assert_true(fabs(expr_value(s.target.value, &at) - 0.002) < 1e-15);
-    assert_true(s.compare[0].value[1] == -181);
-    assert_true(s.output[0].where.node[0] == 10 && s.output[0].where.node[1] == 10 &&
-                isnan(s.output[0].reference));
-    scene_amplifier_name(&s, 1, name);
+    expect_good(&scene, path, NULL, 0);
+    assert_int_equal(scene.layers, 6);
+    assert_int_equal(scene.amplifiers, 25);
+    assert_int_equal(scene.line[0].elements, 10);
+    assert_true(scene.element.cartesian == 0 && scene.element.tau == 0 &&
+                scene.element.exact_area == 0 && scene.element.unknowns == 7);
+    assert_true(scene.layer[1].angle == 90 && scene.layer[0].patched && !scene.layer[1].patched &&
+                scene.layer[5].poling == 3);
+    assert_true(scene.material[1].e[2] == 63e9 && fabs(scene.material[1].g23 - 63e9 / 2.6) < 1 &&
+                scene.material[1].has_d);
+    assert_true(fabs(scene.reference - 0.5e-3) < 1e-15);
+    assert_int_equal(scene.support[0].fix, 0x7f);
+    assert_true(fabs(expr_value(scene.target.value, &at) - 0.002) < 1e-15);
+    assert_true(scene.compare[0].value[1] == -181);
+    assert_true(scene.output[0].where.node[0] == 10 && scene.output[0].where.node[1] == 10 &&
+                isnan(scene.output[0].reference));
+    scene_amplifier_name(&scene, 1, name);
     assert_string_equal(name, "v_1_2");
-    assert_true(scene_find_amplifier(&s, "v_5_5", &first, &count) && first == 24 && count == 1);
-    assert_true(scene_find_amplifier(&s, "v", &first, &count) && first == 0 && count == 25);
-    assert_false(scene_find_amplifier(&s, "v_05_5", &first, &count));
-    scene_free(&s);
+    assert_true(scene_find_amplifier(&scene, "v_5_5", &first, &count) && first == 24 && count == 1);
+    assert_true(scene_find_amplifier(&scene, "v", &first, &count) && first == 0 && count == 25);
+    assert_false(scene_find_amplifier(&scene, "v_05_5", &first, &count));
+    scene_free(&scene);
 }
 
 static unsigned fix_of(const char *text)
 {
-    scene s;
+    scene scene;
     unsigned fix;
     write_base(9, text);
-    expect_good(&s, file, NULL, 0);
-    fix = s.support[0].fix;
-    scene_free(&s);
+    expect_good(&scene, file, NULL, 0);
+    fix = scene.support[0].fix;
+    scene_free(&scene);
     return fix;
 }
 
@@ -713,25 +713,27 @@ static void test_changes(void **state)
         "element=published",
         "actuators.v.applied=3",
         "loads=[{weight: {axis: z, gravity: -9.81}}]"};
-    scene plain, s;
+    scene plain, scene;
     (void)state;
     write_base(0, "");
     expect_good(&plain, file, NULL, 0);
-    expect_good(&s, file, set, (int)(sizeof set / sizeof *set));
-    assert_int_not_equal(plain.hash, s.hash);
-    assert_int_equal(s.line[1].elements, 8);
-    assert_true(fabs((s.line[1].point[8] - s.line[1].point[7]) / s.line[1].point[1] - 4) < 1e-12);
-    assert_true(s.layer[1].thickness == 2e-3 && s.layer[0].angle == 45 &&
-                s.material[1].nu12 == 0.25);
-    assert_true(s.limits.effort_is_relative && s.limits.effort == 0.5);
-    assert_true(s.limits.each_count == 2 && s.limits.each[0].first == 1 &&
-                s.limits.each[0].lower == 5 && s.limits.each[1].count == 2);
-    assert_true(s.supports == 2 && s.element.exact_area == 0 && s.actuator[0].applied == 3);
-    assert_true(s.load[0].type == LOAD_WEIGHT && s.load[0].component == COMPONENT_Z);
+    expect_good(&scene, file, set, (int)(sizeof set / sizeof *set));
+    assert_int_not_equal(plain.hash, scene.hash);
+    assert_int_equal(scene.line[1].elements, 8);
+    assert_true(fabs((scene.line[1].point[8] - scene.line[1].point[7]) / scene.line[1].point[1] -
+                     4) < 1e-12);
+    assert_true(scene.layer[1].thickness == 2e-3 && scene.layer[0].angle == 45 &&
+                scene.material[1].nu12 == 0.25);
+    assert_true(scene.limits.effort_is_relative && scene.limits.effort == 0.5);
+    assert_true(scene.limits.each_count == 2 && scene.limits.each[0].first == 1 &&
+                scene.limits.each[0].lower == 5 && scene.limits.each[1].count == 2);
+    assert_true(scene.supports == 2 && scene.element.exact_area == 0 &&
+                scene.actuator[0].applied == 3);
+    assert_true(scene.load[0].type == LOAD_WEIGHT && scene.load[0].component == COMPONENT_Z);
     assert_true(plain.element.exact_area == 1 && plain.element.rho == 0.09 &&
                 isinf(plain.limits.slew) && plain.reference_is_middle);
     scene_free(&plain);
-    scene_free(&s);
+    scene_free(&scene);
 }
 
 /* The words of large displacements mean what they say; what is not said has its default. */
@@ -756,45 +758,47 @@ static void test_nonlinear_words(void **state)
         "contact.body={type: sphere, point: [0, 0, 1], radius: 2}",
         "contact.body={type: psi, value: x^2+y^2+z^2-1}"};
     const expr_point at = {1, 2, 3, 0, 0};
-    scene s;
+    scene scene;
     int i;
     (void)state;
     write_base(12, "");
-    expect_good(&s, file, set, (int)(sizeof set / sizeof *set));
-    assert_true(s.kinematics == KINEMATICS_AUTO && s.tolerance == 0.02);
-    assert_true(s.equilibrium.steps == 3 && s.equilibrium.change == 1e-6 &&
-                s.equilibrium.mixed == 0 && s.equilibrium.systems == 50);
-    assert_true(s.support[1].fix == 0x65 && s.support[1].move == 0x05 &&
-                expr_value(s.support[1].value, &at) == 2 && !s.support[0].value);
-    assert_true(s.load[0].follower == FOLLOWER_PRESSURE && s.load[0].true_area &&
-                s.load[1].follower == FOLLOWER_NORMAL && !s.load[1].true_area);
-    assert_true(s.contact.given && s.contact.face == FACE_INNER &&
-                s.contact.body.type == BODY_CYLINDER && s.contact.stiffness == 10);
-    assert_true(s.contact.body.point[2] == 3 && s.contact.body.axis[2] == 0.8 &&
-                s.contact.body.radius == 5 && s.contact.move[2] == -1);
-    assert_true(s.output[0].contact == CONTACT_NONE && s.output[1].contact == CONTACT_Z &&
-                s.output[1].reference == 7);
-    assert_true(s.output[2].contact == CONTACT_PRESSURE && s.output[2].where.type == WHERE_NODES);
+    expect_good(&scene, file, set, (int)(sizeof set / sizeof *set));
+    assert_true(scene.kinematics == KINEMATICS_AUTO && scene.tolerance == 0.02);
+    assert_true(scene.equilibrium.steps == 3 && scene.equilibrium.change == 1e-6 &&
+                scene.equilibrium.mixed == 0 && scene.equilibrium.systems == 50);
+    assert_true(scene.support[1].fix == 0x65 && scene.support[1].move == 0x05 &&
+                expr_value(scene.support[1].value, &at) == 2 && !scene.support[0].value);
+    assert_true(scene.load[0].follower == FOLLOWER_PRESSURE && scene.load[0].true_area &&
+                scene.load[1].follower == FOLLOWER_NORMAL && !scene.load[1].true_area);
+    assert_true(scene.contact.given && scene.contact.face == FACE_INNER &&
+                scene.contact.body.type == BODY_CYLINDER && scene.contact.stiffness == 10);
+    assert_true(scene.contact.body.point[2] == 3 && scene.contact.body.axis[2] == 0.8 &&
+                scene.contact.body.radius == 5 && scene.contact.move[2] == -1);
+    assert_true(scene.output[0].contact == CONTACT_NONE && scene.output[1].contact == CONTACT_Z &&
+                scene.output[1].reference == 7);
+    assert_true(scene.output[2].contact == CONTACT_PRESSURE &&
+                scene.output[2].where.type == WHERE_NODES);
     for (i = 0; i <= 4; i++) { /* 1 + 2 (0.6 s + 0.4 s^3) */
         const double x = i / 2.0 - 1;
-        assert_true(fabs(s.line[0].point[i] - (1 + 2 * (0.6 * x + 0.4 * x * x * x))) < 1e-15);
+        assert_true(fabs(scene.line[0].point[i] - (1 + 2 * (0.6 * x + 0.4 * x * x * x))) < 1e-15);
     }
-    scene_free(&s);
+    scene_free(&scene);
     for (i = 0; i < 3; i++) {
         static const scene_body_type types[] = {BODY_PLANE, BODY_SPHERE, BODY_PSI};
         const char *const both[] = {set[0], set[5], bodies[i]};
         write_base(0, "");
-        expect_good(&s, file, both, 3);
-        assert_true(s.contact.body.type == types[i] && (i != 0 || s.contact.body.normal[2] == 1));
-        assert_true(i != 2 || expr_value(s.contact.body.value, &at) == 13);
-        scene_free(&s);
+        expect_good(&scene, file, both, 3);
+        assert_true(scene.contact.body.type == types[i] &&
+                    (i != 0 || scene.contact.body.normal[2] == 1));
+        assert_true(i != 2 || expr_value(scene.contact.body.value, &at) == 13);
+        scene_free(&scene);
     }
-    expect_good(&s, file, NULL, 0);
-    assert_true(s.kinematics == KINEMATICS_LINEAR && s.tolerance == 0.01 && !s.contact.given &&
-                s.load[0].follower == FOLLOWER_NONE);
-    assert_true(s.equilibrium.steps == 1 && s.equilibrium.change == 1e-4 &&
-                s.equilibrium.mixed == 12 && s.equilibrium.systems == 400);
-    scene_free(&s);
+    expect_good(&scene, file, NULL, 0);
+    assert_true(scene.kinematics == KINEMATICS_LINEAR && scene.tolerance == 0.01 &&
+                !scene.contact.given && scene.load[0].follower == FOLLOWER_NONE);
+    assert_true(scene.equilibrium.steps == 1 && scene.equilibrium.change == 1e-4 &&
+                scene.equilibrium.mixed == 12 && scene.equilibrium.systems == 400);
+    scene_free(&scene);
 }
 
 /* ---- expressions ---- */
@@ -846,12 +850,12 @@ static void test_expressions(void **state)
     int column;
     (void)state;
     for (i = 0; i < sizeof good / sizeof *good; i++) {
-        expr *e = expr_compile(good[i].text, &column, &why);
-        if (!e)
+        expr *expression = expr_compile(good[i].text, &column, &why);
+        if (!expression)
             fail_msg("%s: %s", good[i].text, why);
-        if (fabs(expr_value(e, &at) - good[i].value) > 1e-12 * fabs(good[i].value))
-            fail_msg("%s = %g", good[i].text, expr_value(e, &at));
-        expr_free(e);
+        if (fabs(expr_value(expression, &at) - good[i].value) > 1e-12 * fabs(good[i].value))
+            fail_msg("%s = %g", good[i].text, expr_value(expression, &at));
+        expr_free(expression);
     }
     for (i = 0; i < sizeof bad / sizeof *bad; i++) {
         if (expr_compile(bad[i].text, &column, &why))
@@ -927,10 +931,10 @@ static const unit_case unit_cases[] = {
 };
 
 /* Expressions by their value at a point. */
-static double value_of(const expr *e)
+static double value_of(const expr *expression)
 {
     const expr_point at = {1, 2, 3, 4, 5};
-    return e ? expr_value(e, &at) : 0;
+    return expression ? expr_value(expression, &at) : 0;
 }
 
 static void assert_same_numbers(const scene *a, const scene *b, const char *what)
@@ -984,13 +988,13 @@ static void test_unit_angles(void **state)
                                       "mesh.theta2={points: [0, 10 deg, 0.5 rad]}",
                                       "supports.1={at: {theta1: 0, theta2: 10 deg}, fix: u3}"};
     const char *const flat[] = {set[1]};
-    scene s;
+    scene scene;
     (void)state;
     write_base(0, "");
-    expect_good(&s, file, set, 3); /* angles need no units of the scene */
-    assert_true(s.line[1].point[1] == 10 * 3.14159265358979323846 / 180 &&
-                s.line[1].point[2] == 0.5);
-    scene_free(&s);
+    expect_good(&scene, file, set, 3); /* angles need no units of the scene */
+    assert_true(scene.line[1].point[1] == 10 * 3.14159265358979323846 / 180 &&
+                scene.line[1].point[2] == 0.5);
+    scene_free(&scene);
     expect_fault(flat, 1,
                  "'points: 10 deg' has the unit of an angle; expected that of a length, as mm");
 }
@@ -1093,26 +1097,26 @@ static void check_number(schema_walk *w, int keys)
 static void walk_schema(schema_walk *w, int node, int keys)
 {
     static const char place[] = "#/$defs/";
-    const tree *t = &w->t;
-    const int ref = tree_find(t, node, "$ref"), items = tree_find(t, node, "items"),
-              more = tree_find(t, node, "additionalProperties");
+    const tree *tree = &w->t;
+    const int ref = tree_find(tree, node, "$ref"), items = tree_find(tree, node, "items"),
+              more = tree_find(tree, node, "additionalProperties");
     assert_true(keys < TREE_DEPTH);
-    walk_children(w, tree_find(t, node, "properties"), keys, 1);
-    walk_children(w, tree_find(t, node, "oneOf"), keys, 0);
-    walk_children(w, tree_find(t, node, "anyOf"), keys, 0);
-    if (items && t->node[items].kind == TREE_MAP)
+    walk_children(w, tree_find(tree, node, "properties"), keys, 1);
+    walk_children(w, tree_find(tree, node, "oneOf"), keys, 0);
+    walk_children(w, tree_find(tree, node, "anyOf"), keys, 0);
+    if (items && tree->node[items].kind == TREE_MAP)
         walk_schema(w, items, keys);
-    if (more && t->node[more].kind == TREE_MAP) {
+    if (more && tree->node[more].kind == TREE_MAP) {
         w->key[keys] = "any";
         walk_schema(w, more, keys + 1);
     }
     if (!ref)
         return;
-    const char *const name = t->node[ref].text + sizeof place - 1;
+    const char *const name = tree->node[ref].text + sizeof place - 1;
     if (strcmp(name, "number") == 0 || strcmp(name, "formula") == 0)
         check_number(w, keys);
     else
-        walk_schema(w, tree_find(t, tree_find(t, t->root, "$defs"), name), keys);
+        walk_schema(w, tree_find(tree, tree_find(tree, tree->root, "$defs"), name), keys);
 }
 
 /* Every numeric key of the schema has a dimension: a new one needs a row in scene_units.c. */
@@ -1171,14 +1175,14 @@ static void test_noise(void **state)
         const char *const *lines = i % 2 ? rich : base;
         char text[TEXT], error[SCENE_ERROR];
         size_t n = 0, k;
-        scene s;
+        scene scene;
         for (k = 0; k < LINES; k++)
             n += (size_t)snprintf(text + n, sizeof text - n, "%s\n", lines[k]);
         for (k = next_random(&random, 3) + 1; k > 0; k--)
             n = mutate(text, n, &random);
         write_bytes(text, n);
-        if (scene_read(&s, file, NULL, 0, error) == 0) {
-            scene_free(&s);
+        if (scene_read(&scene, file, NULL, 0, error) == 0) {
+            scene_free(&scene);
             continue;
         }
         assert_int_equal(strncmp(error, file, strlen(file)), 0);

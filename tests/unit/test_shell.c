@@ -28,35 +28,35 @@ typedef struct one {
 static const scene_element published = {0, 0, 0, 0, 0, 0, 0, 7};
 static const scene_element improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 
-static void set_surface(scene_surface *s, const char *name, const double *number)
+static void set_surface(scene_surface *surface, const char *name, const double *number)
 {
     static const char *const names[] = {"plate", "polar", "cylinder", "ring", "cone", "sphere"};
     static const scene_surface_type types[] = {SURFACE_PLATE,    SURFACE_POLAR, SURFACE_CYLINDER,
                                                SURFACE_CYLINDER, SURFACE_CONE,  SURFACE_SPHERE};
     for (int i = 0; i < 6; i++)
         if (strcmp(name, names[i]) == 0)
-            s->type = types[i];
-    s->axial = strcmp(name, "ring") == 0 ? 2 : 1;
-    s->radius = s->type == SURFACE_CONE ? 0 : number ? number[0] : 0;
-    s->angle = s->type == SURFACE_CONE ? number[0] * 180 / acos(-1) : 0;
+            surface->type = types[i];
+    surface->axial = strcmp(name, "ring") == 0 ? 2 : 1;
+    surface->radius = surface->type == SURFACE_CONE ? 0 : number ? number[0] : 0;
+    surface->angle = surface->type == SURFACE_CONE ? number[0] * 180 / acos(-1) : 0;
 }
 
 static void set_layer(one *o, int i, const double *p)
 {
-    scene_material *m = &o->material[i];
-    memset(m, 0, sizeof *m);
-    memcpy(m->e, p + 2, sizeof m->e);
-    m->g12 = p[5];
-    m->g13 = p[6];
-    m->g23 = p[7];
-    m->nu12 = p[8];
-    m->nu13 = p[9];
-    m->nu23 = p[10];
-    m->has_d = 1;
-    m->d31 = p[11];
-    m->d32 = p[12];
-    m->d33 = p[13];
-    memcpy(m->alpha, p + 14, sizeof m->alpha);
+    scene_material *material = &o->material[i];
+    memset(material, 0, sizeof *material);
+    memcpy(material->e, p + 2, sizeof material->e);
+    material->g12 = p[5];
+    material->g13 = p[6];
+    material->g23 = p[7];
+    material->nu12 = p[8];
+    material->nu13 = p[9];
+    material->nu23 = p[10];
+    material->has_d = 1;
+    material->d31 = p[11];
+    material->d32 = p[12];
+    material->d33 = p[13];
+    memcpy(material->alpha, p + 14, sizeof material->alpha);
     memset(&o->layer[i], 0, sizeof o->layer[i]);
     o->layer[i].material = i;
     o->layer[i].thickness = p[0];
@@ -152,11 +152,11 @@ static const int kept[4][10] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, {0, 1, 4, 5, 8}, {2, 3, 4, 5, 9}, {4, 5}};
 
 /* Strain energy, half of strains times resultants. */
-static double energy_at(const pzs_element_type *kind, unsigned unknowns, const double *u)
+static double energy_at(const pzs_element_type *type, unsigned dof_per_node, const double *u)
 {
     double e[4][10], h[SHELL_RESULTANTS], energy = 0, *resultant = h;
-    pzs_shell_strains_at(kind, unknowns, u, e);
-    pzs_shell_resultants(kind, unknowns, u, NULL, NULL, h);
+    pzs_shell_strains_at(type, dof_per_node, u, e);
+    pzs_shell_resultants(type, dof_per_node, u, NULL, NULL, h);
     for (int m = 0; m < 4; m++)
         for (int i = 0; i < kept_count[m]; i++)
             energy += e[m][kept[m][i]] * *resultant++ / 2;
@@ -166,11 +166,12 @@ static double energy_at(const pzs_element_type *kind, unsigned unknowns, const d
 /* Internal force, energy and tangent at a displacement. */
 static void check_at_shape(const testdata *t, const one *o)
 {
-    const unsigned unknowns = o->mesh.unknowns;
-    const int n = 4 * (int)unknowns;
-    const double *u = testdata_values(t, "U"), energy = energy_at(&o->mesh.kind[0], unknowns, u);
+    const unsigned dof_per_node = o->mesh.unknowns;
+    const int n = 4 * (int)dof_per_node;
+    const double *u = testdata_values(t, "U"),
+                 energy = energy_at(&o->mesh.kind[0], dof_per_node, u);
     double f[28], k[SHELL_PACKED(28)];
-    pzs_shell_system(&o->mesh.kind[0], unknowns, u, NULL, NULL, f, k);
+    pzs_shell_system(&o->mesh.kind[0], dof_per_node, u, NULL, NULL, f, k);
     ASSERT_CLOSE(t->name, "energy", &energy, testdata_values(t, "energy"), 1, 1e-12);
     ASSERT_CLOSE(t->name, "internal force", f, testdata_values(t, "force"), n, 1e-12);
     ASSERT_CLOSE(t->name, "tangent", k, testdata_values(t, "tangent"), SHELL_PACKED(n), 1e-12);
@@ -405,15 +406,15 @@ static void test_warp_shares(void **state)
     for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 5;
-        const unsigned unknowns = build_shape(&o, i);
+        const unsigned dof_per_node = build_shape(&o, i);
         double u[28], with_warp[4][10], plain[4][10];
-        fill(u, 4 * (int)unknowns, 0.2, &seed);
-        pzs_shell_strains_at(&o.mesh.kind[0], unknowns, u, with_warp);
-        const pzs_element_type kind = o.mesh.kind[0];
-        memset(o.mesh.kind[0].warp, 0, sizeof kind.warp);
-        pzs_shell_strains_at(&o.mesh.kind[0], unknowns, u, plain);
+        fill(u, 4 * (int)dof_per_node, 0.2, &seed);
+        pzs_shell_strains_at(&o.mesh.kind[0], dof_per_node, u, with_warp);
+        const pzs_element_type type = o.mesh.kind[0];
+        memset(o.mesh.kind[0].warp, 0, sizeof type.warp);
+        pzs_shell_strains_at(&o.mesh.kind[0], dof_per_node, u, plain);
         for (int k = 0; k < 9; k++)
-            plain[0][6] += kind.warp[k] * plain[row[k][0]][row[k][1]];
+            plain[0][6] += type.warp[k] * plain[row[k][0]][row[k][1]];
         ASSERT_CLOSE(samples[i / 3].surface, "strains with the warp", &with_warp[0][0],
                      &plain[0][0], 40, 1e-15);
         mesh_free(&o.mesh);
@@ -462,12 +463,12 @@ static void test_bad_warp(void **state)
     one o;
     build_sample(&o, &samples[2], &improved);
     for (int i = 0; i < 2; i++) {
-        pzs_element_type kind = o.mesh.kind[0];
-        kind.g_mean[1][0][0] = bad[i];
-        assert_int_equal(warp_fill(&kind, 0.3), -1);
-        assert_int_equal(warp_fill(&kind, 0), 0);
+        pzs_element_type type = o.mesh.kind[0];
+        type.g_mean[1][0][0] = bad[i];
+        assert_int_equal(warp_fill(&type, 0.3), -1);
+        assert_int_equal(warp_fill(&type, 0), 0);
         for (int k = 0; k < 9; k++)
-            assert_true(kind.warp[k] == 0);
+            assert_true(type.warp[k] == 0);
     }
     mesh_free(&o.mesh);
 }
@@ -511,21 +512,21 @@ static void test_tangent_is_derivative(void **state)
     for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 7;
-        const unsigned unknowns = build_shape(&o, i);
-        const pzs_element_type *kind = &o.mesh.kind[0];
-        const int n = 4 * (int)unknowns;
+        const unsigned dof_per_node = build_shape(&o, i);
+        const pzs_element_type *type = &o.mesh.kind[0];
+        const int n = 4 * (int)dof_per_node;
         double u[28], v[28], given[10], derivative[28] = {0}, product[28], f[28],
                                         k[SHELL_PACKED(28)], ignored[SHELL_PACKED(28)];
         fill(u, n, 0.2, &seed);
         fill(v, n, 0.1, &seed);
         fill(given, 10, 0.01, &seed);
-        pzs_shell_system(kind, unknowns, u, given, NULL, f, k);
+        pzs_shell_system(type, dof_per_node, u, given, NULL, f, k);
         times(k, v, n, product);
         for (int p = 0; p < 4; p++) {
             double moved[28];
             for (int j = 0; j < n; j++)
                 moved[j] = u[j] + point[p] * v[j];
-            pzs_shell_system(kind, unknowns, moved, given, NULL, f, ignored);
+            pzs_shell_system(type, dof_per_node, moved, given, NULL, f, ignored);
             for (int j = 0; j < n; j++)
                 derivative[j] += weight[p] * f[j];
         }
@@ -542,9 +543,9 @@ static void test_geometric_part(void **state)
     for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 11;
-        const unsigned unknowns = build_shape(&o, i);
-        const pzs_element_type *kind = &o.mesh.kind[0];
-        const int n = 4 * (int)unknowns;
+        const unsigned dof_per_node = build_shape(&o, i);
+        const pzs_element_type *type = &o.mesh.kind[0];
+        const int n = 4 * (int)dof_per_node;
         const double none[SHELL_RESULTANTS] = {0};
         double u[28], v[28], moved[28], resultant[SHELL_RESULTANTS], product[28], f[28], here[28],
             there[28];
@@ -554,10 +555,10 @@ static void test_geometric_part(void **state)
         fill(resultant, SHELL_RESULTANTS, 1, &seed);
         for (int j = 0; j < n; j++)
             moved[j] = u[j] + v[j];
-        pzs_shell_force_at(kind, unknowns, u, resultant, here);
-        pzs_shell_force_at(kind, unknowns, moved, resultant, there);
-        pzs_shell_system(kind, unknowns, u, NULL, resultant, f, k);
-        pzs_shell_system(kind, unknowns, u, NULL, none, f, material);
+        pzs_shell_force_at(type, dof_per_node, u, resultant, here);
+        pzs_shell_force_at(type, dof_per_node, moved, resultant, there);
+        pzs_shell_system(type, dof_per_node, u, NULL, resultant, f, k);
+        pzs_shell_system(type, dof_per_node, u, NULL, none, f, material);
         for (int j = 0; j < SHELL_PACKED(n); j++)
             k[j] -= material[j];
         for (int j = 0; j < n; j++)
@@ -577,8 +578,8 @@ static void test_extrapolation(void **state)
     for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 5;
-        const unsigned unknowns = build_shape(&o, i);
-        const pzs_element_type *kind = &o.mesh.kind[0];
+        const unsigned dof_per_node = build_shape(&o, i);
+        const pzs_element_type *type = &o.mesh.kind[0];
         const double zero[28] = {0};
         double u[28], du[28], sum[28], given[10];
         double there[SHELL_RESULTANTS], ahead[SHELL_RESULTANTS], alone[SHELL_RESULTANTS],
@@ -588,15 +589,15 @@ static void test_extrapolation(void **state)
         fill(given, 10, 0.01, &seed);
         for (int j = 0; j < 28; j++)
             sum[j] = u[j] + du[j];
-        pzs_shell_resultants(kind, unknowns, u, du, given, ahead);
-        pzs_shell_resultants(kind, unknowns, sum, NULL, given, there);
-        pzs_shell_resultants(kind, unknowns, du, NULL, NULL, alone);
-        pzs_shell_resultants(kind, unknowns, zero, du, NULL, linear);
+        pzs_shell_resultants(type, dof_per_node, u, du, given, ahead);
+        pzs_shell_resultants(type, dof_per_node, sum, NULL, given, there);
+        pzs_shell_resultants(type, dof_per_node, du, NULL, NULL, alone);
+        pzs_shell_resultants(type, dof_per_node, zero, du, NULL, linear);
         for (int j = 0; j < SHELL_RESULTANTS; j++)
             there[j] -= alone[j] - linear[j];
         ASSERT_CLOSE(samples[i / 3].surface, "extrapolated resultants", ahead, there,
                      SHELL_RESULTANTS, 1e-14);
-        pzs_shell_resultants(kind, unknowns, u, du, NULL, linear);
+        pzs_shell_resultants(type, dof_per_node, u, du, NULL, linear);
         for (int j = 0; j < SHELL_RESULTANTS; j++)
             linear[j] += j < 10 ? given[j] : 0;
         ASSERT_CLOSE(samples[i / 3].surface, "given resultants", ahead, linear, SHELL_RESULTANTS,
@@ -613,16 +614,16 @@ static void test_table_is_tangent_at_zero(void **state)
     for (int i = 0; i < SHAPES; i++) {
         one o;
         unsigned seed = 3;
-        const unsigned unknowns = build_shape(&o, i);
-        const int n = 4 * (int)unknowns;
+        const unsigned dof_per_node = build_shape(&o, i);
+        const int n = 4 * (int)dof_per_node;
         const double zero[28] = {0};
         double k[SHELL_PACKED(28)], u[28], f[28], product[28];
-        pzs_shell_system(&o.mesh.kind[0], unknowns, zero, NULL, NULL, f, k);
+        pzs_shell_system(&o.mesh.kind[0], dof_per_node, zero, NULL, NULL, f, k);
         ASSERT_CLOSE(samples[i / 3].surface, "table matrix", o.mesh.stiffness, k, SHELL_PACKED(n),
                      8 * 2.2e-16);
         ASSERT_CLOSE(samples[i / 3].surface, "force at rest", f, zero, n, 0);
         fill(u, n, 1, &seed);
-        pzs_shell_force(&o.mesh.kind[0], unknowns, u, f);
+        pzs_shell_force(&o.mesh.kind[0], dof_per_node, u, f);
         times(k, u, n, product);
         ASSERT_CLOSE(samples[i / 3].surface, "strain-based force", f, product, n, 28 * 8 * 2.2e-16);
         mesh_free(&o.mesh);
@@ -678,7 +679,7 @@ static void test_rigid_motion_at_a_point(void **state)
             one o;
             double u[28] = {0}, e[4][10];
             build_sample(&o, &samples[i], &published);
-            const pzs_element_type *kind = &o.mesh.kind[0];
+            const pzs_element_type *type = &o.mesh.kind[0];
             const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
             rigid_node(&o, p, u + 7 * r);
             for (int a = 0; a < 2; a++) { /* choose the neighbour so that the corner sees the exact
@@ -691,11 +692,11 @@ static void test_rigid_motion_at_a_point(void **state)
                     for (int row = 0; row < 3; row++) {
                         double rest = lam[row] * (part == 0 ? 1 + p->k[a] * z : p->k[a]);
                         for (int c = 0; c < 3; c++)
-                            rest -= kind->s[r][a][row][c] * u[7 * r + 3 * part + c];
-                        u[7 * neighbour[r][a] + 3 * part + row] = rest / kind->t[r][a][row][row];
+                            rest -= type->s[r][a][row][c] * u[7 * r + 3 * part + c];
+                        u[7 * neighbour[r][a] + 3 * part + row] = rest / type->t[r][a][row][row];
                     }
             }
-            pzs_shell_strains_at(kind, 7, u, e);
+            pzs_shell_strains_at(type, 7, u, e);
             for (int k = 0; k < 10; k++) {
                 double strain = 0;
                 for (int m = 0; m < 4; m++)
@@ -848,17 +849,17 @@ static void test_tangent_of_a_thin_shell(void **state)
             unsigned seed = 17;
             double rigid[24], v[24], u[24], f[24], there[24], expected[24], k[SHELL_PACKED(24)];
             build_rigid(&o, &samples[i], 1e-4, rigid);
-            pzs_element_type *kind = &o.mesh.kind[0];
+            pzs_element_type *type = &o.mesh.kind[0];
             for (int m = 0; m < 4; m++) {
-                const int kept_here = kind->d[m][s * (s + 3) / 2] > 0;
-                memset(kind->d[m], 0, sizeof kind->d[m]);
-                kind->d[m][s * (s + 3) / 2] = kept_here;
+                const int kept_here = type->d[m][s * (s + 3) / 2] > 0;
+                memset(type->d[m], 0, sizeof type->d[m]);
+                type->d[m][s * (s + 3) / 2] = kept_here;
             }
             fill(v, 24, 1, &seed);
             turn_unknowns(&o, v, u);
-            pzs_shell_system(kind, 6, rigid, NULL, NULL, f, k);
+            pzs_shell_system(type, 6, rigid, NULL, NULL, f, k);
             times(k, u, 24, there);
-            pzs_shell_stiffness(kind, 6, k);
+            pzs_shell_stiffness(type, 6, k);
             times(k, v, 24, f);
             turn_unknowns(&o, f, expected);
             ASSERT_CLOSE(samples[i].surface, "turned stiffness", there, expected, 24,

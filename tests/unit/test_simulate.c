@@ -212,26 +212,26 @@ static void test_clamp_is_worse(void **state)
 static void test_blind(void **state)
 {
     bench b;
-    loop l;
+    loop loop;
     double before[64];
     (void)state;
     open_bench(
         &b, LINEAR
         "simulate.ticks=300;simulate.events=[{at: 100, nan: 1, ticks: 20}, {at: 110, load: 0, amount: 2}, "
         "{at: 200, lost: 7}]");
-    assert_int_equal(loop_open(&l, &b.s, LAW_CONTROLLER, b.error), 0);
-    const size_t bytes = (size_t)l.design->amplifiers * sizeof *before;
+    assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
+    const size_t bytes = (size_t)loop.design->amplifiers * sizeof *before;
     for (int tick = 0; tick < 300; tick++) {
-        memcpy(before, l.given, bytes);
-        assert_int_equal(loop_tick(&l, tick, b.error), 0);
+        memcpy(before, loop.given, bytes);
+        assert_int_equal(loop_tick(&loop, tick, b.error), 0);
         const int blind = tick >= 100 && tick < 120, lost = tick >= 200 && tick < 207;
-        assert_int_equal(l.is_lost, lost);
+        assert_int_equal(loop.is_lost, lost);
         if (!lost)
-            assert_int_equal(l.status, blind ? PZS_W_HELD : PZS_OK);
+            assert_int_equal(loop.status, blind ? PZS_W_HELD : PZS_OK);
         if (blind || lost)
-            assert_memory_equal(before, l.given, bytes);
+            assert_memory_equal(before, loop.given, bytes);
     }
-    loop_close(&l);
+    loop_close(&loop);
     tally t;
     run(&b, LAW_CONTROLLER, &t);
     find_optima(&b);
@@ -261,12 +261,12 @@ static void random_faults(const char *first)
         first);
     open_bench(&b, changes);
     run(&b, LAW_CONTROLLER, &t);
-    const simulate_count *c = &b.s.count[LAW_CONTROLLER];
+    const simulate_count *count = &b.s.count[LAW_CONTROLLER];
     assert_int_equal(t.outside + t.not_finite, 0);
-    assert_int_equal(c->beyond + c->not_finite, 0);
-    assert_int_equal(c->status[PZS_W_ITERATIONS], 0);
-    assert_true(c->lost > FAULT_TICKS / 100 && c->status[PZS_W_HELD] > FAULT_TICKS / 100 &&
-                c->status[PZS_W_SENSOR] > FAULT_TICKS / 20);
+    assert_int_equal(count->beyond + count->not_finite, 0);
+    assert_int_equal(count->status[PZS_W_ITERATIONS], 0);
+    assert_true(count->lost > FAULT_TICKS / 100 && count->status[PZS_W_HELD] > FAULT_TICKS / 100 &&
+                count->status[PZS_W_SENSOR] > FAULT_TICKS / 20);
     assert_int_equal(b.s.phases, 2);
     if (!(fabs(course(&b, 1)->steady / steady - 1) < 1e-9))
         fail_msg("ends at %.12g instead of %.12g", course(&b, 1)->steady, steady);
@@ -314,23 +314,23 @@ static void test_dead(void **state)
 static void test_hysteresis(void **state)
 {
     bench b;
-    loop l;
+    loop loop;
     double at_zero[2] = {0, 0};
     (void)state;
     open_bench(
         &b, LINEAR
         "simulate.ticks=100;simulate.plant.hysteresis=0.15;simulate.events=[{at: 0, lost: 100}]");
-    assert_int_equal(loop_open(&l, &b.s, LAW_CONTROLLER, b.error), 0);
+    assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     for (int tick = 0; tick < 60; tick++) {
         const int phase = tick % 40;
-        l.given[3] = 300 * (phase < 10 ? phase : phase < 30 ? 20 - phase : phase - 40) / 10.0;
-        assert_int_equal(loop_tick(&l, tick, b.error), 0);
-        assert_true(fabs(l.effect[3] - l.given[3]) <= 0.15 * 300 * (1 + 4 * DBL_EPSILON));
+        loop.given[3] = 300 * (phase < 10 ? phase : phase < 30 ? 20 - phase : phase - 40) / 10.0;
+        assert_int_equal(loop_tick(&loop, tick, b.error), 0);
+        assert_true(fabs(loop.effect[3] - loop.given[3]) <= 0.15 * 300 * (1 + 4 * DBL_EPSILON));
         if (tick == 20 || tick == 40)
-            at_zero[tick / 20 - 1] = l.effect[3];
+            at_zero[tick / 20 - 1] = loop.effect[3];
     }
     assert_true(fabs(at_zero[0] - at_zero[1] - 0.15 * 600) < 1e-12 * 600);
-    loop_close(&l);
+    loop_close(&loop);
     close_bench(&b);
 }
 
@@ -392,15 +392,15 @@ static void test_finds_dead(void **state)
         "dead: [v_1_1, v_3_2], told: found}]");
     run(&b, LAW_CONTROLLER, &t);
     find_optima(&b);
-    const simulate_count *c = &b.s.count[LAW_CONTROLLER];
+    const simulate_count *count = &b.s.count[LAW_CONTROLLER];
     print_message(
         "found %ld, the slower after %d ticks; settled after %d; %.2f %% above the optimum without them\n",
-        c->found, c->search, course(&b, 3)->settled,
+        count->found, count->search, course(&b, 3)->settled,
         100 * (course(&b, 3)->steady / b.s.phase[3].optimum - 1));
     assert_int_equal(t.outside + t.not_finite, 0);
-    assert_int_equal(c->found, 2);
-    assert_int_equal(c->wrong, 0);
-    assert_in_range(c->search, 1, 20);
+    assert_int_equal(count->found, 2);
+    assert_int_equal(count->wrong, 0);
+    assert_in_range(count->search, 1, 20);
     assert_in_range(course(&b, 3)->settled, 1, 20);
     assert_true(course(&b, 3)->steady < 1.1 * b.s.phase[3].optimum);
     assert_true(b.s.phase[3].optimum > 1.5 * b.s.phase[2].optimum);

@@ -19,9 +19,9 @@ static void influence_run(scene_run *r, const char *name, const char *changes)
         fail_msg("%s", r->error);
 }
 
-static void optimum(scene_run *r, common_limits limit, voltages *v)
+static void optimum(scene_run *r, common_limits limit, voltages *result)
 {
-    if (voltages_optimum(&r->analysis, limit, v, r->error) < 0)
+    if (voltages_optimum(&r->analysis, limit, result, r->error) < 0)
         fail_msg("%s", r->error);
 }
 
@@ -35,10 +35,10 @@ static double zernike(int j, double rho, double phi)
     const char *why;
     const expr_point at = {0, 0, 0, rho, phi};
     snprintf(text, sizeof text, "zernike(%d, theta1, theta2)", j);
-    expr *e = expr_compile(text, &column, &why);
-    assert_non_null(e);
-    const double value = expr_value(e, &at);
-    expr_free(e);
+    expr *expression = expr_compile(text, &column, &why);
+    assert_non_null(expression);
+    const double value = expr_value(expression, &at);
+    expr_free(expression);
     return value;
 }
 
@@ -86,28 +86,28 @@ static void test_modes(void **state)
 {
     (void)state;
     scene_run r, alone;
-    modes m;
-    voltages v;
+    modes modes;
+    voltages result;
     const common_limits limit[2] = {within(20), scene_limits_alone()};
     influence_run(&r, "mirror", "mesh.theta1.elements=10;mesh.theta2.elements=16");
     const double first = r.analysis.design.target[7];
-    assert_int_equal(modes_run(&m, &r.analysis, limit, 2, r.error), 0);
-    assert_true(m.count == MODES && m.limits == 2 && r.analysis.design.target[7] == first);
+    assert_int_equal(modes_run(&modes, &r.analysis, limit, 2, r.error), 0);
+    assert_true(modes.count == MODES && modes.limits == 2 && r.analysis.design.target[7] == first);
     influence_run(&alone, "mirror",
                   "mesh.theta1.elements=10;mesh.theta2.elements=16;target.modes=[];"
                   "target.value=0.2e-6*zernike(9, theta1/31.8e-3, theta2)");
     for (int l = 0; l < 2; l++) {
-        const mode_left *left = &m.left[7 * 2 + l];
-        optimum(&alone, limit[l], &v);
-        assert_true(v.error == left->optimum && v.active == left->active &&
-                    v.limit[1] == left->limit[1]);
+        const mode_left *left = &modes.left[7 * 2 + l];
+        optimum(&alone, limit[l], &result);
+        assert_true(result.error == left->optimum && result.active == left->active &&
+                    result.limit[1] == left->limit[1]);
         assert_true(left->limit[1] == (l ? 50 : 20));
-        voltages_free(&v);
+        voltages_free(&result);
     }
-    optimum(&alone, no_limits(), &v);
-    assert_true(v.error == m.mode[7].unlimited);
-    voltages_free(&v);
-    modes_free(&m);
+    optimum(&alone, no_limits(), &result);
+    assert_true(result.error == modes.mode[7].unlimited);
+    voltages_free(&result);
+    modes_free(&modes);
     scene_run_close(&alone);
     scene_run_close(&r);
 }
@@ -123,26 +123,26 @@ static void test_mirror(void **state)
     static const int alike[6] = {0, 3, 5, 7, 10, 12}; /* Z2 Z5 Z7 Z9 Z12 Z14, each with the next */
     const common_limits own = scene_limits_alone();
     scene_run r;
-    modes m;
+    modes modes;
     double clipped = 0;
     influence_run(&r, "mirror", "");
-    assert_int_equal(modes_run(&m, &r.analysis, &own, 1, r.error), 0);
+    assert_int_equal(modes_run(&modes, &r.analysis, &own, 1, r.error), 0);
     for (int k = 0; k < MODES; k++) {
-        assert_true(m.mode[k].unlimited <= m.left[k].optimum * (1 + 1e-9) &&
-                    m.left[k].optimum <= m.left[k].regularised * (1 + 1e-12) &&
-                    m.left[k].regularised <= m.left[k].clipped);
-        assert_true(m.mode[k].unlimited < 0.04 && m.left[k].optimum < 0.16);
-        assert_true((m.left[k].active > 0) == (m.mode[k].volt > 50));
-        clipped = fmax(clipped, m.left[k].clipped / m.left[k].optimum);
+        assert_true(modes.mode[k].unlimited <= modes.left[k].optimum * (1 + 1e-9) &&
+                    modes.left[k].optimum <= modes.left[k].regularised * (1 + 1e-12) &&
+                    modes.left[k].regularised <= modes.left[k].clipped);
+        assert_true(modes.mode[k].unlimited < 0.04 && modes.left[k].optimum < 0.16);
+        assert_true((modes.left[k].active > 0) == (modes.mode[k].volt > 50));
+        clipped = fmax(clipped, modes.left[k].clipped / modes.left[k].optimum);
     }
     for (int i = 0; i < 6; i++) {
         const int k = alike[i];
-        assert_near("no limits", m.mode[k + 1].unlimited, m.mode[k].unlimited, 1e-6);
-        assert_near("within limits", m.left[k + 1].optimum, m.left[k].optimum, 1e-6);
-        assert_near("clipped", m.left[k + 1].clipped, m.left[k].clipped, 1e-6);
+        assert_near("no limits", modes.mode[k + 1].unlimited, modes.mode[k].unlimited, 1e-6);
+        assert_near("within limits", modes.left[k + 1].optimum, modes.left[k].optimum, 1e-6);
+        assert_near("clipped", modes.left[k + 1].clipped, modes.left[k].clipped, 1e-6);
     }
     assert_true(clipped > 50); /* coma: 1 % at best, 85 % clipped */
-    modes_free(&m);
+    modes_free(&modes);
     scene_run_close(&r);
 }
 
@@ -155,29 +155,29 @@ static void test_hyperboloid(void **state)
     (void)state;
     static const double limit[2] = {HUGE_VAL, 1960};
     scene_run r;
-    voltages v;
+    voltages result;
     double away[4], none[2] = {0, 0};
     influence_run(&r, "hyperboloid-patches", "");
-    assert_int_equal(voltages_given(&r.analysis, "none", none, &v, r.error), 0);
-    scene_run_observe(&r, v.u);
+    assert_int_equal(voltages_given(&r.analysis, "none", none, &result, r.error), 0);
+    scene_run_observe(&r, result.u);
     for (int k = 0; k < 4; k++)
         away[k] = scene_run_value(&r, k);
-    voltages_free(&v);
+    voltages_free(&result);
     for (int l = 0; l < 2; l++) {
-        optimum(&r, within(limit[l]), &v);
-        scene_run_observe(&r, v.u);
+        optimum(&r, within(limit[l]), &result);
+        scene_run_observe(&r, result.u);
         for (int k = 0; k < 4; k++)
             assert_true(fabs(away[k]) > 2.5 && fabs(scene_run_value(&r, k)) < 0.05 * fabs(away[k]));
-        assert_true(v.relinearised > 1 && v.residual < 1e-6);
+        assert_true(result.relinearised > 1 && result.residual < 1e-6);
         for (int k = 0; k < 2; k++)
-            assert_true(fabs(v.volt[k]) <= limit[l]);
-        voltages_free(&v);
+            assert_true(fabs(result.volt[k]) <= limit[l]);
+        voltages_free(&result);
     }
-    assert_int_equal(voltages_linear(&r.analysis, within(1960), &v, r.error), 0);
-    scene_run_observe(&r, v.u);
+    assert_int_equal(voltages_linear(&r.analysis, within(1960), &result, r.error), 0);
+    scene_run_observe(&r, result.u);
     assert_true(fabs(scene_run_value(&r, 0)) > 0.15 * away[0]); /* the linear model does not know
                                                                    the way */
-    voltages_free(&v);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 
@@ -231,15 +231,16 @@ static void test_fixed_rows(void **state)
     influence_run(&plain, "plate-50-patches", "");
     influence_run(&moved, "plate-50-patches",
                   "target.value=0.1*x*(y-0.1)+max(0, 1e-3-x)"); /* nodes are 0.02 apart */
-    const design *d = &plain.analysis.design;
-    assert_true(d->fixed_rows == 11 && d->targets == 121);
-    for (int i = 0; i < d->targets; i++)
-        assert_true((d->mesh.theta[d->target_node[i]][0] < 1e-9) == (d->weight[i] == 0));
+    const design *design = &plain.analysis.design;
+    assert_true(design->fixed_rows == 11 && design->targets == 121);
+    for (int i = 0; i < design->targets; i++)
+        assert_true((design->mesh.theta[design->target_node[i]][0] < 1e-9) ==
+                    (design->weight[i] == 0));
     optimum(&plain, within(200), &a);
     optimum(&moved, within(200), &b);
     assert_true(memcmp(a.volt, b.volt, 25 * sizeof *a.volt) == 0 && a.error == b.error);
     assert_true(a.fixed_off == 0 && a.error_all == a.error && b.fixed_off == 11);
-    const double squares = design_squares(d, d->wanted, NULL), fixed = 11 * 1e-6;
+    const double squares = design_squares(design, design->wanted, NULL), fixed = 11 * 1e-6;
     assert_near("counted", b.error_all,
                 sqrt((a.error * a.error * squares + fixed) / (squares + fixed)), 1e-13);
     voltages_free(&a);
@@ -264,21 +265,21 @@ static void free_changes_nothing(const char *scene, const char *changes, const c
 {
     char with_offset[512];
     scene_run r[2];
-    voltages v[2];
+    voltages result[2];
     snprintf(with_offset, sizeof with_offset, "%s%s", changes, offset);
     for (int k = 0; k < 2; k++) {
         influence_run(&r[k], scene, k ? with_offset : changes);
-        optimum(&r[k], within(size), &v[k]);
+        optimum(&r[k], within(size), &result[k]);
     }
-    const design *d = &r[1].analysis.design;
-    assert_true(largest_difference(v[0].volt, v[1].volt, v[0].volts) < 1e-9 * size);
-    assert_near("error", v[1].error, v[0].error, 1e-11);
+    const design *design = &r[1].analysis.design;
+    assert_true(largest_difference(result[0].volt, result[1].volt, result[0].volts) < 1e-9 * size);
+    assert_near("error", result[1].error, result[0].error, 1e-11);
     for (int j = 0; j < 4; j++) {
         double dot = 0, of_misfit = 0, of_free = 0;
-        for (int i = 0; i < d->targets; i++) {
-            const expr_point at = mesh_place(&d->mesh, d->target_node[i]);
-            const double f[4] = {1, at.x, at.y, at.x * at.x}, miss = v[1].shape[i] - v[1].aim[i],
-                         w = d->weight[i];
+        for (int i = 0; i < design->targets; i++) {
+            const expr_point at = mesh_place(&design->mesh, design->target_node[i]);
+            const double f[4] = {1, at.x, at.y, at.x * at.x},
+                         miss = result[1].shape[i] - result[1].aim[i], w = design->weight[i];
             dot += w * w * f[j] * miss;
             of_misfit += pow(w * miss, 2);
             of_free += pow(w * f[j], 2);
@@ -286,7 +287,7 @@ static void free_changes_nothing(const char *scene, const char *changes, const c
         assert_true(fabs(dot) < 1e-12 * sqrt(of_misfit * of_free));
     }
     for (int k = 0; k < 2; k++) {
-        voltages_free(&v[k]);
+        voltages_free(&result[k]);
         scene_run_close(&r[k]);
     }
 }
@@ -317,17 +318,17 @@ static void test_free_nonlinear(void **state)
     static const char small[] = "kinematics=nonlinear;mesh.theta1.elements=5;mesh.theta2.elements="
                                 "5;target.free=[piston, tip]";
     scene_run r[2];
-    voltages v[2];
+    voltages result[2];
     for (int k = 0; k < 2; k++) {
         influence_run(&r[k], "plate-50-patches",
                       k ? with(small, ";target.value=0.1*x*(y-0.1)+1e-3-0.02*x") : small);
         r[k].analysis.nonlinear = 1;
-        optimum(&r[k], within(200), &v[k]);
+        optimum(&r[k], within(200), &result[k]);
     }
-    assert_true(largest_difference(v[0].volt, v[1].volt, v[0].volts) < 1e-6 * 200);
-    assert_near("error", v[1].error, v[0].error, 1e-8);
+    assert_true(largest_difference(result[0].volt, result[1].volt, result[0].volts) < 1e-6 * 200);
+    assert_near("error", result[1].error, result[0].error, 1e-8);
     for (int k = 0; k < 2; k++) {
-        voltages_free(&v[k]);
+        voltages_free(&result[k]);
         scene_run_close(&r[k]);
     }
 }
@@ -340,28 +341,28 @@ static void test_free_tick(void **state)
 {
     (void)state;
     scene_run r;
-    voltages v;
+    voltages result;
     influence_run(&r, "plate-50-patches", "limits.voltage=[-200, 200]" FREE);
-    optimum(&r, scene_limits_alone(), &v);
-    const design *d = &r.analysis.design;
-    const size_t m = (size_t)d->targets, bytes = PZS_CONTROL_BYTES(25, m),
-                 inputs = d->structure.input.count;
+    optimum(&r, scene_limits_alone(), &result);
+    const design *design = &r.analysis.design;
+    const size_t m = (size_t)design->targets, bytes = PZS_CONTROL_BYTES(25, m),
+                 inputs = design->structure.input.count;
     void *work = malloc(bytes);
     double *wanted = calloc(2 * m, sizeof *wanted), *measured = wanted + m;
-    pzs_control c;
-    assert_int_equal(pzs_control_init(&c, &d->problem, NULL, work, bytes), PZS_OK);
+    pzs_control control;
+    assert_int_equal(pzs_control_init(&control, &design->problem, NULL, work, bytes), PZS_OK);
     for (int tick = 0; tick < 5; tick++) {
         for (size_t i = 0; i < m; i++) {
-            const expr_point at = mesh_place(&d->mesh, d->target_node[i]);
+            const expr_point at = mesh_place(&design->mesh, design->target_node[i]);
             wanted[i] = 0.1 * at.x * (at.y - 0.1) + 1e-3 * at.x;
             measured[i] = 2e-3 - 0.1 * at.x * at.x;
             for (size_t k = 0; k < 25; k++)
-                measured[i] += r.analysis.influence[i * inputs + k] * c.info.voltage[k];
+                measured[i] += r.analysis.influence[i * inputs + k] * control.info.voltage[k];
         }
-        assert_int_equal(pzs_tick(&c, wanted, measured), PZS_OK);
+        assert_int_equal(pzs_tick(&control, wanted, measured), PZS_OK);
     }
-    assert_true(largest_difference(c.info.voltage, v.volt, 25) < 1e-8 * 200);
-    voltages_free(&v);
+    assert_true(largest_difference(control.info.voltage, result.volt, 25) < 1e-8 * 200);
+    voltages_free(&result);
     free(wanted);
     free(work);
     scene_run_close(&r);
@@ -372,13 +373,13 @@ static void test_free_target(void **state)
 {
     (void)state;
     scene_run r;
-    voltages v;
+    voltages result;
     influence_run(&r, "plate-50-patches", "target.value=3e-3-0.7*x" FREE);
-    optimum(&r, within(200), &v);
+    optimum(&r, within(200), &result);
     for (int k = 0; k < 25; k++)
-        assert_true(v.volt[k] == 0);
-    assert_true(v.error == 0);
-    voltages_free(&v);
+        assert_true(result.volt[k] == 0);
+    assert_true(result.error == 0);
+    voltages_free(&result);
     scene_run_close(&r);
 }
 

@@ -44,17 +44,18 @@ static void solve_thin(scene_run *r, const char *changes, double h, int n1, int 
 /* Work of the loads, from the strains of every element: nothing cancels on thin shells. */
 static double compliance(const scene_run *r)
 {
-    const mesh *m = &r->analysis.design.mesh;
-    const unsigned unknowns = m->unknowns;
+    const mesh *mesh = &r->analysis.design.mesh;
+    const unsigned dof_per_node = mesh->unknowns;
     double sum = 0;
-    for (int e = 0; e < m->elements; e++) {
+    for (int e = 0; e < mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
-        for (unsigned i = 0; i < 4 * unknowns; i++) {
-            const uint16_t dof = m->node_dof[m->element[e][i / unknowns] * unknowns + i % unknowns];
+        for (unsigned i = 0; i < 4 * dof_per_node; i++) {
+            const uint16_t dof = mesh->node_dof[mesh->element[e][i / dof_per_node] * dof_per_node +
+                                                i % dof_per_node];
             u[i] = dof == PZS_CONSTRAINED ? 0 : r->u[dof];
         }
-        pzs_shell_force(&m->kind[m->element_kind[e]], unknowns, u, f);
-        for (unsigned i = 0; i < 4 * unknowns; i++)
+        pzs_shell_force(&mesh->kind[mesh->element_kind[e]], dof_per_node, u, f);
+        for (unsigned i = 0; i < 4 * dof_per_node; i++)
             sum += u[i] * f[i];
     }
     return sum;

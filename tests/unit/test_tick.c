@@ -45,10 +45,10 @@ static void rig_open(rig *r)
         r->upper[k] = 50;
         r->slew[k] = 7;
     }
-    const pzs_problem p = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
-                           r->influence,     NULL,      r->weight, r->lower, r->upper,
-                           r->slew,          r->prefer, 0};
-    r->problem = p;
+    const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
+                                 r->influence,     NULL,      r->weight, r->lower, r->upper,
+                                 r->slew,          r->prefer, 0};
+    r->problem = problem;
     r->problem.crc = pzs_problem_crc(&r->problem);
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
     assert_non_null(r->work);
