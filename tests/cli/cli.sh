@@ -392,4 +392,54 @@ run 0 check scordelis-lo && grep -q "vibration not known: .*'concrete'" "$dir/ou
 run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 && grep -q 'quasi-static plant: no inertia' "$dir/out" && grep -q 'vibration grows' "$dir/out"; check 'simulate says that its plant has no inertia' $?
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 --set materials.G1195.density=0 --json --report "$dir/loop.html" && json "j['dynamics']=='quasi-static' and 'G1195' in j['vibration']['missing']" && grep -q 'Quasi-static plant' "$dir/loop.html"; check 'simulate without a density says so' $?
+
+# The header wires a loop: its blocks, exactly the bytes they need, names, the tick rate; as C and as C++
+cat >"$dir/wire.c" <<'EOT'
+#include "w.h"
+#define REALS (W_LOOP_BYTES / sizeof(pzs_real))
+static pzs_real work[REALS + 1];
+static pzs_loop loop;
+int main(void)
+{
+    if (pzs_loop_init(&loop, w_blocks, W_BLOCKS, NULL, work, W_LOOP_BYTES - 1) != PZS_E_WORKSPACE) return 1;
+    if (loop.info.where != (int32_t)W_LOOP_BYTES) return 2;
+    if (pzs_loop_init(&loop, w_blocks, W_BLOCKS, NULL, work, W_LOOP_BYTES) != PZS_OK) return 3;
+    return W_INPUT_v_5_5 != W_INPUTS - 1 || W_TICK_RATE < 1000 || W_BLOCKS != 4 || loop.info.control == NULL;
+}
+EOT
+for scene in plate-few-sensors plate-closed-loop; do
+    set -- --set simulate.amplifiers.step=0.1 --set 'simulate.events=[{at: 3, load: 0, amount: 1, known: true}, {at: 9, dead: [v_1_1], told: found}]'
+    [ $scene = plate-closed-loop ] || set --
+    run 0 tables $scene "$@" --prefix w -o "$dir/w.h"
+    for bits in 32 64; do
+        gcc -std=c99 -pedantic -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/wire.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/wire" 2>"$dir/err" &&
+            "$dir/wire" && g++ -x c++ -std=c++11 -pedantic -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits -fsyntax-only "$dir/wire.c" 2>"$dir/err"
+        check "$scene: the header wires a loop, $bits bits" $?
+    done
+done
+! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=64 -DW_REAL_BITS=32 -fsyntax-only "$dir/wire.c" 2>"$dir/err" && grep -q 'needs another precision' "$dir/err"
+check 'a program that asks for float does not compile in double' $?
+
+# The README's example compiles against its tables and stays inside the limits
+run 0 tables plate-50-patches --prefix plate -o "$dir/plate.h"
+awk '/^```c/ {on = 1; next} /^```/ {on = 0} on' README.md >"$dir/example.c"
+cat >"$dir/io.c" <<'EOT'
+#include <math.h>
+#include <stdlib.h>
+#include "plate.h"
+static int ticks;
+void read_target(pzs_real *wanted);
+void read_sensors(pzs_real *measured);
+void write_amplifiers(const pzs_real *volt);
+void read_target(pzs_real *wanted) { for (int i = 0; i < PLATE_OUTPUTS; i++) wanted[i] = plate_target[i]; }
+void read_sensors(pzs_real *measured) { for (int i = 0; i < PLATE_OUTPUTS; i++) measured[i] = i % 7 ? 0 : (pzs_real)NAN; }
+void write_amplifiers(const pzs_real *volt)
+{
+    for (int k = 0; k < PLATE_INPUTS; k++)
+        if (!(volt[k] >= plate_lower[k] && volt[k] <= plate_upper[k])) exit(3);
+    if (++ticks == 50) exit(0);
+}
+EOT
+[ "$(wc -l <"$dir/example.c")" -le 30 ] && gcc -std=c99 -Wall -Wextra -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$dir/example.c" "$dir/io.c" lib/*/*.c -lm -o "$dir/example" 2>"$dir/err" && "$dir/example"
+check "the README's example, under 30 lines, compiles and runs" $?
 echo "1..$n"
