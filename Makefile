@@ -16,7 +16,7 @@ HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
 .PHONY: all install uninstall demo test bench check-long hard oracle tables setup-demo setup-test setup-bench unit \
-    san clean help
+    san format clean help
 all: $(B)/pzs
 
 help:
@@ -158,6 +158,9 @@ UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ -lyaml -lm -o $@
+
+format:
+	clang-format -i $$(git ls-files "*.c" "*.h")
 
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san

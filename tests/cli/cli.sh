@@ -410,7 +410,7 @@ EOT
 for scene in plate-few-sensors plate-closed-loop; do
     set -- --set simulate.amplifiers.step=0.1 --set 'simulate.events=[{at: 3, load: 0, amount: 1, known: true}, {at: 9, dead: [v_1_1], told: found}]'
     [ $scene = plate-closed-loop ] || set --
-    run 0 tables $scene "$@" --prefix w -o "$dir/w.h"
+    run 0 tables $scene "$@" --quasi-static --prefix w -o "$dir/w.h"
     for bits in 32 64; do
         gcc -std=c99 -pedantic -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/wire.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/wire" 2>"$dir/err" &&
             "$dir/wire" && g++ -x c++ -std=c++11 -pedantic -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits -fsyntax-only "$dir/wire.c" 2>"$dir/err"
