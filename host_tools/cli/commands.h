@@ -26,6 +26,7 @@ typedef enum option_id {
     OPTION_JSON,
     OPTION_STRICT,
     OPTION_REPORT,
+    OPTION_SVG,
     OPTION_VTU,
     OPTION_NUMBER,
     OPTION_CSV,

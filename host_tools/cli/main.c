@@ -104,7 +104,42 @@ static int run_on_scene(const options *options, command *run)
     return status;
 }
 
+/* ---- reports ---------------------------------------------------------- */
+
+/* Write one report of a result. Returns 0, or -1. */
+typedef int write_report(const report_job *job, const void *result);
+
+/* The page and the picture that the options ask for. Returns an exit code. */
+static int write_reports(const options *options, write_report *write, const void *result)
+{
+    const char *const path[2] = {options->report, options->svg};
+    int status = 0;
+    for (int k = 0; k < 2 && status == 0; k++) {
+        outfile f;
+        if (!path[k])
+            continue;
+        status = outfile_begin(&f, path[k]);
+        if (status)
+            break;
+        const report_job job = {f.file, k == 1, options->words, options->words_given};
+        status = outfile_end(&f, write(&job, result));
+    }
+    return status;
+}
+
 /* ---- solve ------------------------------------------------------------ */
+
+/* A displacement and the output values that belong to it. */
+typedef struct solution {
+    const analysis *a;
+    const double *u, *value;
+} solution;
+
+static int write_solve(const report_job *job, const void *result)
+{
+    const solution *s = result;
+    return report_solve(job, s->a, s->u, s->value);
+}
 
 static int write_vtu(const analysis *analysis, const double *u, const char *path)
 {
@@ -127,7 +162,7 @@ static int solved(const options *options, analysis *analysis, const double *u)
 {
     const pzs_structure *structure = &analysis->design.structure;
     double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
-    outfile f;
+    const solution result = {analysis, u, value};
     int status = 0;
     if (!value)
         return complain("out of memory", 1);
@@ -138,8 +173,8 @@ static int solved(const options *options, analysis *analysis, const double *u)
     (options->as_json ? print_solve_json : print_solve)(analysis, value);
     if (options->vtu)
         status = write_vtu(analysis, u, options->vtu);
-    if (options->report && status == 0 && (status = outfile_begin(&f, options->report)) == 0)
-        status = outfile_end(&f, report_solve(f.file, analysis, u, value));
+    if (status == 0)
+        status = write_reports(options, write_solve, &result);
     free(value);
     return status;
 }
@@ -210,11 +245,16 @@ static int shape_results(shape_run *run, const options *options, char *error)
     return modes_run(&run->modes, analysis, limit, limits, error);
 }
 
+static int write_shape(const report_job *job, const void *result)
+{
+    const shape_run *run = result;
+    return report_shape(job, run->analysis, run->volts, run->count, &run->modes);
+}
+
 static int command_shape(const options *options, analysis *analysis)
 {
     shape_run run;
     char error[SCENE_ERROR];
-    outfile f;
     int status = 0;
     memset(&run, 0, sizeof run);
     run.analysis = analysis;
@@ -228,9 +268,8 @@ static int command_shape(const options *options, analysis *analysis)
         progress_stop();
         (options->as_json ? print_shape_json : print_shape)(&run);
         status = options->vtu ? write_vtu(analysis, run.volts[1].u, options->vtu) : 0;
-        if (options->report && status == 0 && (status = outfile_begin(&f, options->report)) == 0)
-            status =
-                outfile_end(&f, report_shape(f.file, analysis, run.volts, run.count, &run.modes));
+        if (status == 0)
+            status = write_reports(options, write_shape, &run);
     } else {
         status = complain(error, failed_code(analysis));
     }
@@ -272,12 +311,24 @@ static void check_phases(plausible *warnings, const simulation *run)
     }
 }
 
+/* A simulation and its record over time. */
+typedef struct simulated {
+    const simulation *run;
+    const simulate_record *record;
+} simulated;
+
+static int write_simulate(const report_job *job, const void *result)
+{
+    const simulated *s = result;
+    return report_simulate(job, s->run, s->record);
+}
+
 static int command_simulate(const options *options, analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
     simulation run;
     simulate_record record;
-    outfile f;
+    const simulated result = {&run, &record};
     char error[SCENE_ERROR];
     int status = 0;
     memset(&run, 0, sizeof run);
@@ -302,8 +353,7 @@ static int command_simulate(const options *options, analysis *analysis)
         check_phases(&analysis->warnings, &run);
         progress_stop();
         (options->as_json ? print_simulation_json : print_simulation)(&run);
-        if (options->report && (status = outfile_begin(&f, options->report)) == 0)
-            status = outfile_end(&f, report_simulate(f.file, &run, &record));
+        status = write_reports(options, write_simulate, &result);
         status |= run.count[LAW_CONTROLLER].beyond > 0 ||
                   run.count[LAW_CONTROLLER].not_finite > 0 ||
                   (run.board && run.board->twin &&

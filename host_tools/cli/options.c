@@ -164,6 +164,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_STRICT: options->is_strict = 1; return 0;
     case OPTION_QUASI_STATIC: options->quasi_static = 1; return 0;
     case OPTION_REPORT: return take_file(&options->report, value);
+    case OPTION_SVG: return take_file(&options->svg, value);
     case OPTION_VTU: return take_file(&options->vtu, value);
     case OPTION_CSV: return take_file(&options->csv, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
@@ -264,10 +265,11 @@ static int same_file(const char *a, const char *b)
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];
-    const char *const file[5] = {scene_path, options->report, options->vtu, options->csv,
-                                 options->output};
+    enum { FILES = 6 };
+    const char *const file[FILES] = {scene_path,   options->report, options->svg,
+                                     options->vtu, options->csv,    options->output};
     shipped_path(options->scene, scene_path);
-    for (int i = 1; i < 5; i++)
+    for (int i = 1; i < FILES; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && same_file(file[i], file[j]))
                 return options_refuse("two files under one name:", file[i]);
@@ -278,6 +280,8 @@ int options_read(options *options, command_id command, int argc, char **argv)
 {
     memset(options, 0, sizeof *options);
     options->command = command;
+    options->words = argc;
+    options->words_given = argv;
     int wrong = parse(options, argc, argv);
     if (!wrong)
         wrong = check_words(options);

@@ -685,8 +685,9 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
             fresh = 1;
         }
     }
-    optimiser->is_optimal |= optimiser->iterations < optimiser->iteration_limit &&
-                             optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound; /* as
-                                                                                   far as rounding
-                                                                                   permits */
+    optimiser->is_optimal |=
+        optimiser->iterations < optimiser->iteration_limit &&
+        optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound; /* as
+                                                              far as rounding
+                                                              permits */
 }
