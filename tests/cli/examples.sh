@@ -114,7 +114,7 @@ for example in "$dir"/example*.c; do
     (cd "$dir" && PATH="$dir/here/build:$PATH" sh -c "${tables:-false}") >"$dir/said" 2>&1
     check "tables of the README's C program: $tables" $?
     [ "$(wc -l <"$example")" -le 30 ] &&
-        ${CC:-gcc} -std=c99 -Wall -Wextra -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$example" "$dir/io.c" lib/*.c -lm -o "$dir/example" >"$dir/said" 2>&1 &&
+        ${CC:-gcc} -std=c99 -Wall -Wextra -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$example" "$dir/io.c" lib/*/*.c -lm -o "$dir/example" >"$dir/said" 2>&1 &&
         "$dir/example"
     check "the README's C program, under 30 lines, compiles and runs" $?
 done
