@@ -70,8 +70,9 @@ setup-demo setup-test setup-bench: setup-%:
 
 demo: setup-demo
 	@$(MAKE) --no-print-directory -s $(B)/pzs
-	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html --vtu $(B)/plate-50-patches.vtu
-	@echo 'pictures: $(B)/plate-50-patches.html; for ParaView: $(B)/plate-50-patches.vtu'
+	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html \
+	    --svg $(B)/plate-50-patches.svg --vtu $(B)/plate-50-patches.vtu
+	@echo 'pictures: $(B)/plate-50-patches.html and .svg; for ParaView: $(B)/plate-50-patches.vtu'
 
 test: setup-test
 	@sh tests/run.sh
