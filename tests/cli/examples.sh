@@ -79,8 +79,8 @@ run_other() {
     make\ *) "${MAKE:-make}" -n B="$B" ${1#make } >"$dir/said" 2>&1 ;;
     sh\ *) file=${1#sh }
        [ -f "${file%% *}" ] ;;
-    *) program=${1%% *}
-       "${MAKE:-make}" -n B="$B" "$B/${program#build/}" >"$dir/said" 2>&1 ;;
+    *) built=${1%% *}
+       "${MAKE:-make}" -n B="$B" "$B/${built#build/}" >"$dir/said" 2>&1 ;;
     esac
     check "exists: $1" $?
 }
@@ -95,6 +95,10 @@ ln -s "$program" "$dir/guide/build/pzs"
 for folder in include lib firmware_demo; do
     ln -s "$PWD/$folder" "$dir/guide/$folder"
 done
+case $B in
+/*) ln -s "$B/32" "$dir/guide/build/32" ;;
+*) ln -s "$PWD/$B/32" "$dir/guide/build/32" ;;
+esac
 cp host_tools/scenes/plate-50-patches.yaml "$dir/here/my.yaml"
 
 # ---- help and README.md ---------------------------------------------------
