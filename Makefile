@@ -15,7 +15,7 @@ LIB := $(sort $(wildcard lib/*/*.c))
 HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all install uninstall demo test bench check-long hard oracle tables setup-demo setup-test setup-bench unit \
+.PHONY: all install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
     san format clean help
 all: $(B)/pzs
 
@@ -29,6 +29,7 @@ help:
 	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
 	@echo 'make size        flash, RAM and stack against the committed budget'
 	@echo 'make tables      generate the tables of the firmware demonstrations;  make oracle: the test data'
+	@echo 'make measured    refresh the measurements that take seconds in tests/bench/README.md'
 	@echo 'make hard        the improved element on thin shells, every thickness and mesh: a table'
 	@echo 'make check-long  the checks that take too long for make test'
 
@@ -70,8 +71,9 @@ setup-demo setup-test setup-bench: setup-%:
 
 demo: setup-demo
 	@$(MAKE) --no-print-directory -s $(B)/pzs
-	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html --vtu $(B)/plate-50-patches.vtu
-	@echo 'pictures: $(B)/plate-50-patches.html; for ParaView: $(B)/plate-50-patches.vtu'
+	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html \
+	    --svg $(B)/plate-50-patches.svg --vtu $(B)/plate-50-patches.vtu
+	@echo 'pictures: $(B)/plate-50-patches.html and .svg; for ParaView: $(B)/plate-50-patches.vtu'
 
 test: setup-test
 	@sh tests/run.sh
@@ -194,6 +196,9 @@ check-long: setup-test
 	@echo 'long checks passed'
 
 # ---- data made by programs of this project -------------------------------
+
+measured: $(B)/pzs
+	B=$(B) sh tests/bench/measured.sh --write
 
 oracle:
 	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py
