@@ -99,10 +99,10 @@ typedef struct pzs_solver_state {
     pzs_real (*resultant)[22];  /* [elements] extrapolated, then true resultants (N m) */
     pzs_real (*prescribed)[10]; /* [elements] H0 of the input values (N m) */
     pzs_real *load; /* [free_dof] applied forces of the last solve, without reactions (N, N m) */
-    pzs_real *kept_displacement;    /* [free_dof] of the last converged equilibrium (m and 1) */
-    pzs_real *kept_input_value;     /* [inputs] of the last converged equilibrium */
-    pzs_real (*kept_resultant)[22]; /* [elements] of the last converged equilibrium (N m) */
-    uint16_t iteration;             /* linear solves before the present one in its load step */
+    pzs_real *converged_displacement; /* [free_dof] of the last converged equilibrium (m and 1) */
+    pzs_real *converged_input_value;  /* [inputs] of the last converged equilibrium */
+    pzs_real (*converged_resultant)[22]; /* [elements] of the last converged equilibrium (N m) */
+    uint16_t iteration;                  /* linear solves before the present one in its load step */
     pzs_status pending_error; /* of an option that had not converged when the last load step ended,
                                  or PZS_OK */
     pzs_status refused;       /* error by which an option refused the last load step, or PZS_OK */
@@ -211,10 +211,10 @@ typedef struct pzs_circuit_settings {
 
 typedef struct pzs_circuit_state {
     const pzs_electrodes *tables;
-    pzs_real *voltage;        /* [open] found (V) */
-    pzs_real *kept_voltage;   /* [open] at the last converged equilibrium (V) */
-    pzs_real *voltage_change; /* [open] by the last solve (V) */
-    pzs_envelope open;        /* charge of the open electrodes per volt at the shape, factored */
+    pzs_real *voltage;           /* [open] found (V) */
+    pzs_real *converged_voltage; /* [open] at the last converged equilibrium (V) */
+    pzs_real *voltage_change;    /* [open] by the last solve (V) */
+    pzs_envelope open;           /* charge of the open electrodes per volt at the shape, factored */
 } pzs_circuit_state;
 
 typedef struct pzs_circuit {
@@ -324,16 +324,16 @@ typedef struct pzs_contact_info {
 typedef struct pzs_contact_state {
     const pzs_contact_face *face;
     const pzs_body *body;
-    pzs_real *pressure;      /* [nodes] (N/m2) */
-    pzs_real *kept_pressure; /* [nodes] at the last converged equilibrium (N/m2) */
-    pzs_real *facing;        /* [nodes] below 0 where the face points at the body */
-    uint8_t *touching;       /* [nodes] 1 in contact */
-    uint8_t *kept_touching;  /* [nodes] at the last converged equilibrium */
-    bool has_changed;        /* nodes came into contact or left it before the last solve */
+    pzs_real *pressure;           /* [nodes] (N/m2) */
+    pzs_real *converged_pressure; /* [nodes] at the last converged equilibrium (N/m2) */
+    pzs_real *facing;             /* [nodes] below 0 where the face points at the body */
+    uint8_t *touching;            /* [nodes] 1 in contact */
+    uint8_t *converged_touching;  /* [nodes] at the last converged equilibrium */
+    bool has_changed;             /* nodes came into contact or left it before the last solve */
     bool is_warm;   /* the load step began with the contact nodes of the last equilibrium alone */
     bool is_loose;  /* the supports alone do not hold the shell */
     pzs_real reach; /* half of the longest diagonal of an element (m) */
-    bool is_adrift; /* at the last solve nothing touched the body, or was pressed onto it */
+    bool lacks_contact; /* at the last solve nothing touched the body, or was pressed onto it */
 } pzs_contact_state;
 
 typedef struct pzs_contact {
