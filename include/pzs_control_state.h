@@ -116,7 +116,7 @@ typedef struct pzs_fault_detector_state {
     uint8_t *electrode;         /* [inputs] pzs_electrode_state */
     uint8_t *missing; /* [outputs] bit 0: no measurement at the shape before, bit 1: not among the
                          columns */
-    uint8_t *rest; /* [inputs] shapes for which an electrode that passed its test is left alone */
+    uint8_t *pause; /* [inputs] shapes for which an electrode that passed its test is left alone */
     pzs_test_signal test[PZS_TEST_SIGNALS];
     pzs_real ridge; /* part of the diagonal added to it */
     uint16_t delay, oldest;

@@ -1,11 +1,12 @@
-/* Measurements against what is expected of them (sense.h). */
-#include "sense.h"
+/* Sensor check of measurements against expected values (sensor_check.h). */
+#include "sensor_check.h"
 #include "../core/numbers.h"
 
-#define FROZEN_PART                                                                                \
-    64 /* an output moves if it changes by more than 1/FROZEN_PART of |measured| + |expected| in a \
-          tick */
+/* Resolution assumed of sensors: an expected value moves if it changes in one tick by more than
+ * 1/RESOLUTION of |measured| + the largest |expected| of all sensors. */
+#define RESOLUTION 64
 
+/* Largest absolute value of x [n]. */
 static pzs_real largest_size(const pzs_real *x, uint32_t n)
 {
     pzs_real most = 0;
@@ -15,59 +16,59 @@ static pzs_real largest_size(const pzs_real *x, uint32_t n)
 }
 
 /*
- * Judge a measurement that is not finite or has the same bits as before. Returns nonzero if it is
- * rejected: it is missing (not finite), or it is stuck, that is it had the same bits for
- * SENSE_FROZEN ticks in which its expected value moved. The expected value moves if measured -
- * expected changes, while measured stands still, by more than 1/FROZEN_PART of `most`, the largest
- * expected value of all outputs (computed when first needed): smaller changes are below the
- * resolution of sensors.
+ * Whether measurement i, which is not finite or has the same bits as before, is rejected. It is
+ * missing if it is not finite. It is stuck if it kept the same bits for SENSOR_STUCK_TICKS ticks in
+ * which its expected value moved, that is, in which measured - expected changed by more than the
+ * resolution of sensors. *most is the largest |expected| of all sensors, or negative as long as no
+ * measurement has needed it.
  */
-static int doubtful(const sensor_set *sensors, uint32_t i, pzs_real measured, pzs_real *most)
+static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measured, pzs_real *most)
 {
     const pzs_real difference = measured - sensors->expected[i];
     if (!number_is_finite(difference))
-        return 1;
-    const pzs_real moved = FROZEN_PART * number_absolute(difference - sensors->difference[i]) -
+        return true;
+    const pzs_real moved = RESOLUTION * number_absolute(difference - sensors->difference[i]) -
                            number_absolute(measured);
     if (moved > 0 && *most < 0)
         *most = largest_size(sensors->expected, sensors->n);
     if (moved > 0 && moved > *most)
-        sensors->frozen[i] = (uint8_t)(sensors->frozen[i] + (sensors->frozen[i] < SENSE_FROZEN));
-    if (sensors->frozen[i] >= SENSE_FROZEN)
-        return 1;
+        sensors->repeats[i] =
+            (uint8_t)(sensors->repeats[i] + (sensors->repeats[i] < SENSOR_STUCK_TICKS));
+    if (sensors->repeats[i] >= SENSOR_STUCK_TICKS)
+        return true;
     sensors->difference[i] = difference;
-    return 0;
+    return false;
 }
 
 /*
- * Differences of measurements that are finite and new, starting at i < n. Returns the first that is
- * neither, or n.
+ * Update the differences of usable measurements, that is, of finite ones that differ from the last
+ * tick, starting at index i < n. Returns the index of the first measurement that is neither, or n.
  */
-static uint32_t sense_new(const sensor_set *sensors, const pzs_real *measured, uint32_t i)
+static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measured, uint32_t i)
 {
     const uint32_t n = sensors->n;
     const pzs_real *expected = sensors->expected;
-    pzs_real *before = sensors->before, *all = sensors->difference;
-    uint8_t *frozen = sensors->frozen;
+    pzs_real *last = sensors->last, *all = sensors->difference;
+    uint8_t *repeats = sensors->repeats;
     do {
         const pzs_real seen = measured[i], difference = seen - expected[i];
-        if (!(seen != before[i]) || !number_is_finite(difference))
+        if (!(seen != last[i]) || !number_is_finite(difference))
             return i;
-        before[i] = seen;
+        last[i] = seen;
         all[i] = difference;
-        frozen[i] = 0;
+        repeats[i] = 0;
     } while (++i < n);
     return n;
 }
 
-uint32_t pzs_sensor_check(const sensor_set *sensors, const pzs_real *measured, int32_t *where)
+uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where)
 {
     pzs_real most = -1;
-    uint32_t lost = 0;
+    uint32_t unusable = 0;
     for (uint32_t i = 0; i < sensors->n; i++) {
-        i = sense_new(sensors, measured, i);
-        if (i < sensors->n && doubtful(sensors, i, measured[i], &most))
-            *where = lost++ == 0 ? (int32_t)i : *where;
+        i = skip_usable(sensors, measured, i);
+        if (i < sensors->n && is_unusable(sensors, i, measured[i], &most))
+            *where = unusable++ == 0 ? (int32_t)i : *where;
     }
-    return lost;
+    return unusable;
 }

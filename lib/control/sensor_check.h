@@ -1,28 +1,35 @@
-/* Measurements against what is expected of them; those not to be trusted. */
-#ifndef PZS_LIB_SENSE_H
-#define PZS_LIB_SENSE_H
+/* Sensor check: differences between measurements and the values expected of them. Measurements that
+ * are missing or stuck are rejected. */
+#ifndef PZS_LIB_SENSOR_CHECK_H
+#define PZS_LIB_SENSOR_CHECK_H
 
 #include "pzs_base.h"
 
-#define SENSE_FROZEN 8u /* a measurement that repeats so often while it should move is frozen */
+/* A measurement is stuck once it has repeated in this many ticks in which it should have moved. */
+#define SENSOR_STUCK_TICKS 8u
 
-typedef struct sensor_set {
+/* The measurements of one tick and what the check remembers of earlier ticks. */
+typedef struct sensor_check {
     uint32_t n;
-    const pzs_real *expected; /* [n] */
-    pzs_real *before;         /* [n] last measurements */
-    pzs_real *difference;     /* [n] measured - expected; the last one where there is no usable
-                                 measurement */
-    uint8_t *frozen;          /* [n] ticks a moving one has stood still */
-} sensor_set;
+    const pzs_real *expected; /* [n] values that the model predicts */
+    pzs_real *last;           /* [n] last measurements */
+    pzs_real *difference; /* [n] measured - expected; a rejected measurement keeps its last one */
+    uint8_t *repeats;     /* [n] ticks in which a measurement repeated although it should have
+                             moved */
+} sensor_check;
 
-/* All differences. Returns the number of unusable measurements, the first in where. */
-uint32_t pzs_sensor_check(const sensor_set *sensors, const pzs_real *measured, int32_t *where);
+/*
+ * Update all differences from measured [n].
+ * Returns the number of rejected measurements; *where is the index of the first one, and is left
+ * unchanged if there is none.
+ */
+uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where);
 
-/* Was a measurement unusable in the last call? */
-static inline int sense_lost(const uint8_t *frozen, pzs_real measured)
+/* Whether the last call of pzs_sensor_check rejected this measurement. */
+static inline bool sensor_is_unusable(const uint8_t *repeats, pzs_real measured)
 {
     const pzs_real none = measured - measured;
-    return !(none <= 0) || *frozen >= SENSE_FROZEN;
+    return !(none <= 0) || *repeats >= SENSOR_STUCK_TICKS;
 }
 
 #endif
