@@ -3,8 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../lib/core/guard.h"
-#include "../../lib/control/control.h"
 
 /*
  * The grid: 10^(LOWEST + k / PER_DECADE), k < GRID, to 10, where every voltage is far below its
@@ -47,43 +45,31 @@ int clipped_open(clipped *c, const design *design, const double *lower, const do
                    .upper = upper,
                    .wanted = wanted,
                    .problem = design->problem};
-    c->arrays = calloc(m * n + 2 * m + n * n, sizeof *c->arrays);
-    c->work = malloc(PZS_CONTROL_BYTES(n, m));
-    if (!c->arrays || !c->work)
+    c->arrays = calloc(m * n + 2 * m, sizeof *c->arrays);
+    if (!c->arrays)
         return -1;
     c->influence = c->arrays;
     c->left = c->influence + m * n;
     c->shape = c->left + m;
-    double *hessian = c->shape + m;
     c->scale = part(c);
-    memcpy(hessian, design->hessian, n * n * sizeof *hessian);
-    for (size_t j = 0; j < n; j++)
-        for (size_t k = 0; k < n; k++)
-            if (is_held(c, j) || is_held(c, k))
-                hessian[j * n + k] = 0;
     c->problem.influence = c->influence;
-    c->problem.hessian = design->problem.hessian ? hessian : NULL;
-    c->problem.lower = lower;
-    c->problem.upper = upper;
-    return 0;
+    return unconstrained_open(&c->solver, &c->problem) ? 0 : -1;
 }
 
 void clipped_close(clipped *c)
 {
+    unconstrained_close(&c->solver);
     free(c->arrays);
-    free(c->work);
     memset(c, 0, sizeof *c);
 }
 
-pzs_status clipped_solve(clipped *c, double lambda, double *voltage)
+bool clipped_solve(clipped *c, double lambda, double *voltage)
 {
-    const size_t bytes = PZS_CONTROL_BYTES(c->design->amplifiers, c->design->targets);
-    pzs_control control;
-    c->problem.regularisation = c->design->problem.regularisation + lambda * c->scale;
-    c->problem.crc = 0;
-    c->problem.crc = pzs_problem_crc(&c->problem);
-    const pzs_status status = pzs_control_init(&control, &c->problem, NULL, c->work, bytes);
-    return status == PZS_OK ? pzs_clipped(&control, c->left, voltage) : status;
+    unconstrained_factor(&c->solver, c->design->problem.regularisation + lambda * c->scale);
+    const bool is_finite = unconstrained_solve(&c->solver, c->left, voltage);
+    for (int k = 0; is_finite && k < c->design->amplifiers; k++)
+        voltage[k] = fmin(fmax(voltage[k], c->lower[k]), c->upper[k]);
+    return is_finite;
 }
 
 /*
@@ -94,18 +80,14 @@ typedef struct search {
     clipped *c;
     double *trial, *volt; /* [amplifiers] */
     double best, best_at;
-    pzs_status status; /* of the last that failed */
 } search;
 
 static double missed(search *s, double lambda)
 {
     const clipped *c = s->c;
     const size_t n = (size_t)c->design->amplifiers;
-    const pzs_status status = clipped_solve(s->c, lambda, s->trial);
-    if (status != PZS_OK) {
-        s->status = status;
+    if (!clipped_solve(s->c, lambda, s->trial))
         return HUGE_VAL;
-    }
     for (size_t i = 0; i < (size_t)c->design->targets; i++) {
         c->shape[i] = 0;
         for (size_t k = 0; k < n; k++)
@@ -157,7 +139,7 @@ pzs_status clipped_tune(clipped *c, double *voltage, double *lambda)
 {
     const double step = 1.0 / PER_DECADE;
     double least = HUGE_VAL, at = LOWEST;
-    search s = {.c = c, .volt = voltage, .best = HUGE_VAL, .status = PZS_OK};
+    search s = {.c = c, .volt = voltage, .best = HUGE_VAL};
     s.trial = calloc((size_t)c->design->amplifiers, sizeof *s.trial);
     if (!s.trial)
         return PZS_E_WORKSPACE;
@@ -172,5 +154,5 @@ pzs_status clipped_tune(clipped *c, double *voltage, double *lambda)
     golden_section(&s, at - step, at + step);
     free(s.trial);
     *lambda = s.best_at;
-    return isfinite(s.best) ? PZS_OK : s.status;
+    return isfinite(s.best) ? PZS_OK : PZS_E_NONFINITE;
 }

@@ -10,6 +10,7 @@
 #define CLIPPED_H
 
 #include "design.h"
+#include "unconstrained.h"
 
 typedef struct clipped {
     const design *design;
@@ -21,7 +22,7 @@ typedef struct clipped {
     double *influence;           /* [targets][amplifiers] 0 in the columns of held amplifiers */
     double *left;                /* [targets] wanted less what held amplifiers do */
     double *shape;               /* [targets] room */
-    void *work;
+    unconstrained solver;
 } clipped;
 
 /*
@@ -35,8 +36,8 @@ int clipped_open(clipped *c, const design *design, const double *lower, const do
                  const double *wanted);
 void clipped_close(clipped *c);
 
-/* Voltages for one lambda >= 0. volt [amplifiers] out */
-pzs_status clipped_solve(clipped *c, double lambda, double *voltage);
+/* Voltages for one lambda >= 0. voltage [amplifiers] out, V. Returns whether they are finite. */
+bool clipped_solve(clipped *c, double lambda, double *voltage);
 
 /*
  * The lambda of the smallest |W (B v - wanted)| after cutting, and its voltages: the best of 0 and

@@ -240,9 +240,10 @@ static pzs_status clipped_volts(const design *design, common_limits common, bool
     if (status == PZS_OK &&
         clipped_open(&c, design, t.problem.lower, t.problem.upper, design->wanted) < 0)
         status = PZS_E_WORKSPACE;
-    if (status == PZS_OK)
-        status = tuned ? clipped_tune(&c, result->volt, &result->regularisation)
-                       : clipped_solve(&c, 0, result->volt);
+    if (status == PZS_OK && tuned)
+        status = clipped_tune(&c, result->volt, &result->regularisation);
+    else if (status == PZS_OK && !clipped_solve(&c, 0, result->volt))
+        status = PZS_E_NONFINITE;
     if (status == PZS_OK)
         note_limits(&t.problem, result->volt, result);
     clipped_close(&c);
