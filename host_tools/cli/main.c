@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include "../model/estimator.h"
 #include "help.h"
-#include "interrupt.h"
+#include "../system/interrupt.h"
 #include "manual.h"
 #include "../model/mass.h"
 #include "options.h"
@@ -14,7 +14,7 @@
 #include "print.h"
 #include "print_simulate.h"
 #include "print_vibration.h"
-#include "progress.h"
+#include "../system/progress.h"
 #include "../report/report.h"
 #include "../report/report_simulate.h"
 #include "templates.h"

@@ -7,7 +7,7 @@
 #include "../../lib/model/model.h"
 #include "print_outputs.h"
 #include "print_vibration.h"
-#include "words.h"
+#include "../text/words.h"
 #include "../tables/tables.h"
 
 /* ---- head ------------------------------------------------------------- */

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "print.h"
-#include "words.h"
+#include "../text/words.h"
 
 /* Name of electrode k, and how it is connected. */
 static const char *connection(const design *design, int k, char name[SCENE_LABEL])

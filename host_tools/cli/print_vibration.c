@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "words.h"
+#include "../text/words.h"
 
 /* ---- modes ------------------------------------------------------------ */
 

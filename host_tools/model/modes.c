@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../cli/progress.h"
+#include "../system/progress.h"
 
 /* Without limits, once for all of them. */
 static int run_unlimited(analysis *analysis, mode *m, char *error)

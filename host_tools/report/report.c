@@ -9,7 +9,7 @@
 #include "report_parts.h"
 #include "report_plane.h"
 #include "report_space.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 void report_displacement(const mesh *mesh, const double *u, double *vector)
 {

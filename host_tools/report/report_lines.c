@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "report_draw.h"
 #include "report_html.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 /* Of a picture, with room for the numbers to its left and the names to its right. */
 enum { LEFT = 84, WIDTH = 520, RIGHT = 116, HEIGHT = 240, FOOT = 34, LINE = 13, NAMES = 64 };

@@ -3,7 +3,7 @@
 #include <math.h>
 #include "report_html.h"
 #include "report_space.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 /* ---- head ------------------------------------------------------------- */
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include "report_html.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 enum { MOST_LINES = 24, MAP_CELLS = 96, MAP_FINE = 64, ROUND_FINE = 160 };
 

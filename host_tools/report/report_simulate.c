@@ -6,7 +6,8 @@
 #include "report.h"
 #include "report_html.h"
 #include "report_parts.h"
-#include "../cli/words.h"
+#include "../simulate/simulate_words.h"
+#include "../text/words.h"
 
 /* ---- record ----------------------------------------------------------- */
 
@@ -116,8 +117,8 @@ static void write_verdict(const page *page)
 static void write_phase(const page *page, const simulate_phase *phase)
 {
     const simulate_course *course = phase->course;
-    char name[WORDS_PHASE];
-    words_phase(page->s, phase, name);
+    char name[SIMULATE_PHASE_TEXT];
+    simulate_words_phase(page->s, phase, name);
     fprintf(page->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
     html_text(page->file, name);
     fputs("</td><td>", page->file);
@@ -163,7 +164,7 @@ static void write_extras(const page *page, const simulate_count *count)
     if (page->s->estimates) {
         estimator_text(&page->s->estimator, page->s->nominal, text);
         fprintf(page->file, "<p>The shape is estimated. By the influence %s, ",
-                words_influence(page->scene));
+                simulate_words_influence(page->scene));
         html_text(page->file, text);
         fputs(".</p>\n", page->file);
     }
@@ -528,10 +529,10 @@ static int draw_shapes(const page *page)
     int failed = 0;
     parts_keys(page->file, "");
     for (int k = 0; k < page->s->phases; k++) {
-        char name[WORDS_PHASE];
+        char name[SIMULATE_PHASE_TEXT];
         if (!is_worth_seeing(page->s, k))
             continue;
-        words_phase(page->s, &page->s->phase[k], name);
+        simulate_words_phase(page->s, &page->s->phase[k], name);
         fprintf(page->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;",
                 page->s->phase[k].until - 1);
         html_text(page->file, name);
