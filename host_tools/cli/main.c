@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "../model/certificate_make.h"
+#include "../model/design_build.h"
 #include "../model/estimator.h"
 #include "help.h"
 #include "../system/interrupt.h"

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <time.h>
 #include "../../lib/model/electrode.h"
+#include "design_build.h"
 #include "electrodes.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/core/linalg.h"

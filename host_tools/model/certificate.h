@@ -16,8 +16,6 @@
 
 #include "vibration.h"
 
-struct analysis;
-
 typedef struct certificate {
     int made;                  /* whether certificate_make has run */
     int vibrates;              /* modes are known: the densities are given */
@@ -37,12 +35,6 @@ typedef struct certificate {
     double rate_to; /* every rate up to this one is stable; 0: none was found, infinite: all */
 } certificate;
 
-/*
- * Modes and verdict of a scene, in the reference state; once.
- *   a in  after analysis_influence where the scene has a target, and before simulate_tables
- * Nothing here is an error of the scene: what could not be found is told by the members.
- */
-void certificate_make(certificate *certificate, const struct analysis *analysis);
 void certificate_free(certificate *certificate);
 
 /* Is the loop known to be unstable at the scene's rate? */

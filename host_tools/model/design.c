@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "electrodes.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
@@ -550,7 +549,7 @@ static void fill_structure(design *design, const builder *columns, const builder
     structure->crc = pzs_structure_crc(structure);
 }
 
-static int build_rows(design *design, char *error)
+int design_structure(design *design, char *error)
 {
     const size_t nodes = (size_t)design->mesh.nodes;
     builder columns = {0}, rows = {0};
@@ -578,17 +577,6 @@ static int build_rows(design *design, char *error)
     return status;
 }
 
-int design_build(design *design, const scene *scene, char *error)
-{
-    memset(design, 0, sizeof *design);
-    design->scene = scene;
-    if (mesh_build(&design->mesh, scene, error) == 0 && build_rows(design, error) == 0 &&
-        design_target_rows(design, error) == 0 && electrodes_build(design, error) == 0)
-        return 0;
-    design_free(design);
-    return -1;
-}
-
 /* ---- shapes ----------------------------------------------------------- */
 
 void design_applied(const design *design, double *voltage)
@@ -614,7 +602,11 @@ void design_free(design *design)
     design_release(design->structure.output.start);
     design_release(design->structure.output.dof);
     design_release(design->structure.output.value);
-    electrodes_free(design);
+    design_release(design->electrodes.input);
+    design_release(design->electrodes.open);
+    design_release(design->electrodes.direct.start);
+    design_release(design->electrodes.direct.dof);
+    design_release(design->electrodes.direct.value);
     free(design->target_node);
     free(design->named_first);
     free(design->place_first);

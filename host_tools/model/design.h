@@ -60,9 +60,11 @@ typedef struct design {
     pzs_problem problem;
 } design;
 
-/* Build mesh, columns and rows of a checked scene, which must outlive the design. Returns 0, or -1
- * with error filled. */
-int design_build(design *design, const scene *scene, char *error);
+/*
+ * Build the inputs and outputs of the scene on the design's mesh: `structure`, targets and named
+ * outputs. Returns 0, or -1 with error filled.
+ */
+int design_structure(design *design, char *error);
 
 /*
  * Build the voltage problem.

@@ -149,15 +149,6 @@ int electrodes_build(design *design, char *error)
     return 0;
 }
 
-void electrodes_free(design *design)
-{
-    design_release(design->electrodes.input);
-    design_release(design->electrodes.open);
-    design_release(design->electrodes.direct.start);
-    design_release(design->electrodes.direct.dof);
-    design_release(design->electrodes.direct.value);
-}
-
 int electrodes_of(const design *design, int input)
 {
     for (int k = 0; k < design->electrodes.count; k++)

@@ -10,7 +10,6 @@
 /* Fill d->electrodes where the scene has sensors or asks for a charge. Returns 0, or -1 with error
  * filled. */
 int electrodes_build(design *design, char *error);
-void electrodes_free(design *design);
 
 /* Electrode of an input, or -1. */
 int electrodes_of(const design *design, int input);

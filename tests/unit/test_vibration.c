@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../../host_tools/model/certificate.h"
+#include "../../host_tools/model/certificate_make.h"
+#include "../../host_tools/model/design_build.h"
 #include "../../host_tools/model/estimator.h"
 #include "../../lib/core/linalg.h"
 #include "../../host_tools/model/mass.h"
