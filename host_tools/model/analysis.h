@@ -6,7 +6,7 @@
 #define ANALYSIS_H
 
 #include "certificate.h"
-#include "path.h"
+#include "equilibrium.h"
 #include "plausible.h"
 
 typedef struct analysis {
@@ -14,7 +14,7 @@ typedef struct analysis {
     pzs_model model;
     void *work;
     size_t work_bytes;
-    path path;             /* where the scene's kinematics is not linear */
+    equilibrium path;             /* where the scene's kinematics is not linear */
     pzs_electric electric; /* where the design has electrodes, after the stiffness at rest is
                               factored */
     void *electric_work;

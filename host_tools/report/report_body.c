@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Distance of x from the body as it stands now, its gradient in normal. */
-static double gap_at(const path *p, const double x[3], double normal[3])
+static double gap_at(const equilibrium *p, const double x[3], double normal[3])
 {
     double from[3], hessian[3][3];
     for (int i = 0; i < 3; i++)

@@ -8,7 +8,7 @@
 #include "../../lib/core/guard.h"
 #include "../../lib/model/shell.h"
 #include "loop_blocks.h"
-#include "tables_path.h"
+#include "tables_nonlinear.h"
 
 const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonlinear"};
 

@@ -16,7 +16,7 @@ static bridge_rows rows_of(const pzs_rows *rows)
     return r;
 }
 
-static void fill_path(bridge *b, const path *p)
+static void fill_path(bridge *b, const equilibrium *p)
 {
     const pzs_prescribed_resultants *g = &p->tables.given;
     b->full = p->full;

@@ -1,7 +1,7 @@
 /* Tables of the nonlinear path: actuation, followers, contact, and the equilibrium that the host
  * found. */
-#ifndef TABLES_PATH_H
-#define TABLES_PATH_H
+#ifndef TABLES_NONLINEAR_H
+#define TABLES_NONLINEAR_H
 
 #include "../model/analysis.h"
 #include "emit.h"

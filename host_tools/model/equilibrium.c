@@ -1,5 +1,5 @@
-/* Tables of the nonlinear path and a path on them (path.h). */
-#include "path.h"
+/* Tables of the nonlinear path and a path on them (equilibrium.h). */
+#include "equilibrium.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,7 +65,7 @@ static void append_actuator(builder *builder, const mesh *mesh, const scene_actu
     }
 }
 
-static pzs_status build_given(path *p, double *value)
+static pzs_status build_given(equilibrium *p, double *value)
 {
     const design *design = p->design;
     const scene *scene = design->scene;
@@ -113,7 +113,7 @@ static void set_corner(const mesh *mesh, int element, int r, const pzs_follower 
         *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
 }
 
-static pzs_status build_follower(path *p, const scene_load *load, uint16_t input)
+static pzs_status build_follower(equilibrium *p, const scene_load *load, uint16_t input)
 {
     const mesh *mesh = &p->design->mesh;
     pzs_follower *f = &p->follower[p->followers++];
@@ -181,7 +181,7 @@ static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
     return *v / slope;
 }
 
-static void build_body(path *p, double size)
+static void build_body(equilibrium *p, double size)
 {
     const scene_body *from = &p->design->scene->contact.body;
     pzs_body *body = &p->body;
@@ -196,7 +196,7 @@ static void build_body(path *p, double size)
     body->crc = pzs_body_crc(body);
 }
 
-static pzs_status build_contact(path *p, uint16_t input)
+static pzs_status build_contact(equilibrium *p, uint16_t input)
 {
     const mesh *mesh = &p->design->mesh;
     const scene_contact *contact = &p->design->scene->contact;
@@ -234,7 +234,7 @@ static pzs_status build_contact(path *p, uint16_t input)
     return status;
 }
 
-double path_contact_output(const path *p, const scene_output *output, int node)
+double path_contact_output(const equilibrium *p, const scene_output *output, int node)
 {
     switch (output->contact) {
     case CONTACT_X:
@@ -261,7 +261,7 @@ static const char *penetration_cure(const pzs_contact *contact, pzs_status statu
     return "the node is held or faces away: start the body clear of the shell";
 }
 
-void path_penetration(const path *p, pzs_status status, char *text)
+void path_penetration(const equilibrium *p, pzs_status status, char *text)
 {
     const mesh *mesh = &p->design->mesh;
     const pzs_contact *contact = &p->contact;
@@ -299,9 +299,9 @@ typedef struct piece {
     size_t bytes;
 } piece;
 
-static void list_pieces(const path *p, piece piece[PIECES])
+static void list_pieces(const equilibrium *p, piece piece[PIECES])
 {
-    path *q = (path *)p;
+    equilibrium *q = (equilibrium *)p;
     piece[0].at = &q->run, piece[0].bytes = sizeof q->run;
     piece[1].at = &q->contact, piece[1].bytes = sizeof q->contact;
     piece[2].at = &q->circuit, piece[2].bytes = sizeof q->circuit;
@@ -310,7 +310,7 @@ static void list_pieces(const path *p, piece piece[PIECES])
     piece[5].at = q->circuit_work, piece[5].bytes = q->circuit_bytes;
 }
 
-size_t path_state_bytes(const path *p)
+size_t path_state_bytes(const equilibrium *p)
 {
     piece piece[PIECES];
     size_t all = 0;
@@ -320,7 +320,7 @@ size_t path_state_bytes(const path *p)
     return all;
 }
 
-void path_keep(const path *p, void *state)
+void path_keep(const equilibrium *p, void *state)
 {
     piece piece[PIECES];
     unsigned char *to = state;
@@ -331,7 +331,7 @@ void path_keep(const path *p, void *state)
 }
 
 /* The model's factor stays where it went: the shape's own is made by the next equilibrium. */
-void path_return(path *p, const void *state)
+void path_return(equilibrium *p, const void *state)
 {
     piece piece[PIECES];
     const unsigned char *from = state;
@@ -345,7 +345,7 @@ void path_return(path *p, const void *state)
 /* ---- open ------------------------------------------------------------- */
 
 /* Full loads and applied volts; a follower's amount is that of its extra input. */
-static void set_full(path *p)
+static void set_full(equilibrium *p)
 {
     const design *design = p->design;
     design_applied(design, p->full);
@@ -355,7 +355,7 @@ static void set_full(path *p)
         p->full[k] = 1;
 }
 
-static pzs_status start(path *p, pzs_model *model)
+static pzs_status start(equilibrium *p, pzs_model *model)
 {
     const design *design = p->design;
     const pzs_structure *structure = &design->structure;
@@ -384,7 +384,7 @@ static pzs_status start(path *p, pzs_model *model)
     return status == PZS_OK ? pzs_solver_init(&p->run, model, &p->tables, p->work, bytes) : status;
 }
 
-static pzs_status build_circuit(path *p)
+static pzs_status build_circuit(equilibrium *p)
 {
     const design *design = p->design;
     const uint32_t open = pzs_electrode_open_count(&design->electrodes);
@@ -398,7 +398,7 @@ static pzs_status build_circuit(path *p)
                            : PZS_E_WORKSPACE;
 }
 
-static pzs_status attach(path *p)
+static pzs_status attach(equilibrium *p)
 {
     const design *design = p->design;
     int input = design->amplifiers + design->loads;
@@ -411,7 +411,7 @@ static pzs_status attach(path *p)
                                                             : status;
 }
 
-pzs_status path_open(path *p, const design *design, pzs_model *model)
+pzs_status path_open(equilibrium *p, const design *design, pzs_model *model)
 {
     memset(p, 0, sizeof *p);
     p->design = design;
@@ -431,7 +431,7 @@ pzs_status path_open(path *p, const design *design, pzs_model *model)
     return PZS_OK;
 }
 
-void path_close(path *p)
+void path_close(equilibrium *p)
 {
     design_release(p->tables.given.start);
     design_release(p->tables.given.element);

@@ -2,12 +2,12 @@
  * What the nonlinear path needs of a scene besides its structure: given resultants, prescribed
  * displacements, follower loads and contact as the library's tables, and a path that runs on them.
  */
-#ifndef PATH_H
-#define PATH_H
+#ifndef EQUILIBRIUM_H
+#define EQUILIBRIUM_H
 
 #include "design.h"
 
-typedef struct path {
+typedef struct equilibrium {
     const design *design;
     pzs_nonlinear tables;
     pzs_follower *follower;  /* [followers] */
@@ -21,7 +21,7 @@ typedef struct path {
     double *full; /* [inputs] the scene's loads and applied volts */
     void *work, *contact_work, *circuit_work;
     size_t bytes, contact_bytes, circuit_bytes; /* of each */
-} path;
+} equilibrium;
 
 /*
  * Build the tables and a path at rest.
@@ -29,23 +29,23 @@ typedef struct path {
  *   model  in/out initialised on d's structure
  * Returns PZS_OK, or the library's status; on failure *p is empty.
  */
-pzs_status path_open(path *p, const design *design, pzs_model *model);
-void path_close(path *p);
+pzs_status path_open(equilibrium *p, const design *design, pzs_model *model);
+void path_close(equilibrium *p);
 
 /*
  * Copy what a path has reached, to come back to it.
  *   state [path_state_bytes] out, in
  */
-size_t path_state_bytes(const path *p);
-void path_keep(const path *p, void *state);
-void path_return(path *p, const void *state);
+size_t path_state_bytes(const equilibrium *p);
+void path_keep(const equilibrium *p, void *state);
+void path_return(equilibrium *p, const void *state);
 
 /*
  * Value of an output of contact.
  *   output in  its contact is not CONTACT_NONE
  *   node   in  of a contact pressure; not read for the others
  */
-double path_contact_output(const path *p, const scene_output *output, int node);
+double path_contact_output(const equilibrium *p, const scene_output *output, int node);
 
 /*
  * Where and how the body of the contact lies in the shell, and the cure, as the last load step that
@@ -53,6 +53,6 @@ double path_contact_output(const path *p, const scene_output *output, int node);
  *   status in   PZS_E_PENETRATION or PZS_W_BEHIND
  *   text   out  [SCENE_ERROR]
  */
-void path_penetration(const path *p, pzs_status status, char *text);
+void path_penetration(const equilibrium *p, pzs_status status, char *text);
 
 #endif

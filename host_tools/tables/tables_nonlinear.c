@@ -1,5 +1,5 @@
-/* Tables of the nonlinear path (tables_path.h). */
-#include "tables_path.h"
+/* Tables of the nonlinear path (tables_nonlinear.h). */
+#include "tables_nonlinear.h"
 #include <stdlib.h>
 #include "../../lib/core/guard.h"
 #include "../../lib/nonlinear/nonlinear.h"
@@ -55,7 +55,7 @@ static uint32_t follower_crc_32(const pzs_follower *tables, const mesh *mesh)
     return ~emit_crc_reals(crc, tables->pressure, (size_t)mesh->nodes);
 }
 
-static void write_followers(emitter *emitter, const path *p)
+static void write_followers(emitter *emitter, const equilibrium *p)
 {
     const mesh *mesh = &p->design->mesh;
     const int corners = 4, lean[2] = {4, 2};
@@ -102,7 +102,7 @@ static uint32_t body_crc_32(const pzs_body *body)
 
 /* The face that may touch, and the body; a body given by a formula wants a distance function of the
  * firmware's own. */
-static void write_contact(emitter *emitter, const path *p)
+static void write_contact(emitter *emitter, const equilibrium *p)
 {
     static const char *const gap[] = {[BODY_PLANE] = "pzs_gap_plane",
                                       [BODY_CYLINDER] = "pzs_gap_cylinder",
