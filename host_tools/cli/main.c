@@ -149,9 +149,9 @@ static int solved(const options *options, analysis *analysis, const double *u)
 static int command_solve(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR] = "out of memory";
-    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
-    progress_solves(analysis->nonlinear ? &analysis->path.run.info.linear_solves : NULL);
+    progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
     const int failed = u && analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
     const int status = u && (!failed || analysis->nonlinear) ? solved(options, analysis, u) : 0;
@@ -224,7 +224,7 @@ static int command_shape(const options *options, analysis *analysis)
     progress_stage("influence matrix");
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.volts[1];
-        plausible_voltages(&analysis->warnings, analysis->design.scene, best->volt, best->name);
+        plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
         plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
                          best->name);
         progress_stop();
@@ -330,7 +330,7 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
             snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
-            report_displacement(mesh, vibration->shape + i * (size_t)mesh->dof,
+            report_displacement(mesh, vibration->shape + i * (size_t)mesh->free_dof,
                                 vector + i * length);
             field[i] = (report_field){name[i], vector + i * length};
         }
@@ -419,7 +419,7 @@ static int judge_loop(analysis *analysis, char *error)
         "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
         "the tables all the same",
         certificate->rate, certificate_first(certificate), certificate->radius,
-        certificate->rate_to);
+        certificate->stable_rate);
 }
 
 /*
@@ -447,7 +447,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (scene->kinematics == KINEMATICS_LINEAR)
         return scene_fault(scene, scene->at_surface, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
-    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     analysis->nonlinear = 1;
     const int failed = u ? analysis_solve(analysis, u, error)
                          : scene_fault(scene, scene->at_surface, error, "out of memory");
@@ -462,7 +462,7 @@ static void print_tables(const options *options, const analysis *analysis, const
     const design *design = &analysis->design;
     printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", path,
            tables_image_name[options->image], design->scene->name, design->amplifiers,
-           design->targets, design->mesh.dof);
+           design->targets, design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
                tables_fit_float(analysis) ? "float or double" : "refused in float");

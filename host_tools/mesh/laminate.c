@@ -105,18 +105,18 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
     field_stress(material, c, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
-    turn_back(t, stress, ply->volt);
+    turn_back(t, stress, ply->stress_per_voltage);
     for (int i = 0; i < 6; i++) {
         stress[i] = 0;
         for (int j = 0; j < 3; j++)
             stress[i] -= c[i][j] * material->alpha[j];
     }
-    turn_back(t, stress, ply->kelvin);
+    turn_back(t, stress, ply->stress_per_kelvin);
     /* D3 = e strain + permittivity E3 + p kelvin along the poling; the upper electrode holds -D3.
      */
     ply->capacitance = material->permittivity / layer->thickness;
-    ply->pyro = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
-    ply->weight = material->density;
+    ply->pyroelectric_charge = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
+    ply->density = material->density;
     return 0;
 }
 
@@ -127,9 +127,9 @@ int laminate_build(const scene *scene, laminate *laminate, char *error)
         return scene_fault(scene, scene->at_layers, error, "%d layers; at most %d are possible",
                            scene->layers, LAMINATE_LAYERS);
     for (int i = 0; i < scene->layers; i++)
-        laminate->h += scene->layer[i].thickness;
-    laminate->z[0] = scene->reference_is_middle ? -laminate->h / 2 : -scene->reference;
-    laminate->z[1] = laminate->z[0] + laminate->h;
+        laminate->thickness += scene->layer[i].thickness;
+    laminate->z[0] = scene->reference_is_middle ? -laminate->thickness / 2 : -scene->reference;
+    laminate->z[1] = laminate->z[0] + laminate->thickness;
     laminate->plies = scene->layers;
     double z = laminate->z[0];
     for (int i = 0; i < scene->layers; i++) {
@@ -177,14 +177,15 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
     for (int p = 0; p < laminate->plies; p++) {
         const laminate_ply *ply = &laminate->ply[p];
         const double half = (ply->z[1] - ply->z[0]) / 2;
-        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+        for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
             double share[6];
             const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
             for (int i = 0; i < N; i++)
                 for (int j = 0; j < N; j++)
-                    d[i][j] += weight * (is_difference[i] ? (z - middle) / laminate->h : 1) *
-                               (is_difference[j] ? (z - middle) / laminate->h : 1) *
+                    d[i][j] += weight *
+                               (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
+                               (is_difference[j] ? (z - middle) / laminate->thickness : 1) *
                                ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
         }
     }
@@ -199,8 +200,8 @@ static double field_at(const laminate *laminate, const scene_element *element,
 {
     double share[6], mean = 0;
     if (field->ply < 0)
-        return field->kelvin[0] +
-               (field->kelvin[1] - field->kelvin[0]) * (z - laminate->z[0]) / laminate->h;
+        return field->temperature[0] + (field->temperature[1] - field->temperature[0]) *
+                                           (z - laminate->z[0]) / laminate->thickness;
     const double *face = laminate->ply[field->ply].z;
     for (int g = 0; g < POINTS; g++)
         mean += gauss_w[g] / 2 /
@@ -212,12 +213,13 @@ static double field_at(const laminate *laminate, const scene_element *element,
 /* Stress of a unit of the field in ply p. */
 static const double *field_stress_of(const laminate *laminate, const laminate_field *field, int p)
 {
-    return field->ply >= 0 ? laminate->ply[p].volt : laminate->ply[p].kelvin;
+    return field->ply >= 0 ? laminate->ply[p].stress_per_voltage
+                           : laminate->ply[p].stress_per_kelvin;
 }
 
 static int field_acts(const laminate_place *place, const laminate_field *field, int p)
 {
-    return (field->ply < 0 || field->ply == p) && place->present >> p & 1u;
+    return (field->ply < 0 || field->ply == p) && place->present_plies >> p & 1u;
 }
 
 /* h0 += integral of N stress field c1 c2/s dz over a ply */
@@ -232,7 +234,7 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
         const double weight = half * gauss_w[g] * metric_at(element, place, z, share) *
                               field_at(laminate, element, place, field, z);
         for (int i = 0; i < N; i++)
-            h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->h : 1) *
+            h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
                      stress[voigt[i]] / share[voigt[i]];
     }
 }
@@ -322,12 +324,12 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
                               const laminate_place *place, double inverse[N][N], int mode,
                               double flexibility[2])
 {
-    const double f = element->rho * bending_flexibility(inverse, laminate->h) / 12;
+    const double f = element->rho * bending_flexibility(inverse, laminate->thickness) / 12;
     for (int a = 0; a < 2; a++)
         flexibility[a] = f * place->chord[a] * place->chord[a];
     for (int a = 0; a < 2 && element->rho > 0; a++)
         if (mode == 1 + a)
-            flexibility[a] *= bubble_share(inverse, laminate->h, place, a);
+            flexibility[a] *= bubble_share(inverse, laminate->thickness, place, a);
 }
 
 /*
@@ -396,12 +398,14 @@ static double held_thickening(const laminate *laminate, const laminate_place *pl
     double held = 0;
     for (int p = 0; p < laminate->plies; p++) {
         const laminate_ply *ply = &laminate->ply[p];
-        const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->h;
+        const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->thickness;
         const double mean =
-            field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * share;
+            field->ply >= 0
+                ? 1
+                : field->temperature[0] + (field->temperature[1] - field->temperature[0]) * share;
         if (field_acts(place, field, p))
             held += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
-                    (ply->z[1] - ply->z[0]) / laminate->h;
+                    (ply->z[1] - ply->z[0]) / laminate->thickness;
     }
     return held;
 }
@@ -436,8 +440,8 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
         h0[i] = (h0[i] + (thickens ? d[i][M33] * held : 0)) * place->area;
 }
 
-void laminate_given(const laminate *laminate, const scene_element *element,
-                    const laminate_place *place, int ply, double h0[N])
+void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
+                              const laminate_place *place, int ply, double h0[N])
 {
     const laminate_field field = {ply, {1, 1}};
     laminate_resultants(laminate, element, place, &field, h0);
@@ -455,9 +459,11 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
     const laminate_field voltage = {ply, {0, 0}};
     const laminate_ply *own = &laminate->ply[ply];
     const double half = (own->z[1] - own->z[0]) / 2;
-    const double direct = field->ply >= 0 ? own->capacitance : own->pyro;
+    const double direct = field->ply >= 0 ? own->capacitance : own->pyroelectric_charge;
     const double thickening =
-        element->lin33 ? own->volt[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2] : 0;
+        element->lin33
+            ? own->stress_per_voltage[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2]
+            : 0;
     double d[N][N], share[6], charge = 0;
     for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
         const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
@@ -466,7 +472,7 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                   field_at(laminate, element, place, &voltage, z) *
                   field_at(laminate, element, place, field, z);
     }
-    if (element->lin33 && place->present >> ply & 1u &&
+    if (element->lin33 && place->present_plies >> ply & 1u &&
         relaxed_stiffness(laminate, element, place, d) == 0)
         charge -= held_thickening(laminate, place, &voltage) *
                   held_thickening(laminate, place, field) * d[M33][M33];

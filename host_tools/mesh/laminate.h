@@ -11,28 +11,29 @@
 enum { LAMINATE_STRAINS = 10, LAMINATE_PACKED = 55, LAMINATE_LAYERS = 32 };
 
 typedef struct laminate_ply {
-    double z[2];      /* lower and upper face above the reference surface */
-    double c[6][6];   /* stiffness in the shell's axes, Voigt order 11 22 33 23 13 12 */
-    double volt[6];   /* given stress per volt across the ply */
-    double kelvin[6]; /* given stress per kelvin (negative of the stress of a held ply's expansion)
-                       */
-    double capacitance; /* charge of the held ply's upper electrode per volt and area */
-    double pyro;        /* and per kelvin and area */
-    double weight;      /* density */
+    double z[2];                  /* lower and upper face above the reference surface */
+    double c[6][6];               /* stiffness in the shell's axes, Voigt order 11 22 33 23 13 12 */
+    double stress_per_voltage[6]; /* given stress per volt across the ply */
+    double stress_per_kelvin[6];  /* given stress per kelvin (negative of the stress of a held ply's
+                                   * expansion)
+                                   */
+    double capacitance;           /* charge of the held ply's upper electrode per volt and area */
+    double pyroelectric_charge;   /* and per kelvin and area */
+    double density;               /* density */
 } laminate_ply;
 
 typedef struct laminate {
     int plies;
     laminate_ply ply[LAMINATE_LAYERS];
     double z[2]; /* faces of the package */
-    double h;
+    double thickness;
 } laminate;
 
 /* Where a package lies: which of its plies are there, and how the surface bends. */
 typedef struct laminate_place {
-    uint32_t present; /* bit i: ply i is there, else void */
-    double k[2];      /* curvatures, for the exact metric */
-    double chord[2];  /* element's lengths along theta1, theta2, for the shear flexibility */
+    uint32_t present_plies; /* bit i: ply i is there, else void */
+    double k[2];            /* curvatures, for the exact metric */
+    double chord[2];        /* element's lengths along theta1, theta2, for the shear flexibility */
     double area;
 } laminate_place;
 
@@ -50,7 +51,7 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
  * faces. */
 typedef struct laminate_field {
     int ply;
-    double kelvin[2]; /* inner, outer face */
+    double temperature[2]; /* inner, outer face */
 } laminate_field;
 
 /* H0 of the stresses of a field, times area. h0 [10] out. */
@@ -59,8 +60,8 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
                          double h0[LAMINATE_STRAINS]);
 
 /* The same for a volt across a ply, or a uniform kelvin where ply < 0. */
-void laminate_given(const laminate *laminate, const scene_element *element,
-                    const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
+void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
+                              const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
  * Charge that a field draws to the upper electrode of a ply while the strains are held, times area.

@@ -15,17 +15,17 @@ typedef struct mesh {
     const scene *scene;
     laminate laminate;
     int lines[2]; /* node lines along theta1, theta2; a closed direction has no last line */
-    int nodes, elements, kinds, dof;
-    unsigned unknowns;
+    int nodes, elements, types, free_dof;
+    unsigned dof_per_node;
     surface_point *point;   /* [nodes] */
     double (*theta)[2];     /* [nodes] */
     uint16_t (*element)[4]; /* [elements] nodes, corner order; elements with theta2 fastest */
-    uint16_t *element_kind; /* [elements] */
-    pzs_element_type *kind; /* [kinds] corner tables */
+    uint16_t *element_type; /* [elements] */
+    pzs_element_type *type; /* [kinds] corner tables */
     laminate_place *place;  /* [kinds] */
     double *stiffness;      /* [kinds][packed] */
     uint16_t *node_dof;     /* [nodes][unknowns] */
-    uint16_t *first;        /* [dof] */
+    uint16_t *first_column; /* [dof] */
     int prescribed_count; /* unknowns with a value of their own; they are numbered like free ones */
     uint16_t *prescribed_dof; /* [prescribed_count] ascending */
     double *prescribed_value; /* [prescribed_count] at full load */

@@ -31,8 +31,9 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
     const scene *scene = analysis->design.scene;
     if (status == PZS_E_LOOSE || status == PZS_E_NEGATIVE)
         for (int n = 0; n < mesh->nodes; n++)
-            for (unsigned i = 0; i < mesh->unknowns; i++)
-                if (mesh->node_dof[(size_t)n * mesh->unknowns + i] == analysis->model.info.where)
+            for (unsigned i = 0; i < mesh->dof_per_node; i++)
+                if (mesh->node_dof[(size_t)n * mesh->dof_per_node + i] ==
+                    analysis->model.info.where)
                     return scene_fault(
                         scene, scene->at_surface, error,
                         "%s: %s at node theta1 = %g, theta2 = %g; add supports that stop every rigid motion",
@@ -68,10 +69,10 @@ static pzs_status open_electrodes(analysis *analysis)
     const pzs_electrodes *tables = &analysis->design.electrodes;
     const uint16_t inputs = analysis->design.structure.input.count;
     const size_t bytes = PZS_ELECTRIC_BYTES(tables->count, tables->count, inputs);
-    analysis->amount = calloc(inputs + 1u, sizeof *analysis->amount);
+    analysis->input_value = calloc(inputs + 1u, sizeof *analysis->input_value);
     analysis->charge = calloc(tables->count + 1u, sizeof *analysis->charge);
     analysis->electric_work = malloc(bytes);
-    if (!analysis->amount || !analysis->charge || !analysis->electric_work)
+    if (!analysis->input_value || !analysis->charge || !analysis->electric_work)
         return PZS_E_WORKSPACE;
     return tables->count > 0 ? pzs_electric_init(&analysis->electric, &analysis->model, tables,
                                                  analysis->electric_work, bytes)
@@ -104,7 +105,7 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
     analysis->nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
     if (scene->kinematics != KINEMATICS_LINEAR &&
         (status == PZS_OK || scene->contact.given || analysis->design.mesh.prescribed_count > 0))
-        status = path_open(&analysis->path, &analysis->design, &analysis->model);
+        status = equilibrium_open(&analysis->equilibrium, &analysis->design, &analysis->model);
     if (status == PZS_OK)
         return 0;
     analysis_explain(analysis, status, error);
@@ -122,13 +123,13 @@ int analysis_ended_early(const analysis *analysis)
 /* What the nonlinear path met, in words; only errors fail. */
 static int explain_path(const analysis *analysis, char *error)
 {
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     const scene *scene = analysis->design.scene;
     if (!PZS_IS_ERROR(analysis->status))
         return 0;
     if (analysis->status == PZS_E_PENETRATION) {
         char where[SCENE_ERROR];
-        path_penetration(&analysis->path, analysis->status, where);
+        equilibrium_penetration_text(&analysis->equilibrium, analysis->status, where);
         return scene_fault(scene, scene->contact.at, error,
                            "%s: %s (reached %.4g of the load in %u linear solves)",
                            pzs_status_text(analysis->status), where, run->info.load_factor,
@@ -174,36 +175,40 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
     if (output->electric != ELECTRIC_NONE) {
         const int input = electrodes_input(&analysis->design, output, i);
         return output->electric == ELECTRIC_VOLTAGE
-                   ? analysis->amount[input]
+                   ? analysis->input_value[input]
                    : analysis->charge[electrodes_of(&analysis->design, input)];
     }
     if (output->contact == CONTACT_NONE)
         return value[analysis->design.named_first[k] + i];
-    return path_contact_output(&analysis->path, output, analysis_output_node(analysis, k, i));
+    return equilibrium_contact_output(&analysis->equilibrium, output,
+                                      analysis_output_node(analysis, k, i));
 }
 
 pzs_status analysis_electrodes(analysis *analysis, const double *amount)
 {
-    memcpy(analysis->amount, analysis->nonlinear ? analysis->path.run.info.input_value : amount,
-           analysis->design.structure.input.count * sizeof *analysis->amount);
+    memcpy(analysis->input_value,
+           analysis->nonlinear ? analysis->equilibrium.solver.info.input_value : amount,
+           analysis->design.structure.input.count * sizeof *analysis->input_value);
     if (analysis->nonlinear)
-        pzs_charges_at(&analysis->path.run, &analysis->design.electrodes, analysis->charge);
+        pzs_charges_at(&analysis->equilibrium.solver, &analysis->design.electrodes,
+                       analysis->charge);
     if (analysis->nonlinear || !analysis->electric.state.model)
         return PZS_OK;
-    const pzs_status status = pzs_open_voltages(&analysis->electric, analysis->amount);
-    return status == PZS_OK ? pzs_charges(&analysis->electric, analysis->amount, analysis->charge)
-                            : status;
+    const pzs_status status = pzs_open_voltages(&analysis->electric, analysis->input_value);
+    return status == PZS_OK
+               ? pzs_charges(&analysis->electric, analysis->input_value, analysis->charge)
+               : status;
 }
 
 static pzs_status reach_nonlinear(analysis *analysis, const double *amount, int warm, double *u)
 {
-    pzs_solver *run = &analysis->path.run;
+    pzs_solver *run = &analysis->equilibrium.solver;
     const double begin = analysis_now();
     if (!warm)
         pzs_solver_reset(run);
     analysis->status = pzs_equilibrium(run, amount);
     analysis->seconds.solve = analysis_now() - begin;
-    memcpy(u, run->info.displacement, (size_t)analysis->design.mesh.dof * sizeof *u);
+    memcpy(u, run->info.displacement, (size_t)analysis->design.mesh.free_dof * sizeof *u);
     (void)analysis_electrodes(analysis, amount);
     return analysis->status;
 }
@@ -215,7 +220,7 @@ static pzs_status reach_linear(analysis *analysis, const double *amount, double 
     if (analysis->status == PZS_OK)
         analysis->status = analysis_electrodes(analysis, amount);
     if (analysis->status == PZS_OK)
-        analysis->status = pzs_solve(&analysis->model, analysis->amount, u);
+        analysis->status = pzs_solve(&analysis->model, analysis->input_value, u);
     analysis->seconds.solve = analysis_now() - begin;
     return analysis->status;
 }
@@ -229,7 +234,7 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     for (size_t k = 0; k < inputs; k++)
         amount[k] = k < amplifiers        ? voltage[k]
-                    : analysis->nonlinear ? analysis->path.full[k]
+                    : analysis->nonlinear ? analysis->equilibrium.full_input[k]
                                           : k < amplifiers + (size_t)design->loads;
     const pzs_status status = analysis->nonlinear ? reach_nonlinear(analysis, amount, warm, u)
                                                   : reach_linear(analysis, amount, u);
@@ -255,7 +260,7 @@ static int solve_applied(analysis *analysis, double *u, char *error)
 static double distance(const analysis *analysis, const double *x, const double *y)
 {
     double apart = 0, size = 0;
-    for (int i = 0; i < analysis->design.mesh.dof; i++) {
+    for (int i = 0; i < analysis->design.mesh.free_dof; i++) {
         apart += pow((x[i] - y[i]) / analysis->model.state.scale[i], 2);
         size += pow(y[i] / analysis->model.state.scale[i], 2);
     }
@@ -266,7 +271,7 @@ static double distance(const analysis *analysis, const double *x, const double *
  * tolerance. */
 static int solve_auto(analysis *analysis, double *u, char *error)
 {
-    const size_t bytes = (size_t)analysis->design.mesh.dof * sizeof *u;
+    const size_t bytes = (size_t)analysis->design.mesh.free_dof * sizeof *u;
     double *linear = malloc(bytes);
     if (!linear)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
@@ -275,8 +280,8 @@ static int solve_auto(analysis *analysis, double *u, char *error)
     analysis->nonlinear = 1;
     if (!failed)
         failed = solve_applied(analysis, u, error);
-    analysis->cost = failed ? (double)NAN : distance(analysis, linear, u);
-    if (analysis->cost <= analysis->design.scene->tolerance) {
+    analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, u);
+    if (analysis->linear_error <= analysis->design.scene->tolerance) {
         analysis->nonlinear = 0;
         memcpy(u, linear, bytes);
     }
@@ -293,7 +298,7 @@ int analysis_solve(analysis *analysis, double *u, char *error)
         return solve_auto(analysis, u, error);
     if (analysis->design.scene->kinematics == KINEMATICS_AUTO) {
         analysis->nonlinear = 1;
-        analysis->cost = (double)NAN;
+        analysis->linear_error = (double)NAN;
     }
     return solve_applied(analysis, u, error);
 }
@@ -340,7 +345,7 @@ static double work_of_loads(analysis *analysis, double *amount)
 {
     const design *design = &analysis->design;
     const pzs_rows *in = &design->structure.input;
-    double *u = calloc((size_t)design->mesh.dof, sizeof *u), work = 0;
+    double *u = calloc((size_t)design->mesh.free_dof, sizeof *u), work = 0;
     for (int k = 0; k < design->loads; k++)
         amount[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
     const pzs_status status = u ? pzs_solve(&analysis->model, amount, u) : PZS_E_WORKSPACE;
@@ -380,12 +385,12 @@ double analysis_stiffening(analysis *analysis)
 void analysis_free(analysis *analysis)
 {
     certificate_free(&analysis->certificate);
-    path_close(&analysis->path);
+    equilibrium_close(&analysis->equilibrium);
     design_free(&analysis->design);
     free(analysis->work);
     free(analysis->influence);
     free(analysis->electric_work);
-    free(analysis->amount);
+    free(analysis->input_value);
     free(analysis->charge);
     memset(analysis, 0, sizeof *analysis);
 }

@@ -14,15 +14,15 @@ typedef struct analysis {
     pzs_model model;
     void *work;
     size_t work_bytes;
-    equilibrium path;             /* where the scene's kinematics is not linear */
-    pzs_electric electric; /* where the design has electrodes, after the stiffness at rest is
-                              factored */
+    equilibrium equilibrium; /* where the scene's kinematics is not linear */
+    pzs_electric electric;   /* where the design has electrodes, after the stiffness at rest is
+                                factored */
     void *electric_work;
-    double *amount; /* [inputs] of the last displacement, volts of open electrodes as they were
+    double *input_value; /* [inputs] of the last displacement, volts of open electrodes as they were
                        found */
-    double *charge; /* [electrodes] at the last displacement */
-    int nonlinear;  /* which of the two analysis_solve and analysis_reach run; first what the scene
-                       says */
+    double *charge;      /* [electrodes] at the last displacement */
+    int nonlinear; /* which of the two analysis_solve and analysis_reach run; first what the scene
+                      says */
     double *influence; /* [outputs][inputs] at rest, after analysis_influence */
     pzs_status status; /* of the last equilibrium */
     struct {
@@ -31,8 +31,9 @@ typedef struct analysis {
     certificate certificate; /* of vibration, after certificate_make */
     int quasi_static; /* tables of a control loop that vibration makes unstable are wanted all the
                          same */
-    double cost; /* kinematics auto: difference of the linear displacement over the nonlinear one */
-    plausible warnings; /* of the scene and its results so far, for the reader */
+    double linear_error; /* kinematics auto: difference of the linear displacement over the
+                            nonlinear one */
+    plausible warnings;  /* of the scene and its results so far, for the reader */
 } analysis;
 
 /*

@@ -88,13 +88,13 @@ void certificate_free(certificate *certificate)
 
 int certificate_refuses(const certificate *certificate)
 {
-    return certificate->is_judged && certificate->rate > 0 && !(certificate->radius < 1);
+    return certificate->is_assessed && certificate->rate > 0 && !(certificate->radius < 1);
 }
 
 double certificate_first(const certificate *certificate)
 {
     const int first = vibration_first(&certificate->vibration);
-    return certificate->vibrates && first < certificate->vibration.count
+    return certificate->has_modes && first < certificate->vibration.count
                ? certificate->vibration.frequency[first]
                : (double)NAN;
 }
@@ -104,18 +104,18 @@ double certificate_first(const certificate *certificate)
 /* The range of rates, behind the verdict. */
 static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 {
-    if (!isfinite(certificate->rate_to))
+    if (!isfinite(certificate->stable_rate))
         snprintf(text, SCENE_ERROR, "Every rate is stable.");
-    else if (certificate->rate_to <= 0)
+    else if (certificate->stable_rate <= 0)
         snprintf(text, SCENE_ERROR,
                  "No rate was found at which it is stable; wait for a vibration model.");
     else if (certificate_refuses(certificate))
         snprintf(text, SCENE_ERROR,
                  "Run it at most at %.3g ticks a second, or wait for a vibration model.",
-                 certificate->rate_to);
+                 certificate->stable_rate);
     else
         snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.",
-                 certificate->rate_to);
+                 certificate->stable_rate);
 }
 
 /* The verdict at the scene's rate. */
@@ -142,15 +142,16 @@ void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]
 {
     char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
     text[0] = '\0';
-    if (certificate->made && certificate->vibrates && !certificate->is_judged &&
-        certificate->why_not[0])
+    if (certificate->is_made && certificate->has_modes && !certificate->is_assessed &&
+        certificate->reason[0])
         snprintf(text, 3 * SCENE_ERROR, "The stability of the control loop is not known: %s",
-                 certificate->why_not);
-    if (!certificate->is_judged)
+                 certificate->reason);
+    if (!certificate->is_assessed)
         return;
     if (certificate->rate > 0)
         rate_text(certificate, verdict);
     range_text(certificate, range);
     snprintf(text, 3 * SCENE_ERROR, "%s%s%s", verdict, range,
-             certificate->as_measured ? "\nJudged as if every target node were measured." : "");
+             certificate->assumes_measured ? "\nJudged as if every target node were measured."
+                                           : "");
 }

@@ -17,22 +17,22 @@
 #include "vibration.h"
 
 typedef struct certificate {
-    int made;                  /* whether certificate_make has run */
-    int vibrates;              /* modes are known: the densities are given */
-    char why_not[SCENE_ERROR]; /* where they are not, or where a loop cannot be judged: the reason
+    int is_made;              /* whether certificate_make has run */
+    int has_modes;            /* modes are known: the densities are given */
+    char reason[SCENE_ERROR]; /* where they are not, or where a loop cannot be judged: the reason
                                   and the cure */
     vibration vibration;
-    int is_judged;     /* a target and amplifiers: the numbers below are known */
-    int as_measured;   /* judged as if every target node were measured: readings of electrodes are
-                          left out */
-    int modes;         /* of the loop */
-    double damping;    /* ratio */
-    int damping_given; /* by the scene; 0: assumed */
-    double rate;       /* ticks a second of the scene, 0: it gives none */
+    int is_assessed;      /* a target and amplifiers: the numbers below are known */
+    int assumes_measured; /* judged as if every target node were measured: readings of electrodes
+                        are left out */
+    int modes;            /* of the loop */
+    double damping;       /* ratio */
+    int has_own_damping;  /* by the scene; 0: assumed */
+    double rate;          /* ticks a second of the scene, 0: it gives none */
     double radius; /* spectral radius at that rate: growth of vibration a tick; NAN without a rate
                     */
     double gain;   /* 2 zeta w1 T: about the largest step gain that is stable; NAN without a rate */
-    double rate_to; /* every rate up to this one is stable; 0: none was found, infinite: all */
+    double stable_rate; /* every rate up to this one is stable; 0: none was found, infinite: all */
 } certificate;
 
 void certificate_free(certificate *certificate);

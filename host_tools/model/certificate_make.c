@@ -63,16 +63,16 @@ static void cholesky_solve(const double *l, size_t n, double *x)
 
 /* What the gains are made from. */
 typedef struct gains {
-    const analysis *a;
-    const vibration *v;
-    size_t modes, n;   /* n: amplifiers that can move */
-    size_t *amplifier; /* [n] */
-    double *factor;    /* [n][n] B'W^2 B and its regularisation, factored */
-    double *shape;     /* [targets] what the controller takes for a mode's shape */
-    double *x;         /* [n] */
-    double *given;     /* [modes][n] modal coordinates per unit of voltage */
-    double *loop;      /* [modes][modes] */
-    int as_measured;   /* an estimate's sensors are left out */
+    const analysis *analysis;
+    const vibration *vibration;
+    size_t modes, moving;   /* n: amplifiers that can move */
+    size_t *amplifier;      /* [n] */
+    double *factor;         /* [n][n] B'W^2 B and its regularisation, factored */
+    double *shape;          /* [targets] what the controller takes for a mode's shape */
+    double *gradient;       /* [n] */
+    double *modal_response; /* [modes][n] modal coordinates per unit of voltage */
+    double *loop;           /* [modes][modes] */
+    int assumes_measured;   /* an estimate's sensors are left out */
 } gains;
 
 static size_t list_amplifiers(const design *design, size_t *amplifier)
@@ -84,20 +84,21 @@ static size_t list_amplifiers(const design *design, size_t *amplifier)
     return n;
 }
 
-static int factor_hessian(gains *g)
+static int factor_hessian(gains *gains)
 {
-    const design *design = &g->a->design;
+    const design *design = &gains->analysis->design;
     double trace = 0;
-    for (size_t i = 0; i < g->n; i++)
-        for (size_t j = 0; j < g->n; j++)
-            g->factor[i * g->n + j] =
-                design->hessian[g->amplifier[i] * (size_t)design->amplifiers + g->amplifier[j]];
-    for (size_t i = 0; i < g->n; i++)
-        trace += g->factor[i * g->n + i];
-    for (size_t i = 0; i < g->n; i++)
-        g->factor[i * g->n + i] +=
-            design->problem.regularisation + least_regularisation * trace / (double)g->n;
-    return g->n > 0 && cholesky(g->factor, g->n);
+    for (size_t i = 0; i < gains->moving; i++)
+        for (size_t j = 0; j < gains->moving; j++)
+            gains->factor[i * gains->moving + j] =
+                design->hessian[gains->amplifier[i] * (size_t)design->amplifiers +
+                                gains->amplifier[j]];
+    for (size_t i = 0; i < gains->moving; i++)
+        trace += gains->factor[i * gains->moving + i];
+    for (size_t i = 0; i < gains->moving; i++)
+        gains->factor[i * gains->moving + i] +=
+            design->problem.regularisation + least_regularisation * trace / (double)gains->moving;
+    return gains->moving > 0 && cholesky(gains->factor, gains->moving);
 }
 
 /*
@@ -112,18 +113,18 @@ static int reads_displacements(const scene *scene)
 }
 
 /* The shape estimated from what the sensors show of a displacement u. */
-static void estimated_shape(const gains *g, const estimator *estimator, const double *u)
+static void estimated_shape(const gains *gains, const estimator *estimator, const double *u)
 {
-    const design *design = &g->a->design;
+    const design *design = &gains->analysis->design;
     const scene *scene = design->scene;
     int sensor = 0;
-    memset(g->shape, 0, (size_t)design->targets * sizeof *g->shape);
+    memset(gains->shape, 0, (size_t)design->targets * sizeof *gains->shape);
     for (int i = 0; i < scene->estimate.readings; i++) {
         const int output = scene->estimate.reading[i].output;
         for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++) {
             const double shown = pzs_model_observe_row(&design->structure, u, (uint32_t)row);
             for (int t = 0; t < design->targets; t++)
-                g->shape[t] +=
+                gains->shape[t] +=
                     estimator->gain[(size_t)t * (size_t)estimator->sensors + (size_t)sensor] *
                     shown;
             sensor++;
@@ -132,48 +133,50 @@ static void estimated_shape(const gains *g, const estimator *estimator, const do
 }
 
 /* Column of g F that belongs to a mode. */
-static void fill_column(gains *g, const estimator *estimator, size_t mode)
+static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {
-    const design *design = &g->a->design;
-    const size_t dof = (size_t)design->mesh.dof;
-    const double *u = g->v->shape + ((size_t)g->v->rigid + mode) * dof;
+    const design *design = &gains->analysis->design;
+    const size_t dof = (size_t)design->mesh.free_dof;
+    const double *u = gains->vibration->shape + ((size_t)gains->vibration->rigid + mode) * dof;
     if (estimator)
-        estimated_shape(g, estimator, u);
+        estimated_shape(gains, estimator, u);
     else
-        design_shape(design, u, g->shape);
-    for (size_t j = 0; j < g->n; j++) {
-        g->x[j] = 0;
+        design_shape(design, u, gains->shape);
+    for (size_t j = 0; j < gains->moving; j++) {
+        gains->gradient[j] = 0;
         for (int t = 0; t < design->targets; t++)
-            g->x[j] += design->influence[(size_t)t * (size_t)design->amplifiers + g->amplifier[j]] *
-                       design->weight[t] * design->weight[t] * g->shape[t];
+            gains->gradient[j] +=
+                design->influence[(size_t)t * (size_t)design->amplifiers + gains->amplifier[j]] *
+                design->weight[t] * design->weight[t] * gains->shape[t];
     }
-    cholesky_solve(g->factor, g->n, g->x);
-    for (size_t i = 0; i < g->modes; i++) {
+    cholesky_solve(gains->factor, gains->moving, gains->gradient);
+    for (size_t i = 0; i < gains->modes; i++) {
         double sum = 0;
-        for (size_t j = 0; j < g->n; j++)
-            sum += g->given[i * g->n + j] * g->x[j];
-        g->loop[i * g->modes + mode] = sum;
+        for (size_t j = 0; j < gains->moving; j++)
+            sum += gains->modal_response[i * gains->moving + j] * gains->gradient[j];
+        gains->loop[i * gains->modes + mode] = sum;
     }
 }
 
-static int fill_gains(gains *g)
+static int fill_gains(gains *gains)
 {
     estimator estimator;
     char ignored[SCENE_ERROR];
-    const scene *scene = g->a->design.scene;
-    g->n = list_amplifiers(&g->a->design, g->amplifier);
-    if (!factor_hessian(g))
+    const scene *scene = gains->analysis->design.scene;
+    gains->moving = list_amplifiers(&gains->analysis->design, gains->amplifier);
+    if (!factor_hessian(gains))
         return 0;
-    for (size_t i = 0; i < g->modes; i++)
-        for (size_t j = 0; j < g->n; j++)
-            g->given[i * g->n + j] =
-                vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
+    for (size_t i = 0; i < gains->modes; i++)
+        for (size_t j = 0; j < gains->moving; j++)
+            gains->modal_response[i * gains->moving + j] =
+                vibration_static(gains->vibration, &gains->analysis->design,
+                                 gains->vibration->rigid + (int)i, (int)gains->amplifier[j]);
     const int wanted = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
-    const int estimates =
-        wanted && reads_displacements(scene) && estimator_open(&estimator, g->a, ignored) == 0;
-    g->as_measured = wanted && !estimates;
-    for (size_t mode = 0; mode < g->modes; mode++)
-        fill_column(g, estimates ? &estimator : NULL, mode);
+    const int estimates = wanted && reads_displacements(scene) &&
+                          estimator_open(&estimator, gains->analysis, ignored) == 0;
+    gains->assumes_measured = wanted && !estimates;
+    for (size_t mode = 0; mode < gains->modes; mode++)
+        fill_column(gains, estimates ? &estimator : NULL, mode);
     if (estimates)
         estimator_close(&estimator);
     return 1;
@@ -184,48 +187,48 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
                           int *as_measured)
 {
     const size_t amplifiers = (size_t)analysis->design.amplifiers;
-    gains g = {.a = analysis, .v = vibration, .modes = (size_t)modes};
-    g.amplifier = malloc(amplifiers * sizeof *g.amplifier);
-    g.factor = malloc(amplifiers * amplifiers * sizeof *g.factor);
-    g.x = malloc(amplifiers * sizeof *g.x);
-    g.shape = malloc((size_t)analysis->design.targets * sizeof *g.shape);
-    g.given = malloc(g.modes * amplifiers * sizeof *g.given);
-    g.loop = malloc(g.modes * g.modes * sizeof *g.loop);
-    const int filled =
-        g.amplifier && g.factor && g.x && g.shape && g.given && g.loop && fill_gains(&g);
-    free(g.amplifier);
-    free(g.factor);
-    free(g.x);
-    free(g.shape);
-    free(g.given);
-    *as_measured = g.as_measured;
+    gains gains = {.analysis = analysis, .vibration = vibration, .modes = (size_t)modes};
+    gains.amplifier = malloc(amplifiers * sizeof *gains.amplifier);
+    gains.factor = malloc(amplifiers * amplifiers * sizeof *gains.factor);
+    gains.gradient = malloc(amplifiers * sizeof *gains.gradient);
+    gains.shape = malloc((size_t)analysis->design.targets * sizeof *gains.shape);
+    gains.modal_response = malloc(gains.modes * amplifiers * sizeof *gains.modal_response);
+    gains.loop = malloc(gains.modes * gains.modes * sizeof *gains.loop);
+    const int filled = gains.amplifier && gains.factor && gains.gradient && gains.shape &&
+                       gains.modal_response && gains.loop && fill_gains(&gains);
+    free(gains.amplifier);
+    free(gains.factor);
+    free(gains.gradient);
+    free(gains.shape);
+    free(gains.modal_response);
+    *as_measured = gains.assumes_measured;
     if (filled)
-        return g.loop;
-    free(g.loop);
+        return gains.loop;
+    free(gains.loop);
     return NULL;
 }
 
 /* ---- verdict ---------------------------------------------------------- */
 
 /* What the radius is judged with. */
-typedef struct judged_loop {
-    const double *loop, *square;
+typedef struct assessed_loop {
+    const double *gain, *square;
     int modes, delay;
     double damping;
-} judged_loop;
+} assessed_loop;
 
 /*
  * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not
  * the decay alone, decides: then the intervals up to one period longer have to be stable too.
  */
-static int is_stable(const judged_loop *l, double rate)
+static int is_stable(const assessed_loop *loop, double rate)
 {
-    const double period = two_pi / sqrt(l->square[0]), interval = 1 / rate;
+    const double period = two_pi / sqrt(loop->square[0]), interval = 1 / rate;
     const int phases = interval > 4 * period ? PHASES : 1;
     for (int k = 0; k < phases; k++) {
         const double longer = interval + period * k / PHASES;
-        if (!(certificate_radius(l->loop, l->square, l->modes, l->damping, l->delay, longer,
-                                 QUICK) < 1))
+        if (!(certificate_radius(loop->gain, loop->square, loop->modes, loop->damping, loop->delay,
+                                 longer, QUICK) < 1))
             return 0;
     }
     return 1;
@@ -235,14 +238,14 @@ static int is_stable(const judged_loop *l, double rate)
  * The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where
  * all are.
  */
-static double scan_rates(const judged_loop *l)
+static double scan_rates(const assessed_loop *loop)
 {
-    const double end = scan_to * sqrt(l->square[l->modes - 1]) / two_pi;
-    double rate = scan_from * l->damping * sqrt(l->square[0]), stable = 0;
-    for (int i = 0; i < STARTS && !is_stable(l, rate); i++)
+    const double end = scan_to * sqrt(loop->square[loop->modes - 1]) / two_pi;
+    double rate = scan_from * loop->damping * sqrt(loop->square[0]), stable = 0;
+    for (int i = 0; i < STARTS && !is_stable(loop, rate); i++)
         rate /= 4;
     for (int i = 0; i < RATE_LIMIT && rate < end; i++) {
-        if (!is_stable(l, rate))
+        if (!is_stable(loop, rate))
             return stable;
         stable = rate;
         rate *= scan_step;
@@ -261,43 +264,43 @@ static void judge(certificate *certificate, const analysis *analysis)
     if (certificate->modes < 1 || analysis->design.problem.inputs == 0)
         return;
     if (delay > DELAY_LIMIT) {
-        snprintf(certificate->why_not, sizeof certificate->why_not,
+        snprintf(certificate->reason, sizeof certificate->reason,
                  "sensors %d ticks late: at most %d can be judged", delay, DELAY_LIMIT);
         return;
     }
     double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
-                              &certificate->as_measured);
+                              &certificate->assumes_measured);
     if (!loop) {
-        snprintf(certificate->why_not, sizeof certificate->why_not,
+        snprintf(certificate->reason, sizeof certificate->reason,
                  "its gains cannot be computed; add a regularisation, limits.effort");
         return;
     }
-    certificate->is_judged = 1;
+    certificate->is_assessed = 1;
     if (certificate->rate > 0) {
         certificate->radius =
             certificate_radius(loop, square, certificate->modes, certificate->damping, delay,
                                1 / certificate->rate, EXACT);
         certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
-    const judged_loop judged = {loop, square, certificate->modes, delay, certificate->damping};
-    certificate->rate_to = scan_rates(&judged);
+    const assessed_loop judged = {loop, square, certificate->modes, delay, certificate->damping};
+    certificate->stable_rate = scan_rates(&judged);
     free(loop);
 }
 
 void certificate_make(certificate *certificate, const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
-    if (certificate->made)
+    if (certificate->is_made)
         return;
     memset(certificate, 0, sizeof *certificate);
-    certificate->made = 1;
+    certificate->is_made = 1;
     certificate->damping = scene->dynamics.damping;
-    certificate->damping_given = scene->dynamics.damping_given;
+    certificate->has_own_damping = scene->dynamics.damping_given;
     certificate->rate = scene->simulate.given ? scene->simulate.rate : 0;
-    certificate->radius = certificate->gain = certificate->rate_to = (double)NAN;
-    certificate->vibrates =
+    certificate->radius = certificate->gain = certificate->stable_rate = (double)NAN;
+    certificate->has_modes =
         vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,
-                        MASS_LUMPED, certificate->why_not) == 0;
-    if (certificate->vibrates)
+                        MASS_LUMPED, certificate->reason) == 0;
+    if (certificate->has_modes)
         judge(certificate, analysis);
 }

@@ -20,7 +20,7 @@ typedef struct clipped {
     double scale;                /* s, m2/V2 */
     double *arrays;              /* one allocation of the arrays below */
     double *influence;           /* [targets][amplifiers] 0 in the columns of held amplifiers */
-    double *left;                /* [targets] wanted less what held amplifiers do */
+    double *required;            /* [targets] wanted less what held amplifiers do */
     double *shape;               /* [targets] room */
     unconstrained solver;
 } clipped;
@@ -32,12 +32,12 @@ typedef struct clipped {
  *   wanted [targets]          in
  * All must outlive *c. Returns 0, or -1 where memory runs out; clipped_close in either case.
  */
-int clipped_open(clipped *c, const design *design, const double *lower, const double *upper,
+int clipped_open(clipped *clipped, const design *design, const double *lower, const double *upper,
                  const double *wanted);
-void clipped_close(clipped *c);
+void clipped_close(clipped *clipped);
 
 /* Voltages for one lambda >= 0. voltage [amplifiers] out, V. Returns whether they are finite. */
-bool clipped_solve(clipped *c, double lambda, double *voltage);
+bool clipped_solve(clipped *clipped, double lambda, double *voltage);
 
 /*
  * The lambda of the smallest |W (B v - wanted)| after cutting, and its voltages: the best of 0 and
@@ -47,6 +47,6 @@ bool clipped_solve(clipped *c, double lambda, double *voltage);
  *   volt [amplifiers] out
  *   lambda            out
  */
-pzs_status clipped_tune(clipped *c, double *voltage, double *lambda);
+pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda);
 
 #endif

@@ -56,7 +56,7 @@ typedef struct design {
     double *influence;    /* [targets][amplifiers] after design_control, the free functions taken
                              out */
     double *hessian;      /* [amplifiers][amplifiers] */
-    double *lower, *upper, *slew, *prefer; /* [amplifiers] */
+    double *lower, *upper, *step_limit, *reference_voltage; /* [amplifiers] */
     pzs_problem problem;
 } design;
 
@@ -98,9 +98,9 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
 
 /* Temperatures of the inner and outer face under a temperature load; resultants of it in one
  * element, h0 [10] out. */
-laminate_field design_kelvin(const scene_load *load);
-void design_warming(const mesh *mesh, const scene_load *load, int element,
-                    double h0[LAMINATE_STRAINS]);
+laminate_field design_temperatures(const scene_load *load);
+void design_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
+                                   double h0[LAMINATE_STRAINS]);
 
 /* Patch of a grid, second index fastest, on which the element lies, or -1. */
 int design_patch(const mesh *mesh, int element, const scene_patches *patches);

@@ -127,7 +127,7 @@ static int build_limits(const design *design, char *error)
     take_own(&l);
     narrow_by_fields(&l);
     for (int k = 0; k < design->amplifiers; k++)
-        design->slew[k] = design->scene->limits.slew;
+        design->step_limit[k] = design->scene->limits.slew;
     return check_limits(&l, "", error);
 }
 
@@ -164,10 +164,10 @@ static int allocate_control(design *design)
     design->hessian = calloc(n * n, sizeof *design->hessian);
     design->lower = calloc(n, sizeof *design->lower);
     design->upper = calloc(n, sizeof *design->upper);
-    design->slew = calloc(n, sizeof *design->slew);
-    design->prefer = calloc(n, sizeof *design->prefer);
+    design->step_limit = calloc(n, sizeof *design->step_limit);
+    design->reference_voltage = calloc(n, sizeof *design->reference_voltage);
     return design->wanted && design->influence && design->hessian && design->lower &&
-           design->upper && design->slew && design->prefer;
+           design->upper && design->step_limit && design->reference_voltage;
 }
 
 int design_control(design *design, const double *influence, char *error)
@@ -209,8 +209,8 @@ int design_control(design *design, const double *influence, char *error)
     problem->weight = design->weight;
     problem->lower = design->lower;
     problem->upper = design->upper;
-    problem->step_limit = design->slew;
-    problem->reference_voltage = design->prefer;
+    problem->step_limit = design->step_limit;
+    problem->reference_voltage = design->reference_voltage;
     problem->crc = pzs_problem_crc(problem);
     return 0;
 }

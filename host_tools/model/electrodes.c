@@ -46,7 +46,7 @@ static void add_element(const design *design, int element, across *list, double 
 {
     const mesh *mesh = &design->mesh;
     const scene *scene = design->scene;
-    const laminate_place *place = &mesh->place[mesh->element_kind[element]];
+    const laminate_place *place = &mesh->place[mesh->element_type[element]];
     const int count = all_across(design, element, list);
     for (int i = 0; i < count; i++) {
         const across *own = &list[i];
@@ -67,7 +67,7 @@ static void add_element(const design *design, int element, across *list, double 
         }
         for (int k = 0; k < scene->loads; k++)
             if (scene->load[k].type == LOAD_TEMPERATURE) {
-                const laminate_field kelvin = design_kelvin(&scene->load[k]);
+                const laminate_field kelvin = design_temperatures(&scene->load[k]);
                 row[design->amplifiers + k] +=
                     own->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);

@@ -11,16 +11,16 @@
 
 /* ---- given resultants ------------------------------------------------- */
 
-typedef struct builder {
+typedef struct resultant_builder {
     uint32_t *start;
     uint16_t *element, *which;
     double (*value)[LAMINATE_STRAINS];
     size_t entries, room, values, room_values;
-    int full; /* memory ran out */
-} builder;
+    int is_full; /* memory ran out */
+} resultant_builder;
 
 /* Row of value that holds h0; added if new. */
-static size_t row_of(builder *builder, const double h0[LAMINATE_STRAINS])
+static size_t row_of_resultants(resultant_builder *builder, const double h0[LAMINATE_STRAINS])
 {
     for (size_t i = builder->values; i > 0; i--)
         if (memcmp(builder->value[i - 1], h0, sizeof *builder->value) == 0)
@@ -28,24 +28,24 @@ static size_t row_of(builder *builder, const double h0[LAMINATE_STRAINS])
     if (builder->values == builder->room_values) {
         builder->room_values = 2 * builder->room_values + 16;
         builder->value = design_grow(builder->value, builder->room_values, sizeof *builder->value,
-                                     &builder->full);
+                                     &builder->is_full);
     }
-    if (!builder->full)
+    if (!builder->is_full)
         memcpy(builder->value[builder->values], h0, sizeof *builder->value);
-    return builder->full ? 0 : builder->values++;
+    return builder->is_full ? 0 : builder->values++;
 }
 
-static void append(builder *builder, int element, const double h0[LAMINATE_STRAINS])
+static void append(resultant_builder *builder, int element, const double h0[LAMINATE_STRAINS])
 {
-    const size_t row = row_of(builder, h0);
+    const size_t row = row_of_resultants(builder, h0);
     if (builder->entries == builder->room) {
         builder->room = 2 * builder->room + 64;
-        builder->element =
-            design_grow(builder->element, builder->room, sizeof *builder->element, &builder->full);
+        builder->element = design_grow(builder->element, builder->room, sizeof *builder->element,
+                                       &builder->is_full);
         builder->which =
-            design_grow(builder->which, builder->room, sizeof *builder->which, &builder->full);
+            design_grow(builder->which, builder->room, sizeof *builder->which, &builder->is_full);
     }
-    if (builder->full)
+    if (builder->is_full)
         return;
     builder->element[builder->entries] = (uint16_t)element;
     builder->which[builder->entries++] = (uint16_t)row;
@@ -53,8 +53,8 @@ static void append(builder *builder, int element, const double h0[LAMINATE_STRAI
 
 /* The entries of one actuator's amplifiers or one sensor's electrodes; first: input of the first of
  * them. */
-static void append_actuator(builder *builder, const mesh *mesh, const scene_actuator *actuator,
-                            int first)
+static void append_actuator(resultant_builder *builder, const mesh *mesh,
+                            const scene_actuator *actuator, int first)
 {
     double h0[LAMINATE_STRAINS];
     for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
@@ -65,12 +65,12 @@ static void append_actuator(builder *builder, const mesh *mesh, const scene_actu
     }
 }
 
-static pzs_status build_given(equilibrium *p, double *value)
+static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *value)
 {
-    const design *design = p->design;
+    const design *design = equilibrium->design;
     const scene *scene = design->scene;
     const int inputs = design->structure.input.count;
-    builder builder;
+    resultant_builder builder;
     memset(&builder, 0, sizeof builder);
     builder.start = calloc((size_t)inputs + 1, sizeof *builder.start);
     if (!builder.start)
@@ -83,7 +83,7 @@ static pzs_status build_given(equilibrium *p, double *value)
         if (k < scene->loads && scene->load[k].type == LOAD_TEMPERATURE &&
             design_load_values(&design->mesh, &scene->load[k], value, error) == 0)
             for (int e = 0; e < design->mesh.elements; e++) {
-                design_warming(&design->mesh, &scene->load[k], e, h0);
+                design_temperature_resultants(&design->mesh, &scene->load[k], e, h0);
                 append(&builder, e, h0);
             }
         builder.start[design->amplifiers + k + 1] = (uint32_t)builder.entries;
@@ -91,61 +91,63 @@ static pzs_status build_given(equilibrium *p, double *value)
     for (int k = 0; k < scene->sensors; k++)
         append_actuator(&builder, &design->mesh, &scene->sensor[k],
                         design->sensor_first + scene->sensor[k].first);
-    p->tables.given.start = builder.start;
-    p->tables.given.element = builder.element;
-    p->tables.given.which = builder.which;
-    p->tables.given.value = (const double(*)[LAMINATE_STRAINS])builder.value;
-    p->tables.given.values = (uint16_t)builder.values;
-    return builder.full || builder.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
+    equilibrium->tables.given.start = builder.start;
+    equilibrium->tables.given.element = builder.element;
+    equilibrium->tables.given.which = builder.which;
+    equilibrium->tables.given.value = (const double(*)[LAMINATE_STRAINS])builder.value;
+    equilibrium->tables.given.values = (uint16_t)builder.values;
+    return builder.is_full || builder.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
 }
 
 /* ---- follower loads --------------------------------------------------- */
 
-static void set_corner(const mesh *mesh, int element, int r, const pzs_follower *f, double *area,
-                       double lean[2])
+static void set_corner(const mesh *mesh, int element, int r, const pzs_follower *follower,
+                       double *area, double lean[2])
 {
     const surface_point *point = &mesh->point[mesh->element[element][r]];
-    const double z = mesh->laminate.z[f->normal_face];
+    const double z = mesh->laminate.z[follower->normal_face];
     double flat[2][2];
-    const double size =
-        design_chords(mesh, element, r, f->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
-    if (f->true_area)
+    const double size = design_chords(mesh, element, r,
+                                      follower->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
+    if (follower->true_area)
         *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
 }
 
-static pzs_status build_follower(equilibrium *p, const scene_load *load, uint16_t input)
+static pzs_status build_follower(equilibrium *equilibrium, const scene_load *load, uint16_t input)
 {
-    const mesh *mesh = &p->design->mesh;
-    pzs_follower *f = &p->follower[p->followers++];
+    const mesh *mesh = &equilibrium->design->mesh;
+    pzs_follower *follower = &equilibrium->follower[equilibrium->followers++];
     double *pressure = calloc((size_t)mesh->nodes, sizeof *pressure);
-    double(*area)[4] = calloc((size_t)mesh->kinds, sizeof *area), (*lean)[4][2] = NULL;
+    double(*area)[4] = calloc((size_t)mesh->types, sizeof *area), (*lean)[4][2] = NULL;
     char error[SCENE_ERROR];
-    f->pressure = pressure;
-    f->area = (const double(*)[4])area;
+    follower->pressure = pressure;
+    follower->area = (const double(*)[4])area;
     if (mesh->scene->element.cartesian)
-        lean = calloc((size_t)mesh->kinds, sizeof *lean);
-    f->lean = (const double(*)[4][2])lean;
+        lean = calloc((size_t)mesh->types, sizeof *lean);
+    follower->lean = (const double(*)[4][2])lean;
     if (!pressure || !area || (mesh->scene->element.cartesian && !lean))
         return PZS_E_WORKSPACE;
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
-    f->input = input;
-    f->load_face = load->face == FACE_INNER ? 0 : load->face == FACE_OUTER ? 1 : 2;
-    f->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
-    f->true_area = load->follower == FOLLOWER_PRESSURE;
+    follower->input = input;
+    follower->load_face = load->face == FACE_INNER ? 0 : load->face == FACE_OUTER ? 1 : 2;
+    follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
+    follower->true_area = load->follower == FOLLOWER_PRESSURE;
     for (int i = 0; i < 3; i++)
-        f->share[i] = mesh->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
+        follower->share[i] =
+            mesh->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
     for (int e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++) {
-            const uint16_t kind = mesh->element_kind[e];
+            const uint16_t kind = mesh->element_type[e];
             area[kind][r] = mesh->place[kind].area;
             if (lean)
-                set_corner(mesh, e, r, f, &area[kind][r], lean[kind][r]);
+                set_corner(mesh, e, r, follower, &area[kind][r], lean[kind][r]);
         }
-    f->format = PZS_TABLE_FORMAT;
-    f->scene = p->design->structure.scene;
-    f->crc = pzs_follower_crc(f, &p->design->structure);
-    return pzs_attach_follower(&p->run, &p->load[p->followers - 1], f);
+    follower->format = PZS_TABLE_FORMAT;
+    follower->scene = equilibrium->design->structure.scene;
+    follower->crc = pzs_follower_crc(follower, &equilibrium->design->structure);
+    return pzs_attach_follower(&equilibrium->solver,
+                               &equilibrium->follower_load[equilibrium->followers - 1], follower);
 }
 
 /* ---- contact ---------------------------------------------------------- */
@@ -181,10 +183,10 @@ static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
     return *v / slope;
 }
 
-static void build_body(equilibrium *p, double size)
+static void build_body(equilibrium *equilibrium, double size)
 {
-    const scene_body *from = &p->design->scene->contact.body;
-    pzs_body *body = &p->body;
+    const scene_body *from = &equilibrium->design->scene->contact.body;
+    pzs_body *body = &equilibrium->body;
     memcpy(body->point, from->point, sizeof body->point);
     memcpy(body->axis, from->type == BODY_PLANE ? from->normal : from->axis, sizeof body->axis);
     body->radius = from->type == BODY_PSI ? size : from->radius;
@@ -196,52 +198,56 @@ static void build_body(equilibrium *p, double size)
     body->crc = pzs_body_crc(body);
 }
 
-static pzs_status build_contact(equilibrium *p, uint16_t input)
+static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
 {
-    const mesh *mesh = &p->design->mesh;
-    const scene_contact *contact = &p->design->scene->contact;
+    const mesh *mesh = &equilibrium->design->mesh;
+    const scene_contact *contact = &equilibrium->design->scene->contact;
     const size_t nodes = (size_t)mesh->nodes, bytes = PZS_CONTACT_BYTES(nodes);
     double(*place)[3] = calloc(nodes, sizeof *place), (*triad)[3][3] = calloc(nodes, sizeof *triad);
     double *area = calloc(nodes, sizeof *area), low[3], high[3];
-    p->face.place = (const double(*)[3])place;
-    p->face.triad = (const double(*)[3][3])triad;
-    p->face.area = area;
-    p->contact_work = malloc(bytes);
-    p->contact_bytes = bytes;
-    if (!place || !triad || !area || !p->contact_work)
+    equilibrium->contact_face.place = (const double(*)[3])place;
+    equilibrium->contact_face.triad = (const double(*)[3][3])triad;
+    equilibrium->contact_face.area = area;
+    equilibrium->contact_work = malloc(bytes);
+    equilibrium->contact_bytes = bytes;
+    if (!place || !triad || !area || !equilibrium->contact_work)
         return PZS_E_WORKSPACE;
-    p->face.face = contact->face == FACE_OUTER;
-    p->face.input = input;
-    memcpy(p->face.motion, contact->move, sizeof p->face.motion);
+    equilibrium->contact_face.face = contact->face == FACE_OUTER;
+    equilibrium->contact_face.input = input;
+    memcpy(equilibrium->contact_face.motion, contact->move,
+           sizeof equilibrium->contact_face.motion);
     design_node_areas(mesh, area);
     for (size_t n = 0; n < nodes; n++)
         for (int i = 0; i < 3; i++) {
-            place[n][i] =
-                mesh->point[n].x[i] + mesh->laminate.z[p->face.face] * mesh->point[n].e[2][i];
+            place[n][i] = mesh->point[n].x[i] +
+                          mesh->laminate.z[equilibrium->contact_face.face] * mesh->point[n].e[2][i];
             memcpy(triad[n][i], mesh->point[n].e[i], sizeof triad[n][i]);
             low[i] = n ? fmin(low[i], place[n][i]) : place[n][i];
             high[i] = n ? fmax(high[i], place[n][i]) : place[n][i];
         }
     for (int i = 0; i < 3; i++)
-        p->face.size = fmax(p->face.size, high[i] - low[i]);
-    build_body(p, p->face.size);
-    p->face.format = PZS_TABLE_FORMAT;
-    p->face.scene = p->design->structure.scene;
-    p->face.crc = pzs_contact_crc(&p->face, &p->design->structure);
+        equilibrium->contact_face.size = fmax(equilibrium->contact_face.size, high[i] - low[i]);
+    build_body(equilibrium, equilibrium->contact_face.size);
+    equilibrium->contact_face.format = PZS_TABLE_FORMAT;
+    equilibrium->contact_face.scene = equilibrium->design->structure.scene;
+    equilibrium->contact_face.crc =
+        pzs_contact_crc(&equilibrium->contact_face, &equilibrium->design->structure);
     const pzs_status status =
-        pzs_attach_contact(&p->run, &p->contact, &p->face, &p->body, p->contact_work, bytes);
-    p->contact.settings.stiffness = contact->stiffness;
+        pzs_attach_contact(&equilibrium->solver, &equilibrium->contact, &equilibrium->contact_face,
+                           &equilibrium->body, equilibrium->contact_work, bytes);
+    equilibrium->contact.settings.stiffness = contact->stiffness;
     return status;
 }
 
-double path_contact_output(const equilibrium *p, const scene_output *output, int node)
+double equilibrium_contact_output(const equilibrium *equilibrium, const scene_output *output,
+                                  int node)
 {
     switch (output->contact) {
     case CONTACT_X:
     case CONTACT_Y:
-    case CONTACT_Z: return p->contact.info.force[output->contact - CONTACT_X];
-    case CONTACT_NODES: return p->contact.info.nodes;
-    case CONTACT_PRESSURE: return p->contact.info.pressure[node];
+    case CONTACT_Z: return equilibrium->contact.info.force[output->contact - CONTACT_X];
+    case CONTACT_NODES: return equilibrium->contact.info.nodes;
+    case CONTACT_PRESSURE: return equilibrium->contact.info.pressure[node];
     case CONTACT_NONE: break;
     }
     return (double)NAN;
@@ -261,16 +267,16 @@ static const char *penetration_cure(const pzs_contact *contact, pzs_status statu
     return "the node is held or faces away: start the body clear of the shell";
 }
 
-void path_penetration(const equilibrium *p, pzs_status status, char *text)
+void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status status, char *text)
 {
-    const mesh *mesh = &p->design->mesh;
-    const pzs_contact *contact = &p->contact;
+    const mesh *mesh = &equilibrium->design->mesh;
+    const pzs_contact *contact = &equilibrium->contact;
     const char *face = contact->info.side ? "outer" : "inner";
     char unit[SCENE_NAME + 1];
     const uint16_t *corner = mesh->element[contact->info.element];
     const double *low = mesh->theta[corner[0]], *high = mesh->theta[corner[2]];
     char what[SCENE_NAME + 128];
-    const char *length_unit = p->design->scene->unit_length;
+    const char *length_unit = equilibrium->design->scene->unit_length;
     snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
     if (contact->info.penetration == PZS_PENETRATION_PASSED)
         snprintf(what, sizeof what, "it passes through the %s face in one load step", face);
@@ -302,154 +308,163 @@ typedef struct piece {
 static void list_pieces(const equilibrium *p, piece piece[PIECES])
 {
     equilibrium *q = (equilibrium *)p;
-    piece[0].at = &q->run, piece[0].bytes = sizeof q->run;
+    piece[0].at = &q->solver, piece[0].bytes = sizeof q->solver;
     piece[1].at = &q->contact, piece[1].bytes = sizeof q->contact;
     piece[2].at = &q->circuit, piece[2].bytes = sizeof q->circuit;
-    piece[3].at = q->work, piece[3].bytes = q->bytes;
+    piece[3].at = q->work, piece[3].bytes = q->work_bytes;
     piece[4].at = q->contact_work, piece[4].bytes = q->contact_bytes;
     piece[5].at = q->circuit_work, piece[5].bytes = q->circuit_bytes;
 }
 
-size_t path_state_bytes(const equilibrium *p)
+size_t equilibrium_state_bytes(const equilibrium *equilibrium)
 {
     piece piece[PIECES];
     size_t all = 0;
-    list_pieces(p, piece);
+    list_pieces(equilibrium, piece);
     for (int i = 0; i < PIECES; i++)
         all += piece[i].bytes;
     return all;
 }
 
-void path_keep(const equilibrium *p, void *state)
+void equilibrium_save(const equilibrium *equilibrium, void *state)
 {
     piece piece[PIECES];
     unsigned char *to = state;
-    list_pieces(p, piece);
+    list_pieces(equilibrium, piece);
     for (int i = 0; i < PIECES; to += piece[i++].bytes)
         if (piece[i].bytes > 0)
             memcpy(to, piece[i].at, piece[i].bytes);
 }
 
 /* The model's factor stays where it went: the shape's own is made by the next equilibrium. */
-void path_return(equilibrium *p, const void *state)
+void equilibrium_restore(equilibrium *equilibrium, const void *state)
 {
     piece piece[PIECES];
     const unsigned char *from = state;
-    list_pieces(p, piece);
+    list_pieces(equilibrium, piece);
     for (int i = 0; i < PIECES; from += piece[i++].bytes)
         if (piece[i].bytes > 0)
             memcpy(piece[i].at, from, piece[i].bytes);
-    p->run.state.model->state.stage = STAGE_READY;
+    equilibrium->solver.state.model->state.stage = STAGE_READY;
 }
 
 /* ---- open ------------------------------------------------------------- */
 
 /* Full loads and applied volts; a follower's amount is that of its extra input. */
-static void set_full(equilibrium *p)
+static void set_full(equilibrium *equilibrium)
 {
-    const design *design = p->design;
-    design_applied(design, p->full);
+    const design *design = equilibrium->design;
+    design_applied(design, equilibrium->full_input);
     for (int k = 0; k < design->loads; k++)
-        p->full[design->amplifiers + k] = design->scene->load[k].follower == FOLLOWER_NONE;
+        equilibrium->full_input[design->amplifiers + k] =
+            design->scene->load[k].follower == FOLLOWER_NONE;
     for (int k = design->amplifiers + design->loads; k < design->sensor_first; k++)
-        p->full[k] = 1;
+        equilibrium->full_input[k] = 1;
 }
 
-static pzs_status start(equilibrium *p, pzs_model *model)
+static pzs_status start(equilibrium *equilibrium, pzs_model *model)
 {
-    const design *design = p->design;
+    const design *design = equilibrium->design;
     const pzs_structure *structure = &design->structure;
     const size_t bytes =
         PZS_SOLVER_BYTES(structure->free_dof, structure->elements, structure->input.count);
     int input = design->amplifiers + design->loads;
-    p->full = calloc((size_t)structure->input.count + 1, sizeof *p->full);
-    p->follower = calloc((size_t)design->loads + 1, sizeof *p->follower);
-    p->load = calloc((size_t)design->loads + 1, sizeof *p->load);
-    p->work = malloc(bytes);
-    p->bytes = bytes;
+    equilibrium->full_input =
+        calloc((size_t)structure->input.count + 1, sizeof *equilibrium->full_input);
+    equilibrium->follower = calloc((size_t)design->loads + 1, sizeof *equilibrium->follower);
+    equilibrium->follower_load =
+        calloc((size_t)design->loads + 1, sizeof *equilibrium->follower_load);
+    equilibrium->work = malloc(bytes);
+    equilibrium->work_bytes = bytes;
     double *value = calloc((size_t)structure->nodes, sizeof *value);
-    pzs_status status = p->full && p->follower && p->load && p->work && value
-                            ? build_given(p, value)
+    pzs_status status = equilibrium->full_input && equilibrium->follower &&
+                                equilibrium->follower_load && equilibrium->work && value
+                            ? build_prescribed_resultants(equilibrium, value)
                             : PZS_E_WORKSPACE;
     free(value);
-    p->tables.format = PZS_TABLE_FORMAT;
-    p->tables.scene = structure->scene;
+    equilibrium->tables.format = PZS_TABLE_FORMAT;
+    equilibrium->tables.scene = structure->scene;
     for (int k = 0; k < design->loads; k++)
         input += design->scene->load[k].follower != FOLLOWER_NONE;
-    p->tables.prescribed.count = (uint16_t)design->mesh.prescribed_count;
-    p->tables.prescribed.input = (uint16_t)input;
-    p->tables.prescribed.dof = design->mesh.prescribed_dof;
-    p->tables.prescribed.value = design->mesh.prescribed_value;
-    p->tables.crc = status == PZS_OK ? pzs_nonlinear_crc(&p->tables, structure) : 0;
-    return status == PZS_OK ? pzs_solver_init(&p->run, model, &p->tables, p->work, bytes) : status;
+    equilibrium->tables.prescribed.count = (uint16_t)design->mesh.prescribed_count;
+    equilibrium->tables.prescribed.input = (uint16_t)input;
+    equilibrium->tables.prescribed.dof = design->mesh.prescribed_dof;
+    equilibrium->tables.prescribed.value = design->mesh.prescribed_value;
+    equilibrium->tables.crc =
+        status == PZS_OK ? pzs_nonlinear_crc(&equilibrium->tables, structure) : 0;
+    return status == PZS_OK ? pzs_solver_init(&equilibrium->solver, model, &equilibrium->tables,
+                                              equilibrium->work, bytes)
+                            : status;
 }
 
-static pzs_status build_circuit(equilibrium *p)
+static pzs_status build_circuit(equilibrium *equilibrium)
 {
-    const design *design = p->design;
+    const design *design = equilibrium->design;
     const uint32_t open = pzs_electrode_open_count(&design->electrodes);
     const size_t bytes = PZS_CIRCUIT_BYTES(design->electrodes.count, open);
     if (open == 0)
         return PZS_OK;
-    p->circuit_work = malloc(bytes);
-    p->circuit_bytes = bytes;
-    return p->circuit_work ? pzs_attach_circuit(&p->run, &p->circuit, &design->electrodes,
-                                                p->circuit_work, bytes)
-                           : PZS_E_WORKSPACE;
+    equilibrium->circuit_work = malloc(bytes);
+    equilibrium->circuit_bytes = bytes;
+    return equilibrium->circuit_work
+               ? pzs_attach_circuit(&equilibrium->solver, &equilibrium->circuit,
+                                    &design->electrodes, equilibrium->circuit_work, bytes)
+               : PZS_E_WORKSPACE;
 }
 
-static pzs_status attach(equilibrium *p)
+static pzs_status attach(equilibrium *equilibrium)
 {
-    const design *design = p->design;
+    const design *design = equilibrium->design;
     int input = design->amplifiers + design->loads;
-    pzs_status status = build_circuit(p);
+    pzs_status status = build_circuit(equilibrium);
     for (int k = 0; k < design->loads && status == PZS_OK; k++)
         if (design->scene->load[k].follower != FOLLOWER_NONE)
-            status = build_follower(p, &design->scene->load[k], (uint16_t)input++);
+            status = build_follower(equilibrium, &design->scene->load[k], (uint16_t)input++);
     input += design->mesh.prescribed_count > 0;
-    return status == PZS_OK && design->scene->contact.given ? build_contact(p, (uint16_t)input)
-                                                            : status;
+    return status == PZS_OK && design->scene->contact.given
+               ? build_contact(equilibrium, (uint16_t)input)
+               : status;
 }
 
-pzs_status path_open(equilibrium *p, const design *design, pzs_model *model)
+pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_model *model)
 {
-    memset(p, 0, sizeof *p);
-    p->design = design;
-    pzs_status status = start(p, model);
+    memset(equilibrium, 0, sizeof *equilibrium);
+    equilibrium->design = design;
+    pzs_status status = start(equilibrium, model);
     if (status == PZS_OK)
-        status = attach(p);
+        status = attach(equilibrium);
     if (status != PZS_OK) {
-        path_close(p);
+        equilibrium_close(equilibrium);
         return status;
     }
     const scene_equilibrium *choice = &design->scene->equilibrium;
-    set_full(p);
-    p->run.settings.load_steps = (uint16_t)choice->steps;
-    p->run.settings.tolerance = choice->change;
-    p->run.settings.extrapolated_iterations = (uint16_t)choice->mixed;
-    p->run.settings.solve_limit = (uint32_t)choice->systems;
+    set_full(equilibrium);
+    equilibrium->solver.settings.load_steps = (uint16_t)choice->steps;
+    equilibrium->solver.settings.tolerance = choice->change;
+    equilibrium->solver.settings.extrapolated_iterations = (uint16_t)choice->mixed;
+    equilibrium->solver.settings.solve_limit = (uint32_t)choice->systems;
     return PZS_OK;
 }
 
-void path_close(equilibrium *p)
+void equilibrium_close(equilibrium *equilibrium)
 {
-    design_release(p->tables.given.start);
-    design_release(p->tables.given.element);
-    design_release(p->tables.given.which);
-    design_release(p->tables.given.value);
-    for (int k = 0; k < p->followers; k++) {
-        design_release(p->follower[k].pressure);
-        design_release(p->follower[k].area);
-        design_release(p->follower[k].lean);
+    design_release(equilibrium->tables.given.start);
+    design_release(equilibrium->tables.given.element);
+    design_release(equilibrium->tables.given.which);
+    design_release(equilibrium->tables.given.value);
+    for (int k = 0; k < equilibrium->followers; k++) {
+        design_release(equilibrium->follower[k].pressure);
+        design_release(equilibrium->follower[k].area);
+        design_release(equilibrium->follower[k].lean);
     }
-    design_release(p->face.place);
-    design_release(p->face.triad);
-    design_release(p->face.area);
-    free(p->follower);
-    free(p->load);
-    free(p->full);
-    free(p->work);
-    free(p->contact_work);
-    free(p->circuit_work);
-    memset(p, 0, sizeof *p);
+    design_release(equilibrium->contact_face.place);
+    design_release(equilibrium->contact_face.triad);
+    design_release(equilibrium->contact_face.area);
+    free(equilibrium->follower);
+    free(equilibrium->follower_load);
+    free(equilibrium->full_input);
+    free(equilibrium->work);
+    free(equilibrium->contact_work);
+    free(equilibrium->circuit_work);
+    memset(equilibrium, 0, sizeof *equilibrium);
 }

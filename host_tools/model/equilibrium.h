@@ -10,17 +10,17 @@
 typedef struct equilibrium {
     const design *design;
     pzs_nonlinear tables;
-    pzs_follower *follower;  /* [followers] */
-    pzs_follower_load *load; /* [followers] */
+    pzs_follower *follower;           /* [followers] */
+    pzs_follower_load *follower_load; /* [followers] */
     int followers;
-    pzs_contact_face face;
+    pzs_contact_face contact_face;
     pzs_body body;
     pzs_contact contact; /* attached where the scene has one */
     pzs_circuit circuit; /* attached where the scene has an open electrode */
-    pzs_solver run;
-    double *full; /* [inputs] the scene's loads and applied volts */
+    pzs_solver solver;
+    double *full_input; /* [inputs] the scene's loads and applied volts */
     void *work, *contact_work, *circuit_work;
-    size_t bytes, contact_bytes, circuit_bytes; /* of each */
+    size_t work_bytes, contact_bytes, circuit_bytes; /* of each */
 } equilibrium;
 
 /*
@@ -29,23 +29,24 @@ typedef struct equilibrium {
  *   model  in/out initialised on d's structure
  * Returns PZS_OK, or the library's status; on failure *p is empty.
  */
-pzs_status path_open(equilibrium *p, const design *design, pzs_model *model);
-void path_close(equilibrium *p);
+pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_model *model);
+void equilibrium_close(equilibrium *equilibrium);
 
 /*
  * Copy what a path has reached, to come back to it.
- *   state [path_state_bytes] out, in
+ *   state [equilibrium_state_bytes] out, in
  */
-size_t path_state_bytes(const equilibrium *p);
-void path_keep(const equilibrium *p, void *state);
-void path_return(equilibrium *p, const void *state);
+size_t equilibrium_state_bytes(const equilibrium *equilibrium);
+void equilibrium_save(const equilibrium *equilibrium, void *state);
+void equilibrium_restore(equilibrium *equilibrium, const void *state);
 
 /*
  * Value of an output of contact.
  *   output in  its contact is not CONTACT_NONE
  *   node   in  of a contact pressure; not read for the others
  */
-double path_contact_output(const equilibrium *p, const scene_output *output, int node);
+double equilibrium_contact_output(const equilibrium *equilibrium, const scene_output *output,
+                                  int node);
 
 /*
  * Where and how the body of the contact lies in the shell, and the cure, as the last load step that
@@ -53,6 +54,6 @@ double path_contact_output(const equilibrium *p, const scene_output *output, int
  *   status in   PZS_E_PENETRATION or PZS_W_BEHIND
  *   text   out  [SCENE_ERROR]
  */
-void path_penetration(const equilibrium *p, pzs_status status, char *text);
+void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status status, char *text);
 
 #endif

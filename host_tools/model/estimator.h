@@ -16,16 +16,16 @@ typedef struct estimator {
     int rank;               /* combinations of disturbances that show above the noise */
     double condition;       /* the clearest over the faintest of them */
     double disturbed;       /* |W y| expected of the disturbances, root mean square */
-    double missed;          /* what the estimate leaves of it */
+    double remaining;       /* what the estimate leaves of it */
     double worst_disturbed; /* the same along the direction that is missed most */
-    double worst_missed;
-    double *worst;         /* [targets] that direction, its largest entry 1 */
-    int worst_target;      /* where that is */
-    double *direct, *gain; /* S [sensors][amplifiers], G [targets][sensors] */
-    double *known;         /* [targets][loads] shape per unit of each load */
-    double *shown;         /* [sensors][loads] what the sensors show per unit of each */
+    double worst_remaining;
+    double *worst;            /* [targets] that direction, its largest entry 1 */
+    int worst_target;         /* where that is */
+    double *direct, *gain;    /* S [sensors][amplifiers], G [targets][sensors] */
+    double *shape_per_load;   /* [targets][loads] shape per unit of each load */
+    double *reading_per_load; /* [sensors][loads] what the sensors show per unit of each */
     pzs_estimator tables;
-    pzs_feed_forward_table known_tables, shown_tables; /* none without loads, or sensors */
+    pzs_feed_forward_table shape_table, reading_table; /* none without loads, or sensors */
 } estimator;
 
 /*

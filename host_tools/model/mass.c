@@ -36,14 +36,15 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 {
     const double middle = (laminate->z[0] + laminate->z[1]) / 2;
     memset(m, 0, sizeof(double[FUNCTIONS][FUNCTIONS]));
-    add_moments(0, laminate->h, per_area, m);
+    add_moments(0, laminate->thickness, per_area, m);
     for (int p = 0; p < laminate->plies; p++) {
         const laminate_ply *ply = &laminate->ply[p];
         const double half = (ply->z[1] - ply->z[0]) / 2, centre = (ply->z[0] + ply->z[1]) / 2;
-        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+        for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
             const double z = centre + half * gauss_x[g];
             const double metric = (1 + place->k[0] * z) * (1 + place->k[1] * z);
-            add_moments(z - middle, laminate->h, half * gauss_w[g] * ply->weight * metric, m);
+            add_moments(z - middle, laminate->thickness, half * gauss_w[g] * ply->density * metric,
+                        m);
         }
     }
 }
@@ -70,8 +71,8 @@ static double between(const surface_point *p, int a, const surface_point *q, int
 static void fill_element(const mesh *mesh, int element, double lumped,
                          double m[FUNCTIONS][FUNCTIONS], double *entry)
 {
-    const int dof_per_node = (int)mesh->unknowns;
-    const double area = mesh->place[mesh->element_kind[element]].area;
+    const int dof_per_node = (int)mesh->dof_per_node;
+    const double area = mesh->place[mesh->element_type[element]].area;
     for (int row = 0; row < 4 * dof_per_node; row++)
         for (int column = 0; column <= row; column++) {
             const int r = row / dof_per_node, s = column / dof_per_node, i = row % dof_per_node,
@@ -85,7 +86,7 @@ static void fill_element(const mesh *mesh, int element, double lumped,
 
 static size_t entries(const mesh *mesh)
 {
-    return SHELL_PACKED(4 * (size_t)mesh->unknowns);
+    return SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
 }
 
 int mass_missing(const scene *scene, char names[SCENE_ERROR])
@@ -133,7 +134,7 @@ int mass_build(mass *mass, const mesh *mesh, double lumped, char *error)
                            "the mass of %d elements does not fit into memory", mesh->elements);
     for (int e = 0; e < mesh->elements; e++) {
         double integral[FUNCTIONS][FUNCTIONS];
-        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], scene->dynamics.mass_per_area,
+        moments(&mesh->laminate, &mesh->place[mesh->element_type[e]], scene->dynamics.mass_per_area,
                 integral);
         fill_element(mesh, e, lumped, integral, mass->entry + (size_t)e * entries(mesh));
     }
@@ -168,11 +169,11 @@ static void multiply_element(const double *entry, int n, const double *u, double
 
 void mass_multiply(const mass *mass, const pzs_model *model, const double *u, double *f)
 {
-    memset(f, 0, (size_t)mass->mesh->dof * sizeof *f);
+    memset(f, 0, (size_t)mass->mesh->free_dof * sizeof *f);
     for (int e = 0; e < mass->mesh->elements; e++) {
         double local[SHELL_MAX], force[SHELL_MAX];
         pzs_model_gather(model, mass->mesh->element[e], SHELL_NODES, u, local);
-        multiply_element(mass_element(mass, e), 4 * (int)mass->mesh->unknowns, local, force);
+        multiply_element(mass_element(mass, e), 4 * (int)mass->mesh->dof_per_node, local, force);
         pzs_model_scatter(model, mass->mesh->element[e], SHELL_NODES, 1, force, f);
     }
 }
@@ -208,10 +209,10 @@ static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], co
 double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3],
                   const double spin[3], double *force)
 {
-    const int dof_per_node = (int)mass->mesh->unknowns;
+    const int dof_per_node = (int)mass->mesh->dof_per_node;
     double sum = 0;
     if (force)
-        memset(force, 0, (size_t)mass->mesh->dof * sizeof *force);
+        memset(force, 0, (size_t)mass->mesh->free_dof * sizeof *force);
     for (int e = 0; e < mass->mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
         for (int r = 0; r < SHELL_NODES; r++) {

@@ -11,9 +11,9 @@ static int run_unlimited(analysis *analysis, mode *m, char *error)
     voltages result;
     const int failed =
         voltages_optimum(analysis, (common_limits){.source = LIMITS_NONE}, &result, error);
-    m->unlimited = result.error;
-    for (int k = 0; !failed && k < result.volts; k++)
-        m->volt = fmax(m->volt, fabs(result.volt[k]));
+    m->unconstrained_error = result.error;
+    for (int k = 0; !failed && k < result.amplifiers; k++)
+        m->largest_voltage = fmax(m->largest_voltage, fabs(result.voltage[k]));
     voltages_free(&result);
     return failed;
 }
@@ -28,7 +28,7 @@ static int run_limited(analysis *analysis, common_limits limit, mode_left *left,
                        voltages_regularised(analysis, limit, &tuned, error) < 0;
     memcpy(left->limit, best.limit, sizeof left->limit);
     left->optimum = best.error;
-    left->active = best.active;
+    left->active_limits = best.active_limits;
     left->clipped = cut.error;
     left->regularised = tuned.error;
     voltages_free(&best);

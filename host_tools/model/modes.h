@@ -13,13 +13,13 @@ typedef struct mode_left {
     double optimum;     /* shape error of the best volts within them */
     double clipped;     /* of clipped least squares, */
     double regularised; /* and regularised before with the best parameter of this mode */
-    int active;         /* amplifiers at a limit at the optimum */
+    int active_limits;  /* amplifiers at a limit at the optimum */
 } mode_left;
 
 typedef struct mode {
-    double size;      /* root mean square of what is wanted */
-    double unlimited; /* shape error without limits, */
-    double volt;      /* and the largest volt it takes */
+    double size;                /* root mean square of what is wanted */
+    double unconstrained_error; /* shape error without limits, */
+    double largest_voltage;     /* and the largest volt it takes */
 } mode;
 
 typedef struct modes {

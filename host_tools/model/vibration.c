@@ -414,8 +414,8 @@ static double energy(const search *s, const double *x)
     for (int e = 0; e < mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
         pzs_model_gather(&s->model, mesh->element[e], SHELL_NODES, x, u);
-        pzs_shell_force(&mesh->kind[mesh->element_kind[e]], mesh->unknowns, u, f);
-        sum += dot(u, f, SHELL_NODES * (size_t)mesh->unknowns);
+        pzs_shell_force(&mesh->type[mesh->element_type[e]], mesh->dof_per_node, u, f);
+        sum += dot(u, f, SHELL_NODES * (size_t)mesh->dof_per_node);
     }
     return sum;
 }
@@ -530,7 +530,7 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     memset(vibration, 0, sizeof *vibration);
     memset(&s, 0, sizeof s);
     s.d = design;
-    const int most = design->mesh.dof - design->mesh.prescribed_count;
+    const int most = design->mesh.free_dof - design->mesh.prescribed_count;
     const int wanted = number < most ? number : most;
     if (mass_build(&s.mass, &design->mesh, lumped, error) < 0)
         return -1;
@@ -567,7 +567,7 @@ int vibration_first(const vibration *vibration)
 double vibration_static(const vibration *vibration, const design *design, int mode, int input)
 {
     const pzs_rows *in = &design->structure.input;
-    const double *x = vibration->shape + (size_t)mode * (size_t)design->mesh.dof;
+    const double *x = vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof;
     double sum = 0;
     for (uint32_t t = in->start[input]; t < in->start[input + 1]; t++)
         sum += in->value[t] * x[in->dof[t]];

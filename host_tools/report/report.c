@@ -18,8 +18,8 @@ void report_displacement(const mesh *mesh, const double *u, double *vector)
             double weight[7], sum = 0;
             design_output_weights(mesh, n, (scene_component)((int)COMPONENT_X + i), FACE_MIDDLE,
                                   weight);
-            for (unsigned k = 0; k < mesh->unknowns; k++) {
-                const uint16_t dof = mesh->node_dof[(size_t)n * mesh->unknowns + k];
+            for (unsigned k = 0; k < mesh->dof_per_node; k++) {
+                const uint16_t dof = mesh->node_dof[(size_t)n * mesh->dof_per_node + k];
                 sum += dof == PZS_CONSTRAINED ? 0 : weight[k] * u[dof];
             }
             vector[3 * n + i] = sum;
@@ -239,7 +239,7 @@ static void draw_components(FILE *file, const mesh *mesh, const double *vector, 
 static void draw_contact(FILE *file, const analysis *analysis)
 {
     const mesh *mesh = &analysis->design.mesh;
-    const pzs_contact *contact = &analysis->path.contact;
+    const pzs_contact *contact = &analysis->equilibrium.contact;
     char unit[WORDS_UNIT];
     draw_scale scale = {0, 0, words_unit(mesh->scene, QUANTITY_PRESSURE, unit)};
     if (!analysis->nonlinear || !mesh->scene->contact.given)
@@ -262,7 +262,7 @@ static int write_solve(FILE *file, const analysis *analysis, const double *outpu
     const design *design = &analysis->design;
     html_begin(file, design->scene->name);
     parts_head(file, analysis, "Displacement under loads and applied volts",
-               analysis->nonlinear ? analysis->path.run.info.residual
+               analysis->nonlinear ? analysis->equilibrium.solver.info.residual
                                    : analysis->model.info.residual,
                analysis->model.info.error_estimate);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", file);

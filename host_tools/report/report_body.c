@@ -4,12 +4,13 @@
 #include <string.h>
 
 /* Distance of x from the body as it stands now, its gradient in normal. */
-static double gap_at(const equilibrium *p, const double x[3], double normal[3])
+static double gap_at(const equilibrium *equilibrium, const double x[3], double normal[3])
 {
     double from[3], hessian[3][3];
     for (int i = 0; i < 3; i++)
-        from[i] = x[i] - p->run.info.load_factor * p->design->scene->contact.move[i];
-    return p->body.gap(&p->body, from, normal, hessian);
+        from[i] = x[i] - equilibrium->solver.info.load_factor *
+                             equilibrium->design->scene->contact.move[i];
+    return equilibrium->body.gap(&equilibrium->body, from, normal, hessian);
 }
 
 /* Two unit vectors across a normal, the second along the axis that lies most across it. */
@@ -39,7 +40,7 @@ static void nearest(const analysis *analysis, const double *vector, double foot[
     for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], out[3];
         draw_place(&analysis->design.mesh, n, vector, 1, x);
-        const double gap = gap_at(&analysis->path, x, out);
+        const double gap = gap_at(&analysis->equilibrium, x, out);
         if (!(gap < least))
             continue;
         least = gap;
@@ -55,12 +56,13 @@ static void nearest(const analysis *analysis, const double *vector, double foot[
 static void reach_of(const analysis *analysis, const double *vector, const double foot[3],
                      double along[2][3], double reach[2][2])
 {
-    const double size = analysis->path.face.size, near = 0.12 * size, margin = 0.04 * size;
+    const double size = analysis->equilibrium.contact_face.size, near = 0.12 * size,
+                 margin = 0.04 * size;
     memset(reach, 0, 4 * sizeof **reach);
     for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], unused[3];
         draw_place(&analysis->design.mesh, n, vector, 1, x);
-        if (gap_at(&analysis->path, x, unused) > near)
+        if (gap_at(&analysis->equilibrium, x, unused) > near)
             continue;
         for (int i = 0; i < 3; i++)
             x[i] -= foot[i];
@@ -95,7 +97,7 @@ void body_find(body_net *net, const analysis *analysis, const double *vector)
             for (int k = 0; k < 3; k++)
                 x[k] = foot[k] + s * along[0][k] + t * along[1][k];
             for (int pull = 0; pull < PULLS; pull++) {
-                const double gap = gap_at(&analysis->path, x, out);
+                const double gap = gap_at(&analysis->equilibrium, x, out);
                 for (int k = 0; k < 3; k++)
                     x[k] -= gap * out[k];
             }

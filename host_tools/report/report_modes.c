@@ -29,7 +29,7 @@ static decades scale_of(const modes *modes, int l)
 {
     decades d = {0, 0};
     for (int k = 0; k < modes->count; k++) {
-        include(&d, modes->mode[k].unlimited);
+        include(&d, modes->mode[k].unconstrained_error);
         include(&d, modes->left[k * modes->limits + l].optimum);
         include(&d, modes->left[k * modes->limits + l].clipped);
     }
@@ -60,7 +60,7 @@ static void draw_mode(FILE *file, const decades *d, const char *name, const mode
                       const mode_left *left, int row)
 {
     const double y = ROW * (row + 0.5), best = place_of(d, left->optimum),
-                 cut = place_of(d, left->clipped), open = place_of(d, one->unlimited);
+                 cut = place_of(d, left->clipped), open = place_of(d, one->unconstrained_error);
     fprintf(file, "<text x=\"0\" y=\"%.1f\">", y + 4);
     html_text(file, name);
     fprintf(
@@ -96,7 +96,7 @@ static void table_modes(FILE *file, const scene *scene, const modes *modes, int 
     double size = 0, voltage = 0;
     for (int k = 0; k < modes->count; k++) {
         size = fmax(size, modes->mode[k].size);
-        voltage = fmax(voltage, modes->mode[k].volt);
+        voltage = fmax(voltage, modes->mode[k].largest_voltage);
     }
     html_table_begin(
         file, NULL,
@@ -109,12 +109,12 @@ static void table_modes(FILE *file, const scene *scene, const modes *modes, int 
         fputs("</th><td>", file);
         html_alike(file, modes->mode[k].size, size, scene->unit_length);
         fputs("</td><td>", file);
-        html_percent(file, modes->mode[k].unlimited);
+        html_percent(file, modes->mode[k].unconstrained_error);
         fputs("</td><td>", file);
-        html_alike(file, modes->mode[k].volt, voltage, scene->unit_voltage);
+        html_alike(file, modes->mode[k].largest_voltage, voltage, scene->unit_voltage);
         fputs("</td><td>", file);
         html_percent(file, left->optimum);
-        fprintf(file, "</td><td>%d</td><td>", left->active);
+        fprintf(file, "</td><td>%d</td><td>", left->active_limits);
         html_percent(file, left->clipped);
         fputs("</td></tr>\n", file);
     }

@@ -57,23 +57,23 @@ static void facts(FILE *file, const analysis *analysis, double residual, double 
     fputs("<dl>\n", file);
     fact(file, "Mesh");
     fprintf(file, "%d &times; %d elements of %d kind%s, %d nodes", scene->line[0].elements,
-            scene->line[1].elements, mesh->kinds, mesh->kinds == 1 ? "" : "s", mesh->nodes);
+            scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s", mesh->nodes);
     fact_end(file);
     fact(file, "Free unknowns");
-    fprintf(file, "%d, half bandwidth %d", mesh->dof, mesh_half_bandwidth(mesh));
+    fprintf(file, "%d, half bandwidth %d", mesh->free_dof, mesh_half_bandwidth(mesh));
     fact_end(file);
     fact(file, "Element");
     fprintf(file, "%s kinematics, %s metric, %u unknowns a node",
             scene->element.cartesian ? "Cartesian" : "local",
-            scene->element.metric ? "exact" : "flat", mesh->unknowns);
+            scene->element.metric ? "exact" : "flat", mesh->dof_per_node);
     fact_end(file);
     fact(file, "Thickness");
-    html_quantity(file, mesh->laminate.h, scene->unit_length);
+    html_quantity(file, mesh->laminate.thickness, scene->unit_length);
     fact_end(file);
     fact_check(file, "Condition after scaling", analysis->model.info.condition);
     fact_check(file, "Solver residual", residual);
     if (analysis->nonlinear)
-        path_facts(file, &analysis->path.run);
+        path_facts(file, &analysis->equilibrium.solver);
     else
         fact_check(file, "Solver error estimate, energy norm; without the discretisation error",
                    error);
@@ -300,7 +300,7 @@ void parts_conditions(FILE *file, const design *design)
         fputs("<tr><th scope=\"row\">Support</th><td class=\"note\">", file);
         write_where(file, scene, &scene->support[k].where);
         fputs(": ", file);
-        write_fix(file, &scene->support[k], design->mesh.unknowns);
+        write_fix(file, &scene->support[k], design->mesh.dof_per_node);
         fputs("</td></tr>\n", file);
     }
     for (int k = 0; k < scene->loads; k++)

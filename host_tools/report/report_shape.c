@@ -54,8 +54,8 @@ static int result_room(result *result, const design *design)
 
 static void result_misfit(const design *design, result *result)
 {
-    parts_misfit(design, result->volts->shape, result->volts->aim, result->vector, result->misfit,
-                 result->wanted);
+    parts_misfit(design, result->volts->shape, result->volts->aligned_target, result->vector,
+                 result->misfit, result->wanted);
     for (int t = 0; t < design->targets; t++) {
         const double miss = result->misfit[design->target_node[t]];
         result->worst = fmax(result->worst, fabs(miss));
@@ -69,13 +69,13 @@ static void result_outline(const design *design, result *r)
 {
     const voltages *v = r->volts;
     for (int k = 0; k < design->amplifiers; k++) {
-        const double voltage = v->volt[k];
+        const double voltage = v->voltage[k];
         const int at = voltage == v->limit[0] || voltage == v->limit[1] ||
                        voltage == design->lower[k] || voltage == design->upper[k];
         const int beyond = voltage < design->lower[k] || voltage > design->upper[k];
-        r->outline[k] = v->active > 0 && at ? OUTLINE_LIMIT
-                        : beyond            ? OUTLINE_BEYOND
-                                            : OUTLINE_NONE;
+        r->outline[k] = v->active_limits > 0 && at ? OUTLINE_LIMIT
+                        : beyond                   ? OUTLINE_BEYOND
+                                                   : OUTLINE_NONE;
         r->beyond += beyond;
         r->volt = fmax(r->volt, fabs(voltage));
     }
@@ -176,7 +176,8 @@ static void write_verdict(const page *page)
     html_percent(page->file, best->error);
     fputs(" of the target</b>: ", page->file);
     write_name(page, best);
-    fprintf(page->file, ", %d of %d amplifiers at a limit.", best->active, page->d->amplifiers);
+    fprintf(page->file, ", %d of %d amplifiers at a limit.", best->active_limits,
+            page->d->amplifiers);
     if (asked && unlimited) {
         fputs(" Without limits ", page->file);
         html_percent(page->file, unlimited->error);
@@ -201,7 +202,7 @@ static void write_row(const page *page, const result *result, double worst_error
     html_alike(file, result->worst, page->misfit.most, page->misfit.unit);
     fputs("</td><td>", file);
     if (is_limited(result->volts))
-        fprintf(file, "%d of %d", result->volts->active, page->d->amplifiers);
+        fprintf(file, "%d of %d", result->volts->active_limits, page->d->amplifiers);
     else
         fputs("&ndash;", file);
     fputs("</td><td>", file);
@@ -289,7 +290,7 @@ static void draw_volts(const page *page, const result *result)
             write_plan(page, which);
             fputs("</h3>\n", page->file);
         }
-        plane_volts(page->file, &page->d->mesh, page->plan, which, result->volts->volt,
+        plane_volts(page->file, &page->d->mesh, page->plan, which, result->volts->voltage,
                     result->outline, &page->volt,
                     "Volts of the amplifiers, written in their patches where there is room");
     }
@@ -301,7 +302,7 @@ static void draw_volts(const page *page, const result *result)
             fputs(", ", page->file);
             html_text(page->file, scene->actuator[k].name);
             fputc(' ', page->file);
-            html_quantity(page->file, result->volts->volt[scene->actuator[k].first],
+            html_quantity(page->file, result->volts->voltage[scene->actuator[k].first],
                           scene->unit_temperature);
         }
     fputs(". One scale for all sets:", page->file);

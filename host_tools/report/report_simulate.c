@@ -212,14 +212,14 @@ static void write_certificate(const page *page)
     const certificate *certificate = &page->s->nominal->certificate;
     char text[3 * SCENE_ERROR];
     certificate_text(certificate, text);
-    if (!certificate->made)
+    if (!certificate->is_made)
         return;
     fputs("<p><b>Quasi-static plant: no inertia.</b> ", page->file);
-    if (certificate->vibrates)
+    if (certificate->has_modes)
         fprintf(page->file, "First natural frequency %.4g Hz. ", certificate_first(certificate));
     else
         fputs("Vibration is not known: ", page->file);
-    html_text(page->file, certificate->vibrates ? text : certificate->why_not);
+    html_text(page->file, certificate->has_modes ? text : certificate->reason);
     fputs("</p>\n", page->file);
 }
 

@@ -251,7 +251,7 @@ static double slewed(double from, double to, double slew)
 /* An electrode whose failure the controller was told of jumps to where it is held. */
 static double slew_of(const loop *loop, int amplifier)
 {
-    return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->slew[amplifier];
+    return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->step_limit[amplifier];
 }
 
 /* ---- laws: step blocks of the simulation -------------------------------- */

@@ -27,16 +27,16 @@ static void write_elements(emitter *emitter, const mesh *mesh)
 }
 
 /* Corner tables of every kind, member by member in the order of pzs_element_type. */
-static void write_kinds(emitter *emitter, const mesh *mesh)
+static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
     static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
     fprintf(
         emitter->file,
         "/* corner tables of each element kind */\nstatic const pzs_element_type %s_kind[%d] = {",
-        emitter->prefix, mesh->kinds);
-    for (int k = 0; k < mesh->kinds; k++) {
-        const pzs_element_type *type = &mesh->kind[k];
+        emitter->prefix, mesh->types);
+    for (int k = 0; k < mesh->types; k++) {
+        const pzs_element_type *type = &mesh->type[k];
         fputs("{\n    ", emitter->file);
         emit_nested(emitter->file, &type->s[0][0][0][0], coupling, 4);
         fputs(",\n    ", emitter->file);
@@ -86,11 +86,11 @@ static void name_rows(const emitter *emitter, const char *name, uint16_t count)
 static size_t padded_entries(const mesh *mesh, int tile)
 {
     size_t entries = 0;
-    for (int row = 0; row < mesh->dof; row += tile) {
+    for (int row = 0; row < mesh->free_dof; row += tile) {
         int left = row;
-        for (int i = row; i < mesh->dof && i < row + tile; i++)
-            if (mesh->first[i] < left)
-                left = mesh->first[i];
+        for (int i = row; i < mesh->free_dof && i < row + tile; i++)
+            if (mesh->first_column[i] < left)
+                left = mesh->first_column[i];
         entries += (size_t)(row + tile - left / tile * tile) * (size_t)tile;
     }
     return entries;
@@ -111,20 +111,20 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     const mesh *mesh = &analysis->design.mesh;
     const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
     const pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
-    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->unknowns);
+    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
     const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
                                 structure.dof_per_node, structure.free_dof};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_elements(emitter, mesh);
-    emit_shorts(emitter, "element_kind", mesh->element_kind, (size_t)mesh->elements,
+    emit_shorts(emitter, "element_kind", mesh->element_type, (size_t)mesh->elements,
                 "kind of each element");
-    emit_shorts(emitter, "node_dof", mesh->node_dof, (size_t)mesh->nodes * mesh->unknowns,
+    emit_shorts(emitter, "node_dof", mesh->node_dof, (size_t)mesh->nodes * mesh->dof_per_node,
                 "free unknown of each nodal unknown, or PZS_CONSTRAINED");
-    emit_shorts(emitter, "first", mesh->first, (size_t)mesh->dof,
+    emit_shorts(emitter, "first", mesh->first_column, (size_t)mesh->free_dof,
                 "first column of each row of the factor");
-    emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->kinds * packed,
+    emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->types * packed,
                "element matrices, packed lower triangles (N/m, N)");
-    write_kinds(emitter, mesh);
+    write_element_types(emitter, mesh);
     write_rows(emitter, "input", &structure.input, structure.input.count,
                whole ? "force per unit of each amplifier, load and extra input"
                      : "force per volt of each amplifier");
@@ -134,7 +134,7 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     fprintf(emitter->file,
             "#define %s_DOF %d\n"
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
-            emitter->upper, mesh->dof, emitter->upper, mesh->dof, padded_entries(mesh, 4),
+            emitter->upper, mesh->free_dof, emitter->upper, mesh->free_dof, padded_entries(mesh, 4),
             padded_entries(mesh, 8), padded_entries(mesh, 16));
     emit_begin(emitter, "structure", "structure", structure.scene, structure.crc);
     fprintf(
@@ -191,7 +191,7 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 {
     write_structure(emitter, analysis, TABLES_NONLINEAR);
     write_electrodes(emitter, analysis);
-    return tables_path(emitter, analysis);
+    return tables_nonlinear(emitter, analysis);
 }
 
 /* ---- voltage problem -------------------------------------------------- */
@@ -220,8 +220,9 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     emit_reals(emitter, "weight", design->weight, m, "W");
     emit_limits(emitter, "lower", design->lower, n, 0, "voltage limits (V)");
     emit_limits(emitter, "upper", design->upper, n, 1, "(V)");
-    emit_limits(emitter, "slew", design->slew, n, 1, "most change a step (V)");
-    emit_reals(emitter, "prefer", design->prefer, n, "voltages preferred by the effort term (V)");
+    emit_limits(emitter, "slew", design->step_limit, n, 1, "most change a step (V)");
+    emit_reals(emitter, "prefer", design->reference_voltage, n,
+               "voltages preferred by the effort term (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(
@@ -319,14 +320,14 @@ static int write_beside(emitter *emitter, const analysis *analysis)
     char error[SCENE_ERROR];
     if (estimator_open(&estimator, analysis, error) < 0)
         return -1;
-    if (estimator.known_tables.inputs > 0) {
+    if (estimator.shape_table.inputs > 0) {
         fprintf(emitter->file, "#define %s_LOADS %u\n", emitter->upper,
-                estimator.known_tables.inputs);
-        write_known(emitter, "known", &estimator.known_tables,
+                estimator.shape_table.inputs);
+        write_known(emitter, "known", &estimator.shape_table,
                     "displacement of target node (row) per load (column), 1: as the scene says");
     }
-    if (estimator.known_tables.inputs > 0 && estimator.sensors > 0)
-        write_known(emitter, "shown", &estimator.shown_tables,
+    if (estimator.shape_table.inputs > 0 && estimator.sensors > 0)
+        write_known(emitter, "shown", &estimator.reading_table,
                     "what sensors (rows) show per load (column)");
     if (estimator.sensors > 0)
         write_estimator(emitter, &estimator);

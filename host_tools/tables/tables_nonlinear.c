@@ -49,47 +49,48 @@ static uint32_t follower_crc_32(const pzs_follower *tables, const mesh *mesh)
                                tables->true_area};
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
     crc = emit_crc_reals(crc, tables->share, 3);
-    crc = emit_crc_reals(crc, *tables->area, 4 * (size_t)mesh->kinds);
+    crc = emit_crc_reals(crc, *tables->area, 4 * (size_t)mesh->types);
     if (tables->lean)
-        crc = emit_crc_reals(crc, **tables->lean, 8 * (size_t)mesh->kinds);
+        crc = emit_crc_reals(crc, **tables->lean, 8 * (size_t)mesh->types);
     return ~emit_crc_reals(crc, tables->pressure, (size_t)mesh->nodes);
 }
 
-static void write_followers(emitter *emitter, const equilibrium *p)
+static void write_followers(emitter *emitter, const equilibrium *equilibrium)
 {
-    const mesh *mesh = &p->design->mesh;
+    const mesh *mesh = &equilibrium->design->mesh;
     const int corners = 4, lean[2] = {4, 2};
     char name[64];
-    for (int k = 0; k < p->followers; k++) {
+    for (int k = 0; k < equilibrium->followers; k++) {
         snprintf(name, sizeof name, "follower_area_%d", k);
-        emit_blocks(emitter, name, *p->follower[k].area, (size_t)mesh->kinds, &corners, 1,
+        emit_blocks(emitter, name, *equilibrium->follower[k].area, (size_t)mesh->types, &corners, 1,
                     "area of each corner, by kind");
         snprintf(name, sizeof name, "follower_lean_%d", k);
-        if (p->follower[k].lean)
-            emit_blocks(emitter, name, **p->follower[k].lean, (size_t)mesh->kinds, lean, 2,
-                        "lean of the base vectors of each corner, by kind");
+        if (equilibrium->follower[k].lean)
+            emit_blocks(emitter, name, **equilibrium->follower[k].lean, (size_t)mesh->types, lean,
+                        2, "lean of the base vectors of each corner, by kind");
         snprintf(name, sizeof name, "follower_pressure_%d", k);
-        emit_reals(emitter, name, p->follower[k].pressure, (size_t)mesh->nodes,
+        emit_reals(emitter, name, equilibrium->follower[k].pressure, (size_t)mesh->nodes,
                    "pressure of each node");
     }
-    fprintf(emitter->file, "#define %s_FOLLOWERS %d\n", emitter->upper, p->followers);
-    if (p->followers > 0)
+    fprintf(emitter->file, "#define %s_FOLLOWERS %d\n", emitter->upper, equilibrium->followers);
+    if (equilibrium->followers > 0)
         fprintf(emitter->file, "static const pzs_follower %s_follower[%d] = {\n", emitter->prefix,
-                p->followers);
-    for (int k = 0; k < p->followers; k++) {
-        const pzs_follower *f = &p->follower[k];
+                equilibrium->followers);
+    for (int k = 0; k < equilibrium->followers; k++) {
+        const pzs_follower *follower = &equilibrium->follower[k];
         fprintf(emitter->file, "    {%uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, %u, %u, ",
-                f->format, (unsigned)f->scene, (unsigned)follower_crc_32(f, mesh), (unsigned)f->crc,
-                f->input, f->load_face, f->normal_face, f->true_area);
-        emit_vector(emitter, f->share);
+                follower->format, (unsigned)follower->scene,
+                (unsigned)follower_crc_32(follower, mesh), (unsigned)follower->crc, follower->input,
+                follower->load_face, follower->normal_face, follower->true_area);
+        emit_vector(emitter, follower->share);
         fprintf(emitter->file, ", %s_follower_area_%d, ", emitter->prefix, k);
-        if (f->lean)
+        if (follower->lean)
             fprintf(emitter->file, "%s_follower_lean_%d", emitter->prefix, k);
         else
             fputs("NULL", emitter->file);
         fprintf(emitter->file, ", %s_follower_pressure_%d},\n", emitter->prefix, k);
     }
-    fputs(p->followers > 0 ? "};\n\n" : "\n", emitter->file);
+    fputs(equilibrium->followers > 0 ? "};\n\n" : "\n", emitter->file);
 }
 
 /* CRC of a body, reals rounded to float. */
@@ -102,15 +103,15 @@ static uint32_t body_crc_32(const pzs_body *body)
 
 /* The face that may touch, and the body; a body given by a formula wants a distance function of the
  * firmware's own. */
-static void write_contact(emitter *emitter, const equilibrium *p)
+static void write_contact(emitter *emitter, const equilibrium *equilibrium)
 {
     static const char *const gap[] = {[BODY_PLANE] = "pzs_gap_plane",
                                       [BODY_CYLINDER] = "pzs_gap_cylinder",
                                       [BODY_SPHERE] = "pzs_gap_sphere"};
     static const int matrix[2] = {3, 3};
-    const scene_contact *contact = &p->design->scene->contact;
-    const size_t nodes = (size_t)p->design->mesh.nodes;
-    const pzs_contact_face *face = &p->face;
+    const scene_contact *contact = &equilibrium->design->scene->contact;
+    const size_t nodes = (size_t)equilibrium->design->mesh.nodes;
+    const pzs_contact_face *face = &equilibrium->contact_face;
     if (!contact->given)
         return;
     const uint16_t whole[2] = {face->face, face->input};
@@ -138,22 +139,23 @@ static void write_contact(emitter *emitter, const equilibrium *p)
     fprintf(emitter->file, "static const pzs_body %s_body = {\n    %s%s, ", emitter->prefix,
             contact->body.type == BODY_PSI ? emitter->upper : gap[contact->body.type],
             contact->body.type == BODY_PSI ? "_GAP" : "");
-    emit_vector(emitter, p->body.point);
+    emit_vector(emitter, equilibrium->body.point);
     fputs(", ", emitter->file);
-    emit_vector(emitter, p->body.axis);
+    emit_vector(emitter, equilibrium->body.axis);
     fprintf(emitter->file, ", PZS_R(%.17g), NULL, PZS_BY_BITS(0x%08xu, 0x%08xu),\n};\n",
-            p->body.radius, (unsigned)body_crc_32(&p->body), (unsigned)p->body.crc);
+            equilibrium->body.radius, (unsigned)body_crc_32(&equilibrium->body),
+            (unsigned)equilibrium->body.crc);
     fprintf(emitter->file,
             "#define %s_CONTACT_BYTES PZS_CONTACT_BYTES(%zu)\n"
             "#define %s_CONTACT_STIFFNESS PZS_R(%.17g)\n\n",
-            emitter->upper, nodes, emitter->upper, p->contact.settings.stiffness);
+            emitter->upper, nodes, emitter->upper, equilibrium->contact.settings.stiffness);
 }
 
 /* Sizes and choices of the path, and what the host found with them. */
 static int write_equilibrium(emitter *emitter, const analysis *analysis)
 {
     const pzs_structure *structure = &analysis->design.structure;
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     double *reached = calloc((size_t)structure->output.count + 1, sizeof *reached);
     if (!reached)
         return -1;
@@ -167,7 +169,7 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
         emitter->upper, run->settings.load_steps, emitter->upper,
         run->settings.extrapolated_iterations, emitter->upper, (unsigned)run->settings.solve_limit,
         emitter->upper, run->settings.tolerance);
-    emit_reals(emitter, "full", analysis->path.full, structure->input.count,
+    emit_reals(emitter, "full", analysis->equilibrium.full_input, structure->input.count,
                "amounts of the scene: applied volts, loads, extra inputs");
     pzs_observe(structure, run->info.displacement, reached);
     if (structure->output.count > 0)
@@ -178,10 +180,10 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
     return 0;
 }
 
-int tables_path(emitter *emitter, const analysis *analysis)
+int tables_nonlinear(emitter *emitter, const analysis *analysis)
 {
-    write_path(emitter, &analysis->path.tables, analysis->design.structure.input.count);
-    write_followers(emitter, &analysis->path);
-    write_contact(emitter, &analysis->path);
+    write_path(emitter, &analysis->equilibrium.tables, analysis->design.structure.input.count);
+    write_followers(emitter, &analysis->equilibrium);
+    write_contact(emitter, &analysis->equilibrium);
     return write_equilibrium(emitter, analysis);
 }

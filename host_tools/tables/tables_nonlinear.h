@@ -7,6 +7,6 @@
 #include "emit.h"
 
 /* Write them after the structure's. Returns 0, or -1 when memory ran out. */
-int tables_path(emitter *emitter, const analysis *analysis);
+int tables_nonlinear(emitter *emitter, const analysis *analysis);
 
 #endif

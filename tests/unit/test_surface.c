@@ -392,7 +392,7 @@ static void test_prescribed(void **state)
             "supports: [{edge: theta1-, fix: clamped}, {edge: theta1+, fix: [u3, u1 difference], value: 0.5+theta2*x}]",
             error),
         0);
-    assert_int_equal(m.dof, 2 * 7 + 2 * 5);
+    assert_int_equal(m.free_dof, 2 * 7 + 2 * 5);
     assert_int_equal(m.prescribed_count, 4);
     for (int j = 0; j < 2; j++) {
         const int node = mesh_node(&m, 2, j);
