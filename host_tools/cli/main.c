@@ -439,7 +439,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (image != TABLES_CONTROL && scene->target.frees > 0)
         return scene_fault(scene, scene->target.free[0].at, error,
                            "target.free is taken out of the influence matrix of a control "
-                           "image; the device makes that of a %s image itself: use --level control "
+                           "image; the device makes that of a %s image itself: use --image control "
                            "or remove target.free",
                            tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
@@ -465,7 +465,7 @@ static void print_tables(const options *options, const analysis *analysis, const
            design->targets, design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
-               tables_fit_float(analysis) ? "float or double" : "refused in float");
+               tables_allow_float(analysis) ? "float or double" : "refused in float");
 }
 
 static int command_tables(const options *options, analysis *analysis)

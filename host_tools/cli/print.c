@@ -14,7 +14,7 @@
 
 static const char *precision_needed(const analysis *analysis)
 {
-    if (tables_fit_float(analysis))
+    if (tables_allow_float(analysis))
         return "float or double";
     if (analysis->model.info.condition > 1e14) /* what pzs_factor calls no structure */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";

@@ -68,10 +68,12 @@ static const void *detection_tables(loop_blocks *blocks)
 
 static void write_known(const emitter *emitter, const loop_blocks *blocks)
 {
-    fprintf(emitter->file, "static const pzs_known_loads %s_known_loads = {&%s_known, ",
+    fprintf(emitter->file,
+            "/* feed-forward tables of shape and readings */\n"
+            "static const pzs_known_loads %s_known_loads = {&%s_shape_feed_forward, ",
             emitter->prefix, emitter->prefix);
     if (blocks->known_loads.readings)
-        fprintf(emitter->file, "&%s_shown};\n", emitter->prefix);
+        fprintf(emitter->file, "&%s_reading_feed_forward};\n", emitter->prefix);
     else
         fputs("NULL};\n", emitter->file);
 }
@@ -79,17 +81,18 @@ static void write_known(const emitter *emitter, const loop_blocks *blocks)
 static void write_amplifier(const emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file,
-            "/* step and dead band of the amplifiers (V) */\n"
+            "/* converter step and dead band of the amplifiers (V) */\n"
             "static const pzs_amplifier %s_amplifier = {PZS_R(%.17g), PZS_R(%.17g)};\n",
             emitter->prefix, blocks->amplifier.step, blocks->amplifier.dead_band);
 }
 
 static void write_detection(const emitter *emitter, const loop_blocks *blocks)
 {
-    fprintf(emitter->file,
-            "/* delay of the measurements (ticks); amplitude (V), 0: the default */\n"
-            "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
-            emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
+    fprintf(
+        emitter->file,
+        "/* delay of the measurements (ticks), amplitude of the test signal (V; 0: default) */\n"
+        "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
+        emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
 }
 
 /* ---- the table -------------------------------------------------------- */
@@ -160,12 +163,13 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
             kinds[k].write(emitter, blocks);
     const int readings =
         loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
-    fprintf(emitter->file,
-            "/* blocks of the control tick, in its order: those of `pzs simulate` */\n"
-            "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
-            "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
-            emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
-            scene->simulate.delay, emitter->prefix, emitter->upper);
+    fprintf(
+        emitter->file,
+        "/* blocks of the control tick in the order in which they run; `pzs simulate` runs the same list */\n"
+        "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
+        "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
+        emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
+        scene->simulate.delay, emitter->prefix, emitter->upper);
     for (int k = 0; k < KINDS; k++)
         if (kinds[k].is_present(scene))
             fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", kinds[k].type_name,
@@ -195,7 +199,8 @@ static void write_index(const emitter *emitter, const char *kind, const char *na
 static void write_amplifiers(const emitter *emitter, const design *design)
 {
     char name[SCENE_LABEL];
-    fputs("/* indices of the amplifiers: info.voltage, pzs_hold */\nenum {\n", emitter->file);
+    fputs("/* index of each amplifier in info.voltage and for pzs_hold */\nenum {\n",
+          emitter->file);
     for (int k = 0; k < design->amplifiers; k++) {
         scene_amplifier_name(design->scene, k, name);
         write_index(emitter, "INPUT", name, k);
@@ -211,7 +216,7 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
     int index = 0;
     if (!loop_estimates(scene))
         return;
-    fputs("/* indices of the readings */\nenum {\n", emitter->file);
+    fputs("/* index of each reading of the sensors */\nenum {\n", emitter->file);
     for (int r = 0; r < scene->estimate.readings; r++) {
         const scene_output *output = &scene->output[scene->estimate.reading[r].output];
         const int count = analysis_outputs(analysis, scene->estimate.reading[r].output);
@@ -251,7 +256,7 @@ void loop_names_write(emitter *emitter, const analysis *analysis)
     if (design->scene->simulate.given) {
         fprintf(emitter->file, "#define %s_TICK_RATE PZS_R(", emitter->upper);
         emit_real(emitter->file, design->scene->simulate.rate);
-        fputs(") /* ticks a second */\n", emitter->file);
+        fputs(") /* ticks per second */\n", emitter->file);
     }
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);

@@ -1,48 +1,52 @@
-/* Tables of the nonlinear path (tables_nonlinear.h). */
+/* Nonlinear part of the generated tables (tables_nonlinear.h). */
 #include "tables_nonlinear.h"
 #include <stdlib.h>
 #include "../../lib/core/guard.h"
 #include "../../lib/nonlinear/nonlinear.h"
 
-/* Actuation, temperature and prescribed displacements. */
-static void write_path(emitter *emitter, const pzs_nonlinear *tables, uint16_t inputs)
+/* Prescribed resultants of actuation and temperature, prescribed displacements. */
+static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint16_t inputs)
 {
     const int strains = LAMINATE_STRAINS;
     const uint32_t entries = tables->given.start ? tables->given.start[inputs] : 0;
     emitter->crc32 = GUARD_CRC_START;
     if (entries > 0) {
-        fputs("/* elements on which each input acts by resultants */\n", emitter->file);
-        emit_longs(emitter, "given_start", tables->given.start, inputs + 1u);
-        emit_shorts(emitter, "given_element", tables->given.element, entries, "element");
-        emit_shorts(emitter, "given_which", tables->given.which, entries, "row of the resultants");
-        emit_blocks(emitter, "given_value", *tables->given.value, tables->given.values, &strains, 1,
-                    "resultants per unit of an input (N m)");
+        fputs("/* first entry of each input's prescribed resultants */\n", emitter->file);
+        emit_longs(emitter, "resultant_start", tables->given.start, inputs + 1u);
+        emit_shorts(emitter, "resultant_element", tables->given.element, entries,
+                    "element of each entry");
+        emit_shorts(emitter, "resultant_row", tables->given.which, entries,
+                    "row of the resultant values of each entry");
+        emit_blocks(emitter, "resultant_value", *tables->given.value, tables->given.values,
+                    &strains, 1,
+                    "prescribed resultants per unit of an input, times the area of the element");
     }
     if (tables->prescribed.count > 0) {
         emitter->crc32 = pzs_guard_crc(emitter->crc32, &tables->prescribed.input,
                                        sizeof tables->prescribed.input);
-        emit_shorts(emitter, "prescribed_dof", tables->prescribed.dof, tables->prescribed.count,
-                    "free unknowns that are moved");
-        emit_reals(emitter, "prescribed_value", tables->prescribed.value, tables->prescribed.count,
-                   "by");
+        emit_shorts(emitter, "motion_dof", tables->prescribed.dof, tables->prescribed.count,
+                    "dof with a prescribed displacement");
+        emit_reals(emitter, "motion_value", tables->prescribed.value, tables->prescribed.count,
+                   "prescribed displacement at an input value of 1");
     }
     emit_begin(emitter, "nonlinear", "nonlinear", tables->scene, tables->crc);
     if (entries > 0)
-        fprintf(emitter->file,
-                "\n    {%u, %s_given_start, %s_given_element, %s_given_which, %s_given_value},\n",
-                tables->given.values, emitter->prefix, emitter->prefix, emitter->prefix,
-                emitter->prefix);
+        fprintf(
+            emitter->file,
+            "\n    {%u, %s_resultant_start, %s_resultant_element, %s_resultant_row, %s_resultant_value},\n",
+            tables->given.values, emitter->prefix, emitter->prefix, emitter->prefix,
+            emitter->prefix);
     else
         fputs("\n    {0, NULL, NULL, NULL, NULL},\n", emitter->file);
     if (tables->prescribed.count > 0)
-        fprintf(emitter->file, "    {%u, %u, %s_prescribed_dof, %s_prescribed_value},\n};\n\n",
+        fprintf(emitter->file, "    {%u, %u, %s_motion_dof, %s_motion_value},\n};\n\n",
                 tables->prescribed.count, tables->prescribed.input, emitter->prefix,
                 emitter->prefix);
     else
         fputs("    {0, 0, NULL, NULL},\n};\n\n", emitter->file);
 }
 
-/* CRC of a follower load's tables, reals rounded to float. */
+/* Checksum of a follower load's tables whose reals are rounded to float. */
 static uint32_t follower_crc_32(const pzs_follower *tables, const mesh *mesh)
 {
     const uint16_t whole[4] = {tables->input, tables->load_face, tables->normal_face,
@@ -63,14 +67,15 @@ static void write_followers(emitter *emitter, const equilibrium *equilibrium)
     for (int k = 0; k < equilibrium->followers; k++) {
         snprintf(name, sizeof name, "follower_area_%d", k);
         emit_blocks(emitter, name, *equilibrium->follower[k].area, (size_t)mesh->types, &corners, 1,
-                    "area of each corner, by kind");
+                    "area of each corner, for each element type");
         snprintf(name, sizeof name, "follower_lean_%d", k);
         if (equilibrium->follower[k].lean)
-            emit_blocks(emitter, name, **equilibrium->follower[k].lean, (size_t)mesh->types, lean,
-                        2, "lean of the base vectors of each corner, by kind");
+            emit_blocks(
+                emitter, name, **equilibrium->follower[k].lean, (size_t)mesh->types, lean, 2,
+                "inclination of the face's base vectors at each corner, for each element type");
         snprintf(name, sizeof name, "follower_pressure_%d", k);
         emit_reals(emitter, name, equilibrium->follower[k].pressure, (size_t)mesh->nodes,
-                   "pressure of each node");
+                   "pressure at each node");
     }
     fprintf(emitter->file, "#define %s_FOLLOWERS %d\n", emitter->upper, equilibrium->followers);
     if (equilibrium->followers > 0)
@@ -93,7 +98,7 @@ static void write_followers(emitter *emitter, const equilibrium *equilibrium)
     fputs(equilibrium->followers > 0 ? "};\n\n" : "\n", emitter->file);
 }
 
-/* CRC of a body, reals rounded to float. */
+/* Checksum of a body whose reals are rounded to float. */
 static uint32_t body_crc_32(const pzs_body *body)
 {
     uint32_t crc = emit_crc_reals(GUARD_CRC_START, body->point, 3);
@@ -101,8 +106,8 @@ static uint32_t body_crc_32(const pzs_body *body)
     return ~emit_crc_reals(crc, &body->radius, 1);
 }
 
-/* The face that may touch, and the body; a body given by a formula wants a distance function of the
- * firmware's own. */
+/* Contact face and body. A body that the scene gives by a formula needs a distance function of the
+ * firmware. */
 static void write_contact(emitter *emitter, const equilibrium *equilibrium)
 {
     static const char *const gap[] = {[BODY_PLANE] = "pzs_gap_plane",
@@ -119,9 +124,9 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
     emitter->crc32 = emit_crc_reals(emitter->crc32, face->motion, 3);
     emitter->crc32 = emit_crc_reals(emitter->crc32, &face->size, 1);
     emit_blocks(emitter, "contact_place", *face->place, nodes, matrix, 1,
-                "places of the face that may touch, at rest");
-    emit_blocks(emitter, "contact_triad", **face->triad, nodes, matrix, 2, "their triads");
-    emit_reals(emitter, "contact_area", face->area, nodes, "their areas");
+                "position of the contact face at each node, undeformed");
+    emit_blocks(emitter, "contact_triad", **face->triad, nodes, matrix, 2, "triad at each node");
+    emit_reals(emitter, "contact_area", face->area, nodes, "area of the contact face at each node");
     fprintf(
         emitter->file,
         "static const pzs_contact_face %s_contact_face = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, ",
@@ -134,7 +139,7 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
     if (contact->body.type == BODY_PSI)
         fprintf(
             emitter->file,
-            "#ifndef %s_GAP\n#error \"the body is a formula: define %s_GAP as its distance function (pzs_body.gap)\"\n#endif\n",
+            "#ifndef %s_GAP\n#error \"the scene gives the body by a formula: define %s_GAP as its distance function (pzs_body.gap)\"\n#endif\n",
             emitter->upper, emitter->upper);
     fprintf(emitter->file, "static const pzs_body %s_body = {\n    %s%s, ", emitter->prefix,
             contact->body.type == BODY_PSI ? emitter->upper : gap[contact->body.type],
@@ -151,7 +156,7 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
             emitter->upper, nodes, emitter->upper, equilibrium->contact.settings.stiffness);
 }
 
-/* Sizes and choices of the path, and what the host found with them. */
+/* Sizes and settings of the equilibrium solver, and the outputs that the host computed. */
 static int write_equilibrium(emitter *emitter, const analysis *analysis)
 {
     const pzs_structure *structure = &analysis->design.structure;
@@ -161,20 +166,20 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
         return -1;
     fprintf(
         emitter->file,
-        "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n#define %s_PATH_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n"
-        "/* choices of the scene, for the path */\n#define %s_STEPS %u\n#define %s_MIXED %u\n#define %s_SYSTEMS %u\n"
-        "#define %s_CHANGE PZS_R(%.17g)\n\n",
+        "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n#define %s_SOLVER_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n"
+        "/* settings of the equilibrium solver (pzs_solver_settings), as the scene has them */\n#define %s_LOAD_STEPS %u\n#define %s_EXTRAPOLATED_ITERATIONS %u\n#define %s_SOLVE_LIMIT %u\n"
+        "#define %s_TOLERANCE PZS_R(%.17g)\n\n",
         emitter->upper, structure->input.count, emitter->upper, structure->output.count,
         emitter->upper, structure->free_dof, structure->elements, structure->input.count,
         emitter->upper, run->settings.load_steps, emitter->upper,
         run->settings.extrapolated_iterations, emitter->upper, (unsigned)run->settings.solve_limit,
         emitter->upper, run->settings.tolerance);
-    emit_reals(emitter, "full", analysis->equilibrium.full_input, structure->input.count,
-               "amounts of the scene: applied volts, loads, extra inputs");
+    emit_reals(emitter, "full_input", analysis->equilibrium.full_input, structure->input.count,
+               "input values of the scene: applied voltages, loads, extra inputs");
     pzs_observe(structure, run->info.displacement, reached);
     if (structure->output.count > 0)
         emit_reals(emitter, "reached", reached, structure->output.count,
-                   "outputs under these amounts, as the host found them in double");
+                   "outputs under these input values, computed by the host in double");
     fputs("\n", emitter->file);
     free(reached);
     return 0;
@@ -182,7 +187,8 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
 
 int tables_nonlinear(emitter *emitter, const analysis *analysis)
 {
-    write_path(emitter, &analysis->equilibrium.tables, analysis->design.structure.input.count);
+    write_resultants(emitter, &analysis->equilibrium.tables,
+                     analysis->design.structure.input.count);
     write_followers(emitter, &analysis->equilibrium);
     write_contact(emitter, &analysis->equilibrium);
     return write_equilibrium(emitter, analysis);
