@@ -93,8 +93,9 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
                                        : PZS_E_WORKSPACE;
     if (status == PZS_OK && analysis->design.mesh.prescribed_count > 0 &&
         scene->kinematics == KINEMATICS_LINEAR) {
-        scene_fault(scene, scene->support[0].at, error,
-                    "a support with a value needs kinematics: nonlinear");
+        scene_fault(
+            scene, scene->support[0].at, error,
+            "kinematics: linear cannot prescribe the value of a support; set kinematics: nonlinear");
         analysis_free(analysis);
         return -1;
     }
@@ -138,7 +139,7 @@ static int explain_path(const analysis *analysis, char *error)
     if (analysis_ended_early(analysis))
         return scene_fault(
             scene, scene->equilibrium.at.line ? scene->equilibrium.at : scene->at_surface, error,
-            "%s: reached %.4g of the load in %u systems, %u load step%s; "
+            "%s: reached %.4g of the load in %u linear solves, %u load step%s; "
             "the last equilibrium has %u negative pivots",
             pzs_status_text(analysis->status), run->info.load_factor, run->info.linear_solves,
             run->info.load_steps, run->info.load_steps == 1 ? "" : "s", run->info.negative_pivots);

@@ -143,8 +143,8 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
         value[i] = expr_value(wanted, &place);
         if (!isfinite(value[i]))
             return scene_fault(design->scene, at, error,
-                               "the wanted displacement or free function is not a finite number at "
-                               "theta1 = %g, theta2 = %g",
+                               "the target value or free function is not a finite number at "
+                               "theta1 = %g, theta2 = %g; correct its formula",
                                mesh->theta[design->target_node[i]][0],
                                mesh->theta[design->target_node[i]][1]);
     }
@@ -215,7 +215,8 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
     design->named_first = calloc((size_t)design->scene->outputs + 1, sizeof *design->named_first);
     if (!design->named_first || build_places(design, node) < 0)
         return scene_fault(design->scene, design->scene->at_surface, error,
-                           "outputs do not fit into memory");
+                           "%d outputs do not fit into memory; name fewer nodes",
+                           design->scene->outputs);
     for (int k = 0; k < design->scene->outputs; k++) {
         const scene_output *output = &design->scene->output[k];
         const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
@@ -483,9 +484,10 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
         const expr_point at = mesh_place(mesh, n);
         value[n] = expr_value(load->value, &at);
         if (!isfinite(value[n]))
-            return scene_fault(mesh->scene, load->at, error,
-                               "load is not a finite number at theta1 = %g, theta2 = %g",
-                               mesh->theta[n][0], mesh->theta[n][1]);
+            return scene_fault(
+                mesh->scene, load->at, error,
+                "the load is not a finite number at theta1 = %g, theta2 = %g; correct its formula",
+                mesh->theta[n][0], mesh->theta[n][1]);
     }
     return 0;
 }
@@ -549,6 +551,17 @@ static void fill_structure(design *design, const row_builder *columns, const row
     structure->crc = pzs_structure_crc(structure);
 }
 
+/* All inputs and outputs. dense [free_dof], value [nodes], node [nodes] work */
+static int build_all(design *design, row_builder *columns, row_builder *rows, double *dense,
+                     double *value, int *node, char *error)
+{
+    if (build_inputs(design, columns, dense, node, value, error) < 0)
+        return -1;
+    if (build_targets(design, rows, dense, node, error) < 0)
+        return -1;
+    return build_named(design, rows, dense, node, error);
+}
+
 int design_structure(design *design, char *error)
 {
     const size_t nodes = (size_t)design->mesh.nodes;
@@ -558,13 +571,10 @@ int design_structure(design *design, char *error)
     int *node = calloc(nodes, sizeof *node), status = -1;
     if (!dense || !value || !node)
         scene_fault(design->scene, design->scene->at_surface, error,
-                    "columns do not fit into memory");
+                    "the inputs of %d free dof do not fit into memory; use fewer elements",
+                    design->mesh.free_dof);
     else
-        status = build_inputs(design, &columns, dense, node, value, error) < 0 ||
-                         build_targets(design, &rows, dense, node, error) < 0 ||
-                         build_named(design, &rows, dense, node, error) < 0
-                     ? -1
-                     : 0;
+        status = build_all(design, &columns, &rows, dense, value, node, error);
     if (status == 0 &&
         (columns.is_full || rows.is_full || columns.rows > UINT16_MAX || rows.rows > UINT16_MAX))
         status = scene_fault(design->scene, design->scene->at_surface, error,

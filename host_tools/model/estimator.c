@@ -314,7 +314,7 @@ static void rate(const estimation *estimation, estimator *estimator)
 static int no_memory(const analysis *analysis, char *error)
 {
     return scene_fault(analysis->design.scene, analysis->design.scene->estimate.at, error,
-                       "out of memory");
+                       "the estimator does not fit into memory; use fewer target nodes");
 }
 
 static void fill_tables(estimator *estimator, const design *design)
@@ -345,14 +345,16 @@ static int refuse(const estimator *estimator, const analysis *analysis, char *er
     const scene_estimate *say = &analysis->design.scene->estimate;
     char text[SCENE_ERROR];
     if (!(estimator->disturbed > 0))
-        return scene_fault(analysis->design.scene, say->at, error,
-                           "nothing disturbs the shape; give loads, or volts above 0");
+        return scene_fault(
+            analysis->design.scene, say->at, error,
+            "nothing disturbs the shape: the standard deviations of all loads and voltages are 0; give a load, or a voltage deviation above 0");
     if (!(estimator->remaining > say->tolerance * estimator->disturbed))
         return 0;
     estimator_text(estimator, analysis, text);
-    return scene_fault(analysis->design.scene, say->at, error,
-                       "these readings cannot see the shape: %s; add one there, or raise tolerance",
-                       text);
+    return scene_fault(
+        analysis->design.scene, say->at, error,
+        "these readings do not determine the shape: %s; add a reading there, or raise tolerance",
+        text);
 }
 
 static int build(estimation *estimation, estimator *estimator, char *error)
@@ -427,8 +429,8 @@ void estimator_text(const estimator *estimator, const analysis *analysis, char t
     const double *theta = mesh->theta[analysis->design.target_node[estimator->worst_target]];
     snprintf(
         text, SCENE_ERROR,
-        "%d sensors tell %d of %d disturbances from noise (condition %.1e) and miss %.1f%% of the shape; worst "
-        "direction missed by %.0f%%, largest at theta1 = %g, theta2 = %g",
+        "%d sensors distinguish %d of %d disturbances from noise (condition %.1e) and leave %.1f%% of the shape "
+        "unobserved; worst direction unobserved by %.0f%%, largest at theta1 = %g, theta2 = %g",
         estimator->sensors, estimator->rank, estimator->disturbances, estimator->condition,
         100 * estimator->remaining / estimator->disturbed,
         100 * estimator->worst_remaining / estimator->worst_disturbed, theta[0], theta[1]);

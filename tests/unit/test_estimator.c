@@ -173,8 +173,8 @@ static void test_cannot_see(void **state)
         -1);
     if (!strstr(
             r.error,
-            "--set estimate: these readings cannot see the shape: 1 sensors tell 1 of 27 disturbances") ||
-        !strstr(r.error, "worst direction missed by 100%, largest at theta1 = "))
+            "--set estimate: these readings do not determine the shape: 1 sensors distinguish 1 of 27 disturbances") ||
+        !strstr(r.error, "worst direction unobserved by 100%, largest at theta1 = "))
         fail_msg("%s", r.error);
     rig_close(&r);
     assert_int_equal(
