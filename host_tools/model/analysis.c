@@ -47,7 +47,10 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
     return scene_fault(scene, scene->at_surface, error, "%s", pzs_status_text(status));
 }
 
-/* Assemble and factor the stiffness at rest, unless that is what the model holds. */
+/*
+ * Assemble and factor the stiffness of the reference state, unless the model already contains its
+ * factor.
+ */
 static pzs_status at_rest(analysis *analysis)
 {
     if (analysis->model.state.stage == STAGE_FACTORED)
@@ -121,7 +124,7 @@ int analysis_ended_early(const analysis *analysis)
            analysis->status == PZS_E_SOLVES;
 }
 
-/* What the nonlinear path met, in words; only errors fail. */
+/* The message of the equilibrium solver's last status. Returns -1 for errors and 0 for warnings. */
 static int explain_path(const analysis *analysis, char *error)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
@@ -152,7 +155,7 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.scene->output[k];
     if (output->electric != ELECTRIC_NONE)
         return output->count;
-    return places > 0 ? places : 1; /* the whole contact has no place and one value */
+    return places > 0 ? places : 1; /* an output of the whole contact has one value and no node */
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)
@@ -257,7 +260,10 @@ static int solve_applied(analysis *analysis, double *u, char *error)
     return failed;
 }
 
-/* Difference of two displacements over the size of the second, every unknown by its stiffness. */
+/*
+ * Difference of two displacements relative to the size of the second; each dof is weighted by its
+ * stiffness.
+ */
 static double distance(const analysis *analysis, const double *x, const double *y)
 {
     double apart = 0, size = 0;
@@ -268,8 +274,10 @@ static double distance(const analysis *analysis, const double *x, const double *
     return size > 0 ? sqrt(apart / size) : 0;
 }
 
-/* Run both, keep the cheaper one where it differs from the other by no more than the scene's
- * tolerance. */
+/*
+ * Solve with linear and nonlinear kinematics, and keep the linear displacement where the two differ
+ * by no more than the scene's tolerance.
+ */
 static int solve_auto(analysis *analysis, double *u, char *error)
 {
     const size_t bytes = (size_t)analysis->design.mesh.free_dof * sizeof *u;
@@ -290,7 +298,10 @@ static int solve_auto(analysis *analysis, double *u, char *error)
     return failed;
 }
 
-/* Contact and moved supports are the path's alone: there is nothing linear to compare it with. */
+/*
+ * Contact and prescribed displacements exist under nonlinear kinematics alone, so no linear
+ * solution is computed for them.
+ */
 int analysis_solve(analysis *analysis, double *u, char *error)
 {
     const int path_alone =
@@ -340,8 +351,10 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
     return sum;
 }
 
-/* Twice the work of the loads, temperatures left out. amount [inputs] in: zeros, out: 1 for each
- * load */
+/*
+ * Twice the work of the loads, temperatures excluded. input [inputs] in: zeros, out: 1 for each
+ * load
+ */
 static double work_of_loads(analysis *analysis, double *amount)
 {
     const design *design = &analysis->design;
@@ -358,8 +371,10 @@ static double work_of_loads(analysis *analysis, double *amount)
     return status == PZS_OK ? work : (double)NAN;
 }
 
-/* The work of the same forces falls by what the volts that open electrodes take on do against the
- * charges of the short circuit. */
+/*
+ * The work of the same forces is reduced by the product of the open electrodes' voltages and the
+ * charges that they would carry short-circuited.
+ */
 double analysis_stiffening(analysis *analysis)
 {
     const design *design = &analysis->design;
@@ -367,7 +382,7 @@ double analysis_stiffening(analysis *analysis)
     double *amount = calloc(design->structure.input.count + 1u, sizeof *amount),
            *charge = calloc(tables->count + 1u, sizeof *charge);
     double work = (double)NAN, fallen = 0;
-    const pzs_model kept = analysis->model; /* what it says of the last solve */
+    const pzs_model kept = analysis->model; /* the model's info on the last solve */
     if (amount && charge && !analysis->nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, amount);

@@ -1,4 +1,4 @@
-/* Columns and rows of a scene (design.h). */
+/* Inputs and outputs of a scene as sparse rows (design.h). */
 #include "design.h"
 #include <math.h>
 #include <stdlib.h>
@@ -34,7 +34,7 @@ void design_release(const void *table)
     free(owned.memory);
 }
 
-/* Append a dense row [dof]: its nonzero entries. */
+/* Append a dense row [dof] as its nonzero entries. */
 static void append_row(row_builder *builder, const double *dense, int dof)
 {
     if (builder->rows + 2 > builder->room_rows) {
@@ -70,7 +70,7 @@ static void rows_of(const row_builder *builder, pzs_rows *rows)
 
 /* ---- outputs ---------------------------------------------------------- */
 
-/* Unit direction of a component in the local triad of a node. */
+/* Unit vector of a component in the triad of a node. */
 static void direction(const surface_point *p, scene_component component, double c[3])
 {
     for (int a = 0; a < 3; a++)
@@ -78,13 +78,16 @@ static void direction(const surface_point *p, scene_component component, double 
                                          : p->e[a][component - COMPONENT_X];
 }
 
-/* Height of a face above the middle of a thickness h. */
+/* Height of a face above the middle surface of a thickness h. */
 static double pzs_face_height(scene_face face, double h)
 {
     return face == FACE_OUTER ? h / 2 : face == FACE_INNER ? -h / 2 : 0;
 }
 
-/* Mean and difference weights of components c on a face, without the seventh unknown. */
+/*
+ * Weights of a node's first six dof (means and differences) in the displacement component c of a
+ * face.
+ */
 static void face_weights(const mesh *mesh, scene_face face, const double c[3], double weight[7])
 {
     for (int a = 0; a < 3; a++) {
@@ -94,7 +97,7 @@ static void face_weights(const mesh *mesh, scene_face face, const double c[3], d
     weight[6] = 0;
 }
 
-/* The middle also has the seventh unknown along e3. */
+/* The displacement of the middle also depends on the seventh dof, along e3. */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7])
 {
@@ -105,7 +108,7 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
         weight[6] = mesh->laminate.thickness * c[2];
 }
 
-/* dense += factor times weights on the free unknowns of a node */
+/* dense += factor times weights on the free dof of a node */
 static void add_node(const mesh *mesh, int node, double factor, const double weight[7],
                      double *dense)
 {
@@ -152,7 +155,7 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
     return 0;
 }
 
-/* Target rows, wanted values and weights; weights by area have mean square 1. */
+/* Rows, target values and weights of the target nodes; weights by area have mean square 1. */
 static int build_targets(design *design, row_builder *rows, double *dense, int *node, char *error)
 {
     const scene_target *target = &design->scene->target;
@@ -181,15 +184,17 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
     return 0;
 }
 
-/* An output of displacements or of contact pressures has a place; one of electrodes or of the whole
- * contact has none. */
+/*
+ * Whether an output belongs to nodes: displacements and contact pressures do, electrodes and
+ * resultants of the whole contact do not.
+ */
 static int has_place(const scene_output *output)
 {
     return output->electric == ELECTRIC_NONE &&
            (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
 }
 
-/* Nodes of the named outputs. node [nodes] is used as room. */
+/* List the nodes of the named outputs. node [nodes] work */
 static int build_places(design *design, int *node)
 {
     int entries = 0;
@@ -240,7 +245,10 @@ static void scatter(const mesh *mesh, int element, double factor, const double *
         }
 }
 
-/* h0 += factor times the resultants of a volt across ply, or of a kelvin when ply < 0 */
+/*
+ * h0 += factor times the resultants of one volt across a ply, or of a temperature of 1 K where ply
+ * < 0
+ */
 static void add_unit_resultants(const mesh *mesh, int element, int ply, double factor,
                                 double h0[LAMINATE_STRAINS])
 {
@@ -301,7 +309,7 @@ void design_temperature_resultants(const mesh *mesh, const scene_load *load, int
                         &mesh->place[mesh->element_type[element]], &field, h0);
 }
 
-/* dense += force at rest of given resultants */
+/* dense += nodal forces of prescribed resultants in the reference state */
 static void add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
                            double *dense)
 {
@@ -310,8 +318,10 @@ static void add_resultants(const mesh *mesh, int element, const double h0[LAMINA
     scatter(mesh, element, 1, f, dense);
 }
 
-/* Columns of the amplifiers of an actuator or of a sensor's electrodes: their patches, tied with
- * their factors. */
+/*
+ * Append the columns of an actuator's amplifiers or of a sensor's electrodes: all patches that one
+ * amplifier drives, with their factors.
+ */
 static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
                               row_builder *columns, double *dense)
 {
@@ -325,7 +335,9 @@ static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
     }
 }
 
-/* Force per unit of load at a node, components in its triad; pressure acts along e3. */
+/*
+ * Force per unit of a load at a node, in components of the node's triad; a pressure acts along e3.
+ */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double c[3])
 {
@@ -337,8 +349,10 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
         c[a] *= value * stretch;
 }
 
-/* Nodal force of components c on the chosen face (half on each where it is the middle): virtual
- * work of F.u. */
+/*
+ * Add the nodal forces of a force c on the chosen face (half on each face for the middle), by its
+ * virtual work.
+ */
 static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
                       const double c[3], double *dense)
 {
@@ -349,8 +363,8 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 
 /*
  * Components at node `to` of a load given at node `from`. A pressure keeps its components, because
- * vectors interpolated along a chord lose angle^2/6 of it; a load of fixed direction is carried as
- * a vector by the Cartesian element and by components in the published one.
+ * vectors interpolated along a chord lose angle^2/6 of their size. A load of fixed direction keeps
+ * its vector in the Cartesian element and its components in the published element.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to, const double c[3],
                   double out[3])
@@ -381,8 +395,10 @@ double design_chords(const mesh *mesh, int element, int r, scene_face face, doub
     return flat[0][0] * flat[1][1] - flat[0][1] * flat[1][0];
 }
 
-/* What a pressure on a corner of a chord pushes along the surface, on its middle. c [3] in the
- * pressure there. */
+/*
+ * Add the in-plane force on the middle surface that a pressure causes at a corner because the
+ * chords are inclined to the tangent plane. c [3] in: pressure at the corner
+ */
 static void add_lean(const mesh *mesh, const scene_load *load, int element, int r, double size,
                      const double c[3], double *dense)
 {
@@ -393,8 +409,10 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
     add_node(mesh, mesh->element[element][r], 1, weight, dense);
 }
 
-/* A distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r, s)
- * p_s. */
+/*
+ * Add a distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r,
+ * s) p_s.
+ */
 static void add_distributed(const mesh *mesh, const scene_load *load, const int *node,
                             const double *value, int count, double size, double *dense)
 {
@@ -492,7 +510,7 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
     return 0;
 }
 
-/* Number of inputs that only the nonlinear path has. */
+/* Number of inputs that exist under nonlinear kinematics alone. */
 static int extras_of(const design *design)
 {
     const scene *scene = design->scene;

@@ -1,4 +1,4 @@
-/* Tables of the nonlinear path and a path on them (equilibrium.h). */
+/* Equilibrium solver of a scene and its tables (equilibrium.h). */
 #include "equilibrium.h"
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include "../../lib/nonlinear/nonlinear.h"
 #include "../../lib/model/shell.h"
 
-/* ---- given resultants ------------------------------------------------- */
+/* ---- prescribed resultants -------------------------------------------- */
 
 typedef struct resultant_builder {
     uint32_t *start;
@@ -19,7 +19,7 @@ typedef struct resultant_builder {
     int is_full; /* memory ran out */
 } resultant_builder;
 
-/* Row of value that holds h0; added if new. */
+/* Row of `value` that equals h0; appended where there is none. */
 static size_t row_of_resultants(resultant_builder *builder, const double h0[LAMINATE_STRAINS])
 {
     for (size_t i = builder->values; i > 0; i--)
@@ -51,8 +51,10 @@ static void append(resultant_builder *builder, int element, const double h0[LAMI
     builder->which[builder->entries++] = (uint16_t)row;
 }
 
-/* The entries of one actuator's amplifiers or one sensor's electrodes; first: input of the first of
- * them. */
+/*
+ * Append the entries of one actuator's amplifiers or one sensor's electrodes, of which `first` is
+ * the first input.
+ */
 static void append_actuator(resultant_builder *builder, const mesh *mesh,
                             const scene_actuator *actuator, int first)
 {
@@ -152,7 +154,10 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
 
 /* ---- contact ---------------------------------------------------------- */
 
-/* psi of the scene as a distance: psi / |grad psi|, by differences over 1e-4 of the mesh. */
+/*
+ * Distance function of a body given by a formula psi: psi / |grad psi|, by finite differences with
+ * a step of 1e-4 of the mesh size.
+ */
 static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
                       double hessian[3][3])
 {
@@ -253,7 +258,7 @@ double equilibrium_contact_output(const equilibrium *equilibrium, const scene_ou
     return (double)NAN;
 }
 
-/* What to do about a penetration. */
+/* Advice against a penetration. */
 static const char *penetration_cure(const pzs_contact *contact, pzs_status status)
 {
     if (status == PZS_W_BEHIND)
@@ -296,7 +301,7 @@ void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status sta
         memcpy(&text[SCENE_ERROR - 4], "...", 4);
 }
 
-/* ---- coming back ------------------------------------------------------ */
+/* ---- saved states ----------------------------------------------------- */
 
 enum { PIECES = 6 };
 
@@ -336,7 +341,10 @@ void equilibrium_save(const equilibrium *equilibrium, void *state)
             memcpy(to, piece[i].at, piece[i].bytes);
 }
 
-/* The model's factor stays where it went: the shape's own is made by the next equilibrium. */
+/*
+ * The model keeps its factor, which is of another shape; the next equilibrium computes the factor
+ * of its own shape.
+ */
 void equilibrium_restore(equilibrium *equilibrium, const void *state)
 {
     piece piece[PIECES];
@@ -350,7 +358,10 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 
 /* ---- open ------------------------------------------------------------- */
 
-/* Full loads and applied volts; a follower's amount is that of its extra input. */
+/*
+ * Input values at full load: loads and applied voltages. The value of a follower load is that of
+ * its extra input.
+ */
 static void set_full(equilibrium *equilibrium)
 {
     const design *design = equilibrium->design;

@@ -10,19 +10,20 @@
 
 enum { SWEEPS = 30, POWER = 300 };
 
-/* Everything that is needed on the way. */
+/* Intermediate results of the gains. */
 typedef struct estimation {
     const analysis *analysis;
-    size_t targets, amplifiers, loads, disturbances, sensors; /* targets, amplifiers, loads,
-                                                                 disturbances, sensors */
-    double *sigma;                                            /* [p] of loads, then amplifiers */
-    double *sensitivity;    /* [k][inputs] per unit of every input */
-    double *noise;          /* [k] */
-    double *shape;          /* W A [m][p] */
-    double *scaled_reading; /* N^-1 C [k][p] */
-    double *square;         /* [k][k] N^-1 C C' N^-1, then its eigenvalues on the diagonal */
-    double *eigenvector;    /* [k][k] its eigenvectors, as columns */
-    double *target_part, *side, *way, *turned; /* [p], [k], [m], [k] work */
+    size_t targets, amplifiers, loads, disturbances, sensors; /* numbers of targets, amplifiers,
+                                                                 loads, disturbances, sensors */
+    double *sigma;          /* [disturbances] standard deviations of loads, then of amplifiers */
+    double *sensitivity;    /* [sensors][inputs] reading per unit of every input */
+    double *noise;          /* [sensors] standard deviation */
+    double *shape;          /* [targets][disturbances] W A */
+    double *scaled_reading; /* [sensors][disturbances] N^-1 C */
+    double *square; /* [sensors][sensors] N^-1 C C' N^-1, later its eigenvalues on the diagonal */
+    double *eigenvector; /* [sensors][sensors] eigenvectors of that matrix as columns */
+    double *target_part, *side, *way, *turned; /* work arrays [disturbances], [sensors], [targets],
+                                                  [sensors] */
 } estimation;
 
 static int take(estimation *estimation)
@@ -59,9 +60,9 @@ static void give_back(estimation *estimation)
         free(all[i]);
 }
 
-/* ---- what disturbs, what is seen ------------------------------------- */
+/* ---- disturbances and readings ---------------------------------------- */
 
-/* Input of a disturbance: loads stand behind the amplifiers. */
+/* Input of a disturbance: the loads are inputs after the amplifiers. */
 static size_t input_of(const estimation *estimation, size_t disturbance)
 {
     return disturbance < estimation->loads ? estimation->amplifiers + disturbance
@@ -84,8 +85,10 @@ static void find_sizes(estimation *estimation)
     }
 }
 
-/* Readings per unit of one input: displacements from the influence, volts and charges with open
- * electrodes free. */
+/*
+ * Readings per unit of one input: displacements from the influence matrix, voltages and charges
+ * with the open electrodes' voltages computed.
+ */
 static int see_input(estimation *estimation, size_t input, double *amount, double *charge)
 {
     const analysis *analysis = estimation->analysis;
@@ -128,7 +131,7 @@ static int see(estimation *estimation)
     return failed ? -1 : 0;
 }
 
-/* W A, N^-1 C and its square. */
+/* Form W A, N^-1 C and N^-1 C C' N^-1. */
 static void form(estimation *estimation)
 {
     const design *design = &estimation->analysis->design;
@@ -154,7 +157,7 @@ static void form(estimation *estimation)
 
 /* ---- eigenvalues ------------------------------------------------------ */
 
-/* square becomes diagonal, turn its eigenvectors. */
+/* Diagonalise `square`; its eigenvectors go to `eigenvector`. */
 static void diagonalise(estimation *estimation)
 {
     eigen_symmetric(estimation->square, estimation->eigenvector, estimation->sensors, SWEEPS, 0);
@@ -165,7 +168,7 @@ static double eigenvalue(const estimation *estimation, size_t i)
     return fmax(estimation->square[i * estimation->sensors + i], 0);
 }
 
-/* side = (1 + square)^-1 side. */
+/* side := (1 + square)^-1 side */
 static void filter(estimation *estimation)
 {
     const size_t n = estimation->sensors;
@@ -184,7 +187,7 @@ static void filter(estimation *estimation)
 
 /* ---- gains ------------------------------------------------------------ */
 
-/* Row i of G: that of A, C' and the filter; row [m] of A without its weight. */
+/* Row i of the gain matrix G. row [disturbances] in: row of A without its weight */
 static void make_gains(estimation *estimation, estimator *estimator)
 {
     const size_t inputs = estimation->analysis->design.structure.input.count;
@@ -211,7 +214,10 @@ static void make_gains(estimation *estimation, estimator *estimator)
     }
 }
 
-/* left [p] = what the sensors do not take from a disturbance: (1 + C'N^-2 C)^-1 left. */
+/*
+ * Part of a disturbance that the sensors do not determine: part := (1 + C'N^-2 C)^-1 part. part
+ * [disturbances]
+ */
 static void miss(estimation *estimation, double *left)
 {
     for (size_t k = 0; k < estimation->sensors; k++) {
@@ -227,7 +233,7 @@ static void miss(estimation *estimation, double *left)
                 estimation->scaled_reading[k * estimation->disturbances + j] * estimation->side[k];
 }
 
-/* left = A'W way. Returns its length. */
+/* target_part := A'W way. Returns its length. */
 static double pull_back(estimation *estimation, const double *way)
 {
     double sum = 0;
@@ -249,8 +255,10 @@ static double length(const double *x, size_t n)
     return sqrt(sum);
 }
 
-/* What the disturbances do, and what is missed of it, in the mean: the traces of A A' and of what
- * is left. */
+/*
+ * Expected size of the disturbances and of what the estimate leaves of them: the traces of A A' and
+ * of A (1 + C'N^-2 C)^-1 A'.
+ */
 static void measure(estimation *estimation, estimator *estimator)
 {
     double all = 0, left = 0;
@@ -267,7 +275,7 @@ static void measure(estimation *estimation, estimator *estimator)
     estimator->remaining = sqrt(fmax(left, 0));
 }
 
-/* The direction missed most, by the power method. */
+/* Find the direction in which the estimate leaves most, by the power method. */
 static void find_worst(estimation *estimation, estimator *estimator)
 {
     for (size_t i = 0; i < estimation->targets; i++)
