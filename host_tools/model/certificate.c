@@ -1,4 +1,4 @@
-/* Stability of the control step on a structure with mass (certificate.h). */
+/* Spectral radius and text of a control loop's certificate (certificate.h). */
 #include "certificate.h"
 #include <math.h>
 #include <stdio.h>
@@ -6,15 +6,12 @@
 #include <string.h>
 #include "eigen.h"
 
-/*
- * Time constants of a mode between two ticks after which its vibration is forgotten: exp(-20)
- * = 2e-9.
- */
+/* A mode whose vibration decays by more than exp(-20) = 2e-9 between two ticks counts as static. */
 static const double decayed = 20;
 
 /* ---- the loop --------------------------------------------------------- */
 
-/* Propagator of (deviation from equilibrium, velocity / w) over an interval. */
+/* Propagator r [2][2] of (deviation from equilibrium, velocity / w) over an interval. */
 static void propagator(double w, double damping, double interval, double r[2][2])
 {
     const double root = sqrt(1 - damping * damping), decay = exp(-damping * w * interval);
@@ -26,13 +23,12 @@ static void propagator(double w, double damping, double interval, double r[2][2]
 }
 
 /*
- * The loop over a tick: states q - eq and p = velocity / w of each mode just before the tick, then
- * the deviations measured 1 .. delay ticks before. With eq = g v in force, a tick moves eq to -g F
- * e(late):
- *   e' = R00 (e + eq - eq') + R01 p,     eq' = -(g F) e(t - delay)
- *   p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay - 1)
- * so that delay + 1 deviations of the past are kept.
- *   loop [modes][stride] in  of which the first `modes` columns count
+ * Matrix of the loop over one tick. Its states are the deviation e = q - eq and p = velocity / w of
+ * each mode just before the tick, then the deviations measured 1 .. delay ticks before. With the
+ * equilibrium eq = g v in force, a tick changes eq to -g F e(late): e' = R00 (e + eq - eq') + R01
+ * p,     eq' = -(g F) e(t - delay) p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay -
+ * 1) so that delay + 1 deviations of the past are kept. loop [modes][stride] in  g F, of which the
+ * first `modes` columns count
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
                       double damping, int delay, double interval, double *a)
@@ -57,7 +53,10 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
     }
 }
 
-/* Modes whose vibration lives from tick to tick; of the others only the static part is left. */
+/*
+ * Number of modes whose vibration lasts from tick to tick; of the other modes only the static
+ * response counts.
+ */
 static int lasting(const double *square, int modes, double damping, double interval)
 {
     int count = 0;
@@ -99,9 +98,9 @@ double certificate_first(const certificate *certificate)
                : (double)NAN;
 }
 
-/* ---- words ------------------------------------------------------------ */
+/* ---- text -------------------------------------------------------------- */
 
-/* The range of rates, behind the verdict. */
+/* Text on the range of stable rates. */
 static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (!isfinite(certificate->stable_rate))
@@ -118,7 +117,7 @@ static void range_text(const certificate *certificate, char text[SCENE_ERROR])
                  certificate->stable_rate);
 }
 
-/* The verdict at the scene's rate. */
+/* Text on the stability at the scene's rate. */
 static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (certificate_refuses(certificate))

@@ -30,7 +30,10 @@ static const double least_regularisation = 1e-12;
 
 /* ---- gains ------------------------------------------------------------ */
 
-/* Cholesky factor of a [n][n] in its lower triangle. Returns success. */
+/*
+ * Cholesky factor of a [n][n] in its lower triangle. Returns whether the matrix is positive
+ * definite.
+ */
 static int cholesky(double *a, size_t n)
 {
     for (size_t j = 0; j < n; j++) {
@@ -61,18 +64,18 @@ static void cholesky_solve(const double *l, size_t n, double *x)
     }
 }
 
-/* What the gains are made from. */
+/* Intermediate results of the loop gains g F. */
 typedef struct gains {
     const analysis *analysis;
     const vibration *vibration;
-    size_t modes, moving;   /* n: amplifiers that can move */
-    size_t *amplifier;      /* [n] */
-    double *factor;         /* [n][n] B'W^2 B and its regularisation, factored */
-    double *shape;          /* [targets] what the controller takes for a mode's shape */
-    double *gradient;       /* [n] */
-    double *modal_response; /* [modes][n] modal coordinates per unit of voltage */
-    double *loop;           /* [modes][modes] */
-    int assumes_measured;   /* an estimate's sensors are left out */
+    size_t modes, moving; /* number of amplifiers that are not held */
+    size_t *amplifier;    /* [moving] their numbers */
+    double *factor;       /* [moving][moving] factor of B'W^2 B + regularisation */
+    double *shape;        /* [targets] shape of a mode as the controller measures or estimates it */
+    double *gradient;     /* [moving] right-hand side B'W^2 C, then voltages */
+    double *modal_response; /* [modes][moving] modal coordinates per volt */
+    double *loop;           /* [modes][modes] g F */
+    int assumes_measured;   /* every target node counts as measured */
 } gains;
 
 static size_t list_amplifiers(const design *design, size_t *amplifier)
@@ -102,7 +105,8 @@ static int factor_hessian(gains *gains)
 }
 
 /*
- * Does every reading of the estimate show a displacement? Then its rows are those of the structure.
+ * Whether every reading of the estimate is a displacement, so that its rows are rows of the
+ * structure.
  */
 static int reads_displacements(const scene *scene)
 {
@@ -112,7 +116,7 @@ static int reads_displacements(const scene *scene)
     return 1;
 }
 
-/* The shape estimated from what the sensors show of a displacement u. */
+/* Shape that the estimator computes from the readings under a displacement u [free_dof]. */
 static void estimated_shape(const gains *gains, const estimator *estimator, const double *u)
 {
     const design *design = &gains->analysis->design;
@@ -132,7 +136,7 @@ static void estimated_shape(const gains *gains, const estimator *estimator, cons
     }
 }
 
-/* Column of g F that belongs to a mode. */
+/* Column of g F for one mode. */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {
     const design *design = &gains->analysis->design;
@@ -182,7 +186,7 @@ static int fill_gains(gains *gains)
     return 1;
 }
 
-/* g F of the lowest modes that are no rigid motion, to be freed; NULL where it cannot be made. */
+/* g F of the lowest modes without rigid motions, to be freed; NULL where it cannot be computed. */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           int *as_measured)
 {
@@ -208,9 +212,9 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
     return NULL;
 }
 
-/* ---- verdict ---------------------------------------------------------- */
+/* ---- stability --------------------------------------------------------- */
 
-/* What the radius is judged with. */
+/* Loop whose spectral radius decides on stability. */
 typedef struct assessed_loop {
     const double *gain, *square;
     int modes, delay;
@@ -218,8 +222,9 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not
- * the decay alone, decides: then the intervals up to one period longer have to be stable too.
+ * Whether the loop is stable at a rate. Where an interval between ticks contains many periods, the
+ * phase of the first mode matters besides its decay; then intervals that are up to one period
+ * longer have to be stable too.
  */
 static int is_stable(const assessed_loop *loop, double rate)
 {
@@ -235,8 +240,8 @@ static int is_stable(const assessed_loop *loop, double rate)
 }
 
 /*
- * The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where
- * all are.
+ * Rate up to which every scanned rate is stable: 0 where the first ones are not, infinite where all
+ * are.
  */
 static double scan_rates(const assessed_loop *loop)
 {

@@ -5,8 +5,8 @@
 #include <string.h>
 
 /*
- * The grid: 10^(LOWEST + k / PER_DECADE), k < GRID, to 10, where every voltage is far below its
- * size.
+ * Exponents of the grid of lambda: 10^(LOWEST + k / PER_DECADE) for k < GRID, up to 10, where all
+ * voltages are small.
  */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 
@@ -16,8 +16,8 @@ static bool is_held(const clipped *clipped, size_t k)
 }
 
 /*
- * Copy B without the columns of held amplifiers, and take what those do off the target. Returns
- * tr(B'W^2 B)/n.
+ * Copy B without the columns of held amplifiers, and subtract the effect of these from the target.
+ * Returns tr(B'W^2 B)/n.
  */
 static double part(clipped *clipped)
 {
@@ -74,8 +74,8 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage)
 }
 
 /*
- * |W (B v - wanted)| of the voltages for lambda, infinite where there are none; best, best_at,
- * volt: the smallest so far.
+ * Search for the lambda with the smallest |W (B v - wanted)|: the best lambda, error and voltages
+ * so far.
  */
 typedef struct tuning {
     clipped *c;
@@ -104,8 +104,8 @@ static double missed(tuning *tuning, double lambda)
 }
 
 /*
- * lambda of a decimal exponent, to three digits: the best one is where a voltage just reaches its
- * limit, and rounding must not decide whether that voltage counts as cut.
+ * lambda of a decimal exponent, rounded to three digits. At the best lambda a voltage just reaches
+ * its limit, and rounding errors must not decide whether it counts as clipped.
  */
 static double lambda_of(double exponent)
 {
@@ -113,7 +113,7 @@ static double lambda_of(double exponent)
     return unit * floor(pow(10, exponent) / unit + 0.5);
 }
 
-/* Shrink [from, to], decimal exponents, around a minimum. */
+/* Golden-section search for a minimum between two decimal exponents. */
 static void golden_section(tuning *tuning, double from, double to)
 {
     const double ratio = (sqrt(5) - 1) / 2;

@@ -1,4 +1,4 @@
-/* Mass of a mesh (mass.h). */
+/* Mass matrix of a mesh (mass.h). */
 #include "mass.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,19 +6,19 @@
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
 
-/* Functions of t: 1, t, h (1 - 4 t^2/h^2). */
+/* Displacement functions of the height t: 1, t, h (1 - 4 t^2/h^2). */
 enum { FUNCTIONS = 3, POINTS = 4 };
 
-/* Function and component of each nodal unknown. */
+/* Displacement function and component of each dof of a node. */
 static const int function_of[7] = {0, 0, 0, 1, 1, 1, 2}, component_of[7] = {0, 1, 2, 0, 1, 2, 2};
 
-/* Gauss points, exact to the seventh power; the integrands have the sixth. */
+/* Gauss points, exact for polynomials up to the seventh degree; the integrands are of the sixth. */
 static const double gauss_x[POINTS] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                        0.8611363115940526};
 static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                        0.3478548451374538};
 
-/* m += weight f f' at height t above the middle */
+/* m += weight f f' at height t above the middle, with f the three displacement functions */
 static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
 {
     const double f[FUNCTIONS] = {1, t, h * (1 - 4 * t * t / (h * h))};
@@ -49,7 +49,9 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
     }
 }
 
-/* Part of the element's mass between corners r and s: bilinear, or a quarter at each corner. */
+/*
+ * Share of the element's mass that couples corners r and s: bilinear, or a quarter at each corner.
+ */
 static double share(int r, int s, double lumped)
 {
     const int is_opposite = (r ^ s) == 2;
@@ -62,7 +64,7 @@ static double share(int r, int s, double lumped)
     return (1 - lumped) * consistent + lumped * at_corner;
 }
 
-/* Cosine between axis a of one node and axis b of another. */
+/* Cosine of the angle between axis a of one node and axis b of another. */
 static double between(const surface_point *p, int a, const surface_point *q, int b)
 {
     return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
@@ -108,7 +110,7 @@ int mass_missing(const scene *scene, char names[SCENE_ERROR])
     return missing;
 }
 
-/* Refuse a scene whose mass is not known. */
+/* Refuse a scene in which a density is missing. */
 static int check_densities(const scene *scene, char *error)
 {
     char names[SCENE_ERROR];
@@ -152,7 +154,7 @@ const double *mass_element(const mass *mass, int element)
     return mass->entry + (size_t)element * entries(mass->mesh);
 }
 
-/* f = M_e u of one element.  u, f [4 unknowns] */
+/* f = M_e u of one element. u, f [4 dof_per_node] */
 static void multiply_element(const double *entry, int n, const double *u, double *f)
 {
     for (int i = 0; i < n; i++)
@@ -187,7 +189,7 @@ static void cross(const double a[3], const double b[3], double c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Unknowns of a node under a rigid motion.  u [7] out */
+/* Dof of a node under a rigid motion. u [7] out */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double u[7])
 {
