@@ -1,11 +1,7 @@
 /*
- * Rows of the target: those that cannot move, and the functions that are free (design.h).
- *
- * With W the weights and F the free functions at the target's nodes, the projector
- *
- *   P = I - F (F'W^2 F)^-1 F'W^2
- *
- * takes from a vector what a weighted least-squares fit of F finds in it. The columns of F are made
+ * Rows of the target on constrained dof, and the free functions of the target (design.h). With W
+ * the weights and F the free functions at the target nodes, the projector P = I - F (F'W^2 F)^-1
+ * F'W^2 removes from a vector its weighted least-squares fit by F. The columns of F are made
  * W-orthonormal here, so that F'W^2 F = I.
  */
 #include "design.h"
@@ -14,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- rows that cannot move -------------------------------------------- */
+/* ---- rows on constrained dof ------------------------------------------- */
 
 static bool is_prescribed(const mesh *mesh, uint16_t dof)
 {
@@ -24,7 +20,7 @@ static bool is_prescribed(const mesh *mesh, uint16_t dof)
     return false;
 }
 
-/* Is the displacement of a target row made of constrained dof alone? */
+/* Whether the displacement of a target row depends on constrained dof alone. */
 static bool is_constrained(const design *design, int row)
 {
     const pzs_rows *rows = &design->structure.output;
@@ -34,7 +30,7 @@ static bool is_constrained(const design *design, int row)
     return true;
 }
 
-/* Rows that cannot move have no weight; what it would be is kept aside. */
+/* Set the weights of rows on constrained dof to 0 and keep their former weights in fixed_weight. */
 static void part_rows(design *design)
 {
     for (int i = 0; i < design->targets; i++)
@@ -52,7 +48,7 @@ static double difference(const double *x, const double *y, int i)
     return y ? x[i] - y[i] : x[i];
 }
 
-/* What is left of x - y in row i without `count` free functions times c. */
+/* Entry i of x - y without the first `count` free functions times c. */
 static double left_of(const design *design, const double *x, const double *y, const double *c,
                       int count, int i)
 {
@@ -63,8 +59,8 @@ static double left_of(const design *design, const double *x, const double *y, co
 }
 
 /*
- * c [count] out: weighted least-squares fit of the first free functions to x - y, in two iterations
- * against rounding.
+ * Weighted least-squares fit of the first free functions to x - y; a second iteration corrects
+ * rounding errors. c [count] out
  */
 static void fit(const design *design, const double *x, const double *y, int count, double *c)
 {
@@ -93,15 +89,15 @@ static double weighted_squares(const design *design, const double *x)
     return sum;
 }
 
-/* Rounding-error bound of the weighted size of what a fit leaves, relative to the vector. */
+/* Rounding-error bound of the weighted size of a fit's residual, relative to the vector. */
 static double rounding(const design *design)
 {
     return 8 * DBL_EPSILON * sqrt((double)design->targets);
 }
 
 /*
- * x := x less its fit by the first `count` functions; rows with weight are zero where rounding
- * alone is left.
+ * x := x less its fit by the first `count` functions. Weighted rows are set to 0 where only
+ * rounding errors remain.
  */
 static void take_out(const design *design, int count, double *x)
 {
@@ -116,7 +112,10 @@ static void take_out(const design *design, int count, double *x)
         x[i] = design->weight[i] > 0 ? 0 : x[i];
 }
 
-/* Function j at the target's nodes, orthogonal to those before it and of weighted size 1. */
+/*
+ * Evaluate function j at the target nodes, orthogonalise it to those before it and scale it to
+ * weighted size 1.
+ */
 static int add_free(design *design, int j, char *error)
 {
     const scene_mode *from = &design->scene->target.free[j];

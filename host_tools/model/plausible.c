@@ -120,7 +120,7 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *u, in
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
                         const char *name)
 {
-    const subject of = {.scene = scene, .volt = voltage, .name = name};
+    const subject of = {.scene = scene, .voltage = voltage, .name = name};
     apply_all(warnings, SUBJECT_VOLTAGES, &of);
 }
 

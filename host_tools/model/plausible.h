@@ -10,7 +10,7 @@
 #define PLAUSIBLE_H
 
 #include <stdio.h>
-#include "../cli/json.h"
+#include "../text/json.h"
 #include "../mesh/mesh.h"
 
 enum { PLAUSIBLE_MOST = 24 };

@@ -8,7 +8,7 @@
 typedef struct subject {
     const scene *scene;
     const mesh *mesh;
-    const double *u, *volt;
+    const double *u, *voltage;
     int is_linear;
     const char *name;
 } subject;

@@ -17,7 +17,7 @@ int measure_found_field(const subject *of, int k, measured *found)
     const scene_drive *drive;
     if (!plausible_drive(of->scene, k, &actuator, &drive))
         return 0;
-    const double voltage = plausible_voltage(of->scene, actuator, of->volt),
+    const double voltage = plausible_voltage(of->scene, actuator, of->voltage),
                  most = plausible_voltage(of->scene, actuator, NULL);
     if (isinf(most) || most < voltage)
         plausible_field(of->scene, drive, voltage, found);
@@ -35,8 +35,8 @@ static double displacement_of(const mesh *mesh, const double *u, int node,
 {
     double weight[7], sum = 0;
     design_output_weights(mesh, node, component, face, weight);
-    for (unsigned k = 0; k < mesh->unknowns; k++) {
-        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->unknowns + k];
+    for (unsigned k = 0; k < mesh->dof_per_node; k++) {
+        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
         if (dof != PZS_CONSTRAINED)
             sum += weight[k] * u[dof];
     }
@@ -54,7 +54,7 @@ int measure_displacement(const subject *of, int k, measured *found)
         where = size > most ? node : where;
         most = fmax(most, size);
     }
-    found->value = most / of->mesh->laminate.h;
+    found->value = most / of->mesh->laminate.thickness;
     snprintf(found->what, WHAT, "normal displacement of %s, %g at theta1 = %g, theta2 = %g",
              of->name, most, of->mesh->theta[where][0], of->mesh->theta[where][1]);
     return 1;

@@ -10,27 +10,27 @@
 
 typedef struct voltages {
     char name[SCENE_NAME + 32]; /* what these volts are */
-    int volts;
-    double *volt;          /* [volts] one an amplifier */
-    double *u;             /* [dof] displacement under them and the scene's loads */
-    double *shape;         /* [targets] its part that the target is about */
-    double *aim;           /* [targets] target, with as much of its free functions as fits the
-                              shape best */
-    double error;          /* |W P (shape - target)| / |W P (target - shape without voltages)|,
-                              linear, over the rows that can move, P taking the free functions
-                              out; NAN: no equilibrium found */
-    double error_all;      /* the same if the rows that cannot move were counted */
-    int fixed_off;         /* rows that cannot move and are not where the target wants them */
-    double optimality;     /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
-    double limit[2];       /* V, lowest and highest that any amplifier may give */
-    int held, narrower;    /* amplifiers that are held; of the others, those with a narrower
-                              range than limit */
-    double residual;       /* of the displacement */
-    double regularisation; /* of voltages_regularised, over tr(B'W^2 B)/n; 0 elsewhere */
-    int active, passes;    /* amplifiers at a limit, held ones not counted; passes of the
-                              optimiser */
-    int relinearised;      /* times the influence was computed anew at the shape reached */
-    int systems;           /* linear systems solved on the nonlinear structure */
+    int amplifiers;
+    double *voltage;        /* [volts] one an amplifier */
+    double *u;              /* [dof] displacement under them and the scene's loads */
+    double *shape;          /* [targets] its part that the target is about */
+    double *aligned_target; /* [targets] target, with as much of its free functions as fits the
+                    shape best */
+    double error;           /* |W P (shape - target)| / |W P (target - shape without voltages)|,
+                               linear, over the rows that can move, P taking the free functions
+                               out; NAN: no equilibrium found */
+    double error_all;       /* the same if the rows that cannot move were counted */
+    int fixed_off;          /* rows that cannot move and are not where the target wants them */
+    double optimality;      /* KKT violation / largest |B'W^2 wanted|; NAN where none is claimed */
+    double limit[2];        /* V, lowest and highest that any amplifier may give */
+    int held, narrowed;     /* amplifiers that are held; of the others, those with a narrower
+                               range than limit */
+    double residual;        /* of the displacement */
+    double regularisation;  /* of voltages_regularised, over tr(B'W^2 B)/n; 0 elsewhere */
+    int active_limits, iterations; /* amplifiers at a limit, held ones not counted; passes of the
+                           optimiser */
+    int relinearised;              /* times the influence was computed anew at the shape reached */
+    int linear_solves;             /* linear systems solved on the nonlinear structure */
 } voltages;
 
 /*

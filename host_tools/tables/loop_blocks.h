@@ -11,7 +11,7 @@
 typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
-    pzs_known_loads known; /* tables of the blocks that have none elsewhere */
+    pzs_known_loads known_loads; /* tables of the blocks that have none elsewhere */
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
     pzs_block block[PZS_BLOCK_LIMIT];
@@ -29,11 +29,11 @@ int loop_quantises(const scene *scene);
  *   d in  after design_control
  *   e in  after estimator_open; all zero where the scene neither estimates nor feeds forward
  */
-void loop_blocks_fill(loop_blocks *l, const design *design, const estimator *estimator);
+void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator);
 
 /* Their tables, PREFIX_blocks, and PREFIX_LOOP_BYTES; after the tables of estimator, known loads
  * and problem. */
-void loop_blocks_write(emitter *emitter, const loop_blocks *l);
+void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /* What a firmware is wired by: PREFIX_TICK_RATE, indices of amplifiers and sensors by their names,
  * the outputs as a comment. */

@@ -16,7 +16,7 @@ extern const char *const tables_image_name[TABLES_IMAGES];
 /* The nonlinear path has no refinement: float carries it while the scaled stiffness is conditioned
  * better than this. */
 #define TABLES_FLOAT_CONDITION 1e7
-int tables_fit_float(const analysis *analysis);
+int tables_allow_float(const analysis *analysis);
 
 /* What tables take: numbers and bytes besides in flash. */
 typedef struct tables_size {
