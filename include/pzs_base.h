@@ -24,8 +24,10 @@ extern "C" {
 
 /* ---- numbers ---------------------------------------------------------- */
 
-/* The names of the two entry functions carry the precision: a program and a library that disagree
- * on it do not link. */
+/*
+ * The names of the two init functions contain the precision, so a program and a library of
+ * different precision do not link.
+ */
 #if PZS_REAL_BITS == 32
 typedef float pzs_real;
 #define pzs_model_init pzs_model_init_32
@@ -44,7 +46,7 @@ typedef double pzs_real;
 #define PZS_ABS(x) fabs(x)
 #endif
 
-/* A number of a generated table, rounded once from double. */
+/* A number of a generated table, rounded once from double to pzs_real. */
 #define PZS_R(x) ((pzs_real)(x))
 
 #if PZS_TILE == 4
@@ -55,12 +57,14 @@ typedef double pzs_real;
 #define PZS_BY_TILE(for4, for8, for16) (for16)
 #endif
 
-/* Most bytes of stack that a public function uses: in a control or linear image, and in a nonlinear
- * image. */
+/*
+ * Most bytes of stack that a public function uses: in a control or linear image, and in a nonlinear
+ * image.
+ */
 #define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
 #define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
 
-/* Version of the library that was linked, as PZS_VERSION_TEXT was when it was compiled. */
+/* Version of the linked library: the PZS_VERSION_TEXT with which it was compiled. */
 const char *pzs_version(void);
 
 /* ---- statuses --------------------------------------------------------- */
@@ -82,12 +86,12 @@ typedef enum pzs_status {
     PZS_W_UNSTABLE, /* the equilibrium is unstable: the tangent has negative pivots */
 
     /* Errors: outputs are untouched. */
-    PZS_E_ARGUMENT = 64, /* null pointer, or a size or index out of range */
-    PZS_E_FORMAT, /* tables of another format number, or of another scene than the tables they are
-                     used with */
-    PZS_E_CRC,    /* tables do not match their checksum */
+    PZS_E_ARGUMENT = 64, /* a null pointer, or a size, index or setting out of range */
+    PZS_E_FORMAT,    /* the tables have another format number, or belong to another scene than the
+                        tables they are used with */
+    PZS_E_CRC,       /* the tables do not match their checksum */
     PZS_E_WORKSPACE, /* workspace too small or misaligned; `where` is the number of bytes needed */
-    PZS_E_STAGE,     /* called before the stage that it needs */
+    PZS_E_STAGE,     /* a function was called before the stage of initialisation that it needs */
     PZS_E_NONFINITE, /* NaN or infinity at index `where` of an input array */
     PZS_E_LIMITS,    /* lower limit above upper limit, or a limit that is not a number, at input
                         `where` */
@@ -99,48 +103,49 @@ typedef enum pzs_status {
 
     /* Solver errors: the last converged equilibrium is kept; info.load_factor tells how much of the
        load it carries. */
-    PZS_E_DIVERGED, /* no equilibrium found beyond it, with load steps down to 1/64 (or open
-                       electrodes kept changing) */
-    PZS_E_LIMIT,    /* the same, and the tangent becomes singular: a limit point or a bifurcation is
-                       near */
-    PZS_E_CONTACT,  /* the same, and the set of nodes in contact kept changing; or a shell that its
-                       supports leave loose  does not touch the body at the start, is not pressed
-                       onto  it, or slides along it */
-    PZS_E_PENETRATION, /* the same: the body would enter element `where` at a node or between its
-                          nodes (refine the mesh there or enlarge the body), or pass through it;
-                          contact info.penetration tells which */
+    PZS_E_DIVERGED,    /* no equilibrium was found beyond it with load steps down to 1/64 (or open
+                          electrodes kept changing) */
+    PZS_E_LIMIT,       /* as PZS_E_DIVERGED, and the tangent becomes singular: a limit point or a
+                          bifurcation is near */
+    PZS_E_CONTACT,     /* as PZS_E_DIVERGED, and the active set of contact kept changing; or a shell
+                          that its supports leave loose does not touch the body at the start, is not
+                          pressed onto it, or slides along it */
+    PZS_E_PENETRATION, /* as PZS_E_DIVERGED: the body would enter element `where` at a node or
+                          between its nodes (refine the mesh there or enlarge the body), or pass
+                          through it; contact info.penetration tells which */
     PZS_E_SOLVES       /* the limit on linear solves is reached */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)
 
-/* One line for a person; the text is linked only where this function is called. */
+/* Text of a status in one line. The texts are linked only where this function is called. */
 const char *pzs_status_text(pzs_status status);
 
 /* ---- shared tables and matrices --------------------------------------- */
 
-/* Marks a constrained dof (held at zero by a support) in node_dof. */
+/* Value in node_dof of a dof that a support holds at zero. */
 #define PZS_CONSTRAINED 0xFFFFu
 
-/* Sparse rows over the free dof: one row for each input (a force) or each output (a displacement).
+/*
+ * Sparse rows over the free dof: one row for each input (a force) or each output (a displacement).
  */
 typedef struct pzs_rows {
-    uint16_t count;        /* rows */
+    uint16_t count;        /* number of rows */
     const uint32_t *start; /* [count + 1] first entry of each row */
-    const uint16_t *dof;   /* [start[count]] free dof */
-    const pzs_real *value; /* [start[count]] */
+    const uint16_t *dof;   /* [start[count]] free dof of each entry */
+    const pzs_real *value; /* [start[count]] value of each entry */
 } pzs_rows;
 
 /* A symmetric matrix in envelope storage, which serves dense, banded and skyline matrices alike. */
 typedef struct pzs_envelope {
-    uint32_t n;            /* rows */
+    uint32_t n;            /* number of rows */
     const uint16_t *first; /* [n] first column of each row of the lower triangle */
-    uint32_t *start;       /* [panels + 1] where each panel of PZS_TILE rows begins in value */
-    pzs_real *value;       /* [start[panels]] */
-    pzs_real *inverse;     /* [n] inverse pivots, once factored */
+    uint32_t *start;       /* [panels + 1] start of each panel of PZS_TILE rows in value */
+    pzs_real *value;       /* [start[panels]] entries, panel by panel */
+    pzs_real *inverse;     /* [n] inverse pivots, after factorisation */
 } pzs_envelope;
 
-/* n rounded up to whole tiles, and the reals that a dense factor of n rows takes. */
+/* n rounded up to whole tiles; number of reals of a dense factor of n rows. */
 #define PZS_CEIL(n) (((size_t)(n) + PZS_TILE - 1u) / PZS_TILE * PZS_TILE)
 #define PZS_DENSE(n) (PZS_CEIL(n) * (PZS_CEIL(n) + PZS_TILE) / 2u + (size_t)(n))
 

@@ -1,39 +1,43 @@
 /*
- * Every compile-time choice of piezoshape, with its default. Nothing else
- * is configured anywhere. Set one with -DNAME=value for the library and the
- * program alike; the precision is part of the names of the entry functions,
- * so a program and a library that disagree on it do not link.
+ * All compile-time options of piezoshape, with their defaults. Set an option with -DNAME=value, for
+ * the library and the program alike. The names of the init functions contain the precision, so a
+ * program and a library of different precision do not link.
  */
 #ifndef PZS_CONFIG_H
 #define PZS_CONFIG_H
 
-/* Bits of the working real number: 32 (float) or 64 (double). */
+/* Bits of a real number: 32 (float) or 64 (double). */
 #ifndef PZS_REAL_BITS
 #define PZS_REAL_BITS 64
 #endif
 
-/* 1 builds the element at a deformed shape: strains quadratic in the displacement and their
- * tangent. */
+/*
+ * 1 builds the nonlinear image: element at a deformed shape, equilibrium solver, contact, follower
+ * loads and open electrodes.
+ */
 #ifndef PZS_NONLINEAR
 #define PZS_NONLINEAR 0
 #endif
 
-/* Rows of the factor kept together: 4 suits microcontrollers, 8 and 16 wide vector units (gcc or
- * clang). With -ffp-contract=off (gcc's default with -std=c99; clang wants it said) the result has
- * the same bits for every value. */
+/*
+ * Rows of a panel of the factor: 4 suits microcontrollers, 8 and 16 suit wide vector units (gcc or
+ * clang). With -ffp-contract=off (the default of gcc with -std=c99, to be set for clang) the result
+ * has the same bits for every value.
+ */
 #ifndef PZS_TILE
 #define PZS_TILE 4
 #endif
 
-/* Most passes of the voltage optimiser in one step; a step that needs more stops
- * with PZS_W_ITERATIONS, its volts allowed and no worse than before. */
+/*
+ * Most iterations of the voltage optimiser in one step. A step that needs more returns
+ * PZS_W_ITERATIONS; its voltages are feasible and no worse than before.
+ */
 #ifndef PZS_STEP_ITERATIONS
 #define PZS_STEP_ITERATIONS 200
 #endif
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error                                                                                             \
-    "piezoshape relies on NaN and infinity: compile without -ffast-math, -Ofast and -ffinite-math-only"
+#error "piezoshape needs NaN and infinity: do not use -ffast-math, -Ofast, -ffinite-math-only"
 #endif
 #if PZS_STEP_ITERATIONS < 1 || PZS_STEP_ITERATIONS > 65535
 #error "PZS_STEP_ITERATIONS is 1 to 65535"

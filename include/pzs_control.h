@@ -2,28 +2,29 @@
  * piezoshape, control image: from a target shape and measurements to voltages inside hard limits.
  * SPDX-License-Identifier: BSD-2-Clause
  *
- *     static pzs_real work[MIRROR_CONTROL_BYTES / sizeof(pzs_real) + 1];   // sizes and tables: pzs
- * tables -o mirror.h static pzs_control control;
+ *     // `pzs tables -o mirror.h` writes the sizes and tables
+ *     static pzs_real work[MIRROR_CONTROL_BYTES / sizeof(pzs_real) + 1];
+ *     static pzs_control control;
  *
  *     int main(void)
  *     {
  *         pzs_status status = pzs_control_init(&control, &mirror_problem, NULL, work, sizeof work);
  *         while (!PZS_IS_ERROR(status)) {
- *             read_target(wanted);                            // [outputs] m
- *             read_sensors(measured);                         // [outputs] m; NaN where a sensor
- * gives nothing status = pzs_tick(&control, wanted, measured);
- *             write_amplifiers(control.info.voltage);         // [inputs] V, inside every limit
- * whatever the status
+ *             read_target(wanted);    // [outputs] m
+ *             read_sensors(measured); // [outputs] m; NaN where a sensor gives nothing
+ *             status = pzs_tick(&control, wanted, measured);
+ *             write_amplifiers(control.info.voltage); // [inputs] V, inside every limit, always
  *         }
- *         return status;                                      // pzs_status_text(status) says what
- * happened
+ *         return status; // pzs_status_text(status) says what happened
  *     }
  *
- * Each tick solves  min |W (B v - e)|^2 + regularisation |v - v0|^2,  lower <= v <= upper,  |v -
- * v_last| <= step limit, with e = wanted - (measured - predicted). The control step has no
- * vibration model: `pzs check` prints the range of tick rates at which it is stable on a structure
- * with mass. Options that work around the tick (estimator, feed-forward, converter steps, fault
- * detector) are declared in pzs_loop.h.
+ * Each tick solves
+ *   min |W (B v - e)|^2 + regularisation |v - v0|^2
+ *   with lower <= v <= upper, |v - v_last| <= step limit,
+ * where e = wanted - (measured - predicted). The control step has no vibration
+ * model: `pzs check` prints the range of tick rates at which it is stable on a structure with mass.
+ * Options around the tick (estimator, feed-forward, converter steps, fault detector) are declared
+ * in pzs_loop.h.
  */
 #ifndef PZS_CONTROL_H
 #define PZS_CONTROL_H
@@ -42,15 +43,16 @@ typedef struct pzs_problem {
     uint32_t scene;  /* hash of the scene that the tables were made from */
     uint32_t crc;    /* checksum of everything below; see pzs_problem_seal */
     uint16_t inputs, outputs;
-    const pzs_real *influence;  /* B [outputs][inputs] (m/V), or NULL: given to pzs_control_init */
+    const pzs_real *influence;  /* B [outputs][inputs] (m/V), or NULL: passed to pzs_control_init */
     const pzs_real *hessian;    /* B'W^2 B [inputs][inputs] (m2/V2), or NULL: computed by
                                    pzs_control_init */
-    const pzs_real *weight;     /* W [outputs] (1) */
+    const pzs_real *weight;     /* W [outputs] weight of each output (1) */
     const pzs_real *lower;      /* [inputs] lower voltage limit (V) */
     const pzs_real *upper;      /* [inputs] upper voltage limit (V) */
-    const pzs_real *step_limit; /* [inputs] largest change in one step (V) */
-    const pzs_real *reference_voltage; /* v0 [inputs] (V) */
-    pzs_real regularisation;           /* (m2/V2) */
+    const pzs_real *step_limit; /* [inputs] largest change of a voltage in one step (V) */
+    const pzs_real *reference_voltage; /* v0 [inputs] voltages towards which the regularisation
+                                          pulls (V) */
+    pzs_real regularisation;           /* weight of |v - v0|^2 in the objective (m2/V2) */
 } pzs_problem;
 
 /*
@@ -59,28 +61,28 @@ typedef struct pzs_problem {
  */
 pzs_status pzs_problem_seal(pzs_problem *problem);
 
-/* Problems with more inputs are refused. */
+/* Largest number of inputs of a problem. */
 #define PZS_INPUT_LIMIT 4096
 
 /* ---- controller ------------------------------------------------------- */
 
-/* What a program may set after pzs_control_init. */
+/* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
-    uint16_t iteration_limit; /* iterations of the optimiser in one step, at most
+    uint16_t iteration_limit; /* most iterations of the optimiser in one step, at most
                                  PZS_STEP_ITERATIONS (the default) */
 } pzs_control_settings;
 
-/* What a program may read. */
+/* Results of the controller that a program may read. */
 typedef struct pzs_control_info {
-    const pzs_real *voltage;     /* [inputs] the voltages to give out: always finite and inside the
+    const pzs_real *voltage;     /* [inputs] the voltages to give out, always finite and inside the
                                     limits (V) */
-    const pzs_real *predicted;   /* [outputs] B v as of the last tick (m) */
-    const pzs_real *disturbance; /* [outputs] measured - predicted (m) */
+    const pzs_real *predicted;   /* [outputs] predicted shape B v of the last tick (m) */
+    const pzs_real *disturbance; /* [outputs] measured - predicted shape (m) */
     const pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables,
                                       narrowed by pzs_hold (V) */
     int32_t where;                 /* index that belongs to the last status, or -1 */
-    uint16_t iterations;           /* of the last step */
-    uint16_t iterations_most;      /* largest number so far */
+    uint16_t iterations;           /* iterations of the last step */
+    uint16_t iterations_most;      /* largest number of iterations of a step so far */
 } pzs_control_info;
 
 typedef struct pzs_control {
@@ -100,68 +102,78 @@ typedef struct pzs_control {
 
 /*
  * Check the problem and lay out a controller in the workspace. The voltages start at the reference
- * voltage, clamped to the limits. problem   in  must outlive the controller influence
- * [outputs][inputs] in  computed on the device, read in every step (m/V); NULL: that of the problem
- *   work      in  memory of the caller, aligned for pzs_real; the controller's from now on
- *   bytes     in  at least PZS_CONTROL_BYTES
+ * voltage, clamped to the limits.
+ *   problem                     in  must outlive the controller
+ *   influence [outputs][inputs] in  computed on the device, read in every step (m/V); NULL: that of
+ *                                   the problem
+ *   work                        in  memory of the caller, aligned for pzs_real, used by the
+ *                                   controller from now on
+ *   bytes                       in  at least PZS_CONTROL_BYTES
  * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE, LIMITS (also a negative step limit), NONFINITE. After
- * an error the controller cannot be used, whatever it was before.
+ * an error the controller cannot be used, even if it was valid before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                             const pzs_real *influence, void *work, size_t bytes);
 
 /*
- * Start from the voltages that the amplifiers give already, so that nothing jumps: after a reset,
- * or after a second pzs_control_init. They are clamped to the limits; inputs that were held have to
- * be held again. voltage [inputs] in (V) Errors: ARGUMENT, STAGE, NONFINITE (nothing changed).
+ * Start from the voltages that the amplifiers already give, so that no voltage jumps after a reset
+ * or after another pzs_control_init. The voltages are clamped to the limits; inputs that were held
+ * must be held again.
+ *   voltage [inputs] in (V)
+ * Errors: ARGUMENT, STAGE, NONFINITE (nothing is changed).
  */
 pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
 
 /*
- * One control tick: disturbance = measured - predicted, a step towards wanted - disturbance,
- * prediction. wanted   [outputs] in  target shape (m) measured [outputs] in  measured shape (m);
- * NULL: rely on the model A measurement that is not finite, or that stands still although its
- * output should move, keeps its last disturbance (SENSOR). Without any usable measurement, or with
- * a target that is not finite, the voltages are held inside the limits now in force (HELD).
- * ITERATIONS and STEP_LIMIT take precedence over SENSOR. Errors: ARGUMENT, STAGE.
+ * One control tick: disturbance = measured - predicted, a step towards wanted - disturbance, then
+ * the new prediction.
+ *   wanted   [outputs] in  target shape (m)
+ *   measured [outputs] in  measured shape (m); NULL: rely on the model
+ * A measurement that is not finite, or that does not move although its output should, keeps its
+ * last disturbance (warning SENSOR). Without any usable measurement, or with a target that is not
+ * finite, the voltages are held inside the limits in force (warning HELD). ITERATIONS and
+ * STEP_LIMIT take precedence over SENSOR. Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 
 /*
  * One voltage step from the last voltages, without measurements.
- *   error [outputs] in  wanted shape minus the shape at zero voltage (m)
- * info.voltage holds the result: inside every limit to the last bit, with an objective no larger
- * than that of the last voltages clamped to the limits, and optimal unless a warning says
- * otherwise; "no larger" and "optimal" up to rounding, epsilon |W B|^2 |v|^2. Work is bounded:
+ *   error [outputs] in  target shape minus the shape at zero voltage (m)
+ * The result info.voltage is inside every limit to the last bit. Its objective is no larger than
+ * that of the last voltages clamped to the limits, and it is optimal unless a warning says
+ * otherwise, both up to a rounding error of epsilon |W B|^2 |v|^2. The work is bounded:
  * iteration_limit iterations of at most inputs^2 multiply-adds, and at most 16 recomputations of
- * the tableau of inputs^3 each, which only rounding errors can ask for. Warnings: ITERATIONS,
- * STEP_LIMIT. Errors: ARGUMENT, STAGE, NONFINITE (voltages held; `where` is -1 after an overflow).
+ * the tableau of inputs^3 each, which only rounding errors can require. Warnings: ITERATIONS,
+ * STEP_LIMIT. Errors: ARGUMENT, STAGE, NONFINITE (the voltages are held; `where` is -1 after an
+ * overflow).
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 
 /*
- * Hold one input at a voltage (dead: 0, stuck: its last), clamped to its table limits; release it
- * again. The next step or tick goes there at once: a held voltage takes precedence over the step
- * limit (STEP_LIMIT). Errors: ARGUMENT, STAGE, NONFINITE.
+ * Hold one input at a voltage (a dead one at 0, a stuck one at its last voltage), clamped to its
+ * table limits; release it again. The next step or tick sets this voltage at once: a held voltage
+ * takes precedence over the step limit (STEP_LIMIT). Errors: ARGUMENT, STAGE, NONFINITE.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
 pzs_status pzs_release(pzs_control *control, uint16_t input);
 
-/* ---- certificate ------------------------------------------------------ */
+/* ---- certificate of the voltages -------------------------------------- */
 
 /* Quality of the present voltages. */
 typedef struct pzs_report {
     pzs_real relative_error; /* |W (B v - e)| / |W e| */
     pzs_real kkt_violation;  /* largest KKT violation / largest entry of |B'W^2 e| */
-    uint16_t active_limits;  /* inputs at a limit */
+    uint16_t active_limits;  /* number of inputs at a limit */
 } pzs_report;
 
 /*
- * Assess the present voltages from the influence matrix alone, independently of the optimiser. It
- * takes 3 inputs*outputs multiply-adds and is not needed in a loop. The limits are those in force;
- * where step limits bind, those of the last step. error  [outputs] in  as given to the last
- * pzs_step; after pzs_tick: wanted - info.disturbance (m) report out           untouched after an
- * error Errors: ARGUMENT, STAGE, NONFINITE.
+ * Assess the present voltages by the influence matrix alone, independently of the optimiser. The
+ * call takes 3 inputs*outputs multiply-adds and is not needed in a loop. The limits are those in
+ * force; where step limits bind, those of the last step.
+ *   error  [outputs] in  as passed to the last pzs_step; after pzs_tick: wanted - info.disturbance
+ *                        (m)
+ *   report           out unchanged after an error
+ * Errors: ARGUMENT, STAGE, NONFINITE.
  */
 pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *report);
 

@@ -1,8 +1,8 @@
 /*
  * The control loop: a list of blocks around the control step, run by one call in each tick. The
  * blocks of the library: feed-forward of known loads, a shape estimator, the control step,
- * converter steps of the amplifiers, a fault detector for electrodes. SPDX-License-Identifier:
- * BSD-2-Clause
+ * converter steps of the amplifiers, a fault detector for electrodes.
+ * SPDX-License-Identifier: BSD-2-Clause
  *
  *     static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
  *     static pzs_loop loop;
@@ -35,72 +35,81 @@ extern "C" {
 
 /* ---- the loop: a list of blocks (lib/control/loop.c) -------------------- */
 
-/* Where in a tick a block acts. The blocks of a list stand in this order. */
+/* Where in a tick a block acts. The blocks of a list are in the order of their phases. */
 typedef enum pzs_block_phase {
     PZS_PHASE_READINGS, /* changes the readings or the target */
-    PZS_PHASE_SHAPE,    /* makes the measured shape from the readings; at most one block */
-    PZS_PHASE_STEP,     /* chooses the voltages; exactly one block, its tables are a pzs_problem */
-    PZS_PHASE_VOLTAGE,  /* changes the voltages as the amplifiers will */
-    PZS_PHASE_OBSERVE   /* compares voltages and shape; may hold electrodes */
+    PZS_PHASE_SHAPE,    /* computes the measured shape from the readings; at most one block */
+    PZS_PHASE_STEP,    /* chooses the voltages; exactly one block, whose tables are a pzs_problem */
+    PZS_PHASE_VOLTAGE, /* changes the voltages as the amplifiers will */
+    PZS_PHASE_OBSERVE  /* compares voltages and shape; may hold electrodes */
 } pzs_block_phase;
 
 /*
- * What the blocks hand on in one tick. All arrays are inputs: a block that changes a signal makes
- * the pointer show an array of its own.
+ * The signals that the blocks pass on in one tick. All arrays are read-only: a block that changes a
+ * signal lets its pointer point to an array of its own.
  */
 typedef struct pzs_loop_signals {
     pzs_control *control;      /* the controller; NULL until the step block is initialised */
-    const pzs_real *influence; /* as given to pzs_loop_init, for the step block's init; or NULL */
+    const pzs_real *influence; /* [outputs][inputs] as passed to pzs_loop_init, for the init of the
+                                  step block, or NULL */
     const pzs_real *wanted;    /* [outputs] target shape (m) */
-    const pzs_real *readings;  /* [sensors] (unit of each sensor), or NULL: no frame in this tick */
-    const pzs_real *measured;  /* [outputs] measured shape (m), or NULL: no frame in this tick; the
-                                  readings themselves until a block of PZS_PHASE_SHAPE has run */
-    const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken
-                                  (1: as in the scene), or NULL: no load is known */
-    const pzs_real *known_next; /* [loads] values to come under the next voltages, or NULL */
-    const uint8_t *electrode;   /* [inputs] pzs_electrode_state, or NULL: no block has told it */
-    uint16_t sensors;           /* readings that the blocks behind this one take */
+    const pzs_real *readings; /* [sensors] readings (unit of each sensor), or NULL: no frame in this
+                                 tick */
+    const pzs_real *measured; /* [outputs] measured shape (m), or NULL: no frame in this tick; equal
+                                 to the readings until a block of PZS_PHASE_SHAPE has run */
+    const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken (1:
+                                  as in the scene), or NULL: no load is known */
+    const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, or
+                                   NULL */
+    const uint8_t *electrode;   /* [inputs] pzs_electrode_state, or NULL: no block has set it */
+    uint16_t sensors;           /* number of readings that the blocks after this one need */
     int32_t where;              /* out: index that belongs to the status of a block, or -1 */
 } pzs_loop_signals;
 
-/* A kind of block: const, in flash. The functions return a status, as every public function. */
+/* A type of block: const, in flash. Its functions return a status like every public function. */
 typedef struct pzs_block_type {
-    const char *name; /* for messages */
+    const char *name; /* name of the block in messages */
     pzs_block_phase phase;
-    /* Bytes of memory of a block, by the counts of its tables and of the problem alone. */
+    /* Bytes of memory of a block, from the counts of its tables and of the problem alone. */
     size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
-    /* Check the tables and lay out the block in `self`: block_bytes, aligned for pointers and
-     * double. The step block comes first, then the others from the last to the first. */
+    /*
+     * Check the tables and lay out the block in `self`: block_bytes of memory, aligned for pointers
+     * and double. The step block is initialised first, then the others from the last to the first.
+     */
     pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
-    /* One tick. After an error the loop ends the tick. */
+    /* Run the block in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
 } pzs_block_type;
 
 /* One block of a list. */
 typedef struct pzs_block {
     const pzs_block_type *type;
-    const void *tables; /* of the block's kind; not NULL */
+    const void *tables; /* tables of this block type; not NULL */
 } pzs_block;
 
-#define PZS_BLOCK_LIMIT 16 /* blocks in a list */
+#define PZS_BLOCK_LIMIT 16 /* most blocks in a list */
 
-/* What a program may set before each tick. NULL, as after pzs_loop_init: no load is known. */
+/*
+ * Inputs of the loop that a program may set before each tick. NULL, the value after
+ * pzs_loop_init: no load is known.
+ */
 typedef struct pzs_loop_settings {
-    const pzs_real *known_now;  /* [loads] see pzs_loop_signals */
-    const pzs_real *known_next; /* [loads] */
+    const pzs_real *known_now;  /* [loads] values of the known loads when the readings were taken */
+    const pzs_real *known_next; /* [loads] values of the known loads under the next voltages */
 } pzs_loop_settings;
 
-/* What a program may read. */
+/* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
-    const pzs_real *voltage;     /* [inputs] the voltages to give out, renewed at the end of a tick
-                                    without an error: finite and inside the limits (V) */
-    const pzs_real *measured;    /* [outputs] shape that the last tick used (m), or NULL: none */
-    const uint8_t *electrode;    /* [inputs] pzs_electrode_state after the last tick, or NULL: no
-                                    fault detector */
-    pzs_control *control;        /* for pzs_hold, pzs_release, pzs_assess and its info */
-    const pzs_block_type *block; /* whose status was returned last, or NULL: no block's */
-    int32_t where; /* index that belongs to the last status, or -1; if the list itself is refused:
-                      index of the block in it */
+    const pzs_real *voltage;  /* [inputs] the voltages to give out, updated by each tick without an
+                                 error: finite and inside the limits (V) */
+    const pzs_real *measured; /* [outputs] measured shape that the last tick used (m), or NULL: none
+                               */
+    const uint8_t *electrode; /* [inputs] pzs_electrode_state after the last tick, or NULL: no fault
+                                 detector */
+    pzs_control *control; /* the controller, for pzs_hold, pzs_release, pzs_assess and its info */
+    const pzs_block_type *block; /* block whose status was returned last, or NULL: no block */
+    int32_t where; /* index that belongs to the last status, or -1; if the list itself is refused,
+                      index of the block in the list */
 } pzs_loop_info;
 
 typedef struct pzs_loop {
@@ -109,7 +118,9 @@ typedef struct pzs_loop {
     pzs_loop_state state;
 } pzs_loop;
 
-/* Bytes of workspace of a list: PZS_LOOP_BYTES and the PZS_..._BLOCK_BYTES of each of its blocks.
+/*
+ * Bytes of workspace of a list: the sum of PZS_LOOP_BYTES and the PZS_..._BLOCK_BYTES of each
+ * block.
  */
 #define PZS_ALIGNED(bytes) (((size_t)(bytes) + 7u) / 8u * 8u)
 #define PZS_LOOP_BYTES(blocks, inputs)                                                             \
@@ -118,41 +129,47 @@ typedef struct pzs_loop {
 
 /*
  * Check a list of blocks and their tables, and lay the loop out in the workspace.
- *   blocks [count] in  in the order of their phases, none twice; must outlive the loop, as their
- *                      tables
+ *   blocks [count]              in  in the order of their phases, none twice; they and their tables
+ *                                   must outlive the loop
  *   influence [outputs][inputs] in  computed on the device (m/V); NULL: that of the problem
- *   work           in  memory of the caller, aligned for pzs_real; the loop's from now on
- * Errors, info.block names the block: ARGUMENT (no or too many blocks, no step block, a block
- * twice, a block without tables, tables of other counts), STAGE (a block stands before one of an
- * earlier phase), WORKSPACE (where = bytes needed), FORMAT (also tables of another scene), and
- * those of the block. After an error the loop cannot be used, whatever it was before.
+ *   work                        in  memory of the caller, aligned for pzs_real, used by the loop
+ *                                   from now on
+ * Errors (info.block is the block): ARGUMENT (no or too many blocks, no step block, a block twice,
+ * a block without tables, tables of other counts), STAGE (a block stands before one of an earlier
+ * phase), WORKSPACE (where = bytes needed), FORMAT (also tables of another scene), and those of the
+ * block. After an error the loop cannot be used, even if it was valid before.
  */
 pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
                          const pzs_real *influence, void *work, size_t bytes);
 
 /*
- * Start from the voltages that the amplifiers give already, clamped to the limits, so that nothing
- * jumps: after a reset. The other blocks start anew; electrodes that were held have to be held
- * again.   voltage [inputs] in (V)   Errors: ARGUMENT, STAGE, NONFINITE (nothing changed).
+ * Start from the voltages that the amplifiers already give, clamped to the limits, so that no
+ * voltage jumps after a reset. The other blocks are initialised again; electrodes that were held
+ * must be held again.
+ *   voltage [inputs] in (V)
+ * Errors: ARGUMENT, STAGE, NONFINITE (nothing is changed).
  */
 pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
 
 /*
  * One control tick: all blocks in the order of their list.
  *   wanted   [outputs] in  target shape (m)
- *   readings [sensors] in  of the sensors of the estimator; without an estimator the measured shape
- *                          [outputs] (m). NaN where a sensor gives nothing; NULL: no frame arrived,
- *                          the last deviations from the model are kept.
- * Precedence of the status: an error ends the tick, later blocks do not run. Otherwise the warning
- * of the step block, otherwise the first warning in the order of the list. info.block tells whose.
- * After an error info.voltage and the controller keep the voltages of the tick before; after HELD
- * of the step block they keep them inside the limits now in force. After HELD of the estimator (no
- * usable reading) the last deviations are kept and the step still follows the target.
+ *   readings [sensors] in  readings of the estimator's sensors; without an estimator the measured
+ *                          shape [outputs] (m). NaN where a sensor gives nothing; NULL: no frame
+ *                          arrived, the last deviations from the model are kept.
+ * Precedence of the status: an error ends the tick, and later blocks do not run. Otherwise the
+ * warning of the step block, otherwise the first warning in the order of the list. info.block is
+ * the block of the status. After an error info.voltage and the controller keep the voltages of the
+ * last tick. After HELD of the step block they keep them inside the limits in force. After HELD of
+ * the estimator (no usable reading) the last deviations are kept, and the step still follows the
+ * target.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
-/* The block of a kind: for the blocks of the library the object named at each of them below. NULL:
- * the list has none, or the loop is not initialised. */
+/*
+ * The memory of the block of one type in the list: for the blocks of the library the object named
+ * at each of them below. Returns NULL if the list has no such block or the loop is not initialised.
+ */
 void *pzs_loop_find(const pzs_loop *loop, const pzs_block_type *type);
 
 /* The control step, pzs_tick (lib/control/step.c). Tables: pzs_problem. Object: pzs_control. */
@@ -162,10 +179,12 @@ extern const pzs_block_type pzs_step_block;
 
 /* ---- estimator: the shape from a few sensors (lib/control/estimate.c) -- */
 
-/* Gains of the estimator, computed by the host from the disturbances to expect. All arrays are
- * const, in flash. */
+/*
+ * Gains of the estimator, computed by the host from the expected disturbances. All arrays are
+ * const, in flash.
+ */
 typedef struct pzs_estimator {
-    uint32_t format, scene; /* those of the problem */
+    uint32_t format, scene; /* format and scene of the problem */
     uint32_t crc;           /* checksum of everything below; see pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
     const pzs_real *direct; /* S [sensors][inputs] reading per volt (V/V, C/V, m/V) */
@@ -198,9 +217,11 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
 
 /*
  * Before each pzs_tick: estimate the shape from the readings under the present voltages, B v + G (s
- * - S v). The shape is then given to pzs_tick as the measurement. sensed [sensors] in shape
- * [outputs] out (m) A reading that is missing (not finite) or stuck keeps its last deviation.
- * Warnings: SENSOR, HELD (no reading is usable). Errors: ARGUMENT, STAGE.
+ * - S v). The shape is then passed to pzs_tick as the measurement.
+ *   sensed [sensors] in  readings s
+ *   shape  [outputs] out (m)
+ * A reading that is missing (not finite) or stuck keeps its last deviation. Warnings: SENSOR, HELD
+ * (no reading is usable). Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs_real *shape);
 
@@ -212,13 +233,17 @@ extern const pzs_block_type pzs_estimator_block;
 
 /* ---- feed-forward of known loads and temperatures (lib/control/feed_forward.c) */
 
-/* Shape, or readings, per unit of inputs whose values the firmware knows. In flash. */
+/*
+ * Sensitivity of the shape, or of the readings, to inputs whose values the firmware knows. All
+ * arrays are const, in flash.
+ */
 typedef struct pzs_feed_forward_table {
-    uint32_t format, scene; /* those of the problem; the firmware compares the scene, for a shape
-                               carries none */
+    uint32_t format, scene; /* format and scene of the problem; the firmware must compare the scene,
+                               because a shape carries none */
     uint32_t crc;           /* checksum of everything below; see pzs_feed_forward_seal */
     uint16_t inputs, outputs;
-    const pzs_real *sensitivity; /* [outputs][inputs] (m/N, m/Pa, m/K) */
+    const pzs_real *sensitivity; /* [outputs][inputs] shape per unit of each known input (m/N, m/Pa,
+                                    m/K) */
 } pzs_feed_forward_table;
 
 /* Set format and checksum of a table that a firmware has built itself. Errors: ARGUMENT. */
@@ -228,20 +253,23 @@ pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table);
 pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 
 /*
- * Subtract the effect of known inputs from a shape: before a tick from `measured`, with the input
- * values at the time of the measurement, and from `wanted`, with the values to come. With an
+ * Subtract the effect of known inputs from a shape before a tick: from `measured`, with the input
+ * values at the time of the measurement, and from `wanted`, with the coming values. With an
  * estimator, subtract it from the readings instead of from `measured`, by a table with one row for
- * each sensor. The controller then sees only what is unknown, and acts on the known part before it
- * shows. value [inputs]  in shape [outputs] in/out (m) Errors: ARGUMENT, NONFINITE (shape
- * untouched).
+ * each sensor. The controller then sees only unknown disturbances, and compensates known ones
+ * before they act.
+ *   value [inputs]  in
+ *   shape [outputs] in/out (m)
+ * Errors: ARGUMENT, NONFINITE (the shape is unchanged).
  */
 pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real *value,
                             pzs_real *shape);
 
-/* Tables of the block: one for each signal that known loads are taken out of. */
+/* Tables of the feed-forward block: one for each signal from which known loads are subtracted. */
 typedef struct pzs_known_loads {
-    const pzs_feed_forward_table *shape;    /* [outputs][loads] */
-    const pzs_feed_forward_table *readings; /* [sensors][loads]; NULL: the readings are the shape */
+    const pzs_feed_forward_table *shape;    /* [outputs][loads] effect on the shape */
+    const pzs_feed_forward_table *readings; /* [sensors][loads] effect on the readings; NULL: the
+                                               readings are the shape */
 } pzs_known_loads;
 
 /* Feed-forward as a block of PZS_PHASE_READINGS. Tables: pzs_known_loads. Its tick returns
@@ -255,18 +283,21 @@ extern const pzs_block_type pzs_feed_forward_block;
 
 /*
  * After pzs_tick: replace control.info.voltage by the voltages that the amplifiers will really
- * give, so that the next tick predicts with them. A change of at most dead_band is not made;
- * another change goes to the last multiple of step on the way to the voltage asked for, inside
- * voltage limits and step limits. given     [inputs] in/out  voltages that the amplifiers give; at
- * the start control.info.voltage, then left alone (V) step               in      of the converter
- * (V); 0: none dead_band          in      (V) Errors: ARGUMENT, STAGE.
+ * give, so that the next tick predicts with them. A change of at most dead_band is not made. Any
+ * other change goes to the last multiple of `step` on the way to the wanted voltage, inside voltage
+ * limits and step limits.
+ *   given [inputs] in/out  voltages that the amplifiers give (V); at the start those of
+ *                          control.info.voltage, then left to this function
+ *   step           in      converter step (V); 0: none
+ *   dead_band      in      (V)
+ * Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band);
 
-/* Tables of the block. */
+/* Tables of the amplifier block. */
 typedef struct pzs_amplifier {
-    pzs_real step;      /* of the converter (V); 0: none */
-    pzs_real dead_band; /* (V) */
+    pzs_real step;      /* converter step (V); 0: none */
+    pzs_real dead_band; /* largest change that an amplifier does not follow (V) */
 } pzs_amplifier;
 
 /* Amplifiers as a block of PZS_PHASE_VOLTAGE. Tables: pzs_amplifier. */
@@ -287,28 +318,30 @@ extern const pzs_block_type pzs_amplifier_block;
  * reads static shapes: on a structure that vibrates, or with strong hysteresis, it suspects healthy
  * electrodes.
  */
-#define PZS_DELAY_LIMIT 16 /* ticks */
+#define PZS_DELAY_LIMIT 16 /* largest delay of the measurements (ticks) */
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
     PZS_ELECTRODE_TESTED,       /* a test signal is applied */
-    PZS_ELECTRODE_CLEARED,      /* passed its test, left alone for a while */
-    PZS_ELECTRODE_UNOBSERVABLE, /* its effect is a combination of other electrodes' effects, or
-                                   nothing */
-    PZS_ELECTRODE_HELD          /* detected, held until pzs_release */
+    PZS_ELECTRODE_CLEARED,      /* passed its test and is not suspected for some time */
+    PZS_ELECTRODE_UNOBSERVABLE, /* its effect is a combination of other electrodes' effects, or zero
+                                 */
+    PZS_ELECTRODE_HELD          /* found to be faulty; held until pzs_release */
 } pzs_electrode_state;
 
+/* Settings of the fault detector that a program may change after its init. */
 typedef struct pzs_fault_detector_settings {
-    pzs_real *amplitude; /* [inputs] of the test signal (V), at most half the step limit; default:
-                            just below half the step limit or 1/32 of the voltage range, whichever
-                            is smaller; 0: not observed */
+    pzs_real *amplitude; /* [inputs] amplitude of the test signal (V), at most half the step limit.
+                            Default: just below half the step limit or 1/32 of the voltage range,
+                            whichever is smaller. 0: not observed. */
 } pzs_fault_detector_settings;
 
+/* Results of the fault detector that a program may read. */
 typedef struct pzs_fault_detector_info {
-    const uint8_t *electrode; /* [inputs] pzs_electrode_state */
+    const uint8_t *electrode; /* [inputs] state of each electrode, a pzs_electrode_state */
     int32_t where;            /* index that belongs to the last status, or -1 */
-    uint16_t found;           /* electrodes detected since the start */
-    uint16_t unobservable;    /* electrodes that cannot be observed */
+    uint16_t found;           /* number of electrodes detected since the init */
+    uint16_t unobservable;    /* number of electrodes that cannot be observed */
 } pzs_fault_detector_info;
 
 typedef struct pzs_fault_detector {
@@ -325,27 +358,28 @@ typedef struct pzs_fault_detector {
      (sizeof(uint16_t) + 2u) * (size_t)(inputs) + (size_t)(outputs))
 
 /*
- * Observe the electrodes of a controller, from its present voltages on.
- *   control in/out  must outlive the detector; after pzs_control_init
- *   delay   in      of the measurements, ticks, at most PZS_DELAY_LIMIT: `measured` is the shape of
- * that time plus what the prediction has changed by since; an electrode taken out counts in both
- * with its held voltage Errors: ARGUMENT, STAGE, WORKSPACE (where = bytes needed), NONFINITE.
+ * Start to observe the electrodes of a controller, from its present voltages on.
+ *   control in/out  after pzs_control_init; must outlive the detector
+ *   delay   in      delay of the measurements (ticks), at most PZS_DELAY_LIMIT
+ * `measured` must be the delayed shape plus the change of the prediction since then. An electrode
+ * that is held counts in both with its held voltage. Errors: ARGUMENT, STAGE, WORKSPACE (where =
+ * bytes needed), NONFINITE.
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);
 
 /*
- * After each pzs_tick (and pzs_quantise), with the same measurements.
- * Warnings: ELECTRODE: input `where` was detected (the first of several; all have state
- * PZS_ELECTRODE_HELD). It is held until pzs_release: a dead one at 0 V, another at its last
- * voltage. Errors: ARGUMENT, STAGE.
+ * After each pzs_tick (and pzs_quantise), with the same measurements. Warning ELECTRODE: input
+ * `where` was detected (the first of several; all have state PZS_ELECTRODE_HELD). It is held until
+ * pzs_release: a dead one at 0 V, another at its last voltage. Errors: ARGUMENT, STAGE.
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
 
-/* Tables of the block. */
+/* Tables of the fault detector block. */
 typedef struct pzs_fault_detection {
-    uint16_t delay;     /* of the measurements, ticks, at most PZS_DELAY_LIMIT */
-    pzs_real amplitude; /* of the test signals (V), cut to half the step limit; 0: the default */
+    uint16_t delay;     /* delay of the measurements (ticks), at most PZS_DELAY_LIMIT */
+    pzs_real amplitude; /* amplitude of the test signals (V), cut to half the step limit; 0: the
+                           default */
 } pzs_fault_detection;
 
 /* The fault detector as a block of PZS_PHASE_OBSERVE. Tables: pzs_fault_detection. Object:

@@ -1,5 +1,7 @@
-/* Version of the library, in this one place, and of the table format. SPDX-License-Identifier:
- * BSD-2-Clause */
+/*
+ * Version of the library and of the format of its tables.
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef PZS_VERSION_H
 #define PZS_VERSION_H
 
@@ -9,9 +11,9 @@
 #define PZS_VERSION_TEXT "0.2.0"
 
 /*
- * Format of the generated tables. A header made for another format does not compile, tables of
- * another format are refused by every init function. It goes up whenever the layout of a table
- * struct changes; a test compares the layouts with the ones recorded for this number.
+ * Format number of the generated tables. A generated header of another format does not compile, and
+ * every init function refuses tables of another format. The number increases whenever the layout of
+ * a table struct changes; a test compares the layouts with those recorded for this number.
  */
 #define PZS_TABLE_FORMAT 3u
 

@@ -306,7 +306,7 @@ static void add_resultants(const mesh *mesh, int element, const double h0[LAMINA
                            double *dense)
 {
     double f[SHELL_MAX];
-    pzs_shell_given(&mesh->kind[mesh->element_kind[element]], mesh->unknowns, h0, f);
+    pzs_shell_prescribed_force(&mesh->kind[mesh->element_kind[element]], mesh->unknowns, h0, f);
     scatter(mesh, element, 1, f, dense);
 }
 

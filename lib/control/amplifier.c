@@ -1,34 +1,35 @@
 /*
- * Amplifiers that give whole steps only and leave small changes be.
+ * Amplifiers that give whole converter steps only and do not follow changes inside a dead band.
  *
- * A volt asked for becomes the last whole step on the way to it from the volt given now. So it
- * stays between the two, inside limits and slew, and what integral action asks for is given once it
- * amounts to a step: no step is taken that the next tick would take back, which rounding to the
- * nearest does where the plant is stronger than the model. Limits in force come before whole steps.
+ * A wanted voltage becomes the last whole step on the way to it from the present voltage. So the
+ * result lies between the two, inside voltage limits and step limit, and integral action changes
+ * the voltage once it has summed up to one step. No step is taken that the next tick would take
+ * back, which rounding to the whole step does where the plant is stronger than the model. Voltage
+ * limits in force take precedence over whole steps.
  */
 #include <string.h>
 #include "pzs_loop.h"
 #include "control.h"
 #include "../core/numbers.h"
 
-#define MOST_STEPS                                                                                 \
-    PZS_R(1e9) /* volts of more steps are not rounded: they count in less than the real's own      \
-                  steps */
+/* A voltage of more steps than this is not rounded: the steps would be finer than the resolution of
+ * pzs_real. */
+#define STEP_COUNT_LIMIT PZS_R(1e9)
 
-/* The last whole step on the way from `have` to `wish`, or `have`. */
-static pzs_real whole_step(pzs_real wish, pzs_real have, pzs_real step)
+/* Last whole step on the way from `present` to `wanted`, or `present` if there is none (V). */
+static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 {
-    const pzs_real steps = wish / step;
-    if (!(step > 0) || !(number_absolute(steps) < MOST_STEPS))
-        return wish;
-    const int32_t near = (int32_t)steps;
-    const pzs_real at = (pzs_real)near * step;
-    if (wish > have) {
-        const pzs_real below = at > wish ? (pzs_real)(near - 1) * step : at;
-        return below > have ? below : have;
+    const pzs_real steps = wanted / step;
+    if (!(step > 0) || !(number_absolute(steps) < STEP_COUNT_LIMIT))
+        return wanted;
+    const int32_t whole = (int32_t)steps;
+    const pzs_real voltage = (pzs_real)whole * step;
+    if (wanted > present) {
+        const pzs_real below = voltage > wanted ? (pzs_real)(whole - 1) * step : voltage;
+        return below > present ? below : present;
     }
-    const pzs_real above = at < wish ? (pzs_real)(near + 1) * step : at;
-    return above < have ? above : have;
+    const pzs_real above = voltage < wanted ? (pzs_real)(whole + 1) * step : voltage;
+    return above < present ? above : present;
 }
 
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band)
@@ -39,12 +40,13 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
         return PZS_E_STAGE;
     const pzs_problem *problem = control->state.problem;
     for (uint32_t j = 0; j < problem->inputs; j++) {
-        const pzs_real wish = control->state.voltage[j];
-        const pzs_real have = number_is_finite(given[j])
-                                  ? number_clamp(given[j], problem->lower[j], problem->upper[j])
-                                  : wish;
-        const pzs_real stepped =
-            number_absolute(wish - have) <= dead_band ? have : whole_step(wish, have, step);
+        const pzs_real wanted = control->state.voltage[j];
+        const pzs_real present = number_is_finite(given[j])
+                                     ? number_clamp(given[j], problem->lower[j], problem->upper[j])
+                                     : wanted;
+        const pzs_real stepped = number_absolute(wanted - present) <= dead_band
+                                     ? present
+                                     : last_step(wanted, present, step);
         given[j] = number_clamp(stepped, control->state.lower[j], control->state.upper[j]);
         control->state.voltage[j] = given[j];
     }
@@ -62,21 +64,23 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
-    const pzs_amplifier *t = tables;
+    const pzs_amplifier *amplifier = tables;
     const pzs_control *control = signals->control;
-    pzs_amplifier_state *a = self;
-    if (!(t->step >= 0) || !(t->dead_band >= 0))
+    pzs_amplifier_state *state = self;
+    if (!(amplifier->step >= 0) || !(amplifier->dead_band >= 0))
         return PZS_E_ARGUMENT;
-    a->tables = t;
-    a->given = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *a));
-    memcpy(a->given, control->state.voltage, control->state.problem->inputs * sizeof *a->given);
+    state->tables = amplifier;
+    state->given = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *state));
+    memcpy(state->given, control->state.voltage,
+           control->state.problem->inputs * sizeof *state->given);
     return PZS_OK;
 }
 
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
-    const pzs_amplifier_state *a = self;
-    return pzs_quantise(signals->control, a->given, a->tables->step, a->tables->dead_band);
+    const pzs_amplifier_state *state = self;
+    return pzs_quantise(signals->control, state->given, state->tables->step,
+                        state->tables->dead_band);
 }
 
 const pzs_block_type pzs_amplifier_block = {"amplifier", PZS_PHASE_VOLTAGE, block_bytes, block_init,

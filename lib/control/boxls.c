@@ -685,9 +685,7 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
             fresh = 1;
         }
     }
-    optimiser->is_optimal |=
-        optimiser->iterations < optimiser->iteration_limit &&
-        optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound; /* as
-                                                              far as rounding
-                                                              permits */
+    /* After the last round, a violation near its rounding bound is as far as rounding permits. */
+    optimiser->is_optimal |= optimiser->iterations < optimiser->iteration_limit &&
+                             optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;
 }

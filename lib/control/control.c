@@ -19,7 +19,7 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
-#include "sense.h"
+#include "sensor_check.h"
 
 #define SMALLEST_SQUARE                                                                            \
     PZS_BY_BITS(1e-31f, 1e-292) /* smallest square without loss of digits by underflow (m2) */
@@ -253,17 +253,18 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     const uint32_t m = control->state.problem->outputs;
     int32_t where = -1;
     renew_prediction(optimiser, control);
-    const sensor_set all = {m, control->state.predicted, control->state.measured,
-                            control->state.disturbance, control->state.repeats};
-    const uint32_t lost = measured != NULL ? pzs_sensor_check(&all, measured, &where) : 0;
-    if (lost == m)
+    const sensor_check all = {m, control->state.predicted, control->state.measured,
+                              control->state.disturbance, control->state.repeats};
+    const uint32_t unusable = measured != NULL ? pzs_sensor_check(&all, measured, &where) : 0;
+    if (unusable == m)
         return hold_voltages(optimiser, control, where);
-    const pzs_status stepped = step(optimiser, control, wanted,
-                                    measured != NULL && lost == 0 ? measured : expected(control));
+    const pzs_status stepped =
+        step(optimiser, control, wanted,
+             measured != NULL && unusable == 0 ? measured : expected(control));
     if (stepped == PZS_E_NONFINITE)
         return hold_voltages(optimiser, control, control->info.where);
     rebase(optimiser, control);
-    return stepped == PZS_OK && lost != 0 ? finish(control, PZS_W_SENSOR, where) : stepped;
+    return stepped == PZS_OK && unusable != 0 ? finish(control, PZS_W_SENSOR, where) : stepped;
 }
 
 /* ---- init and limits ------------------------------------------------- */

@@ -1,9 +1,9 @@
 /*
- * The shape from a few sensors, through the model: y = B v + G (s - S v), what the volts make and,
- * as likely as the loads and faults that the tables were made for, what makes the sensors show
- * something else.
+ * Estimator: the shape from a few sensors and the model,  y = B v + G (s - S v). B v is the shape
+ * that the voltages make. G (s - S v) is the most probable shape of the other causes, given the
+ * deviation of the readings s; G contains the loads and faults for which the tables were generated.
  *
- * Work of a tick: (sensors + outputs) (inputs + sensors) multiply-adds at most; nothing depends on
+ * Work of a tick: at most (sensors + outputs) (inputs + sensors) multiply-adds. Nothing depends on
  * the data.
  */
 #include <string.h>
@@ -12,10 +12,10 @@
 #include "control.h"
 #include "../core/guard.h"
 #include "../core/product.h"
-#include "sense.h"
+#include "sensor_check.h"
 
 #define READY 1u
-#define FOURS(n) (((size_t)(n) + 3u) & ~(size_t)3u)
+#define PADDED(n) (((size_t)(n) + 3u) & ~(size_t)3u)
 
 uint32_t pzs_estimate_crc(const pzs_estimator *tables)
 {
@@ -42,16 +42,16 @@ static pzs_status check(const pzs_estimator *tables, const pzs_control *control)
 {
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != control->state.problem->scene)
         return PZS_E_FORMAT;
-    const int fits = tables->inputs == control->state.problem->inputs &&
-                     tables->outputs == control->state.problem->outputs;
+    const bool fits = tables->inputs == control->state.problem->inputs &&
+                      tables->outputs == control->state.problem->outputs;
     if (tables->direct == NULL || tables->gain == NULL || tables->sensors == 0 || !fits)
         return PZS_E_ARGUMENT;
     if (pzs_estimate_crc(tables) != tables->crc)
         return PZS_E_CRC;
-    const int finite =
+    const bool are_finite =
         pzs_guard_nonfinite(tables->direct, (uint32_t)tables->sensors * tables->inputs) < 0 &&
         pzs_guard_nonfinite(tables->gain, (uint32_t)tables->outputs * tables->sensors) < 0;
-    return finite ? PZS_OK : PZS_E_NONFINITE;
+    return are_finite ? PZS_OK : PZS_E_NONFINITE;
 }
 
 static pzs_status finish(pzs_estimate *estimate, pzs_status status, int32_t where)
@@ -72,18 +72,18 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
         control->state.stage == CONTROL_READY ? check(tables, control) : PZS_E_STAGE;
     if (status != PZS_OK)
         return finish(estimate, status, -1);
-    const size_t need = PZS_ESTIMATE_BYTES(tables->sensors), padded = FOURS(tables->sensors);
-    const int32_t lacking = guard_missing_bytes(work, bytes, need);
-    if (lacking >= 0)
-        return finish(estimate, PZS_E_WORKSPACE, lacking);
+    const size_t need = PZS_ESTIMATE_BYTES(tables->sensors), padded = PADDED(tables->sensors);
+    const int32_t missing = guard_missing_bytes(work, bytes, need);
+    if (missing >= 0)
+        return finish(estimate, PZS_E_WORKSPACE, missing);
     memset(work, 0, need);
-    pzs_real *at = work;
+    pzs_real *first = work;
     estimate->state.control = control;
     estimate->state.tables = tables;
-    estimate->state.expected = at, at += padded;
-    estimate->state.sensed = at, at += padded;
-    estimate->state.difference = at, at += padded;
-    estimate->state.repeats = (uint8_t *)at;
+    estimate->state.expected = first;
+    estimate->state.sensed = first + padded;
+    estimate->state.difference = first + 2 * padded;
+    estimate->state.repeats = (uint8_t *)(first + 3 * padded);
     estimate->state.stage = READY;
     return finish(estimate, PZS_OK, -1);
 }
@@ -95,42 +95,40 @@ pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs
     if (estimate->state.stage != READY)
         return PZS_E_STAGE;
     const pzs_estimator *tables = estimate->state.tables;
-    const sensor_set all = {tables->sensors, estimate->state.expected, estimate->state.sensed,
-                            estimate->state.difference, estimate->state.repeats};
+    const sensor_check all = {tables->sensors, estimate->state.expected, estimate->state.sensed,
+                              estimate->state.difference, estimate->state.repeats};
     int32_t where = -1;
     pzs_product_matrix(estimate->state.expected, tables->direct,
                        estimate->state.control->state.voltage, tables->sensors, tables->inputs);
-    const uint32_t lost = pzs_sensor_check(&all, sensed, &where);
+    const uint32_t unusable = pzs_sensor_check(&all, sensed, &where);
     pzs_control_predict(estimate->state.control);
     pzs_product_matrix(shape, tables->gain, estimate->state.difference, tables->outputs,
                        tables->sensors);
     for (uint32_t i = 0; i < tables->outputs; i++)
         shape[i] += estimate->state.control->state.predicted[i];
-    return finish(estimate,
-                  lost == 0                ? PZS_OK
-                  : lost < tables->sensors ? PZS_W_SENSOR
-                                           : PZS_W_HELD,
-                  where);
+    if (unusable == 0)
+        return finish(estimate, PZS_OK, where);
+    return finish(estimate, unusable < tables->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
 }
 
 /* ---- block ------------------------------------------------------------ */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
-    const pzs_estimator *t = tables;
-    return PZS_ESTIMATOR_BLOCK_BYTES(t->sensors, problem->outputs);
+    const pzs_estimator *estimator = tables;
+    return PZS_ESTIMATOR_BLOCK_BYTES(estimator->sensors, problem->outputs);
 }
 
-/* In `self`: the estimate, its workspace, the shape. */
+/* `self` holds the estimate, then its workspace, then the shape. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
-    const pzs_estimator *t = tables;
+    const pzs_estimator *estimator = tables;
     pzs_estimate *estimate = self;
     void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *estimate);
-    const pzs_status status =
-        pzs_estimate_init(estimate, signals->control, t, work, PZS_ESTIMATE_BYTES(t->sensors));
+    const pzs_status status = pzs_estimate_init(estimate, signals->control, estimator, work,
+                                                PZS_ESTIMATE_BYTES(estimator->sensors));
     signals->where = estimate->info.where;
-    signals->sensors = t->sensors;
+    signals->sensors = estimator->sensors;
     return status;
 }
 
@@ -141,7 +139,7 @@ static pzs_real *shape_of(pzs_estimate *estimate)
     return (void *)((uint8_t *)estimate + before);
 }
 
-/* Without a frame there is no new shape either. */
+/* Without a frame of readings there is no measured shape. */
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_estimate *estimate = self;

@@ -1,22 +1,23 @@
 /*
- * Electrodes that do not follow their amplifiers, found from what the shape does and does not do.
+ * Fault detector: finds electrodes that do not follow their amplifiers, from the measured shape.
  *
- * Between two shapes the commanded volts change by x and the disturbance, measured - predicted, by
- * d = B f + load: f_j is what electrode j did beyond its command. Least squares give f, x + f is
- * the response. An electrode that follows responds with x times what the model is wrong by; one
- * that does not, with nothing. Two things make a suspect:
+ * Between two shapes the commanded voltages change by x, and the disturbance, measured - predicted,
+ * changes by d = B f + load. f_j is the voltage by which electrode j acted beyond its command,
+ * estimated by least squares; x + f is the response. An electrode that follows responds with about
+ * x; one that does not, with nothing. An electrode is suspected in two cases:
  *
- *   it was moved by a full swing and hardly responded (a stuck one, or a dead one called for), or
- *   the shape jumped as if its volts had gone, and mainly its (one that has just died).
+ *   - it was moved by a full amplitude and hardly responded (it is stuck, or was already dead), or
+ *   - the shape jumped as if the voltage of this electrode, above all others, had gone (it has just
+ *     died).
  *
- * A load may look like either. So a suspect is probed: held at two volts in turn, a swing to either
- * side of where it was, inside limits and slew, while the step compensates with the others. It is
- * found where the response to its moves is the same every time, as if there were none; what a load
- * does does not move with the probe.
+ * A load may cause either. So a test signal is applied to the suspect: it is held at two voltages
+ * in turn, an amplitude to either side of where it was, inside voltage limits and step limit, while
+ * the control step compensates with the other electrodes. It is faulty if it shows no response to
+ * these moves; the effect of a load does not correlate with them.
  *
- * Work of a tick: (m + n) n multiply-adds, and less than 40 (m + n) other operations; where
- * measurements are lost or come back, m n^2 / 16 + n^3 / 6 besides. Nothing else depends on the
- * data.
+ * Work of a tick for m outputs and n inputs: (m + n) n multiply-adds and less than 40 (m + n) other
+ * operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return. Nothing else
+ * depends on the data.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -24,25 +25,27 @@
 #include "../core/guard.h"
 #include "../core/linalg.h"
 #include "../core/product.h"
-#include "sense.h"
+#include "sensor_check.h"
 #include "../core/numbers.h"
 
 #define READY 1u
-#define KEPT PZS_R(0.75)  /* of the sums over past ticks, a tick */
-#define SILENT 16         /* a response whose square is below 1/SILENT of the move's is none */
-#define RIDGE PZS_R(1e-5) /* of the diagonal, added to it */
-#define CLEAR                                                                                      \
-    PZS_R(0.75)      /* least part of an electrode's own volts that least squares must give back */
-#define MOVES 8u     /* of a probe, */
-#define PATIENCE 24u /* within so many shapes */
-#define REST 100u    /* shapes before an electrode that was cleared is suspected again */
-#define NOBODY 0xFFFFu
-#define MISSING 8u /* one output in so many may be without measurement */
+/* Factor by which the sums over past shapes fade with each shape. */
+#define FADING PZS_R(0.75)
+/* A response counts as none if its square is below 1/NO_RESPONSE of the square of the move. */
+#define NO_RESPONSE 16
+/* Least regularisation of the least squares, relative to the diagonal of the matrix. */
+#define LEAST_RIDGE PZS_R(1e-5)
+/* An electrode is observable if least squares return more than this part of its own voltage. */
+#define OBSERVABLE PZS_R(0.75)
+#define TEST_MOVES 8u       /* moves of a test signal */
+#define TEST_SHAPES 24u     /* most shapes in which a test must make these moves */
+#define CLEARED_SHAPES 100u /* shapes before an electrode that passed can be suspected again */
+#define NO_INPUT 0xFFFFu    /* input of a test signal that is not in use */
+#define MISSING_LIMIT 8u    /* at most one output in so many may have no measurement */
 
-enum {
-    LOST = 1,
-    LEFT_OUT = 2
-}; /* of an output: without measurement at the shape before; not among the columns */
+/* Bits of state.missing: the output had no measurement at the last shape; the output is excluded
+ * from the least squares. */
+enum { NOT_MEASURED = 1, EXCLUDED = 2 };
 
 static pzs_real square(pzs_real x)
 {
@@ -51,42 +54,54 @@ static pzs_real square(pzs_real x)
 
 /* ---- init ------------------------------------------------------------- */
 
-/* Half the volts of a probe: half the slew, at most 1/32 of the limits, and a little less, for
- * rounding. */
-static pzs_real default_swing(const pzs_problem *problem, uint32_t j)
+/*
+ * Default amplitude of a test signal (V): just below half the step limit, or 1/32 of the voltage
+ * range if that is smaller. The factor 0.49 leaves room for rounding.
+ */
+static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
 {
     const pzs_real range = (problem->upper[j] - problem->lower[j]) / 16,
                    whole = problem->step_limit[j] < range ? problem->step_limit[j] : range;
     return PZS_R(0.49) * whole;
 }
 
+/* The next `count` reals of the workspace. */
+static pzs_real *take(pzs_real **next, size_t count)
+{
+    pzs_real *const taken = *next;
+    *next += count;
+    return taken;
+}
+
 static void lay_out(pzs_fault_detector *detector, void *work)
 {
     const uint32_t n = detector->state.control->state.problem->inputs,
                    m = detector->state.control->state.problem->outputs;
-    pzs_real *at = work, *const columns = at;
-    at += PZS_DENSE(n);
-    detector->settings.amplitude = at, at += n;
-    detector->state.diagonal = at, at += n;
-    detector->state.voltage = at, at += (size_t)(detector->state.delay + 1u) * n;
-    detector->state.voltage_before = at, at += n;
-    detector->state.deviation = at, at += n;
-    detector->state.moved = at, at += n;
-    detector->state.response = at, at += n;
-    detector->state.lost_voltage = at, at += n;
-    detector->state.disturbance = at, at += m;
-    detector->state.change = at, at += m;
-    pzs_linalg_dense_layout(&detector->state.columns, n, columns, at);
+    pzs_real *next = work;
+    pzs_real *const columns = take(&next, PZS_DENSE(n));
+    detector->settings.amplitude = take(&next, n);
+    detector->state.diagonal = take(&next, n);
+    detector->state.voltage = take(&next, (size_t)(detector->state.delay + 1u) * n);
+    detector->state.voltage_before = take(&next, n);
+    detector->state.deviation = take(&next, n);
+    detector->state.moved = take(&next, n);
+    detector->state.response = take(&next, n);
+    detector->state.lost_voltage = take(&next, n);
+    detector->state.disturbance = take(&next, m);
+    detector->state.change = take(&next, m);
+    pzs_linalg_dense_layout(&detector->state.columns, n, columns, next);
     detector->state.electrode =
-        (uint8_t *)at + sizeof(uint32_t) * (n / PZS_TILE + 2u) + sizeof(uint16_t) * n;
-    detector->state.rest = detector->state.electrode + n;
-    detector->state.missing = detector->state.rest + n;
+        (uint8_t *)next + sizeof(uint32_t) * (n / PZS_TILE + 2u) + sizeof(uint16_t) * n;
+    detector->state.pause = detector->state.electrode + n;
+    detector->state.missing = detector->state.pause + n;
     detector->info.electrode = detector->state.electrode;
 }
 
-/* Diagonal of B'W^2 B, 1 where an electrode does nothing; the Hessian's holds the effort besides.
+/*
+ * Diagonal of B'W^2 B, 1 for an electrode without effect. The diagonal of the Hessian cannot be
+ * used, because it contains the regularisation.
  */
-static void take_diagonal(pzs_fault_detector *detector)
+static void find_diagonal(pzs_fault_detector *detector)
 {
     const pzs_control *control = detector->state.control;
     const uint32_t n = control->state.problem->inputs;
@@ -96,15 +111,16 @@ static void take_diagonal(pzs_fault_detector *detector)
             sum += square(control->state.problem->weight[i] *
                           control->state.influence[(size_t)i * n + j]);
         detector->state.diagonal[j] = sum > 0 ? sum : 1;
-        detector->state.electrode[j] = sum > 0 &&
-                                               number_is_finite(detector->settings.amplitude[j]) &&
-                                               detector->settings.amplitude[j] > 0
-                                           ? PZS_ELECTRODE_OBSERVED
-                                           : PZS_ELECTRODE_UNOBSERVABLE;
+        const pzs_real amplitude = detector->settings.amplitude[j];
+        const bool can_move = number_is_finite(amplitude) && amplitude > 0;
+        detector->state.electrode[j] =
+            sum > 0 && can_move ? PZS_ELECTRODE_OBSERVED : PZS_ELECTRODE_UNOBSERVABLE;
     }
 }
 
-/* row [j + 1] = row j of B'W^2 B over the outputs that are not left out, a ridge on its diagonal.
+/*
+ * row [j + 1] = row j of B'W^2 B over the outputs that are not excluded, plus the regularisation of
+ * the diagonal.
  */
 static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *row)
 {
@@ -114,7 +130,7 @@ static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *r
            j * sizeof *row);
     row[j] = detector->state.diagonal[j] * (1 + detector->state.ridge);
     for (uint32_t i = 0; i < control->state.problem->outputs; i++) {
-        if (!(detector->state.missing[i] & LEFT_OUT))
+        if (!(detector->state.missing[i] & EXCLUDED))
             continue;
         const pzs_real *b = control->state.influence + (size_t)i * n,
                        part = square(control->state.problem->weight[i]) * b[j];
@@ -123,8 +139,8 @@ static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *r
     }
 }
 
-/* Factor it. Returns whether that can be done. */
-static int factor(pzs_fault_detector *detector)
+/* Assemble and factor the matrix of the least squares. Returns whether it is regular. */
+static bool factor(pzs_fault_detector *detector)
 {
     for (uint32_t j = 0; j < detector->state.columns.n; j++) {
         form_row(detector, j, detector->state.deviation);
@@ -135,8 +151,8 @@ static int factor(pzs_fault_detector *detector)
     return !detector->state.is_stale;
 }
 
-/* An electrode whose volts least squares do not give back is not watched. */
-static void find_blind(pzs_fault_detector *detector)
+/* Mark the electrodes whose own voltage least squares do not return as unobservable. */
+static void find_unobservable(pzs_fault_detector *detector)
 {
     const uint32_t n = detector->state.columns.n;
     for (uint32_t j = 0; j < n; j++) {
@@ -145,7 +161,7 @@ static void find_blind(pzs_fault_detector *detector)
         pzs_linalg_solve(&detector->state.columns, detector->state.deviation);
         if (!(1 - detector->state.ridge * detector->state.diagonal[j] *
                       detector->state.deviation[j] >
-              CLEAR))
+              OBSERVABLE))
             detector->state.electrode[j] = PZS_ELECTRODE_UNOBSERVABLE;
         detector->info.unobservable =
             (uint16_t)(detector->info.unobservable +
@@ -166,37 +182,35 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     if (detector == NULL)
         return PZS_E_ARGUMENT;
     memset(detector, 0, sizeof *detector);
-    const pzs_status status = control == NULL || work == NULL || delay > PZS_DELAY_LIMIT
-                                  ? PZS_E_ARGUMENT
-                              : control->state.stage != CONTROL_READY ? PZS_E_STAGE
-                                                                      : PZS_OK;
-    if (status != PZS_OK)
-        return finish(detector, status, -1);
+    if (control == NULL || work == NULL || delay > PZS_DELAY_LIMIT)
+        return finish(detector, PZS_E_ARGUMENT, -1);
+    if (control->state.stage != CONTROL_READY)
+        return finish(detector, PZS_E_STAGE, -1);
     const pzs_problem *problem = control->state.problem;
     const size_t need = PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, delay);
-    const int32_t lacking = guard_missing_bytes(work, bytes, need);
-    if (lacking >= 0)
-        return finish(detector, PZS_E_WORKSPACE, lacking);
+    const int32_t missing = guard_missing_bytes(work, bytes, need);
+    if (missing >= 0)
+        return finish(detector, PZS_E_WORKSPACE, missing);
     memset(work, 0, need);
     detector->state.control = control;
     detector->state.delay = delay;
     lay_out(detector, work);
     for (uint32_t j = 0; j < problem->inputs; j++)
-        detector->settings.amplitude[j] = default_swing(problem, j);
+        detector->settings.amplitude[j] = default_amplitude(problem, j);
     const pzs_real least = 4 * (pzs_real)problem->inputs * PZS_EPSILON;
-    detector->state.ridge = least > RIDGE ? least : RIDGE;
-    take_diagonal(detector);
+    detector->state.ridge = least > LEAST_RIDGE ? least : LEAST_RIDGE;
+    find_diagonal(detector);
     if (!factor(detector))
         return finish(detector, PZS_E_NONFINITE, -1);
-    find_blind(detector);
+    find_unobservable(detector);
     for (uint32_t k = 0; k <= delay; k++)
         memcpy(detector->state.voltage + (size_t)k * problem->inputs, control->state.voltage,
                problem->inputs * sizeof(pzs_real));
     memcpy(detector->state.voltage_before, control->state.voltage,
            problem->inputs * sizeof(pzs_real));
-    memset(detector->state.missing, LOST, problem->outputs);
+    memset(detector->state.missing, NOT_MEASURED, problem->outputs);
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++)
-        detector->state.test[k].input = NOBODY;
+        detector->state.test[k].input = NO_INPUT;
     detector->state.stage = READY;
     return finish(detector, PZS_OK, -1);
 }
@@ -204,112 +218,124 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
 /* ---- response --------------------------------------------------------- */
 
 /*
- * Take the new disturbance; change = W^2 times what it changed by since the last shape, zero where
- * either has no measurement. Returns whether both have enough to tell electrodes apart.
+ * Update the disturbance. state.change = W^2 times its change since the last shape, zero where
+ * either shape has no measurement. Returns whether enough outputs have measurements in both shapes.
  */
-static int compare(pzs_fault_detector *detector, const pzs_real *measured)
+static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
 {
     const pzs_control *control = detector->state.control;
     const uint32_t m = control->state.problem->outputs;
-    uint32_t out = 0;
+    uint32_t excluded = 0;
     for (uint32_t i = 0; i < m; i++) {
-        const int lost = sense_lost(&control->state.repeats[i], measured[i]),
-                  left_out = lost || (detector->state.missing[i] & LOST);
+        const bool is_missing = sensor_is_unusable(&control->state.repeats[i], measured[i]);
+        const bool is_excluded = is_missing || (detector->state.missing[i] & NOT_MEASURED);
         const pzs_real change = control->state.disturbance[i] - detector->state.disturbance[i];
         detector->state.change[i] =
-            left_out ? 0 : square(control->state.problem->weight[i]) * change;
+            is_excluded ? 0 : square(control->state.problem->weight[i]) * change;
         detector->state.disturbance[i] = control->state.disturbance[i];
-        detector->state.is_stale |= !left_out != !(detector->state.missing[i] & LEFT_OUT);
-        detector->state.missing[i] = (uint8_t)((lost ? LOST : 0) | (left_out ? LEFT_OUT : 0));
-        out += left_out ? 1u : 0u;
+        const bool was_excluded = (detector->state.missing[i] & EXCLUDED) != 0;
+        detector->state.is_stale |= is_excluded != was_excluded;
+        const unsigned missing_bit = is_missing ? NOT_MEASURED : 0u;
+        const unsigned excluded_bit = is_excluded ? EXCLUDED : 0u;
+        detector->state.missing[i] = (uint8_t)(missing_bit | excluded_bit);
+        excluded += is_excluded ? 1u : 0u;
     }
-    return MISSING * out <= m && (!detector->state.is_stale || factor(detector));
+    return MISSING_LIMIT * excluded <= m && (!detector->state.is_stale || factor(detector));
 }
 
-/* Fewer measurements than can be left out: the last shape still stands. */
-static int too_few(const pzs_fault_detector *detector, const pzs_real *measured)
+/*
+ * Whether too few outputs have a measurement. The last shape is then kept for the next comparison.
+ */
+static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
 {
     const pzs_control *control = detector->state.control;
-    uint32_t lost = 0;
+    uint32_t missing = 0;
     for (uint32_t i = 0; i < control->state.problem->outputs; i++)
-        lost += sense_lost(&control->state.repeats[i], measured[i]) ? 1u : 0u;
-    return MISSING * lost > control->state.problem->outputs;
+        missing += sensor_is_unusable(&control->state.repeats[i], measured[i]) ? 1u : 0u;
+    return MISSING_LIMIT * missing > control->state.problem->outputs;
 }
 
-/* The volts that made the shape now looked at: the oldest kept. */
-static pzs_real *oldest_volts(const pzs_fault_detector *detector)
+/* Voltages that belong to the shape just measured: the oldest that are stored [inputs]. */
+static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
 {
     return detector->state.voltage +
            (size_t)detector->state.oldest * detector->state.control->state.problem->inputs;
 }
 
-/* Those of this tick take their place. */
-static void keep_volts(pzs_fault_detector *detector)
+/* Store the voltages of this tick in place of the oldest. */
+static void store_voltages(pzs_fault_detector *detector)
 {
-    memcpy(oldest_volts(detector), detector->state.control->state.voltage,
+    memcpy(oldest_voltages(detector), detector->state.control->state.voltage,
            detector->state.control->state.problem->inputs * sizeof(pzs_real));
     detector->state.oldest =
         (uint16_t)(detector->state.oldest < detector->state.delay ? detector->state.oldest + 1u
                                                                   : 0);
 }
 
-/* answer = f; sums of moves and responses, and what each electrode has lost. Returns |f|^2. */
-static pzs_real respond(pzs_fault_detector *detector, const pzs_real *voltage)
+/*
+ * state.deviation = f by least squares; update the sums of moves, responses and lost voltages.
+ * Returns |f|^2 (V2).
+ */
+static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     const pzs_control *control = detector->state.control;
     const uint32_t n = control->state.problem->inputs;
-    pzs_real all = 0;
+    pzs_real deviation2 = 0;
     pzs_product_sum_rows(detector->state.deviation, control->state.influence, n,
                          detector->state.change, control->state.problem->outputs, n);
     pzs_linalg_solve(&detector->state.columns, detector->state.deviation);
     for (uint32_t j = 0; j < n; j++) {
         const pzs_real move = voltage[j] - detector->state.voltage_before[j],
-                       most = 2 * number_absolute(move);
-        all += square(detector->state.deviation[j]);
-        detector->state.moved[j] = KEPT * detector->state.moved[j] + square(move);
+                       limit = 2 * number_absolute(move);
+        deviation2 += square(detector->state.deviation[j]);
+        detector->state.moved[j] = FADING * detector->state.moved[j] + square(move);
         detector->state.response[j] =
-            KEPT * detector->state.response[j] +
-            square(number_clamp(move + detector->state.deviation[j], -most, most));
+            FADING * detector->state.response[j] +
+            square(number_clamp(move + detector->state.deviation[j], -limit, limit));
         detector->state.lost_voltage[j] =
-            KEPT * detector->state.lost_voltage[j] + detector->state.deviation[j];
+            FADING * detector->state.lost_voltage[j] + detector->state.deviation[j];
     }
-    return all;
+    return deviation2;
 }
 
-/* ---- probes ----------------------------------------------------------- */
+/* ---- test signals ----------------------------------------------------- */
 
-static int held(const pzs_control *control, uint32_t j)
+static bool is_held(const pzs_control *control, uint32_t j)
 {
     return !(control->state.lower[j] < control->state.upper[j]);
 }
 
-/* Most of its volts gone in one tick, and no other lost as much: all = |f|^2. */
-static int just_died(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage, pzs_real all)
+/*
+ * Whether electrode j lost most of its voltage in one tick, and no other electrode lost as much.
+ * deviation2 = |f|^2 (V2).
+ */
+static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
+                            pzs_real deviation2)
 {
-    const pzs_real gone =
+    const pzs_real loss =
                        voltage < 0 ? detector->state.deviation[j] : -detector->state.deviation[j],
-                   most = number_absolute(voltage);
-    return gone > 2 * detector->settings.amplitude[j] && gone > PZS_R(0.4) * most &&
-           gone < PZS_R(1.6) * most && 4 * square(gone) >= all;
+                   limit = number_absolute(voltage);
+    return loss > 2 * detector->settings.amplitude[j] && loss > PZS_R(0.4) * limit &&
+           loss < PZS_R(1.6) * limit && 4 * square(loss) >= deviation2;
 }
 
-/* How suspicious an electrode is (V^2), 0 where not. */
+/* Degree of suspicion of electrode j (V2), 0 if it is not suspected. */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
-                          pzs_real all)
+                          pzs_real deviation2)
 {
-    if (detector->state.electrode[j] != PZS_ELECTRODE_OBSERVED || held(detector->state.control, j))
+    if (detector->state.electrode[j] != PZS_ELECTRODE_OBSERVED ||
+        is_held(detector->state.control, j))
         return 0;
-    if (just_died(detector, j, voltage, all))
+    if (has_just_failed(detector, j, voltage, deviation2))
         return square(detector->state.deviation[j]);
-    return detector->state.moved[j] >= 4 * square(detector->settings.amplitude[j]) &&
-                   SILENT * detector->state.response[j] < detector->state.moved[j]
-               ? detector->state.moved[j]
-               : 0;
+    const bool has_moved = detector->state.moved[j] >= 4 * square(detector->settings.amplitude[j]);
+    const bool is_silent = NO_RESPONSE * detector->state.response[j] < detector->state.moved[j];
+    return has_moved && is_silent ? detector->state.moved[j] : 0;
 }
 
-/* Begin a probe of input j around its volts, far enough from its limits. */
-static void begin(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
-                  const pzs_real *voltage)
+/* Start a test of electrode j around its present voltage, far enough from its limits. */
+static void start_test(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
+                       const pzs_real *voltage)
 {
     const pzs_control *control = detector->state.control;
     const pzs_test_signal fresh = {
@@ -324,94 +350,102 @@ static void begin(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t 
     detector->state.electrode[j] = PZS_ELECTRODE_TESTED;
 }
 
-static int is_wide(const pzs_fault_detector *detector, uint32_t j)
+static bool has_room(const pzs_fault_detector *detector, uint32_t j)
 {
     return detector->state.control->state.upper[j] - detector->state.control->state.lower[j] >
            4 * detector->settings.amplitude[j];
 }
 
-/* The most suspicious electrodes into the places that are free. */
-static void suspect(pzs_fault_detector *detector, const pzs_real *voltage, pzs_real all)
+/* Start tests of the most suspicious electrodes, as far as test signals are free. */
+static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, pzs_real deviation2)
 {
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {
-        pzs_real most = 0;
-        uint32_t who = NOBODY;
-        for (uint32_t j = 0; detector->state.test[k].input == NOBODY &&
+        pzs_real largest = 0;
+        uint32_t suspect = NO_INPUT;
+        for (uint32_t j = 0; detector->state.test[k].input == NO_INPUT &&
                              j < detector->state.control->state.problem->inputs;
              j++) {
-            const pzs_real now = suspicion(detector, j, voltage[j], all);
-            who = now > most && is_wide(detector, j) ? j : who;
-            most = now > most && is_wide(detector, j) ? now : most;
+            const pzs_real now = suspicion(detector, j, voltage[j], deviation2);
+            if (now > largest && has_room(detector, j)) {
+                suspect = j;
+                largest = now;
+            }
         }
-        if (who != NOBODY)
-            begin(detector, &detector->state.test[k], who, voltage);
+        if (suspect != NO_INPUT)
+            start_test(detector, &detector->state.test[k], suspect, voltage);
     }
 }
 
-/* Hold the suspects at their next volts, inside their limits whatever the swing was changed to. */
-static void swing_all(pzs_fault_detector *detector)
+/* Hold the electrodes under test at their next voltages, inside their limits for any amplitude. */
+static void set_test_voltages(pzs_fault_detector *detector)
 {
     pzs_control *control = detector->state.control;
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {
         pzs_test_signal *test = &detector->state.test[k];
         const uint32_t j = test->input;
-        if (j == NOBODY)
+        if (j == NO_INPUT)
             continue;
         test->is_upper = !test->is_upper;
-        const pzs_real wish = test->middle + (test->is_upper ? detector->settings.amplitude[j]
-                                                             : -detector->settings.amplitude[j]);
-        test->set = number_clamp(number_is_finite(wish) ? wish : control->state.voltage[j],
+        const pzs_real amplitude = detector->settings.amplitude[j];
+        const pzs_real voltage = test->middle + (test->is_upper ? amplitude : -amplitude);
+        test->set = number_clamp(number_is_finite(voltage) ? voltage : control->state.voltage[j],
                                  test->lower, test->upper);
-        control->state.lower[j] = control->state.upper[j] = test->set;
+        control->state.lower[j] = test->set;
+        control->state.upper[j] = test->set;
     }
 }
 
-/* Leave an electrode alone for a while. */
-static void clear(pzs_fault_detector *detector, uint32_t j)
+/* Mark an electrode as cleared: it is not suspected for some time. */
+static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
     detector->state.electrode[j] = PZS_ELECTRODE_CLEARED;
-    detector->state.rest[j] = REST;
+    detector->state.pause[j] = CLEARED_SHAPES;
 }
 
-/* End a test: the electrode gets its limits back. */
-static void release(pzs_fault_detector *detector, pzs_test_signal *test)
+/* End a test without a fault: the electrode gets its limits back. */
+static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 {
     const uint32_t j = test->input;
     detector->state.control->state.lower[j] = test->lower;
     detector->state.control->state.upper[j] = test->upper;
-    clear(detector, j);
-    test->input = NOBODY;
+    mark_cleared(detector, j);
+    test->input = NO_INPUT;
 }
 
 /*
- * Held from now on where it is believed to be, dead at 0 V: volts and prediction agree with what
- * the structure has, so that the next step has nothing to make up for but what the electrode no
- * longer does.
+ * Hold a faulty electrode where it is believed to be: dead at 0 V, stuck at its present voltage.
+ * Voltages and prediction then agree with the structure, so the next step only has to compensate
+ * for the lost effect of the electrode.
  */
-static void remove(pzs_fault_detector *detector, pzs_test_signal *test)
+static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
 {
     pzs_control *control = detector->state.control;
     const uint32_t j = test->input;
     control->state.voltage[j] =
         test->is_dead ? number_clamp(0, test->lower, test->upper) : control->state.voltage[j];
-    control->state.lower[j] = control->state.upper[j] = control->state.voltage[j];
+    control->state.lower[j] = control->state.voltage[j];
+    control->state.upper[j] = control->state.voltage[j];
     pzs_control_moved(control);
     detector->state.electrode[j] = PZS_ELECTRODE_HELD;
     detector->info.found++;
-    test->input = NOBODY;
+    test->input = NO_INPUT;
 }
 
-/* Moves of the probe and responses to them, about their means: was there any response? */
-static int silent(const pzs_test_signal *test)
+/* Whether the electrode showed no response: variance of the responses against that of the moves. */
+static bool has_no_response(const pzs_test_signal *test)
 {
     const pzs_real n = (pzs_real)test->moves;
     const pzs_real moves = test->square - square(test->sum) / n;
     const pzs_real responses = test->response_square - square(test->response_sum) / n;
-    return SILENT * responses <= moves;
+    return NO_RESPONSE * responses <= moves;
 }
 
-/* One more shape for a probe: go on, or come to an end. Returns whether the electrode was found. */
-static int examine(pzs_fault_detector *detector, pzs_test_signal *test, const pzs_real *voltage)
+/*
+ * Add one shape to a test, and end the test when it has all its moves or took too long. Returns
+ * whether the electrode is faulty.
+ */
+static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
+                          const pzs_real *voltage)
 {
     const uint32_t j = test->input;
     const pzs_real move = voltage[j] - detector->state.voltage_before[j],
@@ -424,16 +458,17 @@ static int examine(pzs_fault_detector *detector, pzs_test_signal *test, const pz
         test->response_sum += response;
         test->response_square += square(response);
     }
-    const int ends = test->moves == MOVES, found = ends && silent(test);
-    if (found)
-        remove(detector, test);
-    else if (ends || test->shapes == PATIENCE)
-        release(detector, test);
-    return found;
+    const bool ends = test->moves == TEST_MOVES;
+    const bool is_faulty = ends && has_no_response(test);
+    if (is_faulty)
+        hold_electrode(detector, test);
+    else if (ends || test->shapes == TEST_SHAPES)
+        end_test(detector, test);
+    return is_faulty;
 }
 
-/* Someone else held or released the electrode meanwhile. */
-static int taken(const pzs_fault_detector *detector, const pzs_test_signal *test)
+/* Whether pzs_hold or pzs_release has changed the limits of the electrode during its test. */
+static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_signal *test)
 {
     const pzs_control *control = detector->state.control;
     const uint32_t j = test->input;
@@ -441,43 +476,46 @@ static int taken(const pzs_fault_detector *detector, const pzs_test_signal *test
            control->state.upper[j] > test->set;
 }
 
-/* All probes, by one shape. Returns the first input found, or -1. */
-static int32_t run_probes(pzs_fault_detector *detector, const pzs_real *voltage)
+/* Continue all tests by one shape. Returns the first faulty input, or -1. */
+static int32_t run_tests(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     int32_t first = -1;
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {
         pzs_test_signal *test = &detector->state.test[k];
         const uint32_t j = test->input;
-        if (j == NOBODY)
+        if (j == NO_INPUT)
             continue;
-        if (taken(detector, test)) {
-            clear(detector, j);
-            test->input = NOBODY;
-        } else if (examine(detector, test, voltage) && first < 0) {
+        if (is_overridden(detector, test)) {
+            mark_cleared(detector, j);
+            test->input = NO_INPUT;
+        } else if (continue_test(detector, test, voltage) && first < 0) {
             first = (int32_t)j;
         }
     }
     return first;
 }
 
-static void rest(pzs_fault_detector *detector)
+static void update_states(pzs_fault_detector *detector)
 {
     for (uint32_t j = 0; j < detector->state.control->state.problem->inputs; j++) {
-        if (detector->state.electrode[j] == PZS_ELECTRODE_CLEARED && --detector->state.rest[j] == 0)
+        if (detector->state.electrode[j] == PZS_ELECTRODE_CLEARED &&
+            --detector->state.pause[j] == 0)
             detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED;
-        if (detector->state.electrode[j] == PZS_ELECTRODE_HELD && !held(detector->state.control, j))
-            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* released: another chance */
+        if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
+            !is_held(detector->state.control, j))
+            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* released by pzs_release:
+                                                                      observed again */
     }
 }
 
-/* All that one shape tells. Returns the first input found, or -1. */
-static int32_t judge(pzs_fault_detector *detector, const pzs_real *voltage)
+/* Evaluate one shape. Returns the first faulty input, or -1. */
+static int32_t evaluate_shape(pzs_fault_detector *detector, const pzs_real *voltage)
 {
-    const pzs_real all = respond(detector, voltage);
-    const int32_t first = run_probes(detector, voltage);
-    suspect(detector, voltage, all);
-    rest(detector);
-    swing_all(detector);
+    const pzs_real deviation2 = update_responses(detector, voltage);
+    const int32_t first = run_tests(detector, voltage);
+    start_tests(detector, voltage, deviation2);
+    update_states(detector);
+    set_test_voltages(detector);
     return first;
 }
 
@@ -487,15 +525,15 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real 
         return PZS_E_ARGUMENT;
     if (detector->state.stage != READY)
         return PZS_E_STAGE;
-    const pzs_real *voltage = oldest_volts(detector);
+    const pzs_real *voltage = oldest_voltages(detector);
     int32_t first = -1;
-    if (measured != NULL && !too_few(detector, measured)) {
-        if (compare(detector, measured))
-            first = judge(detector, voltage);
+    if (measured != NULL && !has_too_few(detector, measured)) {
+        if (update_disturbance(detector, measured))
+            first = evaluate_shape(detector, voltage);
         memcpy(detector->state.voltage_before, voltage,
                detector->state.columns.n * sizeof(pzs_real));
     }
-    keep_volts(detector);
+    store_voltages(detector);
     return first >= 0 ? finish(detector, PZS_W_ELECTRODE, first) : finish(detector, PZS_OK, -1);
 }
 
@@ -503,35 +541,38 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real 
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
-    const pzs_fault_detection *t = tables;
-    return PZS_FAULT_DETECTOR_BLOCK_BYTES(problem->inputs, problem->outputs, t->delay);
+    const pzs_fault_detection *detection = tables;
+    return PZS_FAULT_DETECTOR_BLOCK_BYTES(problem->inputs, problem->outputs, detection->delay);
 }
 
-/* The amplitude of the tables, cut as the default is; electrodes that cannot be moved keep 0. */
+/*
+ * Use the amplitude of the tables, at most just below half the step limit. An electrode that cannot
+ * move gets the amplitude 0.
+ */
 static void set_amplitude(pzs_fault_detector *detector, pzs_real amplitude)
 {
     const pzs_problem *problem = detector->state.control->state.problem;
     for (uint32_t j = 0; j < problem->inputs; j++) {
-        const pzs_real most = PZS_R(0.49) * problem->step_limit[j];
-        detector->settings.amplitude[j] = amplitude < most ? amplitude : most;
+        const pzs_real limit = PZS_R(0.49) * problem->step_limit[j];
+        detector->settings.amplitude[j] = amplitude < limit ? amplitude : limit;
     }
 }
 
-/* In `self`: the detector, its workspace. */
+/* `self` holds the detector, then its workspace. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
-    const pzs_fault_detection *t = tables;
+    const pzs_fault_detection *detection = tables;
     const pzs_problem *problem = signals->control->state.problem;
     pzs_fault_detector *detector = self;
     void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *detector);
-    if (!(t->amplitude >= 0) || !number_is_finite(t->amplitude))
+    if (!(detection->amplitude >= 0) || !number_is_finite(detection->amplitude))
         return PZS_E_ARGUMENT;
     const pzs_status status = pzs_fault_detector_init(
-        detector, signals->control, t->delay, work,
-        PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, t->delay));
+        detector, signals->control, detection->delay, work,
+        PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, detection->delay));
     signals->where = detector->info.where;
-    if (status == PZS_OK && t->amplitude > 0)
-        set_amplitude(detector, t->amplitude);
+    if (status == PZS_OK && detection->amplitude > 0)
+        set_amplitude(detector, detection->amplitude);
     return status;
 }
 

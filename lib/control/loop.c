@@ -1,7 +1,8 @@
 /*
- * The control loop: a list of blocks, each laid out in one workspace, run in the order of the list.
+ * The control loop: a list of blocks, all laid out in one workspace and run in the order of the
+ * list.
  *
- * The workspace holds, each part aligned to 8 bytes: a pointer to each block, the voltages given
+ * The workspace holds, each part aligned to 8 bytes: a pointer to each block, the voltages to give
  * out, the blocks.
  */
 #include <string.h>
@@ -21,20 +22,26 @@ static pzs_status finish(pzs_loop *loop, pzs_status status, const pzs_block_type
 
 /* ---- the list --------------------------------------------------------- */
 
-static int is_complete(const pzs_block *b)
+static bool is_complete(const pzs_block *block)
 {
-    return b->type != NULL && b->tables != NULL && b->type->block_bytes != NULL &&
-           b->type->block_init != NULL && b->type->block_tick != NULL;
+    return block->type != NULL && block->tables != NULL && block->type->block_bytes != NULL &&
+           block->type->block_init != NULL && block->type->block_tick != NULL;
 }
 
-/* Whether a list may not hold both: the same kind twice, two steps, or two sources of the shape. */
-static int excludes(const pzs_block_type *a, const pzs_block_type *b)
+/*
+ * Whether a list cannot hold both blocks: two blocks of one type, two step blocks or two blocks
+ * that make the measured shape.
+ */
+static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
-    const int is_single = a->phase == PZS_PHASE_STEP || a->phase == PZS_PHASE_SHAPE;
-    return a == b || (is_single && a->phase == b->phase);
+    const bool is_single = one->phase == PZS_PHASE_STEP || one->phase == PZS_PHASE_SHAPE;
+    return one == other || (is_single && one->phase == other->phase);
 }
 
-/* Block k by itself and against those before it. */
+/*
+ * Check block k: whether it is complete, fits the blocks before it and stands in the order of
+ * phases.
+ */
 static pzs_status check_block(const pzs_block *blocks, size_t k)
 {
     if (!is_complete(&blocks[k]))
@@ -45,7 +52,7 @@ static pzs_status check_block(const pzs_block *blocks, size_t k)
     return k > 0 && blocks[k].type->phase < blocks[k - 1].type->phase ? PZS_E_STAGE : PZS_OK;
 }
 
-/* The place of the step block in a list that is in order; count if it has none. */
+/* Index of the step block in a list, or `count` if the list has none. */
 static size_t find_step(const pzs_block *blocks, size_t count)
 {
     size_t k = 0;
@@ -61,7 +68,7 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
         if (status != PZS_OK)
             return finish(loop, status, blocks[k].type, (int32_t)k);
     }
-    const int has_step = find_step(blocks, count) < count;
+    const bool has_step = find_step(blocks, count) < count;
     return has_step ? PZS_OK : finish(loop, PZS_E_ARGUMENT, NULL, (int32_t)count);
 }
 
@@ -69,14 +76,14 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
 
 static const pzs_problem *problem_of(const pzs_loop *loop)
 {
-    const pzs_loop_state *s = &loop->state;
-    return s->blocks[find_step(s->blocks, s->count)].tables;
+    const size_t step = find_step(loop->state.blocks, loop->state.count);
+    return loop->state.blocks[step].tables;
 }
 
 static size_t bytes_of(const pzs_loop *loop, size_t k)
 {
-    const pzs_block *b = &loop->state.blocks[k];
-    return PZS_ALIGNED(b->type->block_bytes(b->tables, problem_of(loop)));
+    const pzs_block *block = &loop->state.blocks[k];
+    return PZS_ALIGNED(block->type->block_bytes(block->tables, problem_of(loop)));
 }
 
 static size_t bytes_needed(const pzs_loop *loop)
@@ -87,17 +94,17 @@ static size_t bytes_needed(const pzs_loop *loop)
     return need;
 }
 
-/* Pointers into the workspace, from its first multiple of 8 on. */
+/* Place the pointers of the loop in the workspace, from its first multiple of 8 bytes on. */
 static void lay_out(pzs_loop *loop, void *work)
 {
-    uint8_t *at = (uint8_t *)work + (8u - (uintptr_t)work % 8u) % 8u;
-    loop->state.self = (void *)at;
-    at += PZS_ALIGNED(loop->state.count * sizeof(void *));
-    loop->state.voltage = (void *)at;
-    at += PZS_ALIGNED(problem_of(loop)->inputs * sizeof(pzs_real));
+    uint8_t *next = (uint8_t *)work + (8u - (uintptr_t)work % 8u) % 8u;
+    loop->state.self = (void *)next;
+    next += PZS_ALIGNED(loop->state.count * sizeof(void *));
+    loop->state.voltage = (void *)next;
+    next += PZS_ALIGNED(problem_of(loop)->inputs * sizeof(pzs_real));
     for (size_t k = 0; k < loop->state.count; k++) {
-        loop->state.self[k] = at;
-        at += bytes_of(loop, k);
+        loop->state.self[k] = next;
+        next += bytes_of(loop, k);
     }
 }
 
@@ -105,13 +112,16 @@ static void lay_out(pzs_loop *loop, void *work)
 
 static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals)
 {
-    const pzs_block *b = &loop->state.blocks[k];
+    const pzs_block *block = &loop->state.blocks[k];
     signals->where = -1;
-    const pzs_status status = b->type->block_init(loop->state.self[k], b->tables, signals);
-    return status == PZS_OK ? PZS_OK : finish(loop, status, b->type, signals->where);
+    const pzs_status status = block->type->block_init(loop->state.self[k], block->tables, signals);
+    return status == PZS_OK ? PZS_OK : finish(loop, status, block->type, signals->where);
 }
 
-/* All blocks but the step, from the last to the first: each takes what the next one asks for. */
+/*
+ * Initialise all blocks but the step block, from the last to the first, because each block takes
+ * the readings that the next one needs.
+ */
 static pzs_status init_others(pzs_loop *loop)
 {
     pzs_loop_signals signals = {.control = loop->info.control,
@@ -185,7 +195,10 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
 
 /* ---- tick ------------------------------------------------------------- */
 
-/* The controller goes back to the voltages given out, if a block may have changed them. */
+/*
+ * After an error: return the controller to the voltages last given out, if a block may have changed
+ * them.
+ */
 static pzs_status fail(pzs_loop *loop, pzs_status status, const pzs_block_type *block,
                        int32_t where)
 {
@@ -198,21 +211,21 @@ static pzs_status fail(pzs_loop *loop, pzs_status status, const pzs_block_type *
     return finish(loop, status, block, where);
 }
 
-/* All blocks; the status that is returned is kept with its block and index. */
+/* Run all blocks. Returns the status that takes precedence, and stores its block and index. */
 static pzs_status run(pzs_loop *loop, pzs_loop_signals *signals)
 {
-    pzs_status kept = finish(loop, PZS_OK, NULL, -1);
+    pzs_status result = finish(loop, PZS_OK, NULL, -1);
     for (size_t k = 0; k < loop->state.count; k++) {
         const pzs_block_type *type = loop->state.blocks[k].type;
         signals->where = -1;
         const pzs_status status = type->block_tick(loop->state.self[k], signals);
         if (PZS_IS_ERROR(status))
             return fail(loop, status, type, signals->where);
-        const int counts = kept == PZS_OK || type->phase == PZS_PHASE_STEP;
-        if (status != PZS_OK && counts)
-            kept = finish(loop, status, type, signals->where);
+        const bool takes_precedence = result == PZS_OK || type->phase == PZS_PHASE_STEP;
+        if (status != PZS_OK && takes_precedence)
+            result = finish(loop, status, type, signals->where);
     }
-    return kept;
+    return result;
 }
 
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings)

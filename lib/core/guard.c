@@ -1,7 +1,10 @@
-/* Checksums and finite numbers (guard.h). */
+/* Checksums and tests for finite numbers (guard.h). */
 #include "guard.h"
 
-/* Remainders of the upper and of the lower half of a byte: 128 bytes of flash instead of 1 KB. */
+/*
+ * CRC remainders of the upper and of the lower four bits of a byte. Two tables of 16 entries take
+ * 128 bytes of flash instead of the 1 KB of one table of 256.
+ */
 static const uint32_t upper_half[16] = {
     0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
     0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
@@ -23,7 +26,7 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
     return crc;
 }
 
-/* x - x is 0 for a finite number, NaN for NaN and the infinities. */
+/* x - x is 0 for a finite number, and NaN for NaN and the infinities. */
 int32_t pzs_guard_nonfinite(const pzs_real *x, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
@@ -40,8 +43,8 @@ uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_
 }
 
 /*
- * The number of entries stands in the table itself: `start` is hashed first, and a damaged `start`
- * cannot lead past count * dof entries, the most that the rows can have.
+ * The number of entries is part of the table itself: `start` is hashed first, and a damaged `start`
+ * cannot lead the checksum beyond count * dof entries, the most that the rows can have.
  */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 {

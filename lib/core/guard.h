@@ -1,4 +1,4 @@
-/* What is checked before anything is used: table checksums and finite numbers. */
+/* Checks of data before use: checksums of tables, finite numbers, size of a workspace. */
 #ifndef PZS_LIB_GUARD_H
 #define PZS_LIB_GUARD_H
 
@@ -6,16 +6,19 @@
 
 #define GUARD_CRC_START 0xFFFFFFFFu
 
-/* CRC-32 (reflected, polynomial EDB88320) of `bytes` bytes, continued from crc; the final value is
- * ~crc. */
+/*
+ * CRC-32 (reflected, polynomial EDB88320) of `bytes` bytes of data, continued from crc. The final
+ * checksum is ~crc.
+ */
 uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes);
 
 /* Index of the first entry of x [n] that is NaN or infinite, or -1. */
 int32_t pzs_guard_nonfinite(const pzs_real *x, uint32_t n);
 
 /*
- * Will a workspace do, aligned for pzs_real and at least `need` bytes? -1, or what goes with
- * PZS_E_WORKSPACE as `where`: the bytes needed, as far as they can be told.
+ * Check that a workspace is aligned for pzs_real and has at least `need` bytes. Returns -1 if so.
+ * Otherwise returns the value of `where` for PZS_E_WORKSPACE: the number of bytes needed, at most
+ * INT32_MAX.
  */
 static inline int32_t guard_missing_bytes(const void *work, size_t bytes, size_t need)
 {
@@ -24,8 +27,10 @@ static inline int32_t guard_missing_bytes(const void *work, size_t bytes, size_t
     return need > INT32_MAX ? INT32_MAX : (int32_t)need;
 }
 
-/* CRC of one array of `count` entries of `size` bytes, continued from crc; an absent array (NULL)
- * leaves it unchanged. */
+/*
+ * CRC of an array of `count` entries of `size` bytes, continued from crc. An absent array (NULL)
+ * leaves crc unchanged.
+ */
 uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_t size);
 
 /* CRC of sparse rows over `dof` columns, continued from crc. */

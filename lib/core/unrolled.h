@@ -1,5 +1,7 @@
-/* UNROLLED before a loop of a constant, small count: its sums are then held in registers. Only
- * speed depends on it. */
+/*
+ * UNROLLED before a loop of a small, constant count tells the compiler to unroll it, so that its
+ * sums stay in registers. It changes only the speed.
+ */
 #ifndef PZS_LIB_UNROLLED_H
 #define PZS_LIB_UNROLLED_H
 

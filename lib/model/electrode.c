@@ -1,8 +1,8 @@
 /*
- * Electrodes at rest (pzs.h). A volt on an open electrode is an unknown more, coupled to the whole
- * shell under it. It is taken out by a Schur complement on the factor there is: a solve for each
- * electrode gives its charge per unit of every input, a small dense matrix, and what is asked of
- * volts and charges after that is algebra with this matrix.
+ * Electrodes in the undeformed state (pzs_model.h). The voltage of an open electrode is one more
+ * unknown, coupled to the whole shell under it. It is eliminated by a Schur complement on the
+ * existing factor: one solve for each electrode gives its charge per unit of every input. With this
+ * small dense matrix all voltages and charges follow without further solves.
  */
 #include "electrode.h"
 #include "../core/guard.h"
@@ -28,22 +28,23 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs)
     crc = pzs_guard_crc(crc, tables->open, tables->count * sizeof *tables->open);
     crc = pzs_guard_crc(crc, tables->direct.start,
                         (tables->count + 1u) * sizeof *tables->direct.start);
-    if (entries > (uint32_t)tables->count * inputs) /* damaged: not to be led astray by it */
+    if (entries > (uint32_t)tables->count * inputs) /* a damaged count must not lead the checksum
+                                                       beyond the tables */
         return crc;
     crc = pzs_guard_crc(crc, tables->direct.dof, entries * sizeof *tables->direct.dof);
     return ~pzs_guard_crc(crc, tables->direct.value, entries * sizeof *tables->direct.value);
 }
 
-static int in_range(const pzs_electrodes *tables, uint32_t inputs)
+static bool indices_in_range(const pzs_electrodes *tables, uint32_t inputs)
 {
     for (uint32_t k = 0; k < tables->count; k++)
         if (tables->input[k] >= inputs || (k > 0 && tables->input[k] <= tables->input[k - 1]) ||
             tables->direct.start[k] > tables->direct.start[k + 1])
-            return 0;
+            return false;
     for (uint32_t i = tables->direct.start[0]; i < tables->direct.start[tables->count]; i++)
         if (tables->direct.dof[i] >= inputs)
-            return 0;
-    return 1;
+            return false;
+    return true;
 }
 
 pzs_status pzs_electrode_check(const pzs_electrodes *tables, const pzs_structure *structure)
@@ -55,7 +56,7 @@ pzs_status pzs_electrode_check(const pzs_electrodes *tables, const pzs_structure
         return PZS_E_FORMAT;
     if (pzs_electrode_crc(tables, structure->input.count) != tables->crc)
         return PZS_E_CRC;
-    return in_range(tables, structure->input.count) ? PZS_OK : PZS_E_ARGUMENT;
+    return indices_in_range(tables, structure->input.count) ? PZS_OK : PZS_E_ARGUMENT;
 }
 
 uint32_t pzs_electrode_open_count(const pzs_electrodes *tables)
@@ -111,10 +112,10 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
         return status;
     const uint32_t inputs = model->state.structure->input.count,
                    open = pzs_electrode_open_count(tables);
-    const int32_t lacking =
+    const int32_t missing =
         guard_missing_bytes(work, bytes, PZS_ELECTRIC_BYTES(tables->count, open, inputs));
-    if (lacking >= 0)
-        return fail(electric, PZS_E_WORKSPACE, lacking);
+    if (missing >= 0)
+        return fail(electric, PZS_E_WORKSPACE, missing);
     electric->state.model = model;
     electric->state.tables = tables;
     electric->settings.charge = work;
@@ -127,16 +128,16 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
     return PZS_OK;
 }
 
-/* Charge of an electrode per unit of an input. */
-static pzs_real *per(const pzs_electric *electric, uint32_t electrode, uint32_t input)
+/* Charge of an electrode per unit of an input (C/V, C/K, C/N), in the matrix of all of them. */
+static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, uint32_t input)
 {
     return electric->state.sensitivity +
            (size_t)electrode * electric->state.model->state.structure->input.count + input;
 }
 
 /*
- * Charge of electrode k per unit of every input. u = K^-1 f_k, and f_k . K^-1 f_j = f_j . u: one
- * solve for the whole row.
+ * Charge of electrode k per unit of every input. With u = K^-1 f_k, f_k . K^-1 f_j = f_j . u, so
+ * one solve gives the whole row.
  */
 static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 {
@@ -148,25 +149,27 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
     electric->state.value[electric->state.tables->input[k]] = 1;
     const pzs_status status = pzs_solve(electric->state.model, electric->state.value, u);
     for (uint32_t j = 0; j < input->count; j++) {
-        *per(electric, k, j) = 0;
+        *sensitivity(electric, k, j) = 0;
         for (uint32_t t = input->start[j]; t < input->start[j + 1]; t++)
-            *per(electric, k, j) += input->value[t] * u[input->dof[t]];
+            *sensitivity(electric, k, j) += input->value[t] * u[input->dof[t]];
     }
     for (uint32_t i = direct->start[k]; i < direct->start[k + 1]; i++)
-        *per(electric, k, direct->dof[i]) += direct->value[i];
+        *sensitivity(electric, k, direct->dof[i]) += direct->value[i];
     return status;
 }
 
-/* Charges of the open electrodes per volt of one another, factored. Returns the first without
- * capacitance, or -1. */
+/*
+ * Factor the matrix of the charges of the open electrodes per volt of one another. Returns the
+ * first electrode without capacitance, or -1.
+ */
 static int32_t factor_open(pzs_electric *electric)
 {
     pzs_linalg_clear(&electric->state.open);
     for (uint32_t a = 0; a < electric->state.open.n; a++)
         for (uint32_t b = 0; b <= a; b++)
             *pzs_linalg_entry(&electric->state.open, a, b) =
-                *per(electric, pzs_electrode_open(electric->state.tables, a),
-                     pzs_electrode_open_input(electric->state.tables, b));
+                *sensitivity(electric, pzs_electrode_open(electric->state.tables, a),
+                             pzs_electrode_open_input(electric->state.tables, b));
     const linalg_inertia inertia = pzs_linalg_factor(&electric->state.open);
     const int32_t bad = inertia.zero >= 0 ? inertia.zero : inertia.first_negative;
     return bad < 0 ? -1 : (int32_t)pzs_electrode_open(electric->state.tables, (uint32_t)bad);
@@ -191,59 +194,64 @@ pzs_status pzs_electric_factor(pzs_electric *electric)
     return fail(electric, PZS_OK, -1);
 }
 
-/* ---- volts and charges ------------------------------------------------ */
+/* ---- voltages and charges --------------------------------------------- */
 
-static pzs_real charge_of(const pzs_electric *electric, uint32_t electrode, const pzs_real *amount)
+static pzs_real charge_under(const pzs_electric *electric, uint32_t electrode,
+                             const pzs_real *value)
 {
     pzs_real sum = 0;
     for (uint32_t j = 0; j < electric->state.model->state.structure->input.count; j++)
-        sum += *per(electric, electrode, j) * amount[j];
+        sum += *sensitivity(electric, electrode, j) * value[j];
     return sum;
 }
 
-static void put_volts(const pzs_electric *electric, const pzs_real *voltage, pzs_real *amount)
+static void write_open_voltages(const pzs_electric *electric, const pzs_real *voltage,
+                                pzs_real *value)
 {
     for (uint32_t a = 0; a < electric->state.open.n; a++)
-        amount[pzs_electrode_open_input(electric->state.tables, a)] = voltage[a];
+        value[pzs_electrode_open_input(electric->state.tables, a)] = voltage[a];
 }
 
-pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *amount)
+pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *value)
 {
-    if (!electric || !amount)
+    if (!electric || !value)
         return PZS_E_ARGUMENT;
     if (electric->state.stage != ELECTRIC_FACTORED)
         return PZS_E_STAGE;
     pzs_real *voltage = electric->state.value;
     for (uint32_t a = 0; a < electric->state.open.n; a++) {
-        voltage[a] = amount[pzs_electrode_open_input(electric->state.tables, a)];
-        amount[pzs_electrode_open_input(electric->state.tables, a)] = 0;
+        voltage[a] = value[pzs_electrode_open_input(electric->state.tables, a)];
+        value[pzs_electrode_open_input(electric->state.tables, a)] = 0;
     }
-    if (pzs_guard_nonfinite(amount, electric->state.model->state.structure->input.count) >= 0) {
-        put_volts(electric, voltage, amount);
+    if (pzs_guard_nonfinite(value, electric->state.model->state.structure->input.count) >= 0) {
+        write_open_voltages(electric, voltage, value);
         return PZS_E_NONFINITE;
     }
     for (uint32_t a = 0; a < electric->state.open.n; a++) {
         const uint32_t k = pzs_electrode_open(electric->state.tables, a);
-        voltage[a] = electric->settings.charge[k] - charge_of(electric, k, amount);
+        voltage[a] = electric->settings.charge[k] - charge_under(electric, k, value);
     }
     pzs_linalg_solve(&electric->state.open, voltage);
-    put_volts(electric, voltage, amount);
+    write_open_voltages(electric, voltage, value);
     return PZS_OK;
 }
 
-pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *amount, pzs_real *charge)
+pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_real *charge)
 {
-    if (!electric || !amount || !charge)
+    if (!electric || !value || !charge)
         return PZS_E_ARGUMENT;
     if (electric->state.stage != ELECTRIC_FACTORED)
         return PZS_E_STAGE;
     for (uint32_t k = 0; k < electric->state.tables->count; k++)
-        charge[k] = charge_of(electric, k, amount);
+        charge[k] = charge_under(electric, k, value);
     return PZS_OK;
 }
 
-/* Row by row: the output's part of the open volts, solved for charge, is w; the other columns lose
- * w . charge per unit. */
+/*
+ * For each output: w = the entries of the open electrodes, solved by their charge matrix, are the
+ * new entries, per unit of charge. The entries of the other inputs are reduced by w times their
+ * charges.
+ */
 pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
 {
     if (!electric || !influence)
@@ -259,7 +267,8 @@ pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
         pzs_linalg_solve(&electric->state.open, w);
         for (uint32_t a = 0; a < electric->state.open.n; a++)
             for (uint32_t j = 0; j < inputs; j++)
-                row[j] -= w[a] * *per(electric, pzs_electrode_open(electric->state.tables, a), j);
+                row[j] -=
+                    w[a] * *sensitivity(electric, pzs_electrode_open(electric->state.tables, a), j);
         for (uint32_t a = 0; a < electric->state.open.n; a++)
             row[pzs_electrode_open_input(electric->state.tables, a)] = w[a];
     }

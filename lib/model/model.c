@@ -1,13 +1,15 @@
-/* The linear image: tables -> assemble -> factor -> solve, influence (pzs.h). */
+/* The linear image: assemble, factor, solve, and the influence matrix (pzs_model.h). */
 #include "model.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
 #include "shell.h"
 #include <string.h>
 
-/* Most refinement passes of a solve; conjugate gradients preconditioned by the factor need 1 to 8.
+/*
+ * Most refinement iterations of a solve. Conjugate gradients preconditioned by the factor need 1 to
+ * 8.
  */
-enum { REFINE_PASSES = 16 };
+enum { REFINEMENT_LIMIT = 16 };
 
 static pzs_status fail(pzs_model *model, pzs_status status, int32_t where)
 {
@@ -17,16 +19,18 @@ static pzs_status fail(pzs_model *model, pzs_status status, int32_t where)
 
 /* ---- init ------------------------------------------------------------- */
 
-static int rows_complete(const pzs_rows *rows)
+static bool rows_complete(const pzs_rows *rows)
 {
     return rows->count == 0 || (rows->start && rows->dof && rows->value);
 }
 
-/* All there, and counts that fit together: a damaged one must not lead the checksum past the
- * tables. */
-static int structure_complete(const pzs_structure *structure)
+/*
+ * Whether all arrays are present and the counts agree. A damaged count must not lead the checksum
+ * beyond the tables.
+ */
+static bool structure_complete(const pzs_structure *structure)
 {
-    const int counts_fit =
+    const bool counts_fit =
         structure->types <= structure->elements && structure->nodes <= 4u * structure->elements &&
         structure->free_dof <= (uint32_t)structure->nodes * structure->dof_per_node;
     return structure->nodes > 0 && structure->elements > 0 && structure->types > 0 &&
@@ -37,58 +41,62 @@ static int structure_complete(const pzs_structure *structure)
            rows_complete(&structure->output);
 }
 
-/* Every index of a list of rows inside its range, row starts ascending. */
-static int rows_in_range(const pzs_rows *rows, uint32_t dof)
+/* Whether the row starts ascend and every dof index is below `dof`. */
+static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 {
     for (uint32_t r = 0; r < rows->count; r++)
         if (rows->start[r] > rows->start[r + 1])
-            return 0;
+            return false;
     for (uint32_t t = rows->count ? rows->start[0] : 0; rows->count && t < rows->start[rows->count];
          t++)
         if (rows->dof[t] >= dof)
-            return 0;
-    return 1;
+            return false;
+    return true;
 }
 
-/* Unknowns of an element inside the envelope: no row begins right of one of its columns. */
-static int element_in_envelope(const pzs_structure *structure, const uint16_t node[4])
+/*
+ * Whether the dof of an element lie inside the envelope: the first column of each of their rows is
+ * not right of the lowest of these dof.
+ */
+static bool element_in_envelope(const pzs_structure *structure, const uint16_t node[4])
 {
     uint32_t least = PZS_CONSTRAINED;
-    for (int pass = 0; pass < 2; pass++)
+    for (int scan = 0; scan < 2; scan++)
         for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
-            const uint16_t dof =
-                structure
-                    ->node_dof[(size_t)node[i / structure->dof_per_node] * structure->dof_per_node +
-                               i % structure->dof_per_node];
+            const size_t first =
+                (size_t)node[i / structure->dof_per_node] * structure->dof_per_node;
+            const uint16_t dof = structure->node_dof[first + i % structure->dof_per_node];
             if (dof == PZS_CONSTRAINED)
                 continue;
-            if (pass == 0)
+            if (scan == 0)
                 least = dof < least ? dof : least;
             else if (structure->first_column[dof] > least)
-                return 0;
+                return false;
         }
-    return 1;
+    return true;
 }
 
-/* A checksum says that tables arrived as they were made; this, that no index in them can lead
- * astray. */
-static int indices_in_range(const pzs_structure *structure)
+/*
+ * Whether every index in the tables is in range. A correct checksum only says that the tables are
+ * as they were generated.
+ */
+static bool indices_in_range(const pzs_structure *structure)
 {
     for (uint32_t i = 0; i < (uint32_t)structure->nodes * structure->dof_per_node; i++)
         if (structure->node_dof[i] != PZS_CONSTRAINED &&
             structure->node_dof[i] >= structure->free_dof)
-            return 0;
+            return false;
     for (uint32_t i = 0; i < structure->free_dof; i++)
         if (structure->first_column[i] > i)
-            return 0;
+            return false;
     for (uint32_t e = 0; e < structure->elements; e++) {
         if (structure->element_type[e] >= structure->types)
-            return 0;
+            return false;
         for (int r = 0; r < SHELL_NODES; r++)
             if (structure->element[e][r] >= structure->nodes)
-                return 0;
+                return false;
         if (!element_in_envelope(structure, structure->element[e]))
-            return 0;
+            return false;
     }
     return rows_in_range(&structure->input, structure->free_dof) &&
            rows_in_range(&structure->output, structure->free_dof);
@@ -114,9 +122,9 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
     const size_t entries = pzs_linalg_reals(structure->first_column, n);
     if (entries > SIZE_MAX / 2 / sizeof(pzs_real))
         return fail(model, PZS_E_WORKSPACE, INT32_MAX);
-    const int32_t lacking = guard_missing_bytes(work, bytes, PZS_MODEL_BYTES(n, entries));
-    if (lacking >= 0)
-        return fail(model, PZS_E_WORKSPACE, lacking);
+    const int32_t missing = guard_missing_bytes(work, bytes, PZS_MODEL_BYTES(n, entries));
+    if (missing >= 0)
+        return fail(model, PZS_E_WORKSPACE, missing);
 
     pzs_real *real = work;
     model->state.structure = structure;
@@ -135,15 +143,15 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 
 /* ---- assemble --------------------------------------------------------- */
 
-/* The unknown itself, or PZS_CONSTRAINED where it is fixed by a support or held. */
-static uint16_t free_unknown(const pzs_model *model, uint16_t dof)
+/* The free dof itself, or PZS_CONSTRAINED if a support or the last assembly constrains it. */
+static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
 {
     return dof != PZS_CONSTRAINED && model->state.constrained && model->state.constrained[dof]
                ? PZS_CONSTRAINED
                : dof;
 }
 
-/* Unknowns of a node. */
+/* Free dof of a node [dof_per_node]. */
 static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
 {
     return model->state.structure->node_dof + (size_t)node * model->state.structure->dof_per_node;
@@ -157,9 +165,9 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Entry (row, column) of the envelope stands at base of its row plus step of its column: columns of
- * a panel are PZS_TILE apart. The base wraps round where column 0 is outside the panel; the sum
- * does not.
+ * Place of one dof of an element in the envelope. Entry (row, column) is at base of the row plus
+ * step of the column, because the columns of a panel are PZS_TILE apart. The base wraps round where
+ * column 0 is outside the panel; the sum does not.
  */
 typedef struct add_place {
     uint16_t dof;
@@ -167,8 +175,10 @@ typedef struct add_place {
     size_t base, step;
 } add_place;
 
-/* Places of the unknowns of some nodes that are neither fixed nor held. place [count unknowns] out;
- * their number. */
+/*
+ * Places of the unconstrained dof of `count` nodes.  place [count dof_per_node] out. Returns their
+ * number.
+ */
 static unsigned free_places(const pzs_model *model, const uint16_t *node, unsigned count,
                             add_place *place)
 {
@@ -176,7 +186,7 @@ static unsigned free_places(const pzs_model *model, const uint16_t *node, unsign
     unsigned found = 0;
     for (unsigned i = 0; i < count * dof_per_node; i++) {
         const uint16_t dof =
-            free_unknown(model, node_dofs(model, node[i / dof_per_node])[i % dof_per_node]);
+            unconstrained_dof(model, node_dofs(model, node[i / dof_per_node])[i % dof_per_node]);
         if (dof == PZS_CONSTRAINED)
             continue;
         const size_t step = (size_t)dof * PZS_TILE,
@@ -214,7 +224,8 @@ static pzs_status check_factors(pzs_model *model, const pzs_real *stiffness_fact
     return PZS_OK;
 }
 
-pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, const uint8_t *held)
+pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
+                        const uint8_t *constrained)
 {
     if (!model)
         return PZS_E_ARGUMENT;
@@ -225,7 +236,7 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
         return status;
 
     model->state.stiffness_factor = stiffness_factor;
-    model->state.constrained = held;
+    model->state.constrained = constrained;
     pzs_linalg_clear(&model->state.stiffness);
     const pzs_structure *structure = model->state.structure;
     for (uint32_t e = 0; e < structure->elements; e++)
@@ -233,8 +244,8 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
             model, structure->element[e], SHELL_NODES, pzs_model_type_factor(model, e),
             structure->stiffness + structure->element_type[e] *
                                        (size_t)SHELL_PACKED(SHELL_NODES * structure->dof_per_node));
-    for (uint32_t i = 0; held && i < model->state.stiffness.n; i++)
-        if (held[i])
+    for (uint32_t i = 0; constrained && i < model->state.stiffness.n; i++)
+        if (constrained[i])
             *pzs_linalg_entry(&model->state.stiffness, i, i) = 1;
     model->state.stage = STAGE_ASSEMBLED;
     return fail(model, PZS_OK, -1);
@@ -243,9 +254,9 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor, cons
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * The largest condition whose answers can be trusted: relative error is about condition times
- * epsilon. With the strain-based operator behind it the factor is only a preconditioner, which
- * in float serves up to 5e9; nothing that is a structure reaches 1e14.
+ * Largest accepted condition number: the relative error of a solve is about condition times
+ * epsilon. Where solves are refined by strains the factor is only a preconditioner, which in float
+ * serves up to 5e9. No well-supported structure reaches 1e14.
  */
 static pzs_real condition_limit(const pzs_model *model)
 {
@@ -260,11 +271,11 @@ pzs_status pzs_factor(pzs_model *model)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_ASSEMBLED)
         return fail(model, PZS_E_STAGE, -1);
-    model->state.stage = STAGE_READY; /* the envelope is consumed, whatever follows */
+    model->state.stage = STAGE_READY; /* the envelope is overwritten, whatever follows */
 
-    const int32_t loose = pzs_linalg_scale(&model->state.stiffness, model->state.scale);
-    if (loose >= 0)
-        return fail(model, PZS_E_LOOSE, loose);
+    const int32_t unsupported = pzs_linalg_scale(&model->state.stiffness, model->state.scale);
+    if (unsupported >= 0)
+        return fail(model, PZS_E_LOOSE, unsupported);
     const pzs_real norm = pzs_linalg_norm1(&model->state.stiffness, model->state.work);
     const linalg_inertia inertia = pzs_linalg_factor(&model->state.stiffness);
     model->info.negative_pivots = (uint16_t)inertia.negative;
@@ -286,7 +297,7 @@ void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned cou
 {
     for (unsigned r = 0; r < count; r++)
         for (unsigned i = 0; i < model->state.structure->dof_per_node; i++) {
-            const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
+            const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[r])[i]);
             *u++ = dof == PZS_CONSTRAINED ? 0 : p[dof];
         }
 }
@@ -296,13 +307,13 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
 {
     for (unsigned r = 0; r < count; r++)
         for (unsigned i = 0; i < model->state.structure->dof_per_node; i++, u++) {
-            const uint16_t dof = free_unknown(model, node_dofs(model, node[r])[i]);
+            const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[r])[i]);
             if (dof != PZS_CONSTRAINED)
                 f[dof] += factor * *u;
         }
 }
 
-/* f += K p, formed element by element from strains */
+/* f += K p, summed over the elements from strains */
 static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
 {
     const pzs_structure *structure = model->state.structure;
@@ -334,10 +345,13 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *r)
 }
 
 /*
- * Conjugate gradients on the strain-based operator, preconditioned by the factor, from u = 0.
- * The first pass is the plain solve; later ones are refinement. Ends when what is left,
- * r.z = |error|^2 in energy, is below round-off of the answer's energy, or after REFINE_PASSES.
- *   r [n] in force, out what is left of it; z, p, kp [n] work; u [n] out
+ * Conjugate gradients on the strain-based operator, preconditioned by the factor, from u = 0. The
+ * first iteration is the plain solve; the others are refinement. The iteration ends when r.z, the
+ * squared error in the energy norm, is below the rounding error of the energy of u, or after
+ * REFINEMENT_LIMIT iterations.
+ *   r [n] in  force; out the residual force
+ *   u [n] out displacement
+ * z, p and kp [n] are work.
  */
 static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
 {
@@ -347,41 +361,44 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     pzs_model_backsolve(model, r, z);
     memcpy(p, z, n * sizeof *p);
     memset(u, 0, n * sizeof *u);
-    pzs_real left = pzs_linalg_inner(r, z, n);
-    for (model->info.refinements = 0;
-         model->info.refinements < REFINE_PASSES && left > energy * PZS_EPSILON * PZS_EPSILON;) {
+    pzs_real residual_energy = pzs_linalg_inner(r, z, n);
+    for (model->info.refinements = 0; model->info.refinements < REFINEMENT_LIMIT &&
+                                      residual_energy > energy * PZS_EPSILON * PZS_EPSILON;) {
         memset(kp, 0, n * sizeof *kp);
         add_force(model, p, kp);
         const pzs_real curvature = pzs_linalg_inner(p, kp, n);
         if (!(curvature > 0))
             return;
-        const pzs_real step = left / curvature;
+        const pzs_real step = residual_energy / curvature;
         for (uint32_t i = 0; i < n; i++) {
             u[i] += step * p[i];
             r[i] -= step * kp[i];
         }
-        energy += step * left;
+        energy += step * residual_energy;
         model->info.refinements++;
         pzs_model_backsolve(model, r, z);
         const pzs_real next = pzs_linalg_inner(r, z, n);
-        const pzs_real turn = next / left;
+        const pzs_real ratio = next / residual_energy;
         for (uint32_t i = 0; i < n; i++)
-            p[i] = z[i] + turn * p[i];
-        left = next;
+            p[i] = z[i] + ratio * p[i];
+        residual_energy = next;
     }
 }
 
-void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real amount, pzs_real *f)
+void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *f)
 {
     const pzs_rows *in = &model->state.structure->input;
     for (uint32_t t = in->start[j]; t < in->start[j + 1]; t++)
         if (!(model->state.constrained && model->state.constrained[in->dof[t]]))
-            f[in->dof[t]] += amount * in->value[t];
+            f[in->dof[t]] += value * in->value[t];
 }
 
-/* What was reached: residual f - K u recomputed from strains, and its energy against that of u. r,
- * z [n] work. */
-static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r, pzs_real *z)
+/*
+ * Residual f - K u, recomputed from strains, and the energy norm of the error relative to that of
+ * u. r, z [n] are work.
+ */
+static void estimate_error(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r,
+                           pzs_real *z)
 {
     const uint32_t n = model->state.stiffness.n;
     const pzs_real load = pzs_model_scaled_norm2(model, f), energy = pzs_linalg_inner(f, u, n);
@@ -391,16 +408,16 @@ static void judge(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_re
         r[i] = f[i] - r[i];
     pzs_model_backsolve(model, r, z);
     const pzs_real error = pzs_linalg_inner(r, z, n);
-    /* Rounding may leave a tiny error negative; a NaN must stay one. */
+    /* Rounding may make a tiny error negative; a NaN must stay NaN. */
     model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, r) / load);
     model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT((error < 0 ? 0 : error) / energy);
 }
 
 /*
- * Power of two that brings the largest scaled force near 1, so that its squares neither overflow
- * nor vanish. The force is multiplied by it in place.
+ * Multiply the force by a power of two that brings its largest scaled entry near 1, so that its
+ * squares neither overflow nor underflow. Returns this power.
  */
-static pzs_real to_unit(const pzs_model *model, pzs_real *f)
+static pzs_real scale_force(const pzs_model *model, pzs_real *f)
 {
     pzs_real largest = 0, unit = 1;
     for (uint32_t i = 0; i < model->state.stiffness.n; i++) {
@@ -420,8 +437,10 @@ static pzs_real to_unit(const pzs_model *model, pzs_real *f)
     return unit;
 }
 
-/* Solve for the force in work[0] into u, refined where kinds are given. */
-static void solve_unit(pzs_model *model, pzs_real *u)
+/*
+ * Solve for the force in work[0] into u [n], with refinement where the structure has element types.
+ */
+static void solve_scaled(pzs_model *model, pzs_real *u)
 {
     pzs_real *f = model->state.work, *r = f + model->state.stiffness.n;
     model->info.refinements = 0;
@@ -432,37 +451,37 @@ static void solve_unit(pzs_model *model, pzs_real *u)
     }
     memcpy(r, f, model->state.stiffness.n * sizeof *r);
     refine(model, r, u);
-    judge(model, f, u, r, r + model->state.stiffness.n);
+    estimate_error(model, f, u, r, r + model->state.stiffness.n);
 }
 
-static pzs_status solve_loaded(pzs_model *model, pzs_real *u)
+static pzs_status solve_force(pzs_model *model, pzs_real *u)
 {
-    const pzs_real unit = to_unit(model, model->state.work);
-    solve_unit(model, u);
+    const pzs_real unit = scale_force(model, model->state.work);
+    solve_scaled(model, u);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         u[i] /= unit;
-    /* Written so that a NaN fails too. */
+    /* The comparison is written so that NaN fails. */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(u, model->state.stiffness.n) < 0
                ? PZS_OK
                : PZS_E_RESIDUAL;
 }
 
-pzs_status pzs_solve(pzs_model *model, const pzs_real *amount, pzs_real *u)
+pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *u)
 {
-    if (!model || !amount || !u)
+    if (!model || !value || !u)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_FACTORED)
         return fail(model, PZS_E_STAGE, -1);
     const uint32_t inputs = model->state.structure->input.count;
-    const int32_t bad = pzs_guard_nonfinite(amount, inputs);
+    const int32_t bad = pzs_guard_nonfinite(value, inputs);
     if (bad >= 0)
         return fail(model, PZS_E_NONFINITE, bad);
     memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
     for (uint32_t j = 0; j < inputs; j++)
-        if (amount[j] != 0)
-            pzs_model_add_input(model, j, amount[j], model->state.work);
-    return fail(model, solve_loaded(model, u), -1);
+        if (value[j] != 0)
+            pzs_model_add_input(model, j, value[j], model->state.work);
+    return fail(model, solve_force(model, u), -1);
 }
 
 /* ---- influence -------------------------------------------------------- */
@@ -492,7 +511,7 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
     for (uint32_t j = 0; j < structure->input.count; j++) {
         memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
         pzs_model_add_input(model, j, 1, model->state.work);
-        const pzs_status status = solve_loaded(model, u);
+        const pzs_status status = solve_force(model, u);
         if (status != PZS_OK)
             return fail(model, status, (int32_t)j);
         for (uint32_t i = 0; i < structure->output.count; i++)

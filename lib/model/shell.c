@@ -1,10 +1,11 @@
-/* The GEX7P4 element (shell.h). */
+/* The GEX7P4 element: undeformed state and resultants at a displacement (shell.h). */
+#include "shell.h"
 #include "shell_corner.h"
 #include <string.h>
 
 /*
- * The shape of a corner that strains are taken at: base vectors plus derivatives of the
- * displacement so far, of the same form. At rest: g_mean, g_diff, e3, 0, straight from the tables.
+ * Base vectors at a corner, deformed by the displacement so far, to which strains refer. In the
+ * undeformed state they are g_mean, g_diff, e3 and 0, directly from the tables.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -27,7 +28,7 @@ static void add_product(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[
         y[i] += m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2];
 }
 
-/* y += M' x */
+/* y += M' x, M [3][3] */
 static void add_transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
@@ -41,18 +42,20 @@ static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
         y[i] += factor * x[i];
 }
 
-static shape at_rest(const pzs_element_type *type, int r)
+static shape undeformed_shape(const pzs_element_type *type, int r)
 {
     const shape s = {type->g_mean[r], type->g_diff[r], e3, 0};
     return s;
 }
 
-/* Derivatives of a displacement at corner r: lam_a = S_a u_r + T_a u_r', of means and of
- * differences. */
-static corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
-                                 const pzs_real *u, int r)
+/*
+ * Derivatives of a displacement at corner r:  lam_a = S_a u_r + T_a u_r', for the mean and the
+ * difference of the faces.
+ */
+static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
+                                       const pzs_real *u, int r)
 {
-    corner c;
+    shell_corner c;
     const pzs_real *own = u + (unsigned)r * dof_per_node;
     memset(&c, 0, sizeof c);
     for (int a = 0; a < 2; a++) {
@@ -67,9 +70,12 @@ static corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_
     return c;
 }
 
-/* The transpose of corner_derivatives: forces on the nodes from forces on the derivatives. */
-static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node, const corner *c,
-                           int r, pzs_real *f)
+/*
+ * Transpose of corner_derivatives: add the forces c on the derivatives at corner r to the nodal
+ * forces f.
+ */
+static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
+                           const shell_corner *c, int r, pzs_real *f)
 {
     pzs_real *own = f + (unsigned)r * dof_per_node;
     for (int a = 0; a < 2; a++) {
@@ -85,11 +91,11 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node, 
 }
 
 /*
- * First variation of the ten strains at a corner of shape s in the direction d:
- * e_aa = g.lam + lam.lam/2 and its like give  de = (g + lam).dlam  on each face,
- * written in means and differences, where nothing cancels.
+ * First variation of the ten strains at a corner with base vectors s, in the direction d. From e_aa
+ * = g.lam + lam.lam/2 follows de = (g + lam).dlam on each face. Written in means and differences of
+ * the faces, no terms cancel.
  */
-static void corner_strains(const shape *s, const corner *d, pzs_real h, pzs_real e[10])
+static void corner_strains(const shape *s, const shell_corner *d, pzs_real h, pzs_real e[10])
 {
     const pzs_real hh4 = h * h / 4;
     for (int a = 0; a < 2; a++) {
@@ -106,8 +112,8 @@ static void corner_strains(const shape *s, const corner *d, pzs_real h, pzs_real
                    dot(s->mean[1], d->diff[0]) + dot(s->diff[1], d->mean[0]));
 }
 
-/* The transpose of corner_strains: forces on the derivatives from stresses t on the strains. */
-static void corner_stresses(const shape *s, const pzs_real t[10], pzs_real h, corner *f)
+/* Transpose of corner_strains: forces f on the derivatives from the stresses t. */
+static void corner_stresses(const shape *s, const pzs_real t[10], pzs_real h, shell_corner *f)
 {
     const pzs_real hh4 = h * h / 4;
     memset(f, 0, sizeof *f);
@@ -131,7 +137,7 @@ static void corner_stresses(const shape *s, const pzs_real t[10], pzs_real h, co
     f->q += 16 * t[E33M] * s->q - 8 * t[E33D] * s->beta[2];
 }
 
-/* Turn strains at the corners into modes: e^m = 1/4 sum_r sign e_r, added corner by corner. */
+/* Add the strains e of corner r to the modes:  e^m = 1/4 sum_r sign e_r. */
 static void add_modes(pzs_real modes[4][10], const pzs_real e[10], int r)
 {
     for (int m = 0; m < SHELL_MODES; m++)
@@ -139,8 +145,8 @@ static void add_modes(pzs_real modes[4][10], const pzs_real e[10], int r)
             modes[m][i] += (pzs_real)0.25 * mode_sign[m][r] * e[i];
 }
 
-/* Stresses at corner r from the resultants of the modes, the transpose of add_modes. */
-static void corner_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
+/* Stresses t at corner r from the resultants of the modes, the transpose of add_modes. */
+static void stresses_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
 {
     for (int i = 0; i < SHELL_STRAINS; i++) {
         t[i] = 0;
@@ -149,8 +155,10 @@ static void corner_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
     }
 }
 
-/* Strains that each mode keeps: 00 all; 01 those of 11, 33, 13; 10 those of 22, 33, 23; 11 those
- * of 33. */
+/*
+ * Strains that each mode keeps. Mode 00: all; 01: those of 11, 33 and 13; 10: those of 22, 33 and
+ * 23; 11: those of 33.
+ */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
     {E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23},
@@ -159,7 +167,7 @@ static const uint8_t kept_strain[4][10] = {
     {E33M, E33D},
 };
 
-/* Resultants of one mode in place of its strains, h = D e; d packed lower triangle of 10 rows. */
+/* Replace the strains of one mode by its resultants D e.  d: packed lower triangle of 10 rows */
 static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
 {
     pzs_real h[10] = {0};
@@ -176,8 +184,10 @@ static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
     memcpy(e, h, sizeof h);
 }
 
-/* Add the warp to the 12 mean of mode 00: a fixed combination of strains by mode
- * (pzs_element_type). */
+/*
+ * Add the warp to the mean strain 12 of mode 00: a fixed combination of other strains
+ * (pzs_element_type).
+ */
 static void add_warp(const pzs_element_type *type, pzs_real e[4][10])
 {
     const pzs_real *w = type->warp;
@@ -186,8 +196,8 @@ static void add_warp(const pzs_element_type *type, pzs_real e[4][10])
                   w[8] * e[2][E22D];
 }
 
-/* The transpose of add_warp: resultants by mode that the 12 mean's resultant adds to. */
-static void share_warp(const pzs_element_type *type, pzs_real h[4][10])
+/* Transpose of add_warp: add the part of the mean resultant 12 to the other resultants. */
+static void distribute_warp(const pzs_element_type *type, pzs_real h[4][10])
 {
     const pzs_real *w = type->warp, mean = h[0][E12M];
     h[0][E12D] += w[0] * mean;
@@ -201,7 +211,9 @@ static void share_warp(const pzs_element_type *type, pzs_real h[4][10])
     h[2][E22D] += w[8] * mean;
 }
 
-/* Resultants by mode in place of strains by mode, the warp in the strains; share_warp comes after.
+/*
+ * Replace the strains of all modes, warp included, by their resultants. distribute_warp must
+ * follow.
  */
 static void multiply_modes(const pzs_element_type *type, pzs_real e[4][10])
 {
@@ -209,14 +221,14 @@ static void multiply_modes(const pzs_element_type *type, pzs_real e[4][10])
         multiply_mode(type->d[m], m, e[m]);
 }
 
-/* Strains at rest by mode, linear in u. */
-static void strains_at_rest(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                            pzs_real modes[4][10])
+/* Strains of each mode in the undeformed state, linear in u. */
+static void small_strains(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
+                          pzs_real modes[4][10])
 {
     memset(modes, 0, sizeof(pzs_real[4][10]));
     for (int r = 0; r < SHELL_NODES; r++) {
-        const shape rest = at_rest(type, r);
-        const corner d = corner_derivatives(type, dof_per_node, u, r);
+        const shape rest = undeformed_shape(type, r);
+        const shell_corner d = corner_derivatives(type, dof_per_node, u, r);
         pzs_real e[10];
         corner_strains(&rest, &d, type->thickness, e);
         add_modes(modes, e, r);
@@ -224,17 +236,17 @@ static void strains_at_rest(const pzs_element_type *type, unsigned dof_per_node,
     add_warp(type, modes);
 }
 
-/* f = sum of L' h at rest */
-static void force_at_rest(const pzs_element_type *type, unsigned dof_per_node, pzs_real h[4][10],
-                          pzs_real *f)
+/* f = sum of L' h in the undeformed state */
+static void small_force(const pzs_element_type *type, unsigned dof_per_node, pzs_real h[4][10],
+                        pzs_real *f)
 {
-    share_warp(type, h);
+    distribute_warp(type, h);
     memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
-        const shape rest = at_rest(type, r);
+        const shape rest = undeformed_shape(type, r);
         pzs_real t[10];
-        corner force;
-        corner_of_modes(h, r, t);
+        shell_corner force;
+        stresses_of_modes(h, r, t);
         corner_stresses(&rest, t, type->thickness, &force);
         corner_scatter(type, dof_per_node, &force, r, f);
     }
@@ -244,9 +256,9 @@ void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node, const 
                      pzs_real *f)
 {
     pzs_real modes[4][10];
-    strains_at_rest(type, dof_per_node, u, modes);
+    small_strains(type, dof_per_node, u, modes);
     multiply_modes(type, modes);
-    force_at_rest(type, dof_per_node, modes, f);
+    small_force(type, dof_per_node, modes, f);
 }
 
 void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *k)
@@ -262,54 +274,57 @@ void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pz
     }
 }
 
-void pzs_shell_given(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *h0,
-                     pzs_real *f)
+void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_node,
+                                const pzs_real *h0, pzs_real *f)
 {
     pzs_real h[4][10] = {{0}};
     for (int i = 0; i < SHELL_STRAINS; i++)
         h[0][i] = -h0[i];
-    force_at_rest(type, dof_per_node, h, f);
+    small_force(type, dof_per_node, h, f);
 }
 
 #if PZS_NONLINEAR
 
-/* The derivatives d themselves as a shape. */
-static shape shape_of(const corner *d)
+/* The members of a shell_corner as a shape. */
+static shape shape_of(const shell_corner *d)
 {
     const shape s = {d->mean, d->diff, d->beta, d->q};
     return s;
 }
 
-/* Base vectors at corner r plus `share` of the derivatives d. */
-static corner moved(const pzs_element_type *type, const corner *d, pzs_real share, int r)
+/* Base vectors at corner r plus `part` of the derivatives d. */
+static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *d,
+                                    pzs_real part, int r)
 {
-    corner s;
+    shell_corner s;
     memcpy(s.mean, type->g_mean[r], sizeof s.mean);
     memcpy(s.diff, type->g_diff[r], sizeof s.diff);
     memcpy(s.beta, e3, sizeof s.beta);
     for (int a = 0; a < 2; a++) {
-        add_scaled(s.mean[a], share, d->mean[a]);
-        add_scaled(s.diff[a], share, d->diff[a]);
+        add_scaled(s.mean[a], part, d->mean[a]);
+        add_scaled(s.diff[a], part, d->diff[a]);
     }
-    add_scaled(s.beta, share, d->beta);
-    s.q = share * d->q;
+    add_scaled(s.beta, part, d->beta);
+    s.q = part * d->q;
     return s;
 }
 
 static void derivatives(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                        corner d[4])
+                        shell_corner d[4])
 {
     for (int r = 0; r < SHELL_NODES; r++)
         d[r] = corner_derivatives(type, dof_per_node, u, r);
 }
 
-/* e += L(share u) v, the first variation of the strains by mode without the warp.
- * d, v [4] in derivatives of u and v at the corners */
-static void add_variation(const pzs_element_type *type, const corner d[4], pzs_real share,
-                          const corner v[4], pzs_real e[4][10])
+/*
+ * e += L(part u) v, the first variation of the strains of each mode, without the warp.
+ *   d, v [4] in  derivatives of u and of v at the corners
+ */
+static void add_variation(const pzs_element_type *type, const shell_corner d[4], pzs_real part,
+                          const shell_corner v[4], pzs_real e[4][10])
 {
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner at = moved(type, &d[r], share, r);
+        const shell_corner at = deformed_corner(type, &d[r], part, r);
         const shape s = shape_of(&at);
         pzs_real corner_e[10];
         corner_strains(&s, &v[r], type->thickness, corner_e);
@@ -317,12 +332,14 @@ static void add_variation(const pzs_element_type *type, const corner d[4], pzs_r
     }
 }
 
-/* e(u) + L(u) du by mode; du may be NULL. Strains are quadratic, so the variation at half of u,
- * applied to u, is exact. */
-static void strains_ahead(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                          const pzs_real *du, pzs_real e[4][10])
+/*
+ * Strains e(u) + L(u) du of each mode; du may be NULL. The strains are quadratic in u, so half of
+ * their variation is exact: e(u) = L(u/2) u.
+ */
+static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_node,
+                                 const pzs_real *u, const pzs_real *du, pzs_real e[4][10])
 {
-    corner d[4], v[4];
+    shell_corner d[4], v[4];
     memset(e, 0, sizeof(pzs_real[4][10]));
     derivatives(type, dof_per_node, u, d);
     add_variation(type, d, (pzs_real)0.5, d, e);
@@ -336,14 +353,14 @@ static void strains_ahead(const pzs_element_type *type, unsigned dof_per_node, c
 void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           pzs_real e[4][10])
 {
-    strains_ahead(type, dof_per_node, u, NULL, e);
+    extrapolated_strains(type, dof_per_node, u, NULL, e);
 }
 
 void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           const pzs_real *du, const pzs_real *given, pzs_real *resultant)
 {
     pzs_real h[4][10];
-    strains_ahead(type, dof_per_node, u, du, h);
+    extrapolated_strains(type, dof_per_node, u, du, h);
     multiply_modes(type, h);
     for (int i = 0; given && i < SHELL_STRAINS; i++)
         h[0][i] += given[i];
@@ -353,11 +370,11 @@ void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, c
 }
 
 void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                       corner now[4])
+                       shell_corner now[4])
 {
     for (int r = 0; r < SHELL_NODES; r++) {
-        const corner d = corner_derivatives(type, dof_per_node, u, r);
-        now[r] = moved(type, &d, 1, r);
+        const shell_corner d = corner_derivatives(type, dof_per_node, u, r);
+        now[r] = deformed_corner(type, &d, 1, r);
     }
 }
 
@@ -368,18 +385,18 @@ void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
     for (int m = 0; m < SHELL_MODES; m++)
         for (int i = 0; i < kept_strains[m]; i++)
             h[m][kept_strain[m][i]] = *resultant++;
-    share_warp(type, h);
+    distribute_warp(type, h);
     for (int r = 0; r < SHELL_NODES; r++)
-        corner_of_modes(h, r, t[r]);
+        stresses_of_modes(h, r, t[r]);
 }
 
-void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node, const corner at[4],
-                            pzs_real t[4][10], pzs_real *f)
+void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
+                            const shell_corner at[4], pzs_real t[4][10], pzs_real *f)
 {
     memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const shape s = shape_of(&at[r]);
-        corner force;
+        shell_corner force;
         corner_stresses(&s, t[r], type->thickness, &force);
         corner_scatter(type, dof_per_node, &force, r, f);
     }
@@ -389,7 +406,7 @@ void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, con
                         const pzs_real *resultant, pzs_real *f)
 {
     pzs_real t[4][10];
-    corner at[4];
+    shell_corner at[4];
     pzs_shell_corners(type, dof_per_node, u, at);
     pzs_shell_stresses(type, resultant, t);
     pzs_shell_corner_force(type, dof_per_node, at, t, f);

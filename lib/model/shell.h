@@ -1,10 +1,10 @@
 /*
  * The GEX7P4 element: one table-driven kernel for every formulation.
  *
- * Four nodes, `unknowns` (7 or 6) a node in this order: mean u1 u2 u3, (u+ - u-)/h
- * of u1 u2 u3, (u3M - mean u3)/h. Strains are taken at the four corners in the
- * corner's own frame, as means and differences of the two faces, then turned into
- * the modes 00 01 10 11 of xi1^r1 xi2^r2, of which D keeps 22 components.
+ * The element has four nodes with `dof_per_node` (7 or 6) dof each, in this order: mean u1 u2 u3 of
+ * the two faces, (u+ - u-)/h of u1 u2 u3, (u3M - mean u3)/h. Strains are computed at the four
+ * corners, in the frame of the corner, as means and differences of the two faces. They are then
+ * combined into the modes 00 01 10 11 of xi1^r1 xi2^r2, of which D keeps 22 components.
  */
 #ifndef PZS_LIB_SHELL_H
 #define PZS_LIB_SHELL_H
@@ -17,63 +17,90 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
 #define SHELL_PACKED(n) ((n) * ((n) + 1) / 2)
 
 /*
- * Force at rest, formed from strains:  f = sum_m L_m^T D_m L_m u.
- *   u [4 unknowns] in  (m, 1)
- *   f [4 unknowns] out (N, N m), may be u itself
- * Small strains are differences taken before anything is multiplied by a stiffness, so
- * f keeps the digits that K u loses on thin shells.
+ * Internal force in the undeformed state, computed from strains:  f = sum_m L_m^T D_m L_m u.
+ *   u [4 dof_per_node] in  (m, 1)
+ *   f [4 dof_per_node] out (N, N m), may be u itself
+ * The small strains are formed as differences before anything is multiplied by a stiffness, so f
+ * keeps the digits that the product K u loses on thin shells.
  */
 void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                      pzs_real *f);
 
-/* Stiffness at rest, column by column from pzs_shell_force. k [SHELL_PACKED(4 unknowns)] out, lower
- * triangle. */
+/*
+ * Stiffness in the undeformed state, one column for each call of pzs_shell_force.
+ *   k [SHELL_PACKED(4 dof_per_node)] out, lower triangle
+ */
 void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *k);
 
 /*
- * Force of given resultants H0 of actuation or temperature, mode 00:  f = -L_00^T H0.
- *   h0 [10]         in  times the element's area (N m), order of D
- *   f  [4 unknowns] out
+ * Force of prescribed resultants H0 (actuation or temperature) of mode 00:  f = -L_00^T H0.
+ *   h0 [10]             in  times the element's area (N m), order of D
+ *   f  [4 dof_per_node] out (N, N m)
  */
-void pzs_shell_given(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *h0,
-                     pzs_real *f);
+void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_node,
+                                const pzs_real *h0, pzs_real *f);
+
+/*
+ * Derivatives of a displacement at one corner, or the deformed base vectors there, which have the
+ * same form: lam_a (mean and difference/h of the faces) in each direction a, beta and q.
+ */
+typedef struct shell_corner {
+    pzs_real mean[2][3];
+    pzs_real diff[2][3];
+    pzs_real beta[3];
+    pzs_real q;
+} shell_corner;
 
 #if PZS_NONLINEAR
 /*
- * The element at a displacement u. Strains e(u) by mode are exact to second order, L(u) is their
- * first variation, A_m their (constant) second. Resultants H go with the modes' kept strains,
- * packed: modes 00 01 10 11, each its kept strains in their order, times area/3^(r1+r2) (N m).
+ * The element at a displacement u. The strains e(u) of each mode are exact to second order, L(u) is
+ * their first variation and A_m their (constant) second variation. Resultants H belong to the
+ * strains that each mode keeps. They are packed mode by mode (00 01 10 11), in the order of the
+ * kept strains, times area/3^(r1+r2) (N m).
  */
 enum { SHELL_RESULTANTS = 22 };
 
-/* Strains by mode.  e [4][10] out, order of D. */
+/* Strains of each mode at displacement u.  e [4][10] out, order of D. */
 void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           pzs_real e[4][10]);
 
 /*
- * One element's part of a mixed Newton system:
- *   f = sum_m L_m^T H_m(u),  H(u) = D e(u) + H0         internal force at the true resultants
- *   K = sum_m L_m^T D_m L_m + (resultants)_m A_m        tangent under the given resultants
- *   given     [10] in   H0 of mode 00, times the element's area (N m), order of D; NULL: none
- *   resultant [22] in   resultants of the geometric part, H0 in them; NULL: H(u) itself
- *   f [4 unknowns] out (N, N m)
- *   k [SHELL_PACKED(4 unknowns)] out, lower triangle
+ * Tangent and internal force of one element for Newton's method with independent resultants:
+ *   f = sum_m L_m^T H_m(u),  H(u) = D e(u) + H0         internal force, resultants of u
+ *   K = sum_m L_m^T D_m L_m + (resultants)_m A_m        tangent, resultants as passed
+ *   given     [10] in   H0 of mode 00, times the element's area (N m), order of D; NULL: zero
+ *   resultant [22] in   resultants of the geometric part, H0 included; NULL: H(u)
+ *   f [4 dof_per_node] out (N, N m)
+ *   k [SHELL_PACKED(4 dof_per_node)] out, lower triangle
  */
 void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                       const pzs_real *given, const pzs_real *resultant, pzs_real *f, pzs_real *k);
 
 /*
- * Resultants extrapolated along du:  H = D (e(u) + L(u) du) + H0.
- *   du        [4 unknowns] in  NULL: resultants at u itself
- *   given     [10] in          as above
- *   resultant [22] out
+ * Resultants extrapolated along an increment du:  H = D (e(u) + L(u) du) + H0.
+ *   du        [4 dof_per_node] in  NULL: resultants of u itself
+ *   given     [10]             in  H0 of mode 00, times the element's area (N m); NULL: zero
+ *   resultant [22]             out (N m)
  */
 void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                           const pzs_real *du, const pzs_real *given, pzs_real *resultant);
 
-/* Force of resultants alone:  f = sum_m L_m(u)^T H_m.  resultant [22] in, f [4 unknowns] out. */
+/* Internal force of prescribed resultants:  f = sum_m L_m(u)^T H_m.
+ *   resultant [22] in (N m), f [4 dof_per_node] out (N, N m) */
 void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                         const pzs_real *resultant, pzs_real *f);
+
+/* Deformed base vectors at the four corners: base vectors plus derivatives of u. */
+void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
+                       shell_corner shape[4]);
+
+/* Stresses at the corners from resultants [22], the part of the warp included.
+ *   t [4][10] out, order of D */
+void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10]);
+
+/* Force of the stresses t at the corners of a deformed shape.  f [4 dof_per_node] out (N, N m). */
+void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
+                            const shell_corner shape[4], pzs_real t[4][10], pzs_real *f);
 #endif
 
 #endif

@@ -1,41 +1,19 @@
-/* The corners of the GEX7P4 element, for the files that make it up: shell.c, and shell_at.c at a
- * deformed shape. */
+/* Constants of the GEX7P4 element that its two files share: shell.c (undeformed state, resultants)
+ * and shell_at.c (tangent at a deformed shape). */
 #ifndef PZS_LIB_SHELL_CORNER_H
 #define PZS_LIB_SHELL_CORNER_H
 
-#include "shell.h"
+#include "pzs_base.h"
 
-/* Strains in the order of D. */
+/* Strain components in the order of the stiffness D. M: mean of the two faces, D: difference of the
+ * faces; the transverse shears 13 and 23 have no difference. */
 enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
 
-/* Corner on the other side of r along theta1 and theta2. */
+/* neighbour[r][a]: the corner next to corner r in direction a, 0 for theta1 and 1 for theta2. */
 static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
-/* xi1^r1 xi2^r2 at the corners, by mode 00 01 10 11. */
+/* mode_sign[m][r] = xi1^r1 xi2^r2 of mode m (00, 01, 10, 11) at corner r. */
 static const pzs_real mode_sign[4][4] = {
     {1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
-
-/* Derivatives of a displacement at a corner: lam mean and difference/h by direction, beta mean, q.
- */
-typedef struct corner {
-    pzs_real mean[2][3];
-    pzs_real diff[2][3];
-    pzs_real beta[3];
-    pzs_real q;
-} corner;
-
-#if PZS_NONLINEAR
-/* Shape of the corners at displacement u: base vectors plus derivatives of the displacement. */
-void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                       corner shape[4]);
-
-/* Stresses at the corners that go with resultants [22], the warp's share included. t [4][10] out,
- * order of D. */
-void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10]);
-
-/* Force of stresses at corners of a shape.  f [4 unknowns] out. */
-void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
-                            const corner shape[4], pzs_real t[4][10], pzs_real *f);
-#endif
 
 #endif

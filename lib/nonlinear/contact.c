@@ -1,11 +1,12 @@
 /*
- * Contact with a rigid convex body (pzs.h): a primal-dual active set with a proximal multiplier,
- * inside Newton's method.
+ * Contact with a rigid convex body (pzs_nonlinear.h): a primal-dual active-set method with a
+ * proximal multiplier, inside Newton's method.
  *
- * Per node of the face: reference area w, gap g and its gradient n at the moved place, pressure p
- * (minus the multiplier), stiffness e. A node in contact carries  f = w (p - e g) n,  -df/du = w (e
- * n n' - p Hess g)  with the p that the last system predicted, and each solve predicts  p <- p - e
- * (g + n . d).  At the end g = 0, so the answer is free of e.
+ * Each node of the face has a reference area w, a gap g with gradient n at the deformed place, a
+ * contact pressure p (the negative multiplier) and a contact stiffness e. A node in contact carries
+ *   f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
+ * with the pressure p that the last linear solve predicted. Each linear solve with increment d
+ * predicts p <- p - e (g + n . d). At convergence g = 0, so the result does not depend on e.
  */
 #include "contact_check.h"
 #include "face.h"
@@ -17,18 +18,26 @@
 
 #if PZS_NONLINEAR
 
-/* Gap and pressure are weighed against each other with this part of the structure's own stiffness.
+/*
+ * Factor on the gap, relative to the stiffness of the structure, where gap and pressure are
+ * compared.
  */
-#define WEIGHING ((pzs_real)1e-5)
-/* The stiffness against the body doubles while it is below this many times the structure's own. */
-#define FIRM ((pzs_real)100)
-/* While a warm step moves by more than this part of its way, its nodes stay as they were. */
-#define QUIET ((pzs_real)0.2)
+#define PRESSURE_SCALE ((pzs_real)1e-5)
+/*
+ * The contact stiffness doubles while it is below this multiple of the stiffness of the structure.
+ */
+#define LARGEST_STIFFNESS ((pzs_real)100)
+/*
+ * A warm-started load step keeps its active set while its relative increment is above this bound.
+ */
+#define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
-/* Squares of unit vectors are 1 to within this. */
-#define UNIT ((pzs_real)1e-5)
+/* Tolerance on the squared length of a unit vector. */
+#define UNIT_TOLERANCE ((pzs_real)1e-5)
 
-enum { NO_MOTION = 0xFFFF }; /* as input of a face: the body stays */
+enum {
+    NO_MOTION_INPUT = 0xFFFF
+}; /* value of pzs_contact_face.input for a body that does not move */
 
 static pzs_contact *contact_of(pzs_solver_option *option)
 {
@@ -43,9 +52,10 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
 /* ---- bodies ----------------------------------------------------------- */
 
 /*
- * Gap to the sphere or circle of radius about 0, at the vector from its centre; `along` is the unit
- * axis or NULL. In the centre itself all directions lead out: the normal and second derivatives are
- * 0 there.
+ * Signed distance from a sphere or circle of the given radius about 0.
+ *   from [3] in  vector from the centre
+ *   along    in  unit axis of a cylinder, or NULL for a sphere
+ * At the centre itself the normal is undefined; normal and second derivatives are then 0.
  */
 static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_real *along,
                           pzs_real normal[3], pzs_real hessian[3][3])
@@ -87,29 +97,31 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real x[3], pzs_real norm
     return gap_round(body->radius, from, NULL, normal, hessian);
 }
 
-/* ---- one node --------------------------------------------------------- */
+/* ---- one node of the face ---------------------------------------------- */
 
-/* A node against the body: gap, its gradient in global axes and in the node's triad, its second
- * derivatives there. */
-typedef struct place {
+/*
+ * A node relative to the body: gap (m), gradient of the gap in global axes and in the triad of the
+ * node (1), second derivatives in the triad (1/m).
+ */
+typedef struct contact_point {
     pzs_real gap, global[3], normal[3], hessian[3][3];
-} place;
+} contact_point;
 
-static pzs_real height(const pzs_contact *contact, const pzs_solver *solver)
+static pzs_real face_height(const pzs_contact *contact, const pzs_solver *solver)
 {
     return pzs_face_height(solver->state.model->state.structure, contact->state.face->face);
 }
 
-/* Displacement of a node of the face, in its triad. p [dof] in */
-static void displacement(const pzs_contact *contact, const pzs_solver *solver, uint16_t node,
-                         const pzs_real *p, pzs_real w[3])
+/* Displacement w of a node of the face, in its triad (m).  p [free_dof] in */
+static void node_displacement(const pzs_contact *contact, const pzs_solver *solver, uint16_t node,
+                              const pzs_real *p, pzs_real w[3])
 {
     pzs_real all[1][3];
-    pzs_face_gather(solver->state.model, &node, 1, height(contact, solver), p, all);
+    pzs_face_gather(solver->state.model, &node, 1, face_height(contact, solver), p, all);
     memcpy(w, all[0], sizeof all[0]);
 }
 
-static place place_of(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
+static contact_point find_point(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
     const pzs_contact_face *face = contact->state.face;
     const pzs_real(*triad)[3] = face->triad[node];
@@ -117,25 +129,28 @@ static place place_of(const pzs_contact *contact, const pzs_solver *solver, uint
                                ? solver->state.input_value[face->input]
                                : 0;
     pzs_real w[3], x[3], global[3][3];
-    place at;
-    displacement(contact, solver, node, solver->state.displacement, w);
+    contact_point point;
+    node_displacement(contact, solver, node, solver->state.displacement, w);
     for (int i = 0; i < 3; i++)
         x[i] = face->place[node][i] - moved * face->motion[i] + w[0] * triad[0][i] +
                w[1] * triad[1][i] + w[2] * triad[2][i];
-    at.gap = contact->state.body->gap(contact->state.body, x, at.global, global);
+    point.gap = contact->state.body->gap(contact->state.body, x, point.global, global);
     for (int i = 0; i < 3; i++) {
-        const pzs_real turned[3] = {dot(triad[i], global[0]), dot(triad[i], global[1]),
-                                    dot(triad[i], global[2])};
-        at.normal[i] = dot(triad[i], at.global);
+        const pzs_real derivative[3] = {dot(triad[i], global[0]), dot(triad[i], global[1]),
+                                        dot(triad[i], global[2])};
+        point.normal[i] = dot(triad[i], point.global);
         for (int j = 0; j < 3; j++)
-            at.hessian[i][j] = dot(triad[j], turned);
+            point.hessian[i][j] = dot(triad[j], derivative);
     }
-    return at;
+    return point;
 }
 
-/* The structure's own stiffness per area at a node, by its unknowns along e3; 0 where nothing of
- * the face can move. */
-static pzs_real own_stiffness(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
+/*
+ * Stiffness of the structure per area at a node (N/m3), from the diagonal of its dof along e3
+ * first; 0 where no dof of the face is free.
+ */
+static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver *solver,
+                                    uint16_t node)
 {
     static const uint8_t order[6] = {5, 2, 3, 4, 0, 1};
     const pzs_structure *structure = solver->state.model->state.structure;
@@ -152,26 +167,29 @@ static pzs_real own_stiffness(const pzs_contact *contact, const pzs_solver *solv
 }
 
 /*
- * Stiffness per area against the body at a node. The gap of a soft structure on it closes by
- * own/(own + e) of itself a system, slowly where kappa is small, so e doubles with each system of a
- * load step.
+ * Contact stiffness per area at a node (N/m3). On a soft structure each linear solve leaves
+ * own/(own + e) of the gap, with the stiffness own of the structure. That is slow where e is small,
+ * so e doubles with each linear solve of a load step.
  */
-static pzs_real against(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
+static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *solver,
+                                  uint16_t node)
 {
     pzs_real e = contact->settings.stiffness;
-    for (uint32_t i = 0; i < solver->state.iteration && e < FIRM; i++)
+    for (uint32_t i = 0; i < solver->state.iteration && e < LARGEST_STIFFNESS; i++)
         e *= 2;
-    return e * own_stiffness(contact, solver, node);
+    return e * structure_stiffness(contact, solver, node);
 }
 
-/* ---- which nodes ------------------------------------------------------ */
+/* ---- active set ------------------------------------------------------- */
 
-/* facing = normal of the deformed face, out of the shell, times that of the body, summed over the
- * elements of a node. */
+/*
+ * state.facing [nodes] = outward normal of the deformed face times the normal of the body, summed
+ * over the elements of each node.
+ */
 static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_real z = height(contact, solver);
+    const pzs_real z = face_height(contact, solver);
     memset(contact->state.facing, 0, structure->nodes * sizeof *contact->state.facing);
     for (uint32_t e = 0; e < structure->elements; e++) {
         pzs_real w[SHELL_NODES][3];
@@ -179,43 +197,47 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
                         solver->state.displacement, w);
         for (unsigned r = 0; r < SHELL_NODES; r++) {
             const uint16_t node = structure->element[e][r];
-            const place at = place_of(contact, solver, node);
+            const contact_point point = find_point(contact, solver, node);
             pzs_real eta[3];
             pzs_face_normal(&structure->type[structure->element_type[e]], z,
                             (const pzs_real(*)[3])w, r, eta);
             contact->state.facing[node] +=
-                contact->state.face->face == 0 ? -dot(eta, at.normal) : dot(eta, at.normal);
+                contact->state.face->face == 0 ? -dot(eta, point.normal) : dot(eta, point.normal);
         }
     }
 }
 
-/* May a node touch at all: does it point at the body, and can it move? */
-static int may_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
+/* Whether a node can come into contact: its face points at the body, and it has a free dof. */
+static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
-    return contact->state.facing[node] < 0 && own_stiffness(contact, solver, node) > 0;
+    return contact->state.facing[node] < 0 && structure_stiffness(contact, solver, node) > 0;
 }
 
-/* Does a node belong into contact, by its gap and pressure? A closed one does while it is pressed.
+/*
+ * Whether a node belongs to the active set, by its gap and contact pressure. A node whose gap is
+ * closed belongs to it while its pressure is positive.
  */
-static int belongs(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
+static bool is_active(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
-    if (!may_touch(contact, solver, node))
-        return 0;
-    const pzs_real gap = place_of(contact, solver, node).gap, closed = contact_closed(contact);
+    if (!can_touch(contact, solver, node))
+        return false;
+    const pzs_real gap = find_point(contact, solver, node).gap,
+                   closed = pzs_contact_closed_gap(contact);
     const pzs_real least = gap < 0 && gap >= -closed ? 0 : gap;
     if (!contact->state.touching[node])
         return gap < -closed;
-    return contact->state.pressure[node] > WEIGHING * own_stiffness(contact, solver, node) * least;
+    return contact->state.pressure[node] >
+           PRESSURE_SCALE * structure_stiffness(contact, solver, node) * least;
 }
 
-/* The node of smallest gap that may touch, or -1. */
-static int32_t nearest(const pzs_contact *contact, const pzs_solver *solver)
+/* Node with the smallest gap among those that can come into contact, or -1. */
+static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver)
 {
     int32_t best = -1;
     pzs_real least = 0;
     for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
-        const pzs_real gap = may_touch(contact, solver, n) ? place_of(contact, solver, n).gap : 0;
-        if (may_touch(contact, solver, n) && (best < 0 || gap < least)) {
+        const pzs_real gap = can_touch(contact, solver, n) ? find_point(contact, solver, n).gap : 0;
+        if (can_touch(contact, solver, n) && (best < 0 || gap < least)) {
             best = n;
             least = gap;
         }
@@ -223,105 +245,113 @@ static int32_t nearest(const pzs_contact *contact, const pzs_solver *solver)
     return best;
 }
 
-/* Nodes in contact for the first system of a load step: those of the last equilibrium and those
- * that a motion of the body ran into; without any of the former, those whose gap is closed. */
-static void begin(pzs_contact *contact, const pzs_solver *solver)
+/*
+ * Active set for the first linear solve of a load step: the nodes of the last equilibrium and those
+ * that the motion of the body has reached. If the last equilibrium has no contact: the nodes whose
+ * gap is closed.
+ */
+static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
     const uint16_t nodes = solver->state.model->state.structure->nodes;
-    uint32_t given = 0, added = 0;
+    uint32_t before = 0, added = 0;
     for (uint16_t n = 0; n < nodes; n++)
-        given += contact->state.touching[n];
-    const pzs_real most = given > 0 ? -contact_closed(contact) : contact_closed(contact);
+        before += contact->state.touching[n];
+    const pzs_real most =
+        before > 0 ? -pzs_contact_closed_gap(contact) : pzs_contact_closed_gap(contact);
     for (uint16_t n = 0; n < nodes; n++)
-        if (!contact->state.touching[n] && may_touch(contact, solver, n) &&
-            place_of(contact, solver, n).gap <= most) {
+        if (!contact->state.touching[n] && can_touch(contact, solver, n) &&
+            find_point(contact, solver, n).gap <= most) {
             contact->state.touching[n] = 1;
             added++;
         }
-    contact->state.is_warm = given > 0 && added == 0;
+    contact->state.is_warm = before > 0 && added == 0;
     contact->state.has_changed = added > 0;
-    contact->state.is_adrift = given + added == 0;
+    contact->state.lacks_contact = before + added == 0;
 }
 
-/* Nodes in contact by gap and pressure; of a loose shell the nearest one stays, which nothing
- * settles with (settled). */
-static void choose(pzs_contact *contact, const pzs_solver *solver)
+/*
+ * Update the active set by gap and pressure. Of a shell that its supports leave loose the nearest
+ * node stays in contact, because the tangent would otherwise be singular; this state never counts
+ * as converged.
+ */
+static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
     const uint16_t nodes = solver->state.model->state.structure->nodes;
     uint32_t count = 0;
     for (uint16_t n = 0; n < nodes; n++) {
-        const uint8_t now = (uint8_t)belongs(contact, solver, n);
-        contact->state.has_changed =
-            (uint8_t)(contact->state.has_changed || now != contact->state.touching[n]);
-        contact->state.touching[n] = now;
-        count += now;
-        if (!now)
+        const bool touches = is_active(contact, solver, n);
+        contact->state.has_changed |= touches != (contact->state.touching[n] != 0);
+        contact->state.touching[n] = touches;
+        count += touches;
+        if (!touches)
             contact->state.pressure[n] = 0;
     }
-    const int32_t lone = count == 0 && contact->state.is_loose ? nearest(contact, solver) : -1;
-    contact->state.is_adrift = lone >= 0;
-    if (lone >= 0)
-        contact->state.touching[lone] = 1;
+    const int32_t closest =
+        count == 0 && contact->state.is_loose ? nearest_node(contact, solver) : -1;
+    contact->state.lacks_contact = closest >= 0;
+    if (closest >= 0)
+        contact->state.touching[closest] = 1;
 }
 
-static int prepare(pzs_solver_option *option, pzs_solver *solver)
+static bool prepare_solve(pzs_solver_option *option, pzs_solver *solver)
 {
     pzs_contact *contact = contact_of(option);
-    contact->state.has_changed = 0;
+    contact->state.has_changed = false;
     find_facing(contact, solver);
     if (solver->state.iteration == 0)
-        begin(contact, solver);
-    else if (!contact->state.is_warm || solver->info.relative_increment < QUIET)
-        choose(contact, solver);
-    return solver->state.iteration > 0 || !contact->state.is_loose || !contact->state.is_adrift;
+        start_active_set(contact, solver);
+    else if (!contact->state.is_warm || solver->info.relative_increment < ACTIVE_SET_INCREMENT)
+        update_active_set(contact, solver);
+    return solver->state.iteration > 0 || !contact->state.is_loose || !contact->state.lacks_contact;
 }
 
-static int settled(pzs_solver_option *option, pzs_solver *solver)
+static bool has_converged(pzs_solver_option *option, pzs_solver *solver)
 {
     pzs_contact *contact = contact_of(option);
     if (contact->state.has_changed)
-        return 0;
+        return false;
     find_facing(contact, solver);
-    const pzs_real closed = contact_closed(contact);
+    const pzs_real closed = pzs_contact_closed_gap(contact);
     for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
-        const pzs_real gap = contact->state.touching[n] ? place_of(contact, solver, n).gap : 0;
+        const pzs_real gap = contact->state.touching[n] ? find_point(contact, solver, n).gap : 0;
         if (gap > closed || gap < -closed ||
-            belongs(contact, solver, n) != contact->state.touching[n])
-            return 0;
+            is_active(contact, solver, n) != (contact->state.touching[n] != 0))
+            return false;
     }
-    return 1;
+    return true;
 }
 
-static pzs_status refuses(pzs_solver_option *option, pzs_solver *solver)
+static pzs_status check_step(pzs_solver_option *option, pzs_solver *solver)
 {
     pzs_contact *contact = contact_of(option);
-    const pzs_status status = contact_check(contact, solver);
+    const pzs_status status = pzs_contact_check(contact, solver);
     solver->state.refused_at = contact->info.element;
     return status;
 }
 
-static pzs_real longest(pzs_solver_option *option, const pzs_solver *solver, const pzs_real *amount)
+static pzs_real largest_part(pzs_solver_option *option, const pzs_solver *solver,
+                             const pzs_real *value)
 {
-    return contact_longest(contact_of(option), solver, amount);
+    return pzs_contact_largest_part(contact_of(option), solver, value);
 }
 
 /* ---- forces ----------------------------------------------------------- */
 
-/* Stiffness w (e n n' - p Hess g) of a node's face onto its unknowns. */
-static void add_stiffness(const pzs_contact *contact, pzs_solver *solver, uint16_t node,
-                          const place *at, pzs_real e)
+/* Add the stiffness w (e n n' - p Hess g) of a node to the tangent. */
+static void add_tangent(const pzs_contact *contact, pzs_solver *solver, uint16_t node,
+                        const contact_point *point, pzs_real e)
 {
-    const pzs_real z = height(contact, solver);
+    const pzs_real z = face_height(contact, solver);
     pzs_real k[SHELL_PACKED(7)] = {0};
     for (unsigned i = 0; i < 6; i++)
         for (unsigned j = 0; j <= i; j++)
             k[SHELL_PACKED(i) + j] = (i < 3 ? 1 : z) * (j < 3 ? 1 : z) *
-                                     (e * at->normal[i % 3] * at->normal[j % 3] -
-                                      contact->state.pressure[node] * at->hessian[i % 3][j % 3]);
+                                     (e * point->normal[i % 3] * point->normal[j % 3] -
+                                      contact->state.pressure[node] * point->hessian[i % 3][j % 3]);
     pzs_model_add_matrix(solver->state.model, &node, 1, contact->state.face->area[node], k);
 }
 
-static void add(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
+static void add_forces(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
 {
     pzs_contact *contact = contact_of(option);
     memset(contact->info.force, 0, sizeof contact->info.force);
@@ -329,38 +359,43 @@ static void add(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
     for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
         if (!contact->state.touching[n])
             continue;
-        const place at = place_of(contact, solver, n);
-        const pzs_real e = against(contact, solver, n);
+        const contact_point point = find_point(contact, solver, n);
+        const pzs_real e = contact_stiffness(contact, solver, n);
         const pzs_real push =
-            contact->state.face->area[n] * (contact->state.pressure[n] - e * at.gap);
+            contact->state.face->area[n] * (contact->state.pressure[n] - e * point.gap);
         pzs_real force[1][3];
         for (int i = 0; i < 3; i++) {
-            force[0][i] = push * at.normal[i];
+            force[0][i] = push * point.normal[i];
             contact->info.force[i] +=
-                contact->state.face->area[n] * contact->state.pressure[n] * at.global[i];
+                contact->state.face->area[n] * contact->state.pressure[n] * point.global[i];
         }
-        pzs_face_scatter(solver->state.model, &n, 1, height(contact, solver),
+        pzs_face_scatter(solver->state.model, &n, 1, face_height(contact, solver),
                          (const pzs_real(*)[3])force, load);
-        add_stiffness(contact, solver, n, &at, e);
+        add_tangent(contact, solver, n, &point, e);
         contact->info.nodes++;
     }
 }
 
-static void solved(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
+static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
 {
     pzs_contact *contact = contact_of(option);
     for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
         if (!contact->state.touching[n])
             continue;
-        const place at = place_of(contact, solver, n);
+        const contact_point point = find_point(contact, solver, n);
         pzs_real d[3];
-        displacement(contact, solver, n, du, d);
-        contact->state.pressure[n] -= against(contact, solver, n) * (at.gap + dot(at.normal, d));
+        node_displacement(contact, solver, n, du, d);
+        contact->state.pressure[n] -=
+            contact_stiffness(contact, solver, n) * (point.gap + dot(point.normal, d));
     }
 }
 
-/* Force per unit of the body's motion m: its gap falls by n . m, its normal turns by -Hess g m. */
-static void unit(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *out)
+/*
+ * Force per unit of the motion m of the body: the gap falls by n . m, and the normal turns by -Hess
+ * g m.
+ */
+static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
+                           pzs_real *out)
 {
     const pzs_contact *contact = contact_of(option);
     for (uint16_t n = 0;
@@ -368,41 +403,41 @@ static void unit(pzs_solver_option *option, pzs_solver *solver, uint32_t input, 
          n++) {
         if (!contact->state.touching[n])
             continue;
-        const place at = place_of(contact, solver, n);
-        const pzs_real e = against(contact, solver, n);
+        const contact_point point = find_point(contact, solver, n);
+        const pzs_real e = contact_stiffness(contact, solver, n);
         pzs_real force[1][3], m[3];
         for (int i = 0; i < 3; i++)
             m[i] = dot(contact->state.face->triad[n][i], contact->state.face->motion);
         for (int i = 0; i < 3; i++)
-            force[0][i] =
-                contact->state.face->area[n] * (e * dot(at.normal, m) * at.normal[i] -
-                                                contact->state.pressure[n] * dot(at.hessian[i], m));
-        pzs_face_scatter(solver->state.model, &n, 1, height(contact, solver),
+            force[0][i] = contact->state.face->area[n] *
+                          (e * dot(point.normal, m) * point.normal[i] -
+                           contact->state.pressure[n] * dot(point.hessian[i], m));
+        pzs_face_scatter(solver->state.model, &n, 1, face_height(contact, solver),
                          (const pzs_real(*)[3])force, out);
     }
 }
 
 /* ---- state ------------------------------------------------------------ */
 
-static void keep(pzs_solver_option *option, pzs_solver *solver)
+static void save(pzs_solver_option *option, pzs_solver *solver)
 {
     pzs_contact *contact = contact_of(option);
-    memcpy(contact->state.kept_pressure, contact->state.pressure,
+    memcpy(contact->state.converged_pressure, contact->state.pressure,
            solver->state.model->state.structure->nodes * sizeof *contact->state.pressure);
-    memcpy(contact->state.kept_touching, contact->state.touching,
+    memcpy(contact->state.converged_touching, contact->state.touching,
            solver->state.model->state.structure->nodes);
 }
 
 static void restore(pzs_solver_option *option, pzs_solver *solver)
 {
     pzs_contact *contact = contact_of(option);
-    memcpy(contact->state.pressure, contact->state.kept_pressure,
+    memcpy(contact->state.pressure, contact->state.converged_pressure,
            solver->state.model->state.structure->nodes * sizeof *contact->state.pressure);
-    memcpy(contact->state.touching, contact->state.kept_touching,
+    memcpy(contact->state.touching, contact->state.converged_touching,
            solver->state.model->state.structure->nodes);
 }
 
-static void rest(pzs_solver_option *option, pzs_solver *solver)
+static void reset(pzs_solver_option *option, pzs_solver *solver)
 {
     pzs_contact *contact = contact_of(option);
     memset(contact->state.pressure, 0,
@@ -410,26 +445,28 @@ static void rest(pzs_solver_option *option, pzs_solver *solver)
     memset(contact->state.touching, 0, solver->state.model->state.structure->nodes);
     memset(contact->info.force, 0, sizeof contact->info.force);
     contact->info.nodes = 0;
-    contact->info.penetration = 0;
+    contact->info.penetration = PZS_PENETRATION_NONE;
     contact->info.sag = 0;
     contact->info.depth = 0;
-    keep(option, solver);
+    save(option, solver);
 }
 
 /* ---- supports --------------------------------------------------------- */
 
-static int is_fixed(const pzs_solver *solver, uint16_t dof)
+static bool is_fixed(const pzs_solver *solver, uint16_t dof)
 {
-    const pzs_prescribed_motion *p = &solver->state.tables->prescribed;
-    int fixed = dof == PZS_CONSTRAINED || (solver->state.model->state.constrained &&
-                                           solver->state.model->state.constrained[dof]);
-    for (uint32_t i = 0; i < p->count && !fixed; i++)
-        fixed = p->dof[i] == dof;
+    const pzs_prescribed_motion *motion = &solver->state.tables->prescribed;
+    bool fixed = dof == PZS_CONSTRAINED || (solver->state.model->state.constrained &&
+                                            solver->state.model->state.constrained[dof]);
+    for (uint32_t i = 0; i < motion->count && !fixed; i++)
+        fixed = motion->dof[i] == dof;
     return fixed;
 }
 
-/* gram [6][6] += row row', row = what a rigid motion (translation, rotation times size) does to
- * unknown k < 6 of a node. */
+/*
+ * gram [6][6] += row row'. The row is the effect of the six rigid motions (translations, rotations
+ * times size) on dof k < 6 of a node.
+ */
 static void add_support(const pzs_contact *contact, pzs_real z, uint16_t node, int k,
                         pzs_real gram[6][6])
 {
@@ -450,11 +487,11 @@ static void add_support(const pzs_contact *contact, pzs_real z, uint16_t node, i
 }
 
 /*
- * Do the supports leave the shell a rigid motion? Then its nearest node stays in contact. Each
- * support is a row of size 1; what is left of a motion after the others must be above the rounding
- * of their sum, and a thousandth of a row.
+ * Whether the supports allow the shell a rigid motion, by elimination on the Gram matrix of the
+ * constrained dof. Each constrained dof is a row of size 1. A pivot must exceed the rounding error
+ * of its sum, and a thousandth of a row.
  */
-static int is_loose(const pzs_contact *contact, const pzs_solver *solver)
+static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
     pzs_real gram[6][6] = {{0}}, least[6];
@@ -462,62 +499,64 @@ static int is_loose(const pzs_contact *contact, const pzs_solver *solver)
         for (int k = 0; k < 6; k++)
             if (is_fixed(solver,
                          structure->node_dof[(size_t)n * structure->dof_per_node + (size_t)k]))
-                add_support(contact, height(contact, solver), n, k, gram);
+                add_support(contact, face_height(contact, solver), n, k, gram);
     for (int i = 0; i < 6; i++)
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int p = 0; p < 6; p++) {
         if (!(gram[p][p] > least[p]))
-            return 1;
+            return true;
         for (int i = p + 1; i < 6; i++)
             for (int j = p + 1; j < 6; j++)
                 gram[i][j] -= gram[i][p] * gram[p][j] / gram[p][p];
     }
-    return 0;
+    return false;
 }
 
-/* ---- choices and errors ------------------------------------------------- */
+/* ---- settings and errors ------------------------------------------------ */
 
-static int choices_in_range(const pzs_solver_option *option)
+static bool settings_in_range(const pzs_solver_option *option)
 {
     const pzs_real stiffness = ((const pzs_contact *)(const void *)option)->settings.stiffness;
     return stiffness > 0 && pzs_guard_nonfinite(&stiffness, 1) < 0;
 }
 
-/* A loose shell: it does not touch the body or is not pressed onto it; or its first contact leaves
- * it free to slide. */
-static int adrift(const pzs_solver_option *option, const pzs_solver *solver)
+/*
+ * Whether a shell that its supports leave loose is not supported by the body either: it does not
+ * touch the body, is not pressed onto it, or its first contact lets it slide.
+ */
+static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *solver)
 {
     const pzs_contact *contact = (const pzs_contact *)(const void *)option;
     uint32_t kept = 0;
     for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++)
-        kept += contact->state.kept_touching[n];
+        kept += contact->state.converged_touching[n];
     return contact->state.is_loose &&
-           (contact->state.is_adrift ||
+           (contact->state.lacks_contact ||
             (kept == 0 && (solver->info.where >= 0 || solver->info.negative_pivots > 0)));
 }
 
 static const struct pzs_solver_option_calls calls = {
-    .choices_in_range = choices_in_range,
-    .prepare = prepare,
-    .add = add,
-    .solved = solved,
-    .settled = settled,
-    .unsettled = PZS_E_CONTACT,
-    .refuses = refuses,
-    .longest = longest,
-    .adrift = adrift,
-    .keep = keep,
+    .settings_in_range = settings_in_range,
+    .prepare_solve = prepare_solve,
+    .add_forces = add_forces,
+    .after_solve = after_solve,
+    .has_converged = has_converged,
+    .not_converged = PZS_E_CONTACT,
+    .check_step = check_step,
+    .largest_part = largest_part,
+    .is_unsupported = is_unsupported,
+    .save = save,
     .restore = restore,
-    .rest = rest,
-    .unit = unit,
+    .reset = reset,
+    .add_unit_force = add_unit_force,
 };
 
 /* ---- attach ------------------------------------------------------------- */
 
 uint32_t pzs_contact_crc(const pzs_contact_face *face, const pzs_structure *structure)
 {
-    const uint16_t whole[2] = {face->face, face->input};
-    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, whole, sizeof whole);
+    const uint16_t codes[2] = {face->face, face->input};
+    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, codes, sizeof codes);
     crc = pzs_guard_crc(crc, face->motion, sizeof face->motion);
     crc = pzs_guard_crc(crc, &face->size, sizeof face->size);
     crc = pzs_guard_crc(crc, face->place, structure->nodes * sizeof *face->place);
@@ -542,12 +581,14 @@ uint32_t pzs_body_crc(const pzs_body *body)
     return ~pzs_guard_crc(crc, &body->radius, sizeof body->radius);
 }
 
-/* Is a body one that its gap function can take? *where = index of a number that is none: point,
- * axis, radius. */
+/*
+ * Whether the numbers of a body suit its gap function. *where is the index of the first that is not
+ * finite: point 0 to 2, axis 3 to 5, radius 6.
+ */
 static pzs_status check_body(const pzs_body *body, int32_t *where)
 {
-    const int has_axis = body->gap == pzs_gap_plane || body->gap == pzs_gap_cylinder;
-    const int has_radius = body->gap == pzs_gap_cylinder || body->gap == pzs_gap_sphere;
+    const bool has_axis = body->gap == pzs_gap_plane || body->gap == pzs_gap_cylinder;
+    const bool has_radius = body->gap == pzs_gap_cylinder || body->gap == pzs_gap_sphere;
     const pzs_real off = dot(body->axis, body->axis) - 1;
     pzs_real number[7] = {0};
     if (body->crc != pzs_body_crc(body))
@@ -560,7 +601,7 @@ static pzs_status check_body(const pzs_body *body, int32_t *where)
         return PZS_E_NONFINITE;
     if (has_radius && !(body->radius > 0))
         return PZS_E_ARGUMENT;
-    return has_axis && !(PZS_ABS(off) <= UNIT) ? PZS_E_ARGUMENT : PZS_OK;
+    return has_axis && !(PZS_ABS(off) <= UNIT_TOLERANCE) ? PZS_E_ARGUMENT : PZS_OK;
 }
 
 static pzs_status check(const pzs_contact_face *face, const pzs_structure *structure)
@@ -574,7 +615,7 @@ static pzs_status check(const pzs_contact_face *face, const pzs_structure *struc
     if (pzs_guard_nonfinite(face->motion, 3) >= 0 || pzs_guard_nonfinite(&face->size, 1) >= 0)
         return PZS_E_ARGUMENT;
     return face->face <= 1 && face->size > 0 &&
-                   (face->input < structure->input.count || face->input == NO_MOTION)
+                   (face->input < structure->input.count || face->input == NO_MOTION_INPUT)
                ? PZS_OK
                : PZS_E_ARGUMENT;
 }
@@ -591,9 +632,9 @@ pzs_status pzs_attach_contact(pzs_solver *solver, pzs_contact *contact,
     if (status != PZS_OK)
         return status;
     const uint16_t nodes = solver->state.model->state.structure->nodes;
-    const int32_t lacking = guard_missing_bytes(work, bytes, PZS_CONTACT_BYTES(nodes));
-    if (lacking >= 0) {
-        solver->info.where = lacking;
+    const int32_t missing = guard_missing_bytes(work, bytes, PZS_CONTACT_BYTES(nodes));
+    if (missing >= 0) {
+        solver->info.where = missing;
         return PZS_E_WORKSPACE;
     }
     if (pzs_nonlinear_is_attached(solver, &contact->option))
@@ -602,16 +643,16 @@ pzs_status pzs_attach_contact(pzs_solver *solver, pzs_contact *contact,
     contact->state.face = face;
     contact->state.body = body;
     contact->state.pressure = work;
-    contact->state.kept_pressure = contact->state.pressure + nodes;
-    contact->state.facing = contact->state.kept_pressure + nodes;
+    contact->state.converged_pressure = contact->state.pressure + nodes;
+    contact->state.facing = contact->state.converged_pressure + nodes;
     contact->state.touching = (uint8_t *)(contact->state.facing + nodes);
-    contact->state.kept_touching = contact->state.touching + nodes;
+    contact->state.converged_touching = contact->state.touching + nodes;
     contact->info.pressure = contact->state.pressure;
     contact->settings.stiffness = 10;
     contact->info.node = PZS_CONSTRAINED;
-    contact->state.reach = contact_reach(contact, solver->state.model->state.structure);
+    contact->state.reach = pzs_contact_reach(contact, solver->state.model->state.structure);
     contact->state.is_loose = is_loose(contact, solver);
-    rest(&contact->option, solver);
+    reset(&contact->option, solver);
     pzs_nonlinear_attach(solver, &contact->option, &calls);
     return PZS_OK;
 }

@@ -1,10 +1,10 @@
 /*
- * Checks of a contact that its active set of nodes cannot make: points between the nodes, the other
- * face of the shell, and the way of both faces relative to the body in one load step.
+ * Checks of a contact beyond its active set of nodes: points between the nodes, the other face of
+ * the shell, and the motion of both faces relative to the body during one load step.
  *
- * All bodies are convex. A convex body lies behind each of its tangent planes, its distance is a
- * convex function of the place, and so is the distance along a straight line: least distances are
- * found by bisection of the slope.
+ * All bodies are convex. A convex body lies behind each of its tangent planes. Its distance is a
+ * convex function of position, also along a straight line, so smallest distances are found by
+ * bisection of the slope.
  */
 #ifndef PZS_CONTACT_CHECK_H
 #define PZS_CONTACT_CHECK_H
@@ -13,26 +13,30 @@
 
 #if PZS_NONLINEAR
 
-/* Gaps of this size are closed (m). */
-pzs_real contact_closed(const pzs_contact *contact);
-
-/* Half of the longest diagonal of an element at rest: no point of an element is farther from its
- * nearest node (m). */
-pzs_real contact_reach(const pzs_contact *contact, const pzs_structure *structure);
+/* Largest gap that counts as closed (m). */
+pzs_real pzs_contact_closed_gap(const pzs_contact *contact);
 
 /*
- * Does the body enter the shell at path->u, or has it passed through since the last equilibrium?
- * PZS_OK or PZS_E_PENETRATION. contact->entered, element, node, spot and depth say where.
+ * Half of the longest diagonal of an undeformed element (m). Every point of an element is at most
+ * this far from its nearest node.
  */
-pzs_status contact_check(pzs_contact *contact, const pzs_solver *solver);
+pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *structure);
 
 /*
- * Largest part, at most 1, of the way from the last equilibrium to the amounts that one load step
- * may take: until the body comes as near to a node as an element reaches, and then by half the
- * smallest radius of the body. amount [inputs] in
+ * Check whether the body penetrates the shell at the present displacement, or has passed through it
+ * since the last equilibrium. Returns PZS_OK, PZS_W_BEHIND or PZS_E_PENETRATION; contact->info says
+ * where.
  */
-pzs_real contact_longest(const pzs_contact *contact, const pzs_solver *solver,
-                         const pzs_real *amount);
+pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
+
+/*
+ * Largest part of the way from the last equilibrium to the input values that one load step may
+ * take, above 0 and at most 1: until the body is closer to a node than the reach of an element, and
+ * then by half the smallest radius of the body.
+ *   value [inputs] in
+ */
+pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,
+                                  const pzs_real *amount);
 
 #endif
 #endif

@@ -1,8 +1,9 @@
 /*
- * Open electrodes at a shape (pzs.h). Their volts V are unknowns of the same Newton's method,
- *   K du - f dV = imbalance,  f' du + C dV = charge asked for - charge there is,
- * f the force of a volt, which turns with the shell. dV is taken out by a Schur complement on the
- * factor of K.
+ * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages V are unknowns of the same
+ * Newton's method,
+ *   K du - f dV = imbalance,  f' du + C dV = prescribed charge - present charge,
+ * where f is the force per volt, which turns with the shell. dV is eliminated by a Schur complement
+ * on the factor of K.
  */
 #include "../model/electrode.h"
 #include "../core/guard.h"
@@ -19,22 +20,24 @@ static pzs_circuit *circuit_of(pzs_solver_option *option)
     return (pzs_circuit *)option;
 }
 
-/* Charge at path->u: the resultants of a volt times the strains, their sign turned, and what flows
- * while these are held. */
+/*
+ * Charge of an electrode at the present displacement: minus the resultants of one volt times the
+ * strains, plus the charge that flows while the shell cannot deform.
+ */
 static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables,
                           uint32_t electrode)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_prescribed_resultants *g = &solver->state.tables->given;
+    const pzs_prescribed_resultants *given = &solver->state.tables->given;
     const uint16_t input = tables->input[electrode];
     pzs_real charge = 0;
-    for (uint32_t i = g->start[input]; i < g->start[input + 1]; i++) {
+    for (uint32_t i = given->start[input]; i < given->start[input + 1]; i++) {
         pzs_real u[SHELL_MAX], e[SHELL_MODES][SHELL_STRAINS];
-        pzs_model_gather(solver->state.model, structure->element[g->element[i]], SHELL_NODES,
+        pzs_model_gather(solver->state.model, structure->element[given->element[i]], SHELL_NODES,
                          solver->state.displacement, u);
-        pzs_shell_strains_at(&structure->type[structure->element_type[g->element[i]]],
+        pzs_shell_strains_at(&structure->type[structure->element_type[given->element[i]]],
                              structure->dof_per_node, u, e);
-        charge -= pzs_linalg_inner(g->value[g->which[i]], e[0], SHELL_STRAINS);
+        charge -= pzs_linalg_inner(given->value[given->which[i]], e[0], SHELL_STRAINS);
     }
     for (uint32_t i = tables->direct.start[electrode]; i < tables->direct.start[electrode + 1]; i++)
         charge += tables->direct.value[i] * solver->state.input_value[tables->direct.dof[i]];
@@ -50,32 +53,35 @@ pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables
     return PZS_OK;
 }
 
-/* Force of a volt on open electrode a.  f [dof] out */
-static void volt_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t a, pzs_real *f)
+/* Force of one volt on open electrode a.  f [free_dof] out */
+static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t a,
+                               pzs_real *f)
 {
     memset(f, 0, solver->state.model->state.structure->free_dof * sizeof *f);
     pzs_nonlinear_unit_force(solver, pzs_electrode_open_input(circuit->state.tables, a), f);
 }
 
-/* z = K^-1 z, where prescribed unknowns do not move. */
+/* z [free_dof] = K^-1 z, with the dof of the prescribed motion held. */
 static void solve_free(pzs_solver *solver, pzs_real *z)
 {
     pzs_nonlinear_clear_prescribed(solver, z);
     pzs_model_backsolve(solver->state.model, z, z);
 }
 
-/* Charge per volt between open electrodes at path->u, factored; f, z [dof] work. Returns whether it
- * can be solved. */
-static int factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *f, pzs_real *z)
+/*
+ * Assemble and factor the charge per volt between open electrodes at the present displacement. f, z
+ * [free_dof] are work. Returns false if the matrix is singular.
+ */
+static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *f, pzs_real *z)
 {
     const uint32_t dof = solver->state.model->state.structure->free_dof;
     pzs_linalg_clear(&circuit->state.open);
     for (uint32_t a = 0; a < circuit->state.open.n; a++) {
         const uint32_t k = pzs_electrode_open(circuit->state.tables, a);
-        volt_force(circuit, solver, a, z);
+        unit_voltage_force(circuit, solver, a, z);
         solve_free(solver, z);
         for (uint32_t b = 0; b <= a; b++) {
-            volt_force(circuit, solver, b, f);
+            unit_voltage_force(circuit, solver, b, f);
             *pzs_linalg_entry(&circuit->state.open, a, b) =
                 pzs_linalg_inner(f, z, dof) +
                 pzs_electrode_direct(circuit->state.tables, k,
@@ -83,7 +89,9 @@ static int factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *f, pz
         }
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
-    /* Inertia is additive: a negative pivot of K that open electrodes stiffen away comes back here.
+    /*
+     * Inertia is additive: each negative pivot of the electrodes cancels one of K, because an open
+     * electrode stiffens that mode.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative
@@ -91,102 +99,113 @@ static int factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *f, pz
     return inertia.zero < 0;
 }
 
-static int condense(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *du)
+/* Charge that electrode k still needs: that of the imbalance (NEWTON), or per unit of an input. */
+static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
+                              uint32_t input)
+{
+    const pzs_electrodes *tables = circuit->state.tables;
+    if (input == NEWTON)
+        return circuit->settings.charge[k] - charge_at(solver, tables, k);
+    const pzs_real unit = tables->input[k] == input ? 1 : 0;
+    return unit - pzs_electrode_direct(tables, k, input);
+}
+
+static bool condense(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *du)
 {
     pzs_circuit *circuit = circuit_of(option);
     const uint32_t dof = solver->state.model->state.structure->free_dof;
     pzs_real *z = solver->state.model->state.work + 2 * (size_t)dof, *f = z + dof;
     if (input == NEWTON && !factor_open(circuit, solver, f, z))
-        return 0;
+        return false;
     for (uint32_t a = 0; a < circuit->state.open.n; a++) {
         const uint32_t k = pzs_electrode_open(circuit->state.tables, a);
-        volt_force(circuit, solver, a, f);
-        circuit->state.voltage_change[a] =
-            input == NEWTON
-                ? circuit->settings.charge[k] - charge_at(solver, circuit->state.tables, k)
-                : (circuit->state.tables->input[k] == input) -
-                      pzs_electrode_direct(circuit->state.tables, k, input);
-        circuit->state.voltage_change[a] -= pzs_linalg_inner(f, du, dof);
+        unit_voltage_force(circuit, solver, a, f);
+        const pzs_real charge = charge_to_add(circuit, solver, k, input);
+        circuit->state.voltage_change[a] = charge - pzs_linalg_inner(f, du, dof);
     }
     pzs_linalg_solve(&circuit->state.open, circuit->state.voltage_change);
     memset(z, 0, dof * sizeof *z);
     for (uint32_t a = 0; a < circuit->state.open.n; a++) {
-        volt_force(circuit, solver, a, f);
+        unit_voltage_force(circuit, solver, a, f);
         for (uint32_t i = 0; i < dof; i++)
             z[i] += circuit->state.voltage_change[a] * f[i];
     }
     solve_free(solver, z);
     for (uint32_t i = 0; i < dof; i++)
         du[i] += z[i];
-    return 1;
+    return true;
 }
 
-/* The volts into the path's amounts and resultants. */
-static void apply(const pzs_circuit *circuit, pzs_solver *solver)
+/*
+ * Write the voltages of the open electrodes into the input values and the prescribed resultants of
+ * the solver.
+ */
+static void set_voltages(const pzs_circuit *circuit, pzs_solver *solver)
 {
     for (uint32_t a = 0; a < circuit->state.open.n; a++)
         solver->state.input_value[pzs_electrode_open_input(circuit->state.tables, a)] =
             circuit->state.voltage[a];
-    pzs_nonlinear_set_given(solver);
+    pzs_nonlinear_set_prescribed(solver);
 }
 
-static int prepare(pzs_solver_option *option, pzs_solver *solver)
+static bool prepare_solve(pzs_solver_option *option, pzs_solver *solver)
 {
     if (solver->state.iteration == 0)
-        apply(circuit_of(option), solver);
-    return 1;
+        set_voltages(circuit_of(option), solver);
+    return true;
 }
 
-static void solved(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
+static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
 {
     pzs_circuit *circuit = circuit_of(option);
     (void)du;
     for (uint32_t a = 0; a < circuit->state.open.n; a++)
         circuit->state.voltage[a] += circuit->state.voltage_change[a];
-    apply(circuit, solver);
+    set_voltages(circuit, solver);
 }
 
-static int settled(pzs_solver_option *option, pzs_solver *solver)
+static bool has_converged(pzs_solver_option *option, pzs_solver *solver)
 {
     const pzs_circuit *circuit = circuit_of(option);
-    const pzs_real volt2 =
+    const pzs_real voltage2 =
         pzs_linalg_inner(circuit->state.voltage, circuit->state.voltage, circuit->state.open.n);
     const pzs_real change2 = pzs_linalg_inner(circuit->state.voltage_change,
                                               circuit->state.voltage_change, circuit->state.open.n);
-    return change2 <= solver->settings.tolerance * solver->settings.tolerance * volt2;
+    return change2 <= solver->settings.tolerance * solver->settings.tolerance * voltage2;
 }
 
-static void keep(pzs_solver_option *option, pzs_solver *solver)
+static void save(pzs_solver_option *option, pzs_solver *solver)
 {
     const pzs_circuit *circuit = circuit_of(option);
     (void)solver;
-    memcpy(circuit->state.kept_voltage, circuit->state.voltage,
+    memcpy(circuit->state.converged_voltage, circuit->state.voltage,
            circuit->state.open.n * sizeof *circuit->state.voltage);
 }
 
 static void restore(pzs_solver_option *option, pzs_solver *solver)
 {
     const pzs_circuit *circuit = circuit_of(option);
-    memcpy(circuit->state.voltage, circuit->state.kept_voltage,
+    memcpy(circuit->state.voltage, circuit->state.converged_voltage,
            circuit->state.open.n * sizeof *circuit->state.voltage);
-    apply(circuit, solver);
+    set_voltages(circuit, solver);
 }
 
-static void rest(pzs_solver_option *option, pzs_solver *solver)
+static void reset(pzs_solver_option *option, pzs_solver *solver)
 {
     const pzs_circuit *circuit = circuit_of(option);
-    memset(circuit->state.kept_voltage, 0, circuit->state.open.n * sizeof *circuit->state.voltage);
+    memset(circuit->state.converged_voltage, 0,
+           circuit->state.open.n * sizeof *circuit->state.voltage);
     restore(option, solver);
 }
 
 static const struct pzs_solver_option_calls calls = {
-    .prepare = prepare,
-    .solved = solved,
-    .settled = settled,
-    .unsettled = PZS_E_DIVERGED,
-    .keep = keep,
+    .prepare_solve = prepare_solve,
+    .after_solve = after_solve,
+    .has_converged = has_converged,
+    .not_converged = PZS_E_DIVERGED,
+    .save = save,
     .restore = restore,
-    .rest = rest,
+    .reset = reset,
     .condense = condense,
 };
 
@@ -199,10 +218,10 @@ pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
     if (status != PZS_OK)
         return status;
     const uint32_t open = pzs_electrode_open_count(tables);
-    const int32_t lacking =
+    const int32_t missing =
         guard_missing_bytes(work, bytes, PZS_CIRCUIT_BYTES(tables->count, open));
-    if (lacking >= 0) {
-        solver->info.where = lacking;
+    if (missing >= 0) {
+        solver->info.where = missing;
         return PZS_E_WORKSPACE;
     }
     if (pzs_nonlinear_is_attached(solver, &circuit->option))
@@ -211,8 +230,8 @@ pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
     circuit->state.tables = tables;
     circuit->settings.charge = work;
     circuit->state.voltage = circuit->settings.charge + tables->count;
-    circuit->state.kept_voltage = circuit->state.voltage + open;
-    circuit->state.voltage_change = circuit->state.kept_voltage + open;
+    circuit->state.converged_voltage = circuit->state.voltage + open;
+    circuit->state.voltage_change = circuit->state.converged_voltage + open;
     memset(work, 0, sizeof *circuit->settings.charge * ((size_t)tables->count + 3 * (size_t)open));
     pzs_linalg_dense_layout(&circuit->state.open, open, circuit->state.voltage_change + open,
                             circuit->state.voltage_change + open + PZS_DENSE(open));

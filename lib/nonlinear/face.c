@@ -1,4 +1,4 @@
-/* A face of the shell (face.h). */
+/* Displacement, force and normal of a face of the shell (face.h). */
 #include "face.h"
 #include "../model/model.h"
 #include "../model/shell.h"
@@ -8,7 +8,9 @@
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face)
 {
     const pzs_real half = structure->type[0].thickness / 2;
-    return face == 0 ? -half : face == 1 ? half : 0;
+    if (face == 0)
+        return -half;
+    return face == 1 ? half : 0;
 }
 
 void pzs_face_gather(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real z,

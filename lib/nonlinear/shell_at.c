@@ -1,46 +1,56 @@
 /*
- * The tangent of the GEX7P4 element at a deformed shape (shell.h), in closed form.
+ * Tangent of the GEX7P4 element at a deformed shape (shell.h), in closed form.
  *
- * A strain of the modes 00, 01 ... is the same sum over the nodes but for their signs xi1^r1
- * xi2^r2, so one array of nodal strains A serves every mode, L_m = A sign_m, and the signs of a
- * node's row and of a node's column turn the four products D_m A into stresses seen from the nodes,
- * Y_p = sum_m sign_m(p) sign_m D_m A. Then K_p = A_p^T Y_p + geometric part,   p = 0..3. Here
- * columns are four nodes of 6 (mean, difference/h), then the four q; q takes part in five strains
- * alone.
+ * A strain has the same sum over the nodes in all modes 00, 01, 10, 11, apart from the signs xi1^r1
+ * xi2^r2. So one array A of nodal strains serves every mode m: L_m = A sign_m. The signs of the
+ * row's node and of the column's node combine the four products D_m A into the stresses of each
+ * node p,
+ *   Y_p = sum_m sign_m(p) sign_m D_m A,
+ * and the rows of node p are
+ *   K_p = A_p^T Y_p + geometric part,  p = 0..3.
+ * The columns are ordered as four nodes of 6 dof (mean, difference/h), then the four q; q
+ * contributes to five strains only.
  */
+#include "../model/shell.h"
 #include "../model/shell_corner.h"
 #include "../core/unrolled.h"
 #include <string.h>
 
 #if PZS_NONLINEAR
 
-enum { OWN = 6, HALF = 12, Q = 24, COLUMNS = 28 };
+enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
-/* Strains in the order of the rows of A; the mean unknowns take no part in the first two. */
+/*
+ * Strains in the order of the rows of A. The mean displacements do not contribute to the first two.
+ */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows in which q takes part, in 12m through the shears in the warp. They are also the places of
- * these rows in the list of a mode below, of which a mode has the first `with_q`.
+ * Rows of A to which q contributes; 12m through the shears in the warp. In the list of each mode
+ * below, these rows are the first `with_q` or stand at these same positions.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
-/* What each mode keeps of them: number, how many of those have q, where its rows D_m A begin, and
- * which. */
+/*
+ * Rows of each mode: their number, how many of them contain q, the first row of D_m A, and which
+ * strains they are.
+ */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS];
 } mode_rows;
-static const mode_rows kept[4] = {
+static const mode_rows rows_of_mode[4] = {
     {10, 5, 0, {A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D}},
     {5, 3, 10, {A33M, A33D, A13, A11M, A11D}},
     {5, 3, 15, {A33M, A33D, A23, A22M, A22D}},
     {2, 2, 20, {A33M, A33D}},
 };
 
-/* Rows that become their sum and difference, and the mode whose sign says which is which; first
- * those with q. */
+/*
+ * Pairs of rows that are replaced by their sum and difference, and the mode whose sign decides
+ * which is which. The pairs with q come first.
+ */
 typedef struct row_pair {
     uint8_t first, second, mode;
 } row_pair;
@@ -51,8 +61,8 @@ static const row_pair row_pairs[PAIRS] = {
     {A11M, 13, 1}, {A11D, 14, 1}, {A22M, 18, 2}, {A22D, 19, 2},
 };
 
-/* Where the ten stresses seen from each node then stand, in the order of A. */
-static const uint8_t seen_from[4][ROWS] = {
+/* Rows of the ten stresses of each node after these replacements, in the order of A. */
+static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
     {15, 16, 2, 17, 4, 5, 18, 19, 8, 9},
     {20, 21, 12, 17, 13, 14, 18, 19, 8, 9},
@@ -68,10 +78,12 @@ static void transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3
         y[j] = m[0][j] * x[0] + m[1][j] * x[1] + m[2][j] * x[2];
 }
 
-/* What node p feels of vectors that multiply lam_a at itself and at its neighbour along a: y = S_a'
- * own + T_a' other. */
-static void pull(const pzs_element_type *type, int p, int a, const pzs_real own[3],
-                 const pzs_real other[3], pzs_real y[3])
+/*
+ * Derivative of node p's strain by its displacement: y = S_a' own + T_a' other, where `own` and
+ * `other` multiply lam_a at node p and at its neighbour in direction a.
+ */
+static void transpose_derivative(const pzs_element_type *type, int p, int a, const pzs_real own[3],
+                                 const pzs_real other[3], pzs_real y[3])
 {
     pzs_real t[3];
     transposed(y, type->s[p][a], own);
@@ -80,10 +92,12 @@ static void pull(const pzs_element_type *type, int p, int a, const pzs_real own[
         y[i] += t[i];
 }
 
-/* Rows of a mean strain and of its difference at one node, from the pulls of the mean and
- * difference vectors. */
-static void set_rows(pzs_real h, const pzs_real mean[3], const pzs_real diff[3], pzs_real *row_mean,
-                     pzs_real *row_diff)
+/*
+ * Rows of a mean strain and of its difference at one node, from the derivatives of the mean and
+ * difference vectors.
+ */
+static void write_mean_and_difference(pzs_real h, const pzs_real mean[3], const pzs_real diff[3],
+                                      pzs_real *row_mean, pzs_real *row_diff)
 {
     const pzs_real quarter = (pzs_real)0.25, h4 = h / 4, hh16 = h * h / 16;
     for (int i = 0; i < 3; i++) {
@@ -94,72 +108,74 @@ static void set_rows(pzs_real h, const pzs_real mean[3], const pzs_real diff[3],
     }
 }
 
-/* In-plane strains of node p: 11 and 22 by edges, 12 by both directions. */
-static void in_plane(const pzs_element_type *type, const corner shape[4], int p,
+/* In-plane strains of node p: 11 and 22 along one direction each, 12 along both. */
+static void in_plane(const pzs_element_type *type, const shell_corner shape[4], int p,
                      pzs_real a[ROWS][COLUMNS])
 {
-    const corner *own = &shape[p];
+    const shell_corner *own = &shape[p];
     pzs_real mean[3], diff[3], more[3];
     for (int d = 0; d < 2; d++) {
-        const corner *other = &shape[neighbour[p][d]];
-        pull(type, p, d, own->mean[d], other->mean[d], mean);
-        pull(type, p, d, own->diff[d], other->diff[d], diff);
-        set_rows(type->thickness, mean, diff, a[A11M + 2 * d] + OWN * p, a[A11D + 2 * d] + OWN * p);
+        const shell_corner *other = &shape[neighbour[p][d]];
+        transpose_derivative(type, p, d, own->mean[d], other->mean[d], mean);
+        transpose_derivative(type, p, d, own->diff[d], other->diff[d], diff);
+        write_mean_and_difference(type->thickness, mean, diff, a[A11M + 2 * d] + NODE_DOF * p,
+                                  a[A11D + 2 * d] + NODE_DOF * p);
     }
-    const corner *along1 = &shape[neighbour[p][0]], *along2 = &shape[neighbour[p][1]];
-    pull(type, p, 0, own->mean[1], along1->mean[1], mean);
-    pull(type, p, 1, own->mean[0], along2->mean[0], more);
+    const shell_corner *along1 = &shape[neighbour[p][0]], *along2 = &shape[neighbour[p][1]];
+    transpose_derivative(type, p, 0, own->mean[1], along1->mean[1], mean);
+    transpose_derivative(type, p, 1, own->mean[0], along2->mean[0], more);
     for (int i = 0; i < 3; i++)
         mean[i] += more[i];
-    pull(type, p, 0, own->diff[1], along1->diff[1], diff);
-    pull(type, p, 1, own->diff[0], along2->diff[0], more);
+    transpose_derivative(type, p, 0, own->diff[1], along1->diff[1], diff);
+    transpose_derivative(type, p, 1, own->diff[0], along2->diff[0], more);
     for (int i = 0; i < 3; i++)
         diff[i] += more[i];
-    set_rows(type->thickness, mean, diff, a[A12M] + OWN * p, a[A12D] + OWN * p);
+    write_mean_and_difference(type->thickness, mean, diff, a[A12M] + NODE_DOF * p,
+                              a[A12D] + NODE_DOF * p);
 }
 
-/* Strains of node p with a 3 in them. */
-static void transverse(const pzs_element_type *type, const corner shape[4], int p,
+/* Transverse strains 33, 13 and 23 of node p. */
+static void transverse(const pzs_element_type *type, const shell_corner shape[4], int p,
                        pzs_real a[ROWS][COLUMNS])
 {
-    const corner *own = &shape[p];
+    const shell_corner *own = &shape[p];
     const pzs_real quarter = (pzs_real)0.25, h2 = type->thickness / 2;
     for (int d = 0; d < 2; d++) {
         const int n = neighbour[p][d];
-        pzs_real *row = a[A13 + d] + OWN * p, y[3];
-        pull(type, p, d, own->beta, shape[n].beta, y);
+        pzs_real *row = a[A13 + d] + NODE_DOF * p, y[3];
+        transpose_derivative(type, p, d, own->beta, shape[n].beta, y);
         for (int i = 0; i < 3; i++) {
             row[i] = quarter * y[i];
             row[i + 3] = quarter * own->mean[d][i] -
                          h2 * (own->q * type->s[p][d][2][i] + shape[n].q * type->t[n][d][2][i]);
         }
-        a[A13 + d][Q + p] = -h2 * own->diff[d][2];
+        a[A13 + d][FIRST_Q + p] = -h2 * own->diff[d][2];
     }
     for (int i = 0; i < 3; i++) {
-        a[A33M][OWN * p + i] = a[A33D][OWN * p + i] = a[A33D][OWN * p + 3 + i] = 0;
-        a[A33M][OWN * p + 3 + i] = quarter * own->beta[i];
+        a[A33M][NODE_DOF * p + i] = a[A33D][NODE_DOF * p + i] = a[A33D][NODE_DOF * p + 3 + i] = 0;
+        a[A33M][NODE_DOF * p + 3 + i] = quarter * own->beta[i];
     }
-    a[A33D][OWN * p + 5] = -2 * own->q;
-    a[A33M][Q + p] = 4 * own->q;
-    a[A33D][Q + p] = -2 * own->beta[2];
+    a[A33D][NODE_DOF * p + 5] = -2 * own->q;
+    a[A33M][FIRST_Q + p] = 4 * own->q;
+    a[A33D][FIRST_Q + p] = -2 * own->beta[2];
 }
 
 /*
- * Add the warp to the 12 mean at node p. Mode 00 alone keeps 12m, so its row may carry the signs
- * that the modes 01 and 10 of the strains in the warp give to node p.
+ * Add the warp to the mean strain 12 at node p. Only mode 00 keeps this strain, so its row may
+ * contain the signs that the modes 01 and 10 of the other strains have at node p.
  */
 static void add_warp(const pzs_element_type *type, int p, pzs_real a[ROWS][COLUMNS])
 {
     const pzs_real *w = type->warp, xi2 = mode_sign[1][p], xi1 = mode_sign[2][p];
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
-    for (int i = OWN * p; i < OWN * (p + 1); i++)
+    for (int i = NODE_DOF * p; i < NODE_DOF * (p + 1); i++)
         a[A12M][i] += w[0] * a[A12D][i] + of_13 * a[A13][i] + of_23 * a[A23][i] +
                       of_11 * a[A11D][i] + of_22 * a[A22D][i];
-    a[A12M][Q + p] = of_13 * a[A13][Q + p] + of_23 * a[A23][Q + p];
+    a[A12M][FIRST_Q + p] = of_13 * a[A13][FIRST_Q + p] + of_23 * a[A23][FIRST_Q + p];
 }
 
-static void nodal_strains(const pzs_element_type *type, const corner shape[4],
+static void nodal_strains(const pzs_element_type *type, const shell_corner shape[4],
                           pzs_real a[ROWS][COLUMNS])
 {
     for (int p = 0; p < SHELL_NODES; p++) {
@@ -172,8 +188,9 @@ static void nodal_strains(const pzs_element_type *type, const corner shape[4],
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * The inner kernel of all that follows:  to [12] = sum_t factor[t stride] row[t][column ...].
- * The list of rows ends with NULL: of a loop that knows its length gcc makes gathers along t.
+ * Inner kernel of the tangent:  to [12] = sum_t factor[t stride] row[t][column ...]. The list of
+ * rows ends with NULL, because gcc vectorises a loop of known length over t, with gather
+ * instructions.
  */
 static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                     const pzs_real *const *restrict row, int column)
@@ -195,32 +212,34 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
         to[i] = sum[i];
 }
 
-/* The same over the columns of q, for the first `count` of the rows in q_row. */
+/*
+ * Sum over rows as in combine, for the four columns of q and the first `count` rows that contain q.
+ */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                       const pzs_real *const *row, int count)
 {
     const int leading = count < WITH_Q ? count : WITH_Q - 1;
     for (int p = 0; p < SHELL_NODES; p++) {
-        to[p] = factor[0] * row[0][Q + p];
+        to[p] = factor[0] * row[0][FIRST_Q + p];
         for (int t = 1; t < leading; t++)
-            to[p] += factor[t * stride] * row[t][Q + p];
+            to[p] += factor[t * stride] * row[t][FIRST_Q + p];
         if (count == WITH_Q)
-            to[p] += factor[A12M * stride] * row[A12M][Q + p];
+            to[p] += factor[A12M * stride] * row[A12M][FIRST_Q + p];
     }
 }
 
-/* Whether q takes part in row s of a mode's list. */
-static int has_q(const mode_rows *mode, int s)
+/* Whether row s in the list of a mode contains q. */
+static bool has_q(const mode_rows *mode, int s)
 {
     return mode->with_q == WITH_Q ? s <= A23 || s == A12M : s < mode->with_q;
 }
 
-/* The rows D_m A of all modes. */
+/* y [22][columns] = rows D_m A of all modes. */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real a[ROWS][COLUMNS], pzs_real y[22][COLUMNS])
 {
     for (int m = 0; m < SHELL_MODES; m++) {
-        const mode_rows *mode = &kept[m];
+        const mode_rows *mode = &rows_of_mode[m];
         const pzs_real *row[ROWS + 1];
         for (int t = 0; t < mode->count; t++)
             row[t] = a[mode->strain[t]];
@@ -235,13 +254,13 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
             combine(to, factor, 1, row, 0);
             combine(to + HALF, factor, 1, row, HALF);
             if (dof_per_node == 7 && has_q(mode, s))
-                combine_q(to + Q, factor, 1, row, mode->with_q);
+                combine_q(to + FIRST_Q, factor, 1, row, mode->with_q);
         }
     }
 }
 
-/* Sum and difference of x and y in some columns, in place. */
-static void exchange(pzs_real *restrict x, pzs_real *restrict y, int sum_in_x, int count)
+/* Replace x and y by their sum and difference in `count` columns. */
+static void sum_and_difference(pzs_real *restrict x, pzs_real *restrict y, bool sum_in_x, int count)
 {
     for (int i = 0; i < count; i++) {
         const pzs_real sum = x[i] + y[i], difference = x[i] - y[i];
@@ -250,36 +269,38 @@ static void exchange(pzs_real *restrict x, pzs_real *restrict y, int sum_in_x, i
     }
 }
 
-/* From rows by mode to rows seen from the nodes, in place. */
-static void see_from_nodes(unsigned dof_per_node, pzs_real y[22][COLUMNS])
+/* Transform stress rows of the modes into stress rows of the nodes, in place. */
+static void modes_to_nodes(unsigned dof_per_node, pzs_real y[22][COLUMNS])
 {
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = y[row_pairs[i].first], *second = y[row_pairs[i].second];
         const pzs_real *sign = mode_sign[row_pairs[i].mode];
         for (int p = 0; p < SHELL_NODES; p++) {
-            exchange(first + OWN * p, second + OWN * p, sign[p] < 0, OWN);
+            sum_and_difference(first + NODE_DOF * p, second + NODE_DOF * p, sign[p] < 0, NODE_DOF);
             if (dof_per_node == 7 && i < PAIRS_WITH_Q)
-                exchange(first + Q + p, second + Q + p, sign[p] < 0, 1);
+                sum_and_difference(first + FIRST_Q + p, second + FIRST_Q + p, sign[p] < 0, 1);
         }
     }
 }
 
 /* ---- geometric part --------------------------------------------------- */
 
-/* Between two nodes: mean with mean, which times h^2/4 is difference with difference, and mean with
- * difference. */
+/*
+ * Geometric stiffness between two nodes: mean with mean, and mean with difference. Difference with
+ * difference is mean with mean times h^2/4.
+ */
 typedef struct block {
     pzs_real mean[9];
     pzs_real cross[9];
 } block;
 
-/* Pair of nodes p >= other. */
+/* Index of the pair of nodes p >= other. */
 static int pair_of(int p, int other)
 {
     return p * (p + 1) / 2 + other;
 }
 
-/* z += L' R, weighted by a stress mean and a stress difference. */
+/* z += L' R, times a mean stress and times a stress difference. */
 static void add_product(block *restrict z, const pzs_real *restrict l, const pzs_real *restrict r,
                         pzs_real mean, pzs_real cross)
 {
@@ -292,8 +313,10 @@ static void add_product(block *restrict z, const pzs_real *restrict l, const pzs
     }
 }
 
-/* One corner's sum over a and b of t_ab lam_a . lam_b, lam_a = S_a u_r + T_a u_r'; t [10] stresses
- * at the corner. */
+/*
+ * Contribution of corner r: sum over a and b of t_ab lam_a . lam_b, with lam_a = S_a u_r + T_a
+ * u_r'.  t [10] stresses at the corner
+ */
 static void add_in_plane(const pzs_element_type *type, int r, const pzs_real t[10], block pair[10])
 {
     const pzs_real *const map[4] = {type->s[r][0][0], type->s[r][1][0], type->t[r][0][0],
@@ -309,14 +332,16 @@ static void add_in_plane(const pzs_element_type *type, int r, const pzs_real t[1
                             cross[x % 2 + y % 2]);
 }
 
-/* Entry of a packed lower triangle, on either side of the diagonal. */
+/* Entry of a packed lower triangle, for a row and a column on either side of the diagonal. */
 static pzs_real *entry(pzs_real *k, unsigned row, unsigned column)
 {
     return row >= column ? k + row * (row + 1) / 2 + column : k + column * (column + 1) / 2 + row;
 }
 
-/* One corner's part of the strains with a 3 in them: beta and q with everything that multiplies
- * them. */
+/*
+ * Contribution of the transverse stresses at corner r: products of beta and q with the other
+ * derivatives.
+ */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int r,
                            const pzs_real t[10], pzs_real *k)
 {
@@ -345,19 +370,21 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
 
 /* ---- the tangent ------------------------------------------------------ */
 
-/* Row i of node p: products A' Y in columns up to its own, with the pairs' part. Written to its
- * place in k. */
+/*
+ * Write row i of node p, up to its diagonal, to its place in k: products A' Y plus the geometric
+ * stiffness.
+ */
 static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
                       unsigned dof_per_node, int p, int i, pzs_real *restrict k)
 {
     const unsigned row = (unsigned)p * dof_per_node + (unsigned)i;
     k += row * (row + 1) / 2;
-    for (int other = 0; other <= p; other++, k += dof_per_node, sum += OWN) {
+    for (int other = 0; other <= p; other++, k += dof_per_node, sum += NODE_DOF) {
         const block *z = &pair[pair_of(p, other)];
         const pzs_real *with_mean = (i < 3 ? z->mean : z->cross) + i % 3 * 3;
         const pzs_real *with_diff = (i < 3 ? z->cross : z->mean) + i % 3 * 3,
                        factor = i < 3 ? 1 : hh4;
-        const int last = other < p ? OWN : i + 1;
+        const int last = other < p ? NODE_DOF : i + 1;
         for (int j = 0; j < 3 && j < last; j++)
             k[j] = sum[j] + with_mean[j];
         for (int j = 3; j < last; j++)
@@ -365,23 +392,26 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
     }
 }
 
-/* Rows of node p but that of q. stress [11] rows seen from the node, NULL at the end. */
+/*
+ * Write the rows of node p except that of q.  stress [11] stress rows of the node, the last one
+ * NULL
+ */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int p,
                        pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress,
                        const block pair[10], pzs_real *k)
 {
     const pzs_real hh4 = type->thickness * type->thickness / 4;
-    for (int i = 0; i < OWN; i++) {
+    for (int i = 0; i < NODE_DOF; i++) {
         pzs_real sum[2 * HALF];
         const int first = i < 3 ? WITHOUT_MEAN : 0;
-        combine(sum, &a[first][OWN * p + i], COLUMNS, stress + first, 0);
+        combine(sum, &a[first][NODE_DOF * p + i], COLUMNS, stress + first, 0);
         if (p >= 2)
-            combine(sum + HALF, &a[first][OWN * p + i], COLUMNS, stress + first, HALF);
+            combine(sum + HALF, &a[first][NODE_DOF * p + i], COLUMNS, stress + first, HALF);
         write_row(sum, pair, hh4, dof_per_node, p, i, k);
     }
 }
 
-/* Row and column of q of node p. */
+/* Write row and column of the dof q of node p. */
 static void write_q(int p, pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress, pzs_real *k)
 {
     const pzs_real *row[WITH_Q + 1];
@@ -389,35 +419,35 @@ static void write_q(int p, pzs_real a[ROWS][COLUMNS], const pzs_real *const *str
     pzs_real sum[COLUMNS], factor[WITH_Q];
     for (int t = 0; t < WITH_Q; t++) {
         row[t] = stress[q_row[t]];
-        factor[t] = a[q_row[t]][Q + p];
+        factor[t] = a[q_row[t]][FIRST_Q + p];
     }
     row[WITH_Q] = NULL;
     combine(sum, factor, 1, row, 0);
     combine(sum + HALF, factor, 1, row, HALF);
-    combine_q(sum + Q, &a[0][Q + p], COLUMNS, stress, WITH_Q);
+    combine_q(sum + FIRST_Q, &a[0][FIRST_Q + p], COLUMNS, stress, WITH_Q);
     for (unsigned other = 0; other < SHELL_NODES; other++) {
-        for (unsigned j = 0; j < OWN; j++)
-            *entry(k, q, 7 * other + j) = sum[OWN * other + j];
-        *entry(k, q, 7 * other + 6) = sum[Q + other];
+        for (unsigned j = 0; j < NODE_DOF; j++)
+            *entry(k, q, 7 * other + j) = sum[NODE_DOF * other + j];
+        *entry(k, q, 7 * other + 6) = sum[FIRST_Q + other];
     }
 }
 
-/* k from the shape of the corners and the stresses t [4][10] there. */
-static void tangent(const pzs_element_type *type, unsigned dof_per_node, const corner shape[4],
-                    pzs_real t[4][10], pzs_real *k)
+/* k from the deformed corners and the stresses t [4][10] at them. */
+static void tangent(const pzs_element_type *type, unsigned dof_per_node,
+                    const shell_corner shape[4], pzs_real t[4][10], pzs_real *k)
 {
     pzs_real a[ROWS][COLUMNS], y[22][COLUMNS];
     block pair[10];
     nodal_strains(type, shape, a);
     stress_rows(type, dof_per_node, a, y);
-    see_from_nodes(dof_per_node, y);
+    modes_to_nodes(dof_per_node, y);
     memset(pair, 0, sizeof pair);
     for (int r = 0; r < SHELL_NODES; r++)
         add_in_plane(type, r, t[r], pair);
     for (int p = 0; p < SHELL_NODES; p++) {
         const pzs_real *stress[ROWS + 1];
         for (int s = 0; s < ROWS; s++)
-            stress[s] = y[seen_from[p][s]];
+            stress[s] = y[stress_row[p][s]];
         stress[ROWS] = NULL;
         write_node(type, dof_per_node, p, a, stress, pair, k);
         if (dof_per_node == 7)
@@ -431,7 +461,7 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const
                       const pzs_real *given, const pzs_real *resultant, pzs_real *f, pzs_real *k)
 {
     pzs_real own[SHELL_RESULTANTS], t[4][10];
-    corner shape[4];
+    shell_corner shape[4];
     pzs_shell_resultants(type, dof_per_node, u, NULL, given, own);
     pzs_shell_corners(type, dof_per_node, u, shape);
     pzs_shell_stresses(type, own, t);

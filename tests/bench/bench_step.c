@@ -25,7 +25,7 @@
 #include "../../lib/control/boxls.c"
 #include "../../lib/core/product.c"
 #include "../../lib/control/boxls_tableau.c"
-#include "../../lib/control/sense.c"
+#include "../../lib/control/sensor_check.c"
 #include "../../lib/control/control.c"
 #ifdef WITH_DAQP
 #include "api.h"

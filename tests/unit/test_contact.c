@@ -166,7 +166,7 @@ static void assert_complementary(const rig *g)
 static void contact_force(rig *g, pzs_real *f)
 {
     memset(f, 0, (size_t)g->dof * sizeof *f);
-    g->contact.option.call->add(&g->contact.option, &g->path, f);
+    g->contact.option.call->add_forces(&g->contact.option, &g->path, f);
 }
 
 /* Where a gap is closed the added matrix is minus the derivative of the force, and `unit` its
@@ -198,7 +198,7 @@ static void contact_tangent_is_the_derivative_of_its_force(void **state)
             const pzs_real at = *moved;
             volatile pzs_real ahead = at + (pzs_real)step, behind = at - (pzs_real)step;
             pzs_real column[6];
-            g->contact.option.call->unit(&g->contact.option, &g->path, 1, unit);
+            g->contact.option.call->add_unit_force(&g->contact.option, &g->path, 1, unit);
             pzs_linalg_clear(&g->model.state.stiffness);
             contact_force(g, f[0]);
             for (int i = 0; i < 6; i++) {

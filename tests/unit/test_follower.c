@@ -30,7 +30,7 @@ static void count_lean(rig *g)
 static void follower_force(rig *g, pzs_real *force)
 {
     memset(force, 0, (size_t)g->dof * sizeof *force);
-    g->follower_load.option.call->unit(&g->follower_load.option, &g->path, 1, force);
+    g->follower_load.option.call->add_unit_force(&g->follower_load.option, &g->path, 1, force);
 }
 
 /* Largest difference of the added matrix from minus the symmetric part of dF/dU, over the largest
@@ -55,7 +55,7 @@ static double tangent_error(rig *g, double step)
     g->path.state.input_value[1] = 1;
     pzs_linalg_clear(&g->model.state.stiffness);
     memset(f, 0, (size_t)n * sizeof *f);
-    g->follower_load.option.call->add(&g->follower_load.option, &g->path, f);
+    g->follower_load.option.call->add_forces(&g->follower_load.option, &g->path, f);
     follower_force(g, f + n);
     assert_memory_equal(f, f + n, (size_t)n * sizeof *f);
     for (int i = 0; i < n; i++)
@@ -98,7 +98,7 @@ static void derivative_along(rig *g, const pzs_real *x, pzs_real *y)
     memset(y, 0, (size_t)g->dof * sizeof *y);
     pzs_linalg_clear(&g->model.state.stiffness);
     g->path.state.input_value[1] = 1;
-    g->follower_load.option.call->add(&g->follower_load.option, &g->path, y);
+    g->follower_load.option.call->add_forces(&g->follower_load.option, &g->path, y);
     memset(y, 0, (size_t)g->dof * sizeof *y);
     for (int i = 0; i < g->dof; i++)
         for (int j = g->first[i]; j <= i; j++) {
@@ -107,7 +107,7 @@ static void derivative_along(rig *g, const pzs_real *x, pzs_real *y)
             y[i] -= k * x[j];
             y[j] -= j < i ? k * x[i] : 0;
         }
-    g->follower_load.option.call->skew(&g->follower_load.option, &g->path, x, 1, y);
+    g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
 }
 
 static void skew_part_completes_the_derivative(void **state)
@@ -142,7 +142,7 @@ static void skew_part_completes_the_derivative(void **state)
             assert_true(worst < (kind % 2 ? rounding : rounding + 100 * step * step) * largest);
             /* A skew matrix takes no work out of any motion. */
             memset(y, 0, n * sizeof *y);
-            g->follower_load.option.call->skew(&g->follower_load.option, &g->path, x, 1, y);
+            g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
             for (size_t i = 0; i < n; i++)
                 along += (double)x[i] * (double)y[i];
             assert_true(fabs(along) < 100 * EPS * largest);
@@ -506,13 +506,13 @@ static void influence_solves_the_unsymmetric_system(void **state)
         memset(y, 0, sizeof y);
         for (int i = 0; i < g->dof; i++)
             x[i] = influence[2 * i + (int)j];
-        g->follower_load.option.call->skew(&g->follower_load.option, &g->path, x, 1, y);
+        g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
         pzs_model_backsolve(&g->model, y, y);
         for (int i = 0; i < g->dof; i++)
             skew = fmax(skew, fabs((double)y[i]));
         memset(y, 0, sizeof y);
         pzs_nonlinear_unit_force(&g->path, j, y);
-        g->follower_load.option.call->skew(&g->follower_load.option, &g->path, x, 1, y);
+        g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
         pzs_model_backsolve(&g->model, y, y);
         for (int i = 0; i < g->dof; i++) {
             worst = fmax(worst, fabs((double)(y[i] - x[i])));
@@ -543,7 +543,8 @@ static void not_skew(pzs_solver_option *option, pzs_solver *solver, const pzs_re
 static void skew_part_that_is_none_is_told(void **state)
 {
     (void)state;
-    static const struct pzs_solver_option_calls calls = {.add = no_force, .skew = not_skew};
+    static const struct pzs_solver_option_calls calls = {.add_forces = no_force,
+                                                         .add_skew = not_skew};
     static pzs_solver_option option;
     const pzs_real amount[2] = {(pzs_real)1e-5, 0}; /* far from loads that leave more than one
                                                        equilibrium within reach */

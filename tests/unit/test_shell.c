@@ -136,13 +136,13 @@ static void check_columns(const testdata *t, const one *o, int layers)
     double h0[10], f[28], reference[28];
     for (int layer = 0; layer < layers; layer++) {
         laminate_given(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], layer, h0);
-        pzs_shell_given(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
+        pzs_shell_prescribed_force(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
         for (int i = 0; i < n; i++)
             reference[i] = voltage->value[i * layers + layer];
         ASSERT_CLOSE(t->name, "force per volt", f, reference, n, 1e-12);
     }
     laminate_given(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], -1, h0);
-    pzs_shell_given(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
+    pzs_shell_prescribed_force(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
     ASSERT_CLOSE(t->name, "force per kelvin", f, testdata_values(t, "kelvin"), n, 1e-12);
 }
 
@@ -887,7 +887,7 @@ static void test_free_expansion(void **state)
             u[7 * r + 5] = 1e-3;
         }
         laminate_given(&o.mesh.laminate, &o.scene.element, &o.mesh.place[0], -1, h0);
-        pzs_shell_given(&o.mesh.kind[0], 7, h0, given);
+        pzs_shell_prescribed_force(&o.mesh.kind[0], 7, h0, given);
         pzs_shell_force(&o.mesh.kind[0], 7, u, force);
         ASSERT_CLOSE("plate", "force of free expansion", force, given, 28, 1e-13);
         mesh_free(&o.mesh);

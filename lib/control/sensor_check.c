@@ -1,0 +1,74 @@
+/* Sensor check of measurements against expected values (sensor_check.h). */
+#include "sensor_check.h"
+#include "../core/numbers.h"
+
+/* Resolution assumed of sensors: an expected value moves if it changes in one tick by more than
+ * 1/RESOLUTION of |measured| + the largest |expected| of all sensors. */
+#define RESOLUTION 64
+
+/* Largest absolute value of x [n]. */
+static pzs_real largest_size(const pzs_real *x, uint32_t n)
+{
+    pzs_real most = 0;
+    for (uint32_t i = 0; i < n; i++)
+        most = number_absolute(x[i]) > most ? number_absolute(x[i]) : most;
+    return most;
+}
+
+/*
+ * Whether measurement i, which is not finite or has the same bits as before, is rejected. It is
+ * missing if it is not finite. It is stuck if it kept the same bits for SENSOR_STUCK_TICKS ticks in
+ * which its expected value moved, that is, in which measured - expected changed by more than the
+ * resolution of sensors. *most is the largest |expected| of all sensors, or negative as long as no
+ * measurement has needed it.
+ */
+static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measured, pzs_real *most)
+{
+    const pzs_real difference = measured - sensors->expected[i];
+    if (!number_is_finite(difference))
+        return true;
+    const pzs_real moved = RESOLUTION * number_absolute(difference - sensors->difference[i]) -
+                           number_absolute(measured);
+    if (moved > 0 && *most < 0)
+        *most = largest_size(sensors->expected, sensors->n);
+    if (moved > 0 && moved > *most)
+        sensors->repeats[i] =
+            (uint8_t)(sensors->repeats[i] + (sensors->repeats[i] < SENSOR_STUCK_TICKS));
+    if (sensors->repeats[i] >= SENSOR_STUCK_TICKS)
+        return true;
+    sensors->difference[i] = difference;
+    return false;
+}
+
+/*
+ * Update the differences of usable measurements, that is, of finite ones that differ from the last
+ * tick, starting at index i < n. Returns the index of the first measurement that is neither, or n.
+ */
+static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measured, uint32_t i)
+{
+    const uint32_t n = sensors->n;
+    const pzs_real *expected = sensors->expected;
+    pzs_real *last = sensors->last, *all = sensors->difference;
+    uint8_t *repeats = sensors->repeats;
+    do {
+        const pzs_real seen = measured[i], difference = seen - expected[i];
+        if (!(seen != last[i]) || !number_is_finite(difference))
+            return i;
+        last[i] = seen;
+        all[i] = difference;
+        repeats[i] = 0;
+    } while (++i < n);
+    return n;
+}
+
+uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where)
+{
+    pzs_real most = -1;
+    uint32_t unusable = 0;
+    for (uint32_t i = 0; i < sensors->n; i++) {
+        i = skip_usable(sensors, measured, i);
+        if (i < sensors->n && is_unusable(sensors, i, measured[i], &most))
+            *where = unusable++ == 0 ? (int32_t)i : *where;
+    }
+    return unusable;
+}
