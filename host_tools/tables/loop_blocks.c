@@ -1,9 +1,9 @@
-/* The blocks around the control step that a scene asks for (loop_blocks.h). */
+/* Blocks of the control tick that a scene needs (loop_blocks.h). */
 #include "loop_blocks.h"
 #include <ctype.h>
 #include <string.h>
 
-/* ---- what a scene asks for -------------------------------------------- */
+/* ---- conditions -------------------------------------------------------- */
 
 int loop_estimates(const scene *scene)
 {
@@ -97,13 +97,16 @@ static void write_detection(const emitter *emitter, const loop_blocks *blocks)
 
 /* ---- the table -------------------------------------------------------- */
 
-/* A kind of block. Its tables are PREFIX_tables in a header; bytes is the macro of its memory,
- * after the prefix of the macros that stand as %. */
+/*
+ * Types of blocks. The tables of a block are PREFIX_ and `tables_name` in a header; `bytes` is the
+ * macro of its memory without PZS_, with % for the prefix in capitals.
+ */
 static const struct {
     const pzs_block_type *type;
     int (*is_present)(const scene *s);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: written with its arrays */
+    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: the tables are written with
+                                                              their arrays */
     const char *type_name, *tables_name, *bytes;
 } kinds[] = {
     {&pzs_feed_forward_block, loop_feeds, known_tables, write_known, "feed_forward", "known_loads",
@@ -131,7 +134,7 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 
 /* ---- source ----------------------------------------------------------- */
 
-/* A macro's text, the prefix in capitals for each %. */
+/* Write the text of a macro with the prefix in capitals for each %. */
 static void write_macro(const emitter *emitter, const char *text)
 {
     for (; *text; text++) {
@@ -180,8 +183,10 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 
 /* ---- names ------------------------------------------------------------ */
 
-/* PREFIX_KIND_name = index. A name that is no C identifier gets its index behind it, so that two
- * names stay two. */
+/*
+ * Write PREFIX_KIND_name = index. A name that is not a C identifier gets its index as a suffix, so
+ * that different names stay different.
+ */
 static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {
     int changed = 0;
@@ -208,7 +213,10 @@ static void write_amplifiers(const emitter *emitter, const design *design)
     fputs("};\n", emitter->file);
 }
 
-/* Readings of an estimator: NAME, or NAME_1, NAME_2 ... where an output has several. */
+/*
+ * Indices of the estimator's readings: NAME, or NAME_1, NAME_2 ... where an output has several
+ * values.
+ */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
