@@ -65,7 +65,7 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
  * structure under the given input values. The solving functions call this one. value [inputs] in
  * open electrodes excluded, whose voltages are computed
  */
-pzs_status analysis_electrodes(analysis *analysis, const double *amount);
+pzs_status analysis_electrodes(analysis *analysis, const double *value);
 
 /* Whether analysis->status says that the load steps ended before the full load. */
 int analysis_ended_early(const analysis *analysis);

@@ -77,9 +77,10 @@ static void warn(plausible *warnings, const scene *scene, const struct rule *rul
     w->limit = is_above ? rule->high : rule->low;
     w->unit = rule->unit;
     w->at = found->at;
+    const char *space = *rule->unit ? " " : "";
+    const char *side = is_above ? "above" : "below";
     scene_fault(scene, found->at, w->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
-                *rule->unit ? " " : "", rule->unit, is_above ? "above" : "below", w->limit,
-                rule->cure);
+                space, rule->unit, side, w->limit, rule->cure);
 }
 
 static void apply(plausible *warnings, const struct rule *rule, const subject *of)

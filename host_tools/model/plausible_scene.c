@@ -88,9 +88,9 @@ int measure_piezo(const subject *of, int k, measured *found)
     if (value != 0)
         found->value = in_si(scene, fabs(value), &piezo_unit);
     found->at = material->at;
-    snprintf(found->what, WHAT, "|%s%s%s| of material '%s', %g in the scene's units",
-             material->has_e ? "e" : "d", name[i], material->has_e ? "/E" : "", material->name,
-             fabs(value));
+    const char *format = material->has_e ? "|e%s/E| of material '%s', %g in the scene's units"
+                                         : "|d%s| of material '%s', %g in the scene's units";
+    snprintf(found->what, WHAT, format, name[i], material->name, fabs(value));
     return 1;
 }
 

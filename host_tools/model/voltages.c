@@ -99,9 +99,9 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
  *   trust_radius             in      largest change of any voltage, or INFINITY
  *   voltage [amplifiers]     in/out  V
  */
-static pzs_status best_volts(const design *design, common_limits common, const double *influence,
-                             const double *wanted, double reach, voltages *result, double *voltage,
-                             char *error)
+static pzs_status optimise_voltages(const design *design, common_limits common,
+                                    const double *influence, const double *wanted, double reach,
+                                    voltages *result, double *voltage, char *error)
 {
     trial trial;
     pzs_status status = trial_start(&trial, design, common, influence, error);
@@ -162,18 +162,18 @@ static double wanted_fixed(const design *design)
     return sum;
 }
 
-static double relative(double missed, double wanted)
+static double relative(double misfit, double wanted)
 {
-    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+    return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
 /* Fill result->shape, result->aligned_target and the errors of result->u. */
-static void measure(const analysis *analysis, voltages *result)
+static void measure_errors(const analysis *analysis, voltages *result)
 {
     const design *design = &analysis->design;
     double most = 0;
     design_shape(design, result->u, result->shape);
-    const double missed = design_squares(design, result->shape, design->target),
+    const double misfit = design_squares(design, result->shape, design->target),
                  wanted = design_squares(design, design->wanted, NULL);
     const double missed_fixed =
         design_misfit(design, result->shape, design->target, result->aligned_target);
@@ -185,16 +185,16 @@ static void measure(const analysis *analysis, voltages *result)
             design->fixed_weight[i] > 0 && fabs(result->aligned_target[i]) > 1e-9 * most;
     for (int i = 0; i < design->targets; i++)
         result->aligned_target[i] = result->shape[i] - result->aligned_target[i];
-    result->error = relative(missed, wanted);
-    result->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(design));
+    result->error = relative(misfit, wanted);
+    result->error_all = relative(misfit + missed_fixed, wanted + wanted_fixed(design));
 }
 
 /* Displacement and errors of result->voltage on the structure that analysis->nonlinear selects. */
-static int reach(analysis *analysis, voltages *result, int warm, char *error)
+static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 {
     if (analysis_reach(analysis, result->voltage, warm, result->u, error) < 0)
         return -1;
-    measure(analysis, result);
+    measure_errors(analysis, result);
     result->residual = analysis->nonlinear ? analysis->equilibrium.solver.info.residual
                                            : analysis->model.info.residual;
     result->linear_solves +=
@@ -206,11 +206,11 @@ static int reach(analysis *analysis, voltages *result, int warm, char *error)
  * The same from the reference state. Where the load steps end early, the error is NAN and the shape
  * is the last equilibrium.
  */
-static int reach_or_none(analysis *analysis, voltages *result, char *error)
+static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
 {
-    if (reach(analysis, result, 0, error) == 0)
+    if (evaluate(analysis, result, 0, error) == 0)
         return 0;
-    measure(analysis, result);
+    measure_errors(analysis, result);
     result->error = result->error_all = (double)NAN;
     return analysis->nonlinear && analysis_ended_early(analysis) ? 0 : -1;
 }
@@ -221,11 +221,12 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
               common.source == LIMITS_NONE ? "linear optimum, no limits"
                                            : "linear optimum in limits") < 0)
         return out_of_memory(analysis, error);
-    const pzs_status status = best_volts(&analysis->design, common, NULL, analysis->design.wanted,
-                                         HUGE_VAL, result, result->voltage, error);
+    const pzs_status status =
+        optimise_voltages(&analysis->design, common, NULL, analysis->design.wanted, HUGE_VAL,
+                          result, result->voltage, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
-    if (reach_or_none(analysis, result, error) < 0)
+    if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->nonlinear)
         result->optimality = (double)NAN; /* the optimality holds on the structure of the
@@ -265,7 +266,7 @@ static int clip(analysis *analysis, common_limits common, bool tuned, voltages *
     const pzs_status status = clip_voltages(&analysis->design, common, tuned, result, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
-    return reach_or_none(analysis, result, error);
+    return evaluate_or_none(analysis, result, error);
 }
 
 int voltages_clipped(analysis *analysis, common_limits common, voltages *result, char *error)
@@ -284,7 +285,7 @@ int voltages_given(analysis *analysis, const char *name, const double *voltage, 
     if (start(analysis, result, name) < 0)
         return out_of_memory(analysis, error);
     memcpy(result->voltage, voltage, (size_t)analysis->design.amplifiers * sizeof *result->voltage);
-    return reach_or_none(analysis, result, error);
+    return evaluate_or_none(analysis, result, error);
 }
 
 void voltages_free(voltages *result)
@@ -299,7 +300,7 @@ void voltages_free(voltages *result)
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
 /* A squared misfit plus the regularisation term in its unit. */
-static double with_effort(const analysis *analysis, const voltages *result, double sum)
+static double with_regularisation(const analysis *analysis, const voltages *result, double sum)
 {
     const design *design = &analysis->design;
     for (int k = 0; k < design->amplifiers; k++)
@@ -311,8 +312,9 @@ static double with_effort(const analysis *analysis, const voltages *result, doub
 /* Objective of the optimisation at a result. */
 static double objective(const analysis *analysis, const voltages *result)
 {
-    return with_effort(analysis, result,
-                       design_squares(&analysis->design, result->shape, analysis->design.target));
+    return with_regularisation(
+        analysis, result,
+        design_squares(&analysis->design, result->shape, analysis->design.target));
 }
 
 /* Arrays of one Gauss-Newton run; one allocation, at `full_influence`. */
@@ -327,7 +329,7 @@ typedef struct newton {
 } newton;
 
 /* Save a result as the best one, and return to the best one. */
-static void keep(const analysis *analysis, newton *newton, const voltages *result)
+static void save_best(const analysis *analysis, newton *newton, const voltages *result)
 {
     const voltages own = newton->best;
     equilibrium_save(&analysis->equilibrium, newton->state);
@@ -377,12 +379,13 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
             newton->wanted[i] += newton->influence[i * n + k] * result->voltage[k];
     }
     result->relinearised++;
-    keep(analysis, newton, result);
+    save_best(analysis, newton, result);
     return status;
 }
 
 /* Objective that the linearised structure predicts for result->voltage. */
-static double promised(const analysis *analysis, const newton *newton, const voltages *result)
+static double predicted_objective(const analysis *analysis, const newton *newton,
+                                  const voltages *result)
 {
     const design *design = &analysis->design;
     double sum = 0;
@@ -393,7 +396,7 @@ static double promised(const analysis *analysis, const newton *newton, const vol
                     result->voltage[k];
         sum += pow(design->weight[i] * miss, 2);
     }
-    return with_effort(analysis, result, sum);
+    return with_regularisation(analysis, result, sum);
 }
 
 static double largest_change(const analysis *analysis, const newton *newton, const voltages *result)
@@ -415,13 +418,13 @@ static double improve(analysis *analysis, common_limits common, newton *newton, 
 {
     const double before = objective(analysis, result);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status = best_volts(&analysis->design, common, newton->influence, newton->wanted,
-                             newton->trust_radius, result, result->voltage, error);
+        *status = optimise_voltages(&analysis->design, common, newton->influence, newton->wanted,
+                                    newton->trust_radius, result, result->voltage, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(analysis, newton, result),
-                     promise = promised(analysis, newton, result);
-        const int reached = reach(analysis, result, 1, error) == 0;
+                     promise = predicted_objective(analysis, newton, result);
+        const int reached = evaluate(analysis, result, 1, error) == 0;
         const double kept = (before - objective(analysis, result)) / (before - promise);
         if (!reached || !(kept > 0.75))
             newton->trust_radius = change / (kept > 0.25 && reached ? 1 : 4);
@@ -463,7 +466,7 @@ static int gauss_newton(analysis *analysis, common_limits common, voltages *resu
 }
 
 /* Halve the voltages, within their limits, until an equilibrium exists. */
-static int retreat(analysis *analysis, common_limits common, voltages *result, char *error)
+static int halve_voltages(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     trial trial;
     const pzs_status status = trial_start(&trial, &analysis->design, common, NULL, error);
@@ -472,7 +475,7 @@ static int retreat(analysis *analysis, common_limits common, voltages *result, c
         for (int k = 0; k < result->amplifiers; k++)
             result->voltage[k] =
                 fmin(fmax(result->voltage[k] / 2, trial.problem.lower[k]), trial.problem.upper[k]);
-        failed = reach(analysis, result, 0, error);
+        failed = evaluate(analysis, result, 0, error);
     }
     trial_free(&trial);
     return failed;
@@ -481,7 +484,7 @@ static int retreat(analysis *analysis, common_limits common, voltages *result, c
 int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     if (voltages_linear(analysis, common, result, error) < 0 ||
-        (isnan(result->error) && retreat(analysis, common, result, error) < 0))
+        (isnan(result->error) && halve_voltages(analysis, common, result, error) < 0))
         return -1;
     snprintf(result->name, sizeof result->name, "%s",
              common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");

@@ -64,8 +64,9 @@ void emit_reals(emitter *emitter, const char *name, const double *x, size_t n, c
 static double float_inside(double x, int upper)
 {
     const float nearest = (float)x;
+    const float inwards = upper ? -HUGE_VALF : HUGE_VALF;
     const int outside = upper ? (double)nearest > x : (double)nearest < x;
-    return (double)(outside ? nextafterf(nearest, upper ? -HUGE_VALF : HUGE_VALF) : nearest);
+    return (double)(outside ? nextafterf(nearest, inwards) : nearest);
 }
 
 void emit_limits(emitter *emitter, const char *name, const double *x, size_t n, int upper,
@@ -127,7 +128,8 @@ const double *emit_nested(FILE *file, const double *x, const int *length, int de
             emit_real(file, *x++);
             fputs(")", file);
         }
-        fputs(i + 1 < length[0] ? depth > 2 ? ",\n     " : ", " : "", file);
+        if (i + 1 < length[0])
+            fputs(depth > 2 ? ",\n     " : ", ", file);
     }
     fputs("}", file);
     return x;

@@ -203,6 +203,15 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 
 /* ---- voltage problem -------------------------------------------------- */
 
+/* PREFIX_name, or NULL where the array is not written. text out */
+static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
+{
+    if (is_written)
+        snprintf(text, 128, "%.100s_%s", emitter->prefix, name);
+    else
+        snprintf(text, 128, "NULL");
+}
+
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
 {
     const design *design = &analysis->design;
@@ -234,14 +243,15 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     emit_reals(emitter, "reference_voltage", design->reference_voltage, n,
                "voltage to which the regularisation draws each amplifier (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
+    char influence_name[128], hessian_name[128];
+    name_or_null(emitter, influence, "influence", influence_name);
+    name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(
         emitter->file,
-        " %zu, %zu,\n    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_step_limit, %s_reference_voltage, PZS_R(%.17g),\n};\n\n",
-        n, m, influence ? emitter->prefix : "NULL", influence ? "_influence" : "",
-        problem.hessian ? emitter->prefix : "NULL", problem.hessian ? "_hessian" : "",
-        emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-        problem.regularisation);
+        " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, %s_reference_voltage, PZS_R(%.17g),\n};\n\n",
+        n, m, influence_name, hessian_name, emitter->prefix, emitter->prefix, emitter->prefix,
+        emitter->prefix, emitter->prefix, problem.regularisation);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, m,
                    "target displacement of each target node, the effect of the loads included");
