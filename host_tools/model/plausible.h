@@ -56,8 +56,9 @@ void plausible_json(json *json, const plausible *warnings);
 /*
  * Largest absolute principal strain at the centres of the elements, on both faces: linear strains
  * where the displacement is linear, else Green's strains. Rigid motions (linear: of first order)
- * cause none. where [2] out  theta1, theta2 of the element's centre Returns the strain, or NAN
- * where memory runs out.
+ * cause none.
+ *   where [2]  out  theta1, theta2 of the element's centre
+ * Returns the strain, or NAN where memory runs out.
  */
 double plausible_strain(const mesh *mesh, const double *u, int is_linear, double where[2]);
 

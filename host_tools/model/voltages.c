@@ -94,10 +94,10 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
 
 /*
  * Bounded optimum in one control step; a step that runs out of iterations is continued.
- *   influence                in      as in trial_start
- *   wanted [targets]         in      target of B v
- *   trust_radius             in      largest change of any voltage, or INFINITY
- *   voltage [amplifiers]     in/out  V
+ *   influence             in      as in trial_start
+ *   wanted [targets]      in      target of B v
+ *   trust_radius          in      largest change of any voltage, or INFINITY
+ *   voltage [amplifiers]  in/out  V
  */
 static pzs_status optimise_voltages(const design *design, common_limits common,
                                     const double *influence, const double *wanted, double reach,

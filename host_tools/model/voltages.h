@@ -38,13 +38,15 @@ typedef struct voltages {
  * common voltage limits (design.h); the narrowest limit of an amplifier always applies.
  *
  *   voltages_optimum      The bounded optimum. On the nonlinear structure a Gauss-Newton method
- * with the influence at the last shape, from the linear optimum (or the part of it that has an
- * equilibrium), within a trust radius that shrinks where the error does not decrease.
+ *                         with the influence at the last shape, from the linear optimum (or the
+ *                         part of it that has an equilibrium), within a trust radius that shrinks
+ *                         where the error does not decrease.
  *   voltages_linear       The optimum of the linear model, and its shape on the selected structure.
  *   voltages_clipped      Least squares of the linear model without limits, then clipped.
  *   voltages_regularised  The same with the one regularisation parameter that leaves the smallest
- * error of the linear model after clipping, chosen with knowledge of that error. voltages_given
- * Given voltages, unchanged.
+ *                         error of the linear model after clipping, chosen with knowledge of that
+ *                         error.
+ *   voltages_given        Given voltages, unchanged.
  *
  * Each returns 0, or -1 with error filled.
  */

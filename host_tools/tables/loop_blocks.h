@@ -28,8 +28,10 @@ int loop_quantises(const scene *scene);
 
 /*
  * Fill the list of blocks of a scene, in the order in which a tick runs them. The list points into
- * *blocks, the design and the estimator. design    in  after design_control estimator in  after
- * estimator_open; all zero where the scene has neither an estimator nor feed-forward
+ * *blocks, the design and the estimator.
+ *   design     in  after design_control
+ *   estimator  in  after estimator_open; all zero where the scene has neither an estimator nor
+ *                  feed-forward
  */
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator);
 

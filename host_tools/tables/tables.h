@@ -36,10 +36,12 @@ tables_memory tables_need(const analysis *analysis, tables_image image);
 
 /*
  * Write the tables of an image as a C header. The same scene gives the same bytes, because the
- * header contains no dates and no paths. analysis in   after analysis_influence; for a nonlinear
- * image after analysis_solve, and after analysis_influence where the scene has a target (without a
- * target the tables contain no voltage problem) prefix   in   start of every name, a C identifier
- *   size     out  size of the tables
+ * header contains no dates and no paths.
+ *   analysis  in   after analysis_influence; for a nonlinear image after analysis_solve, and after
+ *                  analysis_influence where the scene has a target (without a target the tables
+ *                  contain no voltage problem)
+ *   prefix    in   start of every name, a C identifier
+ *   size      out  size of the tables
  * Returns 0, or -1 when writing failed.
  */
 int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
