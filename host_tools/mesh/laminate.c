@@ -174,8 +174,8 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
                         double share[6])
 {
-    const double c1 = element->metric ? 1 + place->k[0] * z : 1,
-                 c2 = element->metric ? 1 + place->k[1] * z : 1;
+    const double height = element->metric ? z : 0;
+    const double c1 = 1 + place->k[0] * height, c2 = 1 + place->k[1] * height;
     const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
     memcpy(share, all, sizeof all);
     return c1 * c2;
@@ -197,11 +197,10 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
             double share[6];
             const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+            const double function[2] = {1, (z - middle) / laminate->thickness};
             for (int i = 0; i < N; i++)
                 for (int j = 0; j < N; j++)
-                    d[i][j] += weight *
-                               (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
-                               (is_difference[j] ? (z - middle) / laminate->thickness : 1) *
+                    d[i][j] += weight * function[is_difference[i]] * function[is_difference[j]] *
                                ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
         }
     }
@@ -363,7 +362,7 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 static int soften_shear(double m[N][N], int mode, const double flexibility[2])
 {
     double s[2][2] = {{m[8][8], m[8][9]}, {m[9][8], m[9][9]}};
-    int first = kept(mode, 8) ? 0 : 1, last = kept(mode, 9) ? 1 : 0;
+    const int first = !kept(mode, 8), last = kept(mode, 9);
     const int n = last - first + 1;
     if (n <= 0)
         return 0;
@@ -407,11 +406,12 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
  * ply, s_a - C_a3/C_33 s_33, because a strain e33 that is linear through the package cannot follow
  * a single ply.
  */
-static void ply_stress(const laminate_ply *ply, const scene_element *element, const double given[6],
-                       double stress[6])
+static void ply_stress(const laminate_ply *ply, const scene_element *element,
+                       const double prescribed[6], double stress[6])
 {
     for (int i = 0; i < 6; i++)
-        stress[i] = given[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * given[2] : 0);
+        stress[i] =
+            prescribed[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * prescribed[2] : 0);
 }
 
 /*

@@ -339,7 +339,8 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
         const size_t u = (size_t)node * mesh->dof_per_node + i;
         const int moved = (support->move >> i & 1u) != 0,
                   fixed = mesh->node_dof[u] == PZS_CONSTRAINED;
-        const double before = fixed ? 0 : values[u], wanted = moved ? value : 0;
+        const double before = fixed ? 0 : values[u];
+        const double wanted = moved ? value : 0;
         if (!(support->fix >> i & 1u))
             continue;
         if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))

@@ -31,8 +31,8 @@ static double *entry(double *band, int i, int j)
 static void solve_band(double *band, double (*x)[2], int rows)
 {
     for (int c = 0; c < rows; c++) {
-        const int last = c + BAND < rows ? c + BAND : rows - 1,
-                  right = c + 2 * BAND < rows ? c + 2 * BAND : rows - 1;
+        const int last = c + BAND < rows ? c + BAND : rows - 1;
+        const int right = c + 2 * BAND < rows ? c + 2 * BAND : rows - 1;
         int pivot = c;
         for (int i = c + 1; i <= last; i++)
             if (fabs(*entry(band, i, c)) > fabs(*entry(band, pivot, c)))

@@ -148,7 +148,9 @@ static double gauss(const scene_surface *surface, int direction, double from, do
     double sum = 0;
     for (int i = 0; i < 8; i++) {
         const double t = middle + (i & 1 ? half : -half) * point[i / 2];
-        const surface_point p = surface_at(surface, direction == 1 ? t : 0, direction == 2 ? t : 0);
+        const double theta1 = direction == 1 ? t : 0;
+        const double theta2 = direction == 2 ? t : 0;
+        const surface_point p = surface_at(surface, theta1, theta2);
         sum += weight[i / 2] * p.a[0] * p.a[1];
     }
     return half * sum;

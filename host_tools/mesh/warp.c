@@ -52,7 +52,8 @@ static void add_corner(const pzs_element_type *type, int r, int p, int j, double
     tilt_derivative(type, r, 0, p, j, along1);
     tilt_derivative(type, r, 1, p, j, along2);
     const double e11 = h * dot(g1, along1), e22 = h * dot(g2, along2);
-    const double e13 = r == p ? g1[j] : 0, e23 = r == p ? g2[j] : 0;
+    const double e13 = r == p ? g1[j] : 0;
+    const double e23 = r == p ? g2[j] : 0;
     const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23,
                                  e11,          xi2[r] * e11, e22, xi1[r] * e22};
     for (int k = 0; k < ROWS; k++)
@@ -171,13 +172,13 @@ static int solve(tilt_system *s, double c[ROWS])
 
 int warp_fill(pzs_element_type *type, double share)
 {
-    tilt_system system;
+    tilt_system equations;
     double c[ROWS];
     memset(type->warp, 0, sizeof type->warp);
     if (!(fabs(share) > 0))
         return 0;
-    fill_system(type, &system);
-    if (solve(&system, c) < 0)
+    fill_system(type, &equations);
+    if (solve(&equations, c) < 0)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)

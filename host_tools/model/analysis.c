@@ -51,7 +51,7 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
  * Assemble and factor the stiffness of the reference state, unless the model already contains its
  * factor.
  */
-static pzs_status at_rest(analysis *analysis)
+static pzs_status factor_reference_state(analysis *analysis)
 {
     if (analysis->model.state.stage == STAGE_FACTORED)
         return PZS_OK;
@@ -105,7 +105,7 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
     if (status == PZS_OK)
         status = open_electrodes(analysis);
     if (status == PZS_OK)
-        status = at_rest(analysis);
+        status = factor_reference_state(analysis);
     analysis->nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
     if (scene->kinematics != KINEMATICS_LINEAR &&
         (status == PZS_OK || scene->contact.given || analysis->design.mesh.prescribed_count > 0))
@@ -125,10 +125,12 @@ int analysis_ended_early(const analysis *analysis)
 }
 
 /* The message of the equilibrium solver's last status. Returns -1 for errors and 0 for warnings. */
-static int explain_path(const analysis *analysis, char *error)
+static int explain_equilibrium(const analysis *analysis, char *error)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
     const scene *scene = analysis->design.scene;
+    const scene_at at = scene->equilibrium.at.line ? scene->equilibrium.at : scene->at_surface;
+    const char *plural = run->info.load_steps == 1 ? "" : "s";
     if (!PZS_IS_ERROR(analysis->status))
         return 0;
     if (analysis->status == PZS_E_PENETRATION) {
@@ -140,12 +142,12 @@ static int explain_path(const analysis *analysis, char *error)
                            run->info.linear_solves);
     }
     if (analysis_ended_early(analysis))
-        return scene_fault(
-            scene, scene->equilibrium.at.line ? scene->equilibrium.at : scene->at_surface, error,
-            "%s: reached %.4g of the load in %u linear solves, %u load step%s; "
-            "the last equilibrium has %u negative pivots",
-            pzs_status_text(analysis->status), run->info.load_factor, run->info.linear_solves,
-            run->info.load_steps, run->info.load_steps == 1 ? "" : "s", run->info.negative_pivots);
+        return scene_fault(scene, at, error,
+                           "%s: reached %.4g of the load in %u linear solves, %u load step%s; "
+                           "the last equilibrium has %u negative pivots",
+                           pzs_status_text(analysis->status), run->info.load_factor,
+                           run->info.linear_solves, run->info.load_steps, plural,
+                           run->info.negative_pivots);
     return analysis_explain(analysis, analysis->status, error);
 }
 
@@ -188,10 +190,10 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
                                       analysis_output_node(analysis, k, i));
 }
 
-pzs_status analysis_electrodes(analysis *analysis, const double *amount)
+pzs_status analysis_electrodes(analysis *analysis, const double *value)
 {
     memcpy(analysis->input_value,
-           analysis->nonlinear ? analysis->equilibrium.solver.info.input_value : amount,
+           analysis->nonlinear ? analysis->equilibrium.solver.info.input_value : value,
            analysis->design.structure.input.count * sizeof *analysis->input_value);
     if (analysis->nonlinear)
         pzs_charges_at(&analysis->equilibrium.solver, &analysis->design.electrodes,
@@ -204,25 +206,25 @@ pzs_status analysis_electrodes(analysis *analysis, const double *amount)
                : status;
 }
 
-static pzs_status reach_nonlinear(analysis *analysis, const double *amount, int warm, double *u)
+static pzs_status reach_nonlinear(analysis *analysis, const double *value, int warm, double *u)
 {
     pzs_solver *run = &analysis->equilibrium.solver;
     const double begin = analysis_now();
     if (!warm)
         pzs_solver_reset(run);
-    analysis->status = pzs_equilibrium(run, amount);
+    analysis->status = pzs_equilibrium(run, value);
     analysis->seconds.solve = analysis_now() - begin;
     memcpy(u, run->info.displacement, (size_t)analysis->design.mesh.free_dof * sizeof *u);
-    (void)analysis_electrodes(analysis, amount);
+    (void)analysis_electrodes(analysis, value);
     return analysis->status;
 }
 
-static pzs_status reach_linear(analysis *analysis, const double *amount, double *u)
+static pzs_status reach_linear(analysis *analysis, const double *value, double *u)
 {
-    analysis->status = at_rest(analysis);
+    analysis->status = factor_reference_state(analysis);
     const double begin = analysis_now();
     if (analysis->status == PZS_OK)
-        analysis->status = analysis_electrodes(analysis, amount);
+        analysis->status = analysis_electrodes(analysis, value);
     if (analysis->status == PZS_OK)
         analysis->status = pzs_solve(&analysis->model, analysis->input_value, u);
     analysis->seconds.solve = analysis_now() - begin;
@@ -233,19 +235,20 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
 {
     const design *design = &analysis->design;
     const size_t inputs = design->structure.input.count, amplifiers = (size_t)design->amplifiers;
-    double *amount = calloc(inputs + 1, sizeof *amount);
-    if (!amount)
+    double *value = calloc(inputs + 1, sizeof *value);
+    if (!value)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    for (size_t k = 0; k < inputs; k++)
-        amount[k] = k < amplifiers        ? voltage[k]
-                    : analysis->nonlinear ? analysis->equilibrium.full_input[k]
-                                          : k < amplifiers + (size_t)design->loads;
-    const pzs_status status = analysis->nonlinear ? reach_nonlinear(analysis, amount, warm, u)
-                                                  : reach_linear(analysis, amount, u);
-    free(amount);
-    return analysis->nonlinear ? explain_path(analysis, error)
-           : status == PZS_OK  ? 0
-                               : analysis_explain(analysis, status, error);
+    for (size_t k = 0; k < amplifiers; k++)
+        value[k] = voltage[k];
+    for (size_t k = amplifiers; k < inputs; k++)
+        value[k] = analysis->nonlinear ? analysis->equilibrium.full_input[k]
+                                       : k < amplifiers + (size_t)design->loads;
+    const pzs_status status = analysis->nonlinear ? reach_nonlinear(analysis, value, warm, u)
+                                                  : reach_linear(analysis, value, u);
+    free(value);
+    if (analysis->nonlinear)
+        return explain_equilibrium(analysis, error);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
 static int solve_applied(analysis *analysis, double *u, char *error)
@@ -324,7 +327,7 @@ int analysis_influence(analysis *analysis, char *error)
                                  sizeof *analysis->influence);
     if (!analysis->influence)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    pzs_status status = at_rest(analysis);
+    pzs_status status = factor_reference_state(analysis);
     if (status == PZS_OK)
         status = pzs_influence(&analysis->model, analysis->influence);
     if (status == PZS_OK && analysis->electric.state.model)
@@ -355,18 +358,18 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
  * Twice the work of the loads, temperatures excluded. input [inputs] in: zeros, out: 1 for each
  * load
  */
-static double work_of_loads(analysis *analysis, double *amount)
+static double work_of_loads(analysis *analysis, double *value)
 {
     const design *design = &analysis->design;
     const pzs_rows *in = &design->structure.input;
     double *u = calloc((size_t)design->mesh.free_dof, sizeof *u), work = 0;
     for (int k = 0; k < design->loads; k++)
-        amount[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
-    const pzs_status status = u ? pzs_solve(&analysis->model, amount, u) : PZS_E_WORKSPACE;
+        value[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
+    const pzs_status status = u ? pzs_solve(&analysis->model, value, u) : PZS_E_WORKSPACE;
     for (int k = design->amplifiers; status == PZS_OK && k < design->amplifiers + design->loads;
          k++)
         for (uint32_t t = in->start[k]; t < in->start[k + 1]; t++)
-            work += amount[k] * in->value[t] * u[in->dof[t]];
+            work += value[k] * in->value[t] * u[in->dof[t]];
     free(u);
     return status == PZS_OK ? work : (double)NAN;
 }
@@ -379,23 +382,23 @@ double analysis_stiffening(analysis *analysis)
 {
     const design *design = &analysis->design;
     const pzs_electrodes *tables = &design->electrodes;
-    double *amount = calloc(design->structure.input.count + 1u, sizeof *amount),
+    double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
-    double work = (double)NAN, fallen = 0;
+    double work = (double)NAN, released = 0;
     const pzs_model kept = analysis->model; /* the model's info on the last solve */
-    if (amount && charge && !analysis->nonlinear && tables->count > 0 &&
+    if (value && charge && !analysis->nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
-        work = work_of_loads(analysis, amount);
-        const int known = pzs_charges(&analysis->electric, amount, charge) == PZS_OK &&
-                          pzs_open_voltages(&analysis->electric, amount) == PZS_OK;
+        work = work_of_loads(analysis, value);
+        const int known = pzs_charges(&analysis->electric, value, charge) == PZS_OK &&
+                          pzs_open_voltages(&analysis->electric, value) == PZS_OK;
         for (int k = 0; known && k < tables->count; k++)
-            fallen -= charge[k] * amount[tables->input[k]];
+            released -= charge[k] * value[tables->input[k]];
         work = known ? work : (double)NAN;
     }
     analysis->model = kept;
-    free(amount);
+    free(value);
     free(charge);
-    return work > 0 ? work / (work - fallen) : (double)NAN;
+    return work > 0 ? work / (work - released) : (double)NAN;
 }
 
 void analysis_free(analysis *analysis)

@@ -54,18 +54,18 @@ int analysis_solve(analysis *analysis, double *u, char *error);
 
 /*
  * Displacement under other voltages, as analysis_solve.
- *   voltage [amplifiers] in
- *   warm                 in   nonlinear: start from the shape reached last instead of from the
- * reference state u       [free_dof]   out
+ *   voltage [amplifiers]  in
+ *   warm                  in   nonlinear: start from the last shape, not from the reference state
+ *   u [free_dof]          out
  */
 int analysis_reach(analysis *analysis, const double *voltage, int warm, double *u, char *error);
 
 /*
  * Fill analysis->input_value and analysis->charge: of the solver's last equilibrium, or of a linear
- * structure under the given input values. The solving functions call this one. value [inputs] in
- * open electrodes excluded, whose voltages are computed
+ * structure under the given input values. The solving functions call this one.
+ *   value [inputs]  in  open electrodes excluded, whose voltages are computed
  */
-pzs_status analysis_electrodes(analysis *analysis, const double *amount);
+pzs_status analysis_electrodes(analysis *analysis, const double *value);
 
 /* Whether analysis->status says that the load steps ended before the full load. */
 int analysis_ended_early(const analysis *analysis);

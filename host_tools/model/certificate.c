@@ -25,10 +25,11 @@ static void propagator(double w, double damping, double interval, double r[2][2]
 /*
  * Matrix of the loop over one tick. Its states are the deviation e = q - eq and p = velocity / w of
  * each mode just before the tick, then the deviations measured 1 .. delay ticks before. With the
- * equilibrium eq = g v in force, a tick changes eq to -g F e(late): e' = R00 (e + eq - eq') + R01
- * p,     eq' = -(g F) e(t - delay) p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay -
- * 1) so that delay + 1 deviations of the past are kept. loop [modes][stride] in  g F, of which the
- * first `modes` columns count
+ * equilibrium eq = g v in force, a tick changes eq to -g F e(late):
+ *   e' = R00 (e + eq - eq') + R01 p,     eq' = -(g F) e(t - delay)
+ *   p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay - 1)
+ * so that delay + 1 deviations of the past are kept.
+ *   loop [modes][stride]  in  g F, of which the first `modes` columns count
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
                       double damping, int delay, double interval, double *a)

@@ -44,11 +44,11 @@ double certificate_first(const certificate *certificate);
 
 /*
  * Spectral radius of the loop.
- *   loop   [modes][modes] in  g F
- *   square [modes]        in  squares of the angular frequencies, w^2
- *   damping               in  damping ratio
- *   delay                 in  delay of the measurements, ticks
- *   interval              in  time between ticks, s
+ *   loop [modes][modes]  in  g F
+ *   square [modes]       in  squares of the angular frequencies, w^2
+ *   damping              in  damping ratio
+ *   delay                in  delay of the measurements, ticks
+ *   interval             in  time between ticks, s
  * Returns NAN where memory runs out.
  */
 double certificate_radius(const double *loop, const double *square, int modes, double damping,

@@ -258,7 +258,7 @@ static double scan_rates(const assessed_loop *loop)
     return rate < end ? stable : HUGE_VAL;
 }
 
-static void judge(certificate *certificate, const analysis *analysis)
+static void assess(certificate *certificate, const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
     const int first = vibration_first(&certificate->vibration), delay = scene->simulate.delay,
@@ -270,14 +270,14 @@ static void judge(certificate *certificate, const analysis *analysis)
         return;
     if (delay > DELAY_LIMIT) {
         snprintf(certificate->reason, sizeof certificate->reason,
-                 "sensors %d ticks late: at most %d can be judged", delay, DELAY_LIMIT);
+                 "delay of %d ticks: at most %d can be assessed", delay, DELAY_LIMIT);
         return;
     }
     double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
                               &certificate->assumes_measured);
     if (!loop) {
         snprintf(certificate->reason, sizeof certificate->reason,
-                 "its gains cannot be computed; add a regularisation, limits.effort");
+                 "the voltage problem is singular; add a regularisation, limits.effort");
         return;
     }
     certificate->is_assessed = 1;
@@ -287,8 +287,8 @@ static void judge(certificate *certificate, const analysis *analysis)
                                1 / certificate->rate, EXACT);
         certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
-    const assessed_loop judged = {loop, square, certificate->modes, delay, certificate->damping};
-    certificate->stable_rate = scan_rates(&judged);
+    const assessed_loop assessed = {loop, square, certificate->modes, delay, certificate->damping};
+    certificate->stable_rate = scan_rates(&assessed);
     free(loop);
 }
 
@@ -307,5 +307,5 @@ void certificate_make(certificate *certificate, const analysis *analysis)
         vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,
                         MASS_LUMPED, certificate->reason) == 0;
     if (certificate->has_modes)
-        judge(certificate, analysis);
+        assess(certificate, analysis);
 }

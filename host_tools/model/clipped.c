@@ -19,7 +19,7 @@ static bool is_held(const clipped *clipped, size_t k)
  * Copy B without the columns of held amplifiers, and subtract the effect of these from the target.
  * Returns tr(B'W^2 B)/n.
  */
-static double part(clipped *clipped)
+static double prepare_arrays(clipped *clipped)
 {
     const design *design = clipped->design;
     const size_t n = (size_t)design->amplifiers;
@@ -51,7 +51,7 @@ int clipped_open(clipped *clipped, const design *design, const double *lower, co
     clipped->influence = clipped->arrays;
     clipped->required = clipped->influence + m * n;
     clipped->shape = clipped->required + m;
-    clipped->scale = part(clipped);
+    clipped->scale = prepare_arrays(clipped);
     clipped->problem.influence = clipped->influence;
     return unconstrained_open(&clipped->solver, &clipped->problem) ? 0 : -1;
 }
@@ -83,7 +83,7 @@ typedef struct tuning {
     double best, best_lambda;
 } tuning;
 
-static double missed(tuning *tuning, double lambda)
+static double clipped_misfit(tuning *tuning, double lambda)
 {
     const clipped *clipped = tuning->c;
     const size_t n = (size_t)clipped->design->amplifiers;
@@ -118,20 +118,21 @@ static void golden_section(tuning *tuning, double from, double to)
 {
     const double ratio = (sqrt(5) - 1) / 2;
     double x[2] = {to - ratio * (to - from), from + ratio * (to - from)};
-    double y[2] = {missed(tuning, lambda_of(x[0])), missed(tuning, lambda_of(x[1]))};
+    double y[2] = {clipped_misfit(tuning, lambda_of(x[0])),
+                   clipped_misfit(tuning, lambda_of(x[1]))};
     for (int k = 0; k < SECTIONS; k++) {
         if (y[0] <= y[1]) {
             to = x[1];
             x[1] = x[0];
             y[1] = y[0];
             x[0] = to - ratio * (to - from);
-            y[0] = missed(tuning, lambda_of(x[0]));
+            y[0] = clipped_misfit(tuning, lambda_of(x[0]));
         } else {
             from = x[0];
             x[0] = x[1];
             y[0] = y[1];
             x[1] = from + ratio * (to - from);
-            y[1] = missed(tuning, lambda_of(x[1]));
+            y[1] = clipped_misfit(tuning, lambda_of(x[1]));
         }
     }
 }
@@ -144,9 +145,10 @@ pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda)
     tuning.trial = calloc((size_t)clipped->design->amplifiers, sizeof *tuning.trial);
     if (!tuning.trial)
         return PZS_E_WORKSPACE;
-    (void)missed(&tuning, 0);
+    (void)clipped_misfit(&tuning, 0);
     for (int k = 0; k < GRID; k++) {
-        const double exponent = LOWEST + k * step, error = missed(&tuning, lambda_of(exponent));
+        const double exponent = LOWEST + k * step,
+                     error = clipped_misfit(&tuning, lambda_of(exponent));
         if (error < least) {
             least = error;
             at = exponent;

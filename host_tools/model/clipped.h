@@ -47,8 +47,8 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage);
  * Find the lambda with the smallest |W (B v - wanted)| after clipping: the best of 0 and a
  * logarithmic grid, refined by a golden-section search between the neighbours of the best, to three
  * digits. The choice uses the error itself, so no choice of one parameter gives a better result.
- *   voltage [amplifiers] out  clipped voltages, V
- *   lambda               out
+ *   voltage [amplifiers]  out  clipped voltages, V
+ *   lambda                out
  * Errors: WORKSPACE, NONFINITE.
  */
 pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda);

@@ -79,9 +79,11 @@ static void direction(const surface_point *p, scene_component component, double 
 }
 
 /* Height of a face above the middle surface of a thickness h. */
-static double pzs_face_height(scene_face face, double h)
+static double face_height(scene_face face, double h)
 {
-    return face == FACE_OUTER ? h / 2 : face == FACE_INNER ? -h / 2 : 0;
+    if (face == FACE_OUTER)
+        return h / 2;
+    return face == FACE_INNER ? -h / 2 : 0;
 }
 
 /*
@@ -92,7 +94,7 @@ static void face_weights(const mesh *mesh, scene_face face, const double c[3], d
 {
     for (int a = 0; a < 3; a++) {
         weight[a] = c[a];
-        weight[3 + a] = pzs_face_height(face, mesh->laminate.thickness) * c[a];
+        weight[3 + a] = face_height(face, mesh->laminate.thickness) * c[a];
     }
     weight[6] = 0;
 }
@@ -384,7 +386,7 @@ double design_chords(const mesh *mesh, int element, int r, scene_face face, doub
                      double lean[2])
 {
     const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
-    const double half = pzs_face_height(face, type->thickness);
+    const double half = face_height(face, type->thickness);
     for (int a = 0; a < 2; a++) {
         for (int i = 0; i < 2; i++)
             flat[a][i] = type->g_mean[r][a][i] + half * type->g_diff[r][a][i];
@@ -409,6 +411,18 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
     add_node(mesh, mesh->element[element][r], 1, weight, dense);
 }
 
+/* Consistent weight of node s in the force on node r: of an edge (2 nodes) or an element (4). */
+static double consistent_weight(int count, int r, int s)
+{
+    const int is_opposite = count == 4 && (r ^ s) == 2;
+    int weight = count == 4 ? 4 : 2;
+    if (is_opposite)
+        weight /= 4;
+    else if (r != s)
+        weight /= 2;
+    return weight;
+}
+
 /*
  * Add a distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r,
  * s) p_s.
@@ -416,15 +430,14 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 static void add_distributed(const mesh *mesh, const scene_load *load, const int *node,
                             const double *value, int count, double size, double *dense)
 {
+    const int whole = count == 4 ? 36 : 6;
     for (int r = 0; r < count; r++)
         for (int s = 0; s < count; s++) {
-            const int apart = r == s ? 0 : count == 4 && (r ^ s) == 2 ? 2 : 1;
             double c[3], carried[3];
             load_vector(mesh, load, node[s], value[s], c);
             carry(mesh, load, node[s], node[r], c, carried);
-            add_force(mesh, load, node[r],
-                      size * (count == 4 ? 4 >> apart : 2 >> apart) / (count == 4 ? 36 : 6),
-                      carried, dense);
+            add_force(mesh, load, node[r], size * consistent_weight(count, r, s) / whole, carried,
+                      dense);
         }
 }
 

@@ -15,7 +15,8 @@ enum { DESIGN_FREE = SCENE_FREE };
  * Source of the common voltage limits, from which the limits of each amplifier are computed.
  *   LIMITS_SCENE  `limits.voltage` of the scene
  *   LIMITS_GIVEN  lower and upper of this structure instead; they narrow an amplifier's own limits
- * and those of a depolarisation field, and never widen them; a held amplifier keeps its voltage
+ *                 and those of a depolarisation field, and never widen them; a held amplifier keeps
+ *                 its voltage
  *   LIMITS_NONE   no limits, but held amplifiers keep their voltage
  */
 typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
@@ -74,9 +75,9 @@ int design_control(design *design, const double *influence, char *error);
 
 /*
  * Voltage limits of every amplifier.
- *   common                    in   LIMITS_SCENE: the limits of the design as design_control made
- * them lower, upper [amplifiers] out  V Returns 0, or -1 with error filled where no voltage is left
- * for an amplifier.
+ *   common                     in   LIMITS_SCENE: the limits that design_control computed
+ *   lower, upper [amplifiers]  out  V
+ * Returns 0, or -1 with error filled where no voltage is left for an amplifier.
  */
 int design_limits(const design *design, common_limits common, double *lower, double *upper,
                   char *error);
@@ -119,9 +120,10 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
  * The base vectors are chords, inclined by a/2 to the tangent plane where the element spans the
  * angle a. The fraction (1 - (a/2) cot(a/2))/(a/2) of the inclination, about a third, is used for
  * pressures: the pressure's component along the surface then has the resultant and the moment that
- * it has on the arc, and balances the stretched chords of a ring at any angles. flat [2][2] out the
- * base vectors without their inclination lean [2]    out  the inclination that is used for
- * pressures Returns the area that the base vectors span.
+ * it has on the arc, and balances the stretched chords of a ring at any angles.
+ *   flat [2][2]  out  the base vectors without their inclination
+ *   lean [2]     out  the inclination that is used for pressures
+ * Returns the area that the base vectors span.
  */
 double design_chords(const mesh *mesh, int element, int r, scene_face face, double flat[2][2],
                      double lean[2]);

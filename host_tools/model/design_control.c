@@ -72,7 +72,7 @@ static void set_all(const limits *l, double lower, double upper)
  * Apply the amplifiers' own limits instead of the common ones; the last entry that names an
  * amplifier counts.
  */
-static void take_own(const limits *l)
+static void apply_own_limits(const limits *l)
 {
     const scene_limits *from = &l->scene->limits;
     for (int i = 0; i < from->each_count; i++)
@@ -93,7 +93,7 @@ static void narrow_by_common(const limits *l, double lower, double upper)
 }
 
 /* Remove the limits of all amplifiers that are not held. */
-static void open_others(const limits *l)
+static void remove_limits(const limits *l)
 {
     for (int k = 0; k < l->scene->amplifiers; k++)
         if (l->lower[k] != l->upper[k]) {
@@ -126,7 +126,7 @@ static int build_limits(const design *design, char *error)
 {
     const limits l = {design->scene, design->lower, design->upper};
     set_all(&l, design->scene->limits.lower, design->scene->limits.upper);
-    take_own(&l);
+    apply_own_limits(&l);
     narrow_by_fields(&l);
     for (int k = 0; k < design->amplifiers; k++)
         design->step_limit[k] = design->scene->limits.slew;
@@ -141,11 +141,11 @@ int design_limits(const design *design, common_limits common, double *lower, dou
     memcpy(lower, design->lower, bytes);
     memcpy(upper, design->upper, bytes);
     if (common.source == LIMITS_NONE)
-        open_others(&l);
+        remove_limits(&l);
     if (common.source != LIMITS_GIVEN)
         return 0;
     set_all(&l, -HUGE_VAL, HUGE_VAL);
-    take_own(&l);
+    apply_own_limits(&l);
     narrow_by_fields(&l);
     narrow_by_common(&l, common.lower, common.upper);
     return check_limits(&l, "the limits asked for, ", error);

@@ -31,7 +31,7 @@ static bool is_constrained(const design *design, int row)
 }
 
 /* Set the weights of rows on constrained dof to 0 and keep their former weights in fixed_weight. */
-static void part_rows(design *design)
+static void separate_fixed_rows(design *design)
 {
     for (int i = 0; i < design->targets; i++)
         if (is_constrained(design, i)) {
@@ -49,13 +49,13 @@ static double difference(const double *x, const double *y, int i)
 }
 
 /* Entry i of x - y without the first `count` free functions times c. */
-static double left_of(const design *design, const double *x, const double *y, const double *c,
-                      int count, int i)
+static double residual_entry(const design *design, const double *x, const double *y,
+                             const double *c, int count, int i)
 {
-    double left = difference(x, y, i);
+    double residual = difference(x, y, i);
     for (int j = 0; j < count; j++)
-        left -= c[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
-    return left;
+        residual -= c[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
+    return residual;
 }
 
 /*
@@ -69,11 +69,11 @@ static void fit(const design *design, const double *x, const double *y, int coun
     for (int again = 0; again < 2; again++) {
         memset(more, 0, sizeof more);
         for (int i = 0; i < design->targets; i++) {
-            const double left =
-                design->weight[i] * design->weight[i] * left_of(design, x, y, c, count, i);
+            const double residual =
+                design->weight[i] * design->weight[i] * residual_entry(design, x, y, c, count, i);
             for (int j = 0; j < count; j++)
                 more[j] +=
-                    left * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
+                    residual * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
         }
         for (int j = 0; j < count; j++)
             c[j] += more[j];
@@ -99,13 +99,13 @@ static double rounding(const design *design)
  * x := x less its fit by the first `count` functions. Weighted rows are set to 0 where only
  * rounding errors remain.
  */
-static void take_out(const design *design, int count, double *x)
+static void remove_fit(const design *design, int count, double *x)
 {
     double c[DESIGN_FREE];
     const double before = weighted_squares(design, x);
     fit(design, x, NULL, count, c);
     for (int i = 0; i < design->targets; i++)
-        x[i] = left_of(design, x, NULL, c, count, i);
+        x[i] = residual_entry(design, x, NULL, c, count, i);
     if (weighted_squares(design, x) > pow(rounding(design), 2) * before)
         return;
     for (int i = 0; i < design->targets; i++)
@@ -122,7 +122,7 @@ static int add_free(design *design, int j, char *error)
     double *value = design->free_value + (size_t)j * (size_t)design->targets;
     if (design_target_values(design, from->value, from->at, value, error) < 0)
         return -1;
-    take_out(design, j, value);
+    remove_fit(design, j, value);
     const double size = sqrt(weighted_squares(design, value));
     if (!(size > 0))
         return scene_fault(design->scene, from->at, error,
@@ -138,7 +138,7 @@ static int add_free(design *design, int j, char *error)
 void design_take_free(const design *design, double *x)
 {
     if (design->free_functions > 0)
-        take_out(design, design->free_functions, x);
+        remove_fit(design, design->free_functions, x);
 }
 
 double design_misfit(const design *design, const double *x, const double *y, double *misfit)
@@ -146,7 +146,7 @@ double design_misfit(const design *design, const double *x, const double *y, dou
     double c[DESIGN_FREE], sum = 0;
     fit(design, x, y, design->free_functions, c);
     for (int i = 0; i < design->targets; i++) {
-        misfit[i] = left_of(design, x, y, c, design->free_functions, i);
+        misfit[i] = residual_entry(design, x, y, c, design->free_functions, i);
         sum += pow(design->fixed_weight[i] * misfit[i], 2);
     }
     return sum;
@@ -157,7 +157,8 @@ double design_squares(const design *design, const double *x, const double *y)
     double c[DESIGN_FREE], sum = 0;
     fit(design, x, y, design->free_functions, c);
     for (int i = 0; i < design->targets; i++)
-        sum += pow(design->weight[i] * left_of(design, x, y, c, design->free_functions, i), 2);
+        sum +=
+            pow(design->weight[i] * residual_entry(design, x, y, c, design->free_functions, i), 2);
     return sum;
 }
 
@@ -187,7 +188,7 @@ int design_target_rows(design *design, char *error)
     if (!design->fixed_weight || !design->free_value)
         return scene_fault(design->scene, target->what.at, error,
                            "%d target nodes do not fit into memory", design->targets);
-    part_rows(design);
+    separate_fixed_rows(design);
     for (int j = 0; j < target->frees && design->fixed_rows < design->targets; j++)
         if (add_free(design, j, error) < 0)
             return -1;

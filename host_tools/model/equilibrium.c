@@ -115,6 +115,18 @@ static void set_corner(const mesh *mesh, int element, int r, const pzs_follower 
         *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
 }
 
+/* Weights of a corner's pressure in the forces on the same, a neighbouring and the opposite corner.
+ */
+static void set_shares(pzs_follower *follower, int is_cartesian)
+{
+    for (int i = 0; i < 3; i++)
+        follower->share[i] = (double)(4 >> i) / 36;
+    if (!is_cartesian)
+        return;
+    follower->share[0] = 0.25;
+    follower->share[1] = follower->share[2] = 0;
+}
+
 static pzs_status build_follower(equilibrium *equilibrium, const scene_load *load, uint16_t input)
 {
     const mesh *mesh = &equilibrium->design->mesh;
@@ -132,18 +144,18 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
     follower->input = input;
-    follower->load_face = load->face == FACE_INNER ? 0 : load->face == FACE_OUTER ? 1 : 2;
+    follower->load_face = 2; /* the middle */
+    if (load->face == FACE_INNER || load->face == FACE_OUTER)
+        follower->load_face = load->face == FACE_OUTER;
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
     follower->true_area = load->follower == FOLLOWER_PRESSURE;
-    for (int i = 0; i < 3; i++)
-        follower->share[i] =
-            mesh->scene->element.cartesian ? (i == 0 ? 0.25 : 0) : (double)(4 >> i) / 36;
+    set_shares(follower, mesh->scene->element.cartesian);
     for (int e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++) {
-            const uint16_t kind = mesh->element_type[e];
-            area[kind][r] = mesh->place[kind].area;
+            const uint16_t type = mesh->element_type[e];
+            area[type][r] = mesh->place[type].area;
             if (lean)
-                set_corner(mesh, e, r, follower, &area[kind][r], lean[kind][r]);
+                set_corner(mesh, e, r, follower, &area[type][r], lean[type][r]);
         }
     follower->format = PZS_TABLE_FORMAT;
     follower->scene = equilibrium->design->structure.scene;
@@ -196,10 +208,12 @@ static void build_body(equilibrium *equilibrium, double size)
     memcpy(body->axis, from->type == BODY_PLANE ? from->normal : from->axis, sizeof body->axis);
     body->radius = from->type == BODY_PSI ? size : from->radius;
     body->own = from->value;
-    body->gap = from->type == BODY_PLANE      ? pzs_gap_plane
-                : from->type == BODY_CYLINDER ? pzs_gap_cylinder
-                : from->type == BODY_SPHERE   ? pzs_gap_sphere
-                                              : psi_gap;
+    switch (from->type) {
+    case BODY_PLANE: body->gap = pzs_gap_plane; break;
+    case BODY_CYLINDER: body->gap = pzs_gap_cylinder; break;
+    case BODY_SPHERE: body->gap = pzs_gap_sphere; break;
+    default: body->gap = psi_gap;
+    }
     body->crc = pzs_body_crc(body);
 }
 

@@ -51,8 +51,9 @@ double equilibrium_contact_output(const equilibrium *equilibrium, const scene_ou
 
 /*
  * Text on the position of the contact's body inside the shell and on what to do, from the last load
- * step that was refused or warned of. status in   PZS_E_PENETRATION or PZS_W_BEHIND text   out
- * [SCENE_ERROR]
+ * step that was refused or warned of.
+ *   status  in   PZS_E_PENETRATION or PZS_W_BEHIND
+ *   text    out  [SCENE_ERROR]
  */
 void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status status, char *text);
 

@@ -22,8 +22,8 @@ typedef struct estimation {
     double *scaled_reading; /* [sensors][disturbances] N^-1 C */
     double *square; /* [sensors][sensors] N^-1 C C' N^-1, later its eigenvalues on the diagonal */
     double *eigenvector; /* [sensors][sensors] eigenvectors of that matrix as columns */
-    double *target_part, *side, *way, *turned; /* work arrays [disturbances], [sensors], [targets],
-                                                  [sensors] */
+    double *target_part, *side, *direction, *rotated; /* work arrays [disturbances], [sensors],
+                                                  [targets], [sensors] */
 } estimation;
 
 static int take(estimation *estimation)
@@ -43,11 +43,12 @@ static int take(estimation *estimation)
         calloc(estimation->sensors * estimation->sensors + 1, sizeof *estimation->eigenvector);
     estimation->target_part = calloc(estimation->disturbances + 1, sizeof *estimation->target_part);
     estimation->side = calloc(estimation->sensors + 1, sizeof *estimation->side);
-    estimation->way = calloc(estimation->targets + 1, sizeof *estimation->way);
-    estimation->turned = calloc(estimation->sensors + 1, sizeof *estimation->turned);
+    estimation->direction = calloc(estimation->targets + 1, sizeof *estimation->direction);
+    estimation->rotated = calloc(estimation->sensors + 1, sizeof *estimation->rotated);
     return estimation->sigma && estimation->sensitivity && estimation->noise && estimation->shape &&
            estimation->scaled_reading && estimation->square && estimation->eigenvector &&
-           estimation->target_part && estimation->side && estimation->way && estimation->turned;
+           estimation->target_part && estimation->side && estimation->direction &&
+           estimation->rotated;
 }
 
 static void give_back(estimation *estimation)
@@ -55,7 +56,7 @@ static void give_back(estimation *estimation)
     double *const all[] = {estimation->sigma,       estimation->sensitivity,    estimation->noise,
                            estimation->shape,       estimation->scaled_reading, estimation->square,
                            estimation->eigenvector, estimation->target_part,    estimation->side,
-                           estimation->way,         estimation->turned};
+                           estimation->direction,   estimation->rotated};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
 }
@@ -69,64 +70,77 @@ static size_t input_of(const estimation *estimation, size_t disturbance)
                                            : disturbance - estimation->loads;
 }
 
+/* Standard deviation of the voltage of an amplifier where the scene gives none: a tenth of half the
+ * range between its limits, or 1 V without limits. */
+static double default_deviation(const design *design, size_t amplifier)
+{
+    const double half = (design->upper[amplifier] - design->lower[amplifier]) / 2;
+    return isfinite(half) ? half / 10 : 1;
+}
+
 static void find_sizes(estimation *estimation)
 {
     const design *design = &estimation->analysis->design;
-    const scene_estimate *say = &design->scene->estimate;
-    for (size_t i = 0; i < estimation->disturbances; i++) {
-        const double half =
-            i < estimation->loads
-                ? 0
-                : (design->upper[i - estimation->loads] - design->lower[i - estimation->loads]) / 2;
-        estimation->sigma[i] = i < estimation->loads ? say->loads
-                               : say->volts >= 0     ? say->volts
-                               : isfinite(half)      ? half / 10
-                                                     : 1;
-    }
+    const scene_estimate *settings = &design->scene->estimate;
+    const size_t loads = estimation->loads;
+    for (size_t i = 0; i < loads; i++)
+        estimation->sigma[i] = settings->loads;
+    for (size_t i = loads; i < estimation->disturbances; i++)
+        estimation->sigma[i] =
+            settings->volts >= 0 ? settings->volts : default_deviation(design, i - loads);
+}
+
+/* Voltage or charge of the i-th electrode of an output. */
+static double electric_reading(const design *design, const scene_output *output, int i,
+                               const double *value, const double *charge)
+{
+    const int input = electrodes_input(design, output, i);
+    if (output->electric == ELECTRIC_VOLTAGE)
+        return value[input];
+    return charge[electrodes_of(design, input)];
 }
 
 /*
  * Readings per unit of one input: displacements from the influence matrix, voltages and charges
  * with the open electrodes' voltages computed.
  */
-static int see_input(estimation *estimation, size_t input, double *amount, double *charge)
+static int fill_sensitivity(estimation *estimation, size_t input, double *value, double *charge)
 {
     const analysis *analysis = estimation->analysis;
     const design *design = &analysis->design;
     const size_t inputs = design->structure.input.count;
     size_t row = 0;
-    memset(amount, 0, inputs * sizeof *amount);
-    amount[input] = 1;
+    memset(value, 0, inputs * sizeof *value);
+    value[input] = 1;
     if (analysis->electric.state.model &&
-        (pzs_open_voltages(&analysis->electric, amount) != PZS_OK ||
-         pzs_charges(&analysis->electric, amount, charge) != PZS_OK))
+        (pzs_open_voltages(&analysis->electric, value) != PZS_OK ||
+         pzs_charges(&analysis->electric, value, charge) != PZS_OK))
         return -1;
     for (int r = 0; r < design->scene->estimate.readings; r++) {
         const int k = design->scene->estimate.reading[r].output;
         const scene_output *output = &design->scene->output[k];
         for (int i = 0; i < analysis_outputs(analysis, k); i++, row++) {
-            const int of =
-                output->electric != ELECTRIC_NONE ? electrodes_input(design, output, i) : -1;
-            estimation->sensitivity[row * inputs + input] =
-                output->electric == ELECTRIC_NONE
-                    ? analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input]
-                : output->electric == ELECTRIC_VOLTAGE ? amount[of]
-                                                       : charge[electrodes_of(design, of)];
+            double *reading = &estimation->sensitivity[row * inputs + input];
+            if (output->electric == ELECTRIC_NONE)
+                *reading =
+                    analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input];
+            else
+                *reading = electric_reading(design, output, i, value, charge);
             estimation->noise[row] = design->scene->estimate.reading[r].noise;
         }
     }
     return 0;
 }
 
-static int see(estimation *estimation)
+static int fill_sensitivities(estimation *estimation)
 {
     const size_t inputs = estimation->analysis->design.structure.input.count;
-    double *amount = calloc(inputs, sizeof *amount),
+    double *value = calloc(inputs, sizeof *value),
            *charge = calloc(estimation->analysis->design.electrodes.count + 1u, sizeof *charge);
-    int failed = !amount || !charge;
+    int failed = !value || !charge;
     for (size_t i = 0; !failed && i < estimation->amplifiers + estimation->loads; i++)
-        failed = see_input(estimation, i, amount, charge);
-    free(amount);
+        failed = fill_sensitivity(estimation, i, value, charge);
+    free(value);
     free(charge);
     return failed ? -1 : 0;
 }
@@ -169,19 +183,19 @@ static double eigenvalue(const estimation *estimation, size_t i)
 }
 
 /* side := (1 + square)^-1 side */
-static void filter(estimation *estimation)
+static void apply_filter(estimation *estimation)
 {
     const size_t n = estimation->sensors;
     for (size_t e = 0; e < n; e++) {
-        estimation->turned[e] = 0;
+        estimation->rotated[e] = 0;
         for (size_t i = 0; i < n; i++)
-            estimation->turned[e] += estimation->eigenvector[i * n + e] * estimation->side[i];
-        estimation->turned[e] /= 1 + eigenvalue(estimation, e);
+            estimation->rotated[e] += estimation->eigenvector[i * n + e] * estimation->side[i];
+        estimation->rotated[e] /= 1 + eigenvalue(estimation, e);
     }
     for (size_t i = 0; i < n; i++) {
         estimation->side[i] = 0;
         for (size_t e = 0; e < n; e++)
-            estimation->side[i] += estimation->eigenvector[i * n + e] * estimation->turned[e];
+            estimation->side[i] += estimation->eigenvector[i * n + e] * estimation->rotated[e];
     }
 }
 
@@ -200,7 +214,7 @@ static void make_gains(estimation *estimation, estimator *estimator)
                     estimation->sigma[j] *
                     estimation->scaled_reading[k * estimation->disturbances + j];
         }
-        filter(estimation);
+        apply_filter(estimation);
         for (size_t k = 0; k < estimation->sensors; k++)
             estimator->gain[i * estimation->sensors + k] =
                 estimation->side[k] / estimation->noise[k];
@@ -218,7 +232,7 @@ static void make_gains(estimation *estimation, estimator *estimator)
  * Part of a disturbance that the sensors do not determine: part := (1 + C'N^-2 C)^-1 part. part
  * [disturbances]
  */
-static void miss(estimation *estimation, double *left)
+static void remove_observed_part(estimation *estimation, double *left)
 {
     for (size_t k = 0; k < estimation->sensors; k++) {
         estimation->side[k] = 0;
@@ -226,22 +240,22 @@ static void miss(estimation *estimation, double *left)
             estimation->side[k] +=
                 estimation->scaled_reading[k * estimation->disturbances + j] * left[j];
     }
-    filter(estimation);
+    apply_filter(estimation);
     for (size_t j = 0; j < estimation->disturbances; j++)
         for (size_t k = 0; k < estimation->sensors; k++)
             left[j] -=
                 estimation->scaled_reading[k * estimation->disturbances + j] * estimation->side[k];
 }
 
-/* target_part := A'W way. Returns its length. */
-static double pull_back(estimation *estimation, const double *way)
+/* target_part := A'W direction. Returns its length. */
+static double project_to_disturbances(estimation *estimation, const double *direction)
 {
     double sum = 0;
     for (size_t j = 0; j < estimation->disturbances; j++) {
         estimation->target_part[j] = 0;
         for (size_t i = 0; i < estimation->targets; i++)
             estimation->target_part[j] +=
-                estimation->shape[i * estimation->disturbances + j] * way[i];
+                estimation->shape[i * estimation->disturbances + j] * direction[i];
         sum += estimation->target_part[j] * estimation->target_part[j];
     }
     return sqrt(sum);
@@ -259,13 +273,13 @@ static double length(const double *x, size_t n)
  * Expected size of the disturbances and of what the estimate leaves of them: the traces of A A' and
  * of A (1 + C'N^-2 C)^-1 A'.
  */
-static void measure(estimation *estimation, estimator *estimator)
+static void measure_errors(estimation *estimation, estimator *estimator)
 {
     double all = 0, left = 0;
     for (size_t i = 0; i < estimation->targets; i++) {
         const double *row = estimation->shape + i * estimation->disturbances;
         memcpy(estimation->target_part, row, estimation->disturbances * sizeof *row);
-        miss(estimation, estimation->target_part);
+        remove_observed_part(estimation, estimation->target_part);
         for (size_t j = 0; j < estimation->disturbances; j++) {
             all += row[j] * row[j];
             left += row[j] * estimation->target_part[j];
@@ -279,24 +293,25 @@ static void measure(estimation *estimation, estimator *estimator)
 static void find_worst(estimation *estimation, estimator *estimator)
 {
     for (size_t i = 0; i < estimation->targets; i++)
-        estimation->way[i] = 1 + (double)i / (double)estimation->targets;
+        estimation->direction[i] = 1 + (double)i / (double)estimation->targets;
     for (int turn = 0; turn < POWER; turn++) {
-        const double size = length(estimation->way, estimation->targets);
+        const double size = length(estimation->direction, estimation->targets);
         for (size_t i = 0; i < estimation->targets; i++)
-            estimation->way[i] /= size > 0 ? size : 1;
-        estimator->worst_disturbed = pull_back(estimation, estimation->way);
-        miss(estimation, estimation->target_part);
+            estimation->direction[i] /= size > 0 ? size : 1;
+        estimator->worst_disturbed = project_to_disturbances(estimation, estimation->direction);
+        remove_observed_part(estimation, estimation->target_part);
         for (size_t i = 0; i < estimation->targets; i++) {
-            estimation->way[i] = 0;
+            estimation->direction[i] = 0;
             for (size_t j = 0; j < estimation->disturbances; j++)
-                estimation->way[i] += estimation->shape[i * estimation->disturbances + j] *
-                                      estimation->target_part[j];
+                estimation->direction[i] += estimation->shape[i * estimation->disturbances + j] *
+                                            estimation->target_part[j];
         }
-        estimator->worst_remaining = sqrt(length(estimation->way, estimation->targets));
+        estimator->worst_remaining = sqrt(length(estimation->direction, estimation->targets));
     }
     const design *design = &estimation->analysis->design;
     for (size_t i = 0; i < estimation->targets; i++) {
-        estimator->worst[i] = design->weight[i] > 0 ? estimation->way[i] / design->weight[i] : 0;
+        estimator->worst[i] =
+            design->weight[i] > 0 ? estimation->direction[i] / design->weight[i] : 0;
         if (fabs(estimator->worst[i]) > fabs(estimator->worst[estimator->worst_target]))
             estimator->worst_target = (int)i;
     }
@@ -348,19 +363,19 @@ static void fill_tables(estimator *estimator, const design *design)
     estimator->reading_table.crc = pzs_estimate_known_crc(&shown);
 }
 
-static int refuse(const estimator *estimator, const analysis *analysis, char *error)
+static int check_observability(const estimator *estimator, const analysis *analysis, char *error)
 {
-    const scene_estimate *say = &analysis->design.scene->estimate;
+    const scene_estimate *settings = &analysis->design.scene->estimate;
     char text[SCENE_ERROR];
     if (!(estimator->disturbed > 0))
         return scene_fault(
-            analysis->design.scene, say->at, error,
+            analysis->design.scene, settings->at, error,
             "nothing disturbs the shape: the standard deviations of all loads and voltages are 0; give a load, or a voltage deviation above 0");
-    if (!(estimator->remaining > say->tolerance * estimator->disturbed))
+    if (!(estimator->remaining > settings->tolerance * estimator->disturbed))
         return 0;
     estimator_text(estimator, analysis, text);
     return scene_fault(
-        analysis->design.scene, say->at, error,
+        analysis->design.scene, settings->at, error,
         "these readings do not determine the shape: %s; add a reading there, or raise tolerance",
         text);
 }
@@ -387,17 +402,18 @@ static int build(estimation *estimation, estimator *estimator, char *error)
                estimation->loads * sizeof *estimator->shape_per_load);
     if (estimation->sensors > 0) {
         find_sizes(estimation);
-        if (see(estimation) < 0)
+        if (fill_sensitivities(estimation) < 0)
             return no_memory(estimation->analysis, error);
         form(estimation);
         diagonalise(estimation);
         make_gains(estimation, estimator);
-        measure(estimation, estimator);
+        measure_errors(estimation, estimator);
         find_worst(estimation, estimator);
         rate(estimation, estimator);
     }
     fill_tables(estimator, design);
-    return estimation->sensors > 0 ? refuse(estimator, estimation->analysis, error) : 0;
+    return estimation->sensors > 0 ? check_observability(estimator, estimation->analysis, error)
+                                   : 0;
 }
 
 int estimator_open(estimator *estimator, const analysis *analysis, char *error)

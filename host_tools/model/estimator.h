@@ -34,9 +34,10 @@ typedef struct estimator {
 
 /*
  * Gains of a scene with an estimate section, from its structure in the reference state; without
- * that section only shape_per_load. analysis in  after analysis_influence Returns 0, or -1 with
- * error filled and the estimator empty; also where the estimate would leave more than the scene's
- * tolerance.
+ * that section only shape_per_load.
+ *   analysis  in  after analysis_influence
+ * Returns 0, or -1 with error filled and the estimator empty; also where the estimate would leave
+ * more than the scene's tolerance.
  */
 int estimator_open(estimator *estimator, const analysis *analysis, char *error);
 void estimator_close(estimator *estimator);

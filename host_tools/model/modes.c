@@ -6,7 +6,7 @@
 #include "../system/progress.h"
 
 /* Voltages without limits for one mode. */
-static int run_unlimited(analysis *analysis, mode *m, char *error)
+static int run_unconstrained(analysis *analysis, mode *m, char *error)
 {
     voltages result;
     const int failed =
@@ -18,7 +18,7 @@ static int run_unlimited(analysis *analysis, mode *m, char *error)
     return failed;
 }
 
-static int run_limited(analysis *analysis, common_limits limit, mode_left *left, char *error)
+static int run_limited(analysis *analysis, common_limits limit, mode_left *result, char *error)
 {
     voltages best, cut, tuned;
     memset(&cut, 0, sizeof cut);
@@ -26,11 +26,11 @@ static int run_limited(analysis *analysis, common_limits limit, mode_left *left,
     const int failed = voltages_optimum(analysis, limit, &best, error) < 0 ||
                        voltages_clipped(analysis, limit, &cut, error) < 0 ||
                        voltages_regularised(analysis, limit, &tuned, error) < 0;
-    memcpy(left->limit, best.limit, sizeof left->limit);
-    left->optimum = best.error;
-    left->active_limits = best.active_limits;
-    left->clipped = cut.error;
-    left->regularised = tuned.error;
+    memcpy(result->limit, best.limit, sizeof result->limit);
+    result->optimum = best.error;
+    result->active_limits = best.active_limits;
+    result->clipped = cut.error;
+    result->regularised = tuned.error;
     voltages_free(&best);
     voltages_free(&cut);
     voltages_free(&tuned);
@@ -60,7 +60,7 @@ static int run_mode(modes *modes, int k, analysis *analysis, const double *loade
     for (int i = 0; i < design->targets; i++)
         design->wanted[i] = design->target[i] - loaded[i];
     modes->mode[k].size = target_size(design);
-    int failed = run_unlimited(analysis, &modes->mode[k], error);
+    int failed = run_unconstrained(analysis, &modes->mode[k], error);
     for (int l = 0; !failed && l < modes->limits; l++)
         failed = run_limited(analysis, limit[l], &modes->left[k * modes->limits + l], error);
     return failed;

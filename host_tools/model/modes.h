@@ -31,8 +31,9 @@ typedef struct modes {
 
 /*
  * Compute the results of every mode, on the structure that analysis->nonlinear selects, after
- * analysis_influence. The design's target is unchanged afterwards. limit [limits] in  as in
- * voltages_optimum Returns 0, or -1 with error filled; call modes_free in either case.
+ * analysis_influence. The design's target is unchanged afterwards.
+ *   limit [limits]  in  as in voltages_optimum
+ * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,
               char *error);

@@ -10,7 +10,7 @@
 
 /* ---- voltages --------------------------------------------------------- */
 
-/* Only where the scene's limits do not tell as much already. */
+/* This rule applies only where the rule on the scene's limits gives no warning already. */
 int measure_found_field(const subject *of, int k, measured *found)
 {
     const scene_actuator *actuator;
@@ -29,7 +29,7 @@ int measure_found_field(const subject *of, int k, measured *found)
 
 /* ---- displacement and strain ------------------------------------------ */
 
-/* A component of a node's displacement. */
+/* One component of the displacement of a node. */
 static double displacement_of(const mesh *mesh, const double *u, int node,
                               scene_component component, scene_face face)
 {
@@ -60,13 +60,12 @@ int measure_displacement(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Places and displacements of the corners of an element on a face, as vectors from edge to edge:
- * along xi1 and xi2. */
+/* Edge vectors of an element along xi1 and xi2 on one face: undeformed, and of the displacement. */
 typedef struct cell {
     double x[2][3], u[2][3];
 } cell;
 
-/* Both faces of all nodes. point, moved [nodes][2][3] out */
+/* Positions of both faces at all nodes. point, moved [nodes][2][3] out */
 static void face_points(const mesh *mesh, const double *u, double (*point)[2][3],
                         double (*moved)[2][3])
 {
@@ -102,8 +101,10 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Principal strains are the eigenvalues of the strain over the metric, both in the basis of the
- * edges. */
+/*
+ * Largest absolute principal strain: eigenvalues of the strain relative to the metric, both in the
+ * basis of the edges.
+ */
 static double principal_strain(const cell *c, int is_linear)
 {
     double g[2][2], e[2][2];

@@ -160,8 +160,9 @@ static double dot(const double *x, const double *y, size_t n)
 
 /*
  * Make w orthogonal to the basis, in two iterations, and append the rest unless it is rounding
- * error. column [room] in/out  the products with the basis are added, the norm is appended; NULL:
- * not needed
+ * error.
+ *   column [room]  in/out  the products with the basis are added, the norm is appended; NULL: not
+ *                          needed
  */
 static void append(search *s, double *column)
 {

@@ -24,8 +24,8 @@ typedef struct vibration {
 
 /*
  * Compute the lowest modes.
- *   number in  number of modes, reduced to the number of free dof
- *   lumped in  share of the lumped mass matrix: MASS_LUMPED, or 0 to 1
+ *   number  in  number of modes, reduced to the number of free dof
+ *   lumped  in  share of the lumped mass matrix: MASS_LUMPED, or 0 to 1
  * Returns 0, or -1 with error filled and the result empty: a density is missing, the iteration did
  * not converge, or a mode is missing.
  */

@@ -16,7 +16,7 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [3][amplifiers] lower, upper, slew */
+    double *limits; /* [3][amplifiers] lower limit, upper limit, step limit */
     void *work;
 } trial;
 
@@ -27,8 +27,9 @@ static void trial_free(trial *trial)
 }
 
 /*
- * influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits
- * do not overlap.
+ * Set up a controller with other limits.
+ *   influence [targets][amplifiers] in  NULL: that of the design, in the reference state
+ * Fills error where limits do not overlap.
  */
 static pzs_status trial_start(trial *trial, const design *design, common_limits common,
                               const double *influence, char *error)
@@ -58,8 +59,8 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
 }
 
 /*
- * The widest range of any amplifier, how many have less or are held, and how many of `volt` are at
- * a limit.
+ * Note the widest range of any amplifier, how many amplifiers are held or have a narrower range,
+ * and how many voltages are at a limit.
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
@@ -77,29 +78,30 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
+    result->limit[0] = fmin(lowest, highest); /* every amplifier is held; the range went from
+                                                 -INFINITY to INFINITY */
     result->limit[1] = fmax(lowest, highest);
 }
 
-/* The message of a status that is about the voltage problem. Returns -1. */
+/* Fill error with the message of a status of the voltage problem. Returns -1. */
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* design_limits has named the amplifier */
+        return -1; /* design_limits has named the amplifier in error */
     return scene_fault(analysis->design.scene, analysis->design.scene->limits.at, error, "%s",
                        pzs_status_text(status));
 }
 
 /*
- * The bounded optimum: reached in one step; a budget that runs out continues where it stopped.
- *   influence as in trial_start
- *   wanted [targets] in     what B volt should be
- *   reach            in     most change of any volt from `volt`, or INFINITY
- *   volt [amplifiers] in/out
+ * Bounded optimum in one control step; a step that runs out of iterations is continued.
+ *   influence             in      as in trial_start
+ *   wanted [targets]      in      target of B v
+ *   trust_radius          in      largest change of any voltage, or INFINITY
+ *   voltage [amplifiers]  in/out  V
  */
-static pzs_status best_volts(const design *design, common_limits common, const double *influence,
-                             const double *wanted, double reach, voltages *result, double *voltage,
-                             char *error)
+static pzs_status optimise_voltages(const design *design, common_limits common,
+                                    const double *influence, const double *wanted, double reach,
+                                    voltages *result, double *voltage, char *error)
 {
     trial trial;
     pzs_status status = trial_start(&trial, design, common, influence, error);
@@ -128,7 +130,7 @@ static pzs_status best_volts(const design *design, common_limits common, const d
     return status;
 }
 
-/* ---- volts and their shape -------------------------------------------- */
+/* ---- voltages and their shape ----------------------------------------- */
 
 static int start(const analysis *analysis, voltages *result, const char *name)
 {
@@ -151,7 +153,7 @@ static int out_of_memory(const analysis *analysis, char *error)
     return analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
-/* Weighted squares of what is wanted in the rows that cannot move. */
+/* Weighted squares of the target in the rows on constrained dof. */
 static double wanted_fixed(const design *design)
 {
     double sum = 0;
@@ -160,18 +162,18 @@ static double wanted_fixed(const design *design)
     return sum;
 }
 
-static double relative(double missed, double wanted)
+static double relative(double misfit, double wanted)
 {
-    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+    return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
-/* v->shape, v->aim and the errors of v->u. */
-static void measure(const analysis *analysis, voltages *result)
+/* Fill result->shape, result->aligned_target and the errors of result->u. */
+static void measure_errors(const analysis *analysis, voltages *result)
 {
     const design *design = &analysis->design;
     double most = 0;
     design_shape(design, result->u, result->shape);
-    const double missed = design_squares(design, result->shape, design->target),
+    const double misfit = design_squares(design, result->shape, design->target),
                  wanted = design_squares(design, design->wanted, NULL);
     const double missed_fixed =
         design_misfit(design, result->shape, design->target, result->aligned_target);
@@ -183,16 +185,16 @@ static void measure(const analysis *analysis, voltages *result)
             design->fixed_weight[i] > 0 && fabs(result->aligned_target[i]) > 1e-9 * most;
     for (int i = 0; i < design->targets; i++)
         result->aligned_target[i] = result->shape[i] - result->aligned_target[i];
-    result->error = relative(missed, wanted);
-    result->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(design));
+    result->error = relative(misfit, wanted);
+    result->error_all = relative(misfit + missed_fixed, wanted + wanted_fixed(design));
 }
 
-/* Shape of v->volt on the structure asked about. */
-static int reach(analysis *analysis, voltages *result, int warm, char *error)
+/* Displacement and errors of result->voltage on the structure that analysis->nonlinear selects. */
+static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 {
     if (analysis_reach(analysis, result->voltage, warm, result->u, error) < 0)
         return -1;
-    measure(analysis, result);
+    measure_errors(analysis, result);
     result->residual = analysis->nonlinear ? analysis->equilibrium.solver.info.residual
                                            : analysis->model.info.residual;
     result->linear_solves +=
@@ -200,13 +202,15 @@ static int reach(analysis *analysis, voltages *result, int warm, char *error)
     return 0;
 }
 
-/* The same from rest; where the load steps end early, error is NAN and the shape the last
- * equilibrium. */
-static int reach_or_none(analysis *analysis, voltages *result, char *error)
+/*
+ * The same from the reference state. Where the load steps end early, the error is NAN and the shape
+ * is the last equilibrium.
+ */
+static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
 {
-    if (reach(analysis, result, 0, error) == 0)
+    if (evaluate(analysis, result, 0, error) == 0)
         return 0;
-    measure(analysis, result);
+    measure_errors(analysis, result);
     result->error = result->error_all = (double)NAN;
     return analysis->nonlinear && analysis_ended_early(analysis) ? 0 : -1;
 }
@@ -217,22 +221,22 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
               common.source == LIMITS_NONE ? "linear optimum, no limits"
                                            : "linear optimum in limits") < 0)
         return out_of_memory(analysis, error);
-    const pzs_status status = best_volts(&analysis->design, common, NULL, analysis->design.wanted,
-                                         HUGE_VAL, result, result->voltage, error);
+    const pzs_status status =
+        optimise_voltages(&analysis->design, common, NULL, analysis->design.wanted, HUGE_VAL,
+                          result, result->voltage, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
-    if (reach_or_none(analysis, result, error) < 0)
+    if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->nonlinear)
-        result->optimality = (double)NAN; /* no claim on another structure than the one it was found
-                                           * for
-                                           */
+        result->optimality = (double)NAN; /* the optimality holds on the structure of the
+                                             optimisation only */
     return 0;
 }
 
 /*
- * Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error
- * of the linear model.
+ * Least squares clipped to the limits. tuned: regularised by the lambda that leaves the smallest
+ * error of the linear model.
  */
 static pzs_status clip_voltages(const design *design, common_limits common, bool tuned,
                                 voltages *result, char *error)
@@ -262,7 +266,7 @@ static int clip(analysis *analysis, common_limits common, bool tuned, voltages *
     const pzs_status status = clip_voltages(&analysis->design, common, tuned, result, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
-    return reach_or_none(analysis, result, error);
+    return evaluate_or_none(analysis, result, error);
 }
 
 int voltages_clipped(analysis *analysis, common_limits common, voltages *result, char *error)
@@ -281,7 +285,7 @@ int voltages_given(analysis *analysis, const char *name, const double *voltage, 
     if (start(analysis, result, name) < 0)
         return out_of_memory(analysis, error);
     memcpy(result->voltage, voltage, (size_t)analysis->design.amplifiers * sizeof *result->voltage);
-    return reach_or_none(analysis, result, error);
+    return evaluate_or_none(analysis, result, error);
 }
 
 void voltages_free(voltages *result)
@@ -295,8 +299,8 @@ void voltages_free(voltages *result)
 
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
-/* A misfit and the effort in its unit. */
-static double with_effort(const analysis *analysis, const voltages *result, double sum)
+/* A squared misfit plus the regularisation term in its unit. */
+static double with_regularisation(const analysis *analysis, const voltages *result, double sum)
 {
     const design *design = &analysis->design;
     for (int k = 0; k < design->amplifiers; k++)
@@ -305,26 +309,27 @@ static double with_effort(const analysis *analysis, const voltages *result, doub
     return sum;
 }
 
-/* What the optimum makes small. */
+/* Objective of the optimisation at a result. */
 static double objective(const analysis *analysis, const voltages *result)
 {
-    return with_effort(analysis, result,
-                       design_squares(&analysis->design, result->shape, analysis->design.target));
+    return with_regularisation(
+        analysis, result,
+        design_squares(&analysis->design, result->shape, analysis->design.target));
 }
 
-/* Arrays of one Gauss-Newton run; one allocation, at `all`. */
+/* Arrays of one Gauss-Newton run; one allocation, at `full_influence`. */
 typedef struct newton {
-    double *full_influence; /* [outputs][inputs] influence at the shape reached */
-    double *influence;      /* [targets][amplifiers] its part */
-    double *wanted;         /* [targets] what influence times volts should be */
-    double *work;           /* [targets] room */
-    double trust_radius;    /* most change of any volt for which the influence is trusted */
-    void *state;            /* of the path at the shape reached */
-    voltages best;          /* there */
+    double *full_influence; /* [outputs][inputs] influence at the last shape */
+    double *influence;      /* [targets][amplifiers] rows and columns of the voltage problem */
+    double *wanted;         /* [targets] target of influence times voltages */
+    double *work;           /* [targets] work */
+    double trust_radius;    /* largest change of any voltage, V */
+    void *state;            /* state of the equilibrium solver at the best result */
+    voltages best;          /* result with the smallest objective so far */
 } newton;
 
-/* What v holds is the best so far; and back to it. */
-static void keep(const analysis *analysis, newton *newton, const voltages *result)
+/* Save a result as the best one, and return to the best one. */
+static void save_best(const analysis *analysis, newton *newton, const voltages *result)
 {
     const voltages own = newton->best;
     equilibrium_save(&analysis->equilibrium, newton->state);
@@ -358,7 +363,7 @@ static void go_back(analysis *analysis, const newton *newton, voltages *result)
     result->optimality = newton->best.optimality;
 }
 
-/* Influence at the shape reached. */
+/* Compute the influence at the last shape. */
 static pzs_status relinearise(analysis *analysis, newton *newton, voltages *result)
 {
     const design *design = &analysis->design;
@@ -374,12 +379,13 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
             newton->wanted[i] += newton->influence[i * n + k] * result->voltage[k];
     }
     result->relinearised++;
-    keep(analysis, newton, result);
+    save_best(analysis, newton, result);
     return status;
 }
 
-/* The objective that the linearised structure promises for v->volt. */
-static double promised(const analysis *analysis, const newton *newton, const voltages *result)
+/* Objective that the linearised structure predicts for result->voltage. */
+static double predicted_objective(const analysis *analysis, const newton *newton,
+                                  const voltages *result)
 {
     const design *design = &analysis->design;
     double sum = 0;
@@ -390,7 +396,7 @@ static double promised(const analysis *analysis, const newton *newton, const vol
                     result->voltage[k];
         sum += pow(design->weight[i] * miss, 2);
     }
-    return with_effort(analysis, result, sum);
+    return with_regularisation(analysis, result, sum);
 }
 
 static double largest_change(const analysis *analysis, const newton *newton, const voltages *result)
@@ -402,22 +408,23 @@ static double largest_change(const analysis *analysis, const newton *newton, con
 }
 
 /*
- * Move to the linearised optimum within reach; the reach follows how well the last promise was
- * kept, and a move that helps nothing is taken back and tried again closer. Returns the part of the
- * objective it fell by; 0: nothing helps.
+ * Move to the optimum of the linearised structure within the trust radius. The radius follows the
+ * ratio of the actual to the predicted decrease; a step that does not decrease the objective is
+ * undone and repeated with a smaller radius. Returns the relative decrease of the objective; 0: no
+ * step decreases it.
  */
 static double improve(analysis *analysis, common_limits common, newton *newton, voltages *result,
                       pzs_status *status, char *error)
 {
     const double before = objective(analysis, result);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status = best_volts(&analysis->design, common, newton->influence, newton->wanted,
-                             newton->trust_radius, result, result->voltage, error);
+        *status = optimise_voltages(&analysis->design, common, newton->influence, newton->wanted,
+                                    newton->trust_radius, result, result->voltage, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(analysis, newton, result),
-                     promise = promised(analysis, newton, result);
-        const int reached = reach(analysis, result, 1, error) == 0;
+                     promise = predicted_objective(analysis, newton, result);
+        const int reached = evaluate(analysis, result, 1, error) == 0;
         const double kept = (before - objective(analysis, result)) / (before - promise);
         if (!reached || !(kept > 0.75))
             newton->trust_radius = change / (kept > 0.25 && reached ? 1 : 4);
@@ -458,8 +465,8 @@ static int gauss_newton(analysis *analysis, common_limits common, voltages *resu
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-/* Halve the volts, within their limits, until there is an equilibrium. */
-static int retreat(analysis *analysis, common_limits common, voltages *result, char *error)
+/* Halve the voltages, within their limits, until an equilibrium exists. */
+static int halve_voltages(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     trial trial;
     const pzs_status status = trial_start(&trial, &analysis->design, common, NULL, error);
@@ -468,7 +475,7 @@ static int retreat(analysis *analysis, common_limits common, voltages *result, c
         for (int k = 0; k < result->amplifiers; k++)
             result->voltage[k] =
                 fmin(fmax(result->voltage[k] / 2, trial.problem.lower[k]), trial.problem.upper[k]);
-        failed = reach(analysis, result, 0, error);
+        failed = evaluate(analysis, result, 0, error);
     }
     trial_free(&trial);
     return failed;
@@ -477,7 +484,7 @@ static int retreat(analysis *analysis, common_limits common, voltages *result, c
 int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     if (voltages_linear(analysis, common, result, error) < 0 ||
-        (isnan(result->error) && retreat(analysis, common, result, error) < 0))
+        (isnan(result->error) && halve_voltages(analysis, common, result, error) < 0))
         return -1;
     snprintf(result->name, sizeof result->name, "%s",
              common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");

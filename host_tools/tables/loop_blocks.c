@@ -1,9 +1,9 @@
-/* The blocks around the control step that a scene asks for (loop_blocks.h). */
+/* Blocks of the control tick that a scene needs (loop_blocks.h). */
 #include "loop_blocks.h"
 #include <ctype.h>
 #include <string.h>
 
-/* ---- what a scene asks for -------------------------------------------- */
+/* ---- conditions -------------------------------------------------------- */
 
 int loop_estimates(const scene *scene)
 {
@@ -97,15 +97,18 @@ static void write_detection(const emitter *emitter, const loop_blocks *blocks)
 
 /* ---- the table -------------------------------------------------------- */
 
-/* A kind of block. Its tables are PREFIX_tables in a header; bytes is the macro of its memory,
- * after the prefix of the macros that stand as %. */
+/*
+ * Types of blocks. The tables of a block are PREFIX_ and `tables_name` in a header; `bytes` is the
+ * macro of its memory without PZS_, with % for the prefix in capitals.
+ */
 static const struct {
     const pzs_block_type *type;
     int (*is_present)(const scene *s);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: written with its arrays */
+    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: the tables are written with
+                                                              their arrays */
     const char *type_name, *tables_name, *bytes;
-} kinds[] = {
+} block_types[] = {
     {&pzs_feed_forward_block, loop_feeds, known_tables, write_known, "feed_forward", "known_loads",
      "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
     {&pzs_estimator_block, loop_estimates, estimator_tables, NULL, "estimator", "estimator",
@@ -117,21 +120,22 @@ static const struct {
     {&pzs_fault_detector_block, finds, detection_tables, write_detection, "fault_detector",
      "fault_detection", "FAULT_DETECTOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS, %_DELAY)"},
 };
-enum { KINDS = sizeof kinds / sizeof *kinds };
+enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator)
 {
     memset(blocks, 0, sizeof *blocks);
     blocks->design = design;
     blocks->estimator = estimator;
-    for (int k = 0; k < KINDS; k++)
-        if (kinds[k].is_present(design->scene))
-            blocks->block[blocks->count++] = (pzs_block){kinds[k].type, kinds[k].tables(blocks)};
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(design->scene))
+            blocks->block[blocks->count++] =
+                (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
 }
 
 /* ---- source ----------------------------------------------------------- */
 
-/* A macro's text, the prefix in capitals for each %. */
+/* Write the text of a macro with the prefix in capitals for each %. */
 static void write_macro(const emitter *emitter, const char *text)
 {
     for (; *text; text++) {
@@ -146,11 +150,11 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file, "#define %s_LOOP_BYTES \\\n    (PZS_LOOP_BYTES(%s_BLOCKS, %s_INPUTS)",
             emitter->upper, emitter->upper, emitter->upper);
-    for (int k = 0; k < KINDS; k++) {
-        if (!kinds[k].is_present(blocks->design->scene))
+    for (int k = 0; k < BLOCK_TYPES; k++) {
+        if (!block_types[k].is_present(blocks->design->scene))
             continue;
         fputs(" + \\\n     PZS_", emitter->file);
-        write_macro(emitter, kinds[k].bytes);
+        write_macro(emitter, block_types[k].bytes);
     }
     fputs(")\n\n", emitter->file);
 }
@@ -158,9 +162,9 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 {
     const scene *scene = blocks->design->scene;
-    for (int k = 0; k < KINDS; k++)
-        if (kinds[k].write && kinds[k].is_present(scene))
-            kinds[k].write(emitter, blocks);
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].write && block_types[k].is_present(scene))
+            block_types[k].write(emitter, blocks);
     const int readings =
         loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
     fprintf(
@@ -170,18 +174,20 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
         "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
         emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
         scene->simulate.delay, emitter->prefix, emitter->upper);
-    for (int k = 0; k < KINDS; k++)
-        if (kinds[k].is_present(scene))
-            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", kinds[k].type_name,
-                    emitter->prefix, kinds[k].tables_name);
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(scene))
+            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", block_types[k].type_name,
+                    emitter->prefix, block_types[k].tables_name);
     fputs("};\n", emitter->file);
     write_bytes(emitter, blocks);
 }
 
 /* ---- names ------------------------------------------------------------ */
 
-/* PREFIX_KIND_name = index. A name that is no C identifier gets its index behind it, so that two
- * names stay two. */
+/*
+ * Write PREFIX_KIND_name = index. A name that is not a C identifier gets its index as a suffix, so
+ * that different names stay different.
+ */
 static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {
     int changed = 0;
@@ -208,7 +214,10 @@ static void write_amplifiers(const emitter *emitter, const design *design)
     fputs("};\n", emitter->file);
 }
 
-/* Readings of an estimator: NAME, or NAME_1, NAME_2 ... where an output has several. */
+/*
+ * Indices of the estimator's readings: NAME, or NAME_1, NAME_2 ... where an output has several
+ * values.
+ */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;

@@ -28,7 +28,7 @@ static void write_elements(emitter *emitter, const mesh *mesh)
     emit_count_bytes(emitter, mesh->element, (size_t)mesh->elements * sizeof *mesh->element);
 }
 
-/* Corner tables of every kind, member by member in the order of pzs_element_type. */
+/* Corner tables of every element type, member by member in the order of pzs_element_type. */
 static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
@@ -84,7 +84,7 @@ static void name_rows(const emitter *emitter, const char *name, uint16_t count)
                 emitter->prefix, name, emitter->prefix, name, emitter->prefix, name);
 }
 
-/* Padded entries of the factor for a tile of rows, the rule of linalg.h. */
+/* Number of entries of the padded factor for a tile of rows, by the rule of linalg.h. */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
     size_t entries = 0;
@@ -98,7 +98,7 @@ static size_t padded_entries(const mesh *mesh, int tile)
     return entries;
 }
 
-/* The structure with its control part only: amplifiers as inputs, target nodes as outputs. */
+/* The structure with the inputs and outputs of the controller only: amplifiers and target nodes. */
 static pzs_structure controlled(const analysis *analysis)
 {
     pzs_structure structure = analysis->design.structure;
@@ -152,8 +152,10 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 
 /* ---- electrodes ------------------------------------------------------- */
 
-/* Nothing where the scene has no sensors and asks for no charge. The workspaces: at rest, and at a
- * shape. */
+/*
+ * Electrodes, and the sizes of their workspaces in the reference state and at an equilibrium;
+ * nothing where the scene has no sensors and asks for no charge.
+ */
 static void write_electrodes(emitter *emitter, const analysis *analysis)
 {
     const pzs_electrodes *tables = &analysis->design.electrodes;
@@ -201,6 +203,15 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 
 /* ---- voltage problem -------------------------------------------------- */
 
+/* PREFIX_name, or NULL where the array is not written. text out */
+static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
+{
+    if (is_written)
+        snprintf(text, 128, "%.100s_%s", emitter->prefix, name);
+    else
+        snprintf(text, 128, "NULL");
+}
+
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
 {
     const design *design = &analysis->design;
@@ -232,14 +243,15 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     emit_reals(emitter, "reference_voltage", design->reference_voltage, n,
                "voltage to which the regularisation draws each amplifier (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
+    char influence_name[128], hessian_name[128];
+    name_or_null(emitter, influence, "influence", influence_name);
+    name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(
         emitter->file,
-        " %zu, %zu,\n    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_step_limit, %s_reference_voltage, PZS_R(%.17g),\n};\n\n",
-        n, m, influence ? emitter->prefix : "NULL", influence ? "_influence" : "",
-        problem.hessian ? emitter->prefix : "NULL", problem.hessian ? "_hessian" : "",
-        emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-        problem.regularisation);
+        " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, %s_reference_voltage, PZS_R(%.17g),\n};\n\n",
+        n, m, influence_name, hessian_name, emitter->prefix, emitter->prefix, emitter->prefix,
+        emitter->prefix, emitter->prefix, problem.regularisation);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, m,
                    "target displacement of each target node, the effect of the loads included");
@@ -250,8 +262,10 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
 
 /* ---- memory of the device --------------------------------------------- */
 
-/* Workspace and stack of an image in bytes, by the macros a firmware uses; `real` is what pzs_real
- * is there. */
+/*
+ * Workspace and stack of an image in bytes, by the macros that a firmware uses; `real` is the type
+ * of pzs_real on the device.
+ */
 #define NEED(real, k)                                                                              \
     {                                                                                              \
         typedef real pzs_real;                                                                     \
@@ -260,7 +274,7 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
         if (image != TABLES_CONTROL)                                                               \
             need.work[k] +=                                                                        \
                 PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE));     \
-        if (image == TABLES_LINEAR && controlled) /* the influence matrix made there */            \
+        if (image == TABLES_LINEAR && controlled) /* influence matrix computed on the device */    \
             need.work[k] +=                                                                        \
                 sizeof(pzs_real) * (size_t)design->amplifiers * (size_t)design->targets;           \
         if (image == TABLES_NONLINEAR)                                                             \
@@ -291,7 +305,7 @@ tables_memory tables_need(const analysis *analysis, tables_image image)
 
 /* ---- estimator, feed-forward, blocks ---------------------------------- */
 
-/* Gains of the estimator. */
+/* Tables of the estimator. */
 static void write_estimator(emitter *emitter, const estimator *estimator)
 {
     const pzs_estimator *tables = &estimator->tables;

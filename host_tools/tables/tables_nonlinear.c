@@ -141,9 +141,11 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
             emitter->file,
             "#ifndef %s_GAP\n#error \"the scene gives the body by a formula: define %s_GAP as its distance function (pzs_body.gap)\"\n#endif\n",
             emitter->upper, emitter->upper);
-    fprintf(emitter->file, "static const pzs_body %s_body = {\n    %s%s, ", emitter->prefix,
-            contact->body.type == BODY_PSI ? emitter->upper : gap[contact->body.type],
-            contact->body.type == BODY_PSI ? "_GAP" : "");
+    fprintf(emitter->file, "static const pzs_body %s_body = {\n    ", emitter->prefix);
+    if (contact->body.type == BODY_PSI)
+        fprintf(emitter->file, "%s_GAP, ", emitter->upper);
+    else
+        fprintf(emitter->file, "%s, ", gap[contact->body.type]);
     emit_vector(emitter, equilibrium->body.point);
     fputs(", ", emitter->file);
     emit_vector(emitter, equilibrium->body.axis);
