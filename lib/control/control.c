@@ -32,19 +32,20 @@
  * overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
-                                const pzs_real *restrict v, const pzs_real *restrict slew,
+                                const pzs_real *restrict v, const pzs_real *restrict step_limit,
                                 const pzs_real *restrict lower, const pzs_real *restrict upper,
                                 size_t width)
 {
     uint32_t clashes = 0;
     for (size_t i = 0; i < width; i++) {
-        const pzs_real last = v[i], most = slew[i], down = last - most, up = last + most;
+        const pzs_real last = v[i], most = step_limit[i], down = last - most, up = last + most;
         const pzs_real inner =
             last - down > most ? down + PZS_EPSILON * number_absolute(down) : down;
         const pzs_real outer = up - last > most ? up - PZS_EPSILON * number_absolute(up) : up;
-        const pzs_real from = inner < last ? inner : last, to = outer > last ? outer : last;
-        const pzs_real low = from > lower[i] ? from : lower[i],
-                       high = to < upper[i] ? to : upper[i];
+        const pzs_real from = inner < last ? inner : last;
+        const pzs_real to = outer > last ? outer : last;
+        const pzs_real low = from > lower[i] ? from : lower[i];
+        const pzs_real high = to < upper[i] ? to : upper[i];
         clashes += low > high ? 1u : 0u;
         lo[i] = low;
         hi[i] = high;
@@ -117,12 +118,12 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
 /* Make the present voltages the base and predict their shape. */
 static void rebase(pzs_optimiser *optimiser, pzs_control *control)
 {
-    const pzs_real effort = control->state.problem->regularisation;
+    const pzs_real regularisation = control->state.problem->regularisation;
     pzs_product_matrix(control->state.predicted, control->state.influence, optimiser->voltage,
                        control->state.problem->outputs, optimiser->inputs);
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         optimiser->regularisation_gradient[i] = optimiser->model_gradient[i] =
-            effort * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
+            regularisation * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
         optimiser->base[i] = optimiser->voltage[i];
     }
     control->state.base_energy = pzs_product_energy(
