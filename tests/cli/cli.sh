@@ -456,6 +456,10 @@ for scene in plate-few-sensors plate-closed-loop; do
         check "$scene: the header wires a loop, $bits bits" $?
     done
 done
+for bits in 32 64; do
+    ! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/wire.c" "$B/$((96 - bits))/libpiezoshape.a" -lm -o "$dir/wire" 2>"$dir/err" && grep -q "pzs_loop_init_$bits" "$dir/err"
+    check "a program with a loop in $bits bits does not link with the other library" $?
+done
 ! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=64 -DW_REAL_BITS=32 -fsyntax-only "$dir/wire.c" 2>"$dir/err" && grep -q 'needs another precision' "$dir/err"
 check 'a program that asks for float does not compile in double' $?
 echo "1..$n"
