@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The command line as a user meets it: results, exit codes, messages with line and column, files never half written.
 set -u
 cd "$(dirname "$0")/../.."
