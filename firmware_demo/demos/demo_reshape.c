@@ -15,7 +15,7 @@
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
 
 static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
-static pzs_real path_work[REALS(DEMO_PATH_BYTES)] BOARD_LARGE;
+static pzs_real path_work[REALS(DEMO_SOLVER_BYTES)] BOARD_LARGE;
 static pzs_real control_work[REALS(DEMO_CONTROL_BYTES)] BOARD_LARGE;
 static pzs_real influence[DEMO_ALL_OUTPUTS * DEMO_ALL_INPUTS] BOARD_LARGE;
 static pzs_real amount[DEMO_ALL_INPUTS]; /* volts, then the scene's loads */
@@ -130,7 +130,7 @@ static pzs_status reshape(const demo_nonlinear_image *image, reshape_log *log)
     for (int i = 0; i < DEMO_OUTPUTS; i++)
         error[i] = demo_target[i];
     for (int j = DEMO_INPUTS; j < DEMO_ALL_INPUTS; j++)
-        amount[j] = demo_full[j];
+        amount[j] = demo_full_input[j];
     if (!PZS_IS_ERROR(status))
         status = choose_volts(&control, log);
     if (!PZS_IS_ERROR(status))

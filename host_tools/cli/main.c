@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "../model/certificate_make.h"
+#include "../model/design_build.h"
 #include "../model/estimator.h"
 #include "help.h"
-#include "interrupt.h"
+#include "../system/interrupt.h"
 #include "manual.h"
 #include "../model/mass.h"
 #include "options.h"
@@ -14,7 +16,7 @@
 #include "print.h"
 #include "print_simulate.h"
 #include "print_vibration.h"
-#include "progress.h"
+#include "../system/progress.h"
 #include "../report/report.h"
 #include "../report/report_simulate.h"
 #include "templates.h"
@@ -182,9 +184,9 @@ static int solved(const options *options, analysis *analysis, const double *u)
 static int command_solve(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR] = "out of memory";
-    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
-    progress_solves(analysis->nonlinear ? &analysis->path.run.info.linear_solves : NULL);
+    progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
     const int failed = u && analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
     const int status = u && (!failed || analysis->nonlinear) ? solved(options, analysis, u) : 0;
@@ -262,7 +264,7 @@ static int command_shape(const options *options, analysis *analysis)
     progress_stage("influence matrix");
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.volts[1];
-        plausible_voltages(&analysis->warnings, analysis->design.scene, best->volt, best->name);
+        plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
         plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
                          best->name);
         progress_stop();
@@ -378,7 +380,7 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
             snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
-            report_displacement(mesh, vibration->shape + i * (size_t)mesh->dof,
+            report_displacement(mesh, vibration->shape + i * (size_t)mesh->free_dof,
                                 vector + i * length);
             field[i] = (report_field){name[i], vector + i * length};
         }
@@ -467,7 +469,7 @@ static int judge_loop(analysis *analysis, char *error)
         "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
         "the tables all the same",
         certificate->rate, certificate_first(certificate), certificate->radius,
-        certificate->rate_to);
+        certificate->stable_rate);
 }
 
 /*
@@ -487,7 +489,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (image != TABLES_CONTROL && scene->target.frees > 0)
         return scene_fault(scene, scene->target.free[0].at, error,
                            "target.free is taken out of the influence matrix of a control "
-                           "image; the device makes that of a %s image itself: use --level control "
+                           "image; the device makes that of a %s image itself: use --image control "
                            "or remove target.free",
                            tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
@@ -495,7 +497,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (scene->kinematics == KINEMATICS_LINEAR)
         return scene_fault(scene, scene->at_surface, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
-    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     analysis->nonlinear = 1;
     const int failed = u ? analysis_solve(analysis, u, error)
                          : scene_fault(scene, scene->at_surface, error, "out of memory");
@@ -510,10 +512,10 @@ static void print_tables(const options *options, const analysis *analysis, const
     const design *design = &analysis->design;
     printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", path,
            tables_image_name[options->image], design->scene->name, design->amplifiers,
-           design->targets, design->mesh.dof);
+           design->targets, design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
-               tables_fit_float(analysis) ? "float or double" : "refused in float");
+               tables_allow_float(analysis) ? "float or double" : "refused in float");
 }
 
 static int command_tables(const options *options, analysis *analysis)

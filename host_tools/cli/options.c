@@ -33,6 +33,12 @@ static int unknown_option(command_id command, const char *name)
 {
     suggestion near;
     char text[SUGGEST_TEXT];
+    const char *new_name = option_new_name(name);
+    if (new_name) {
+        fprintf(stderr, "pzs: %s is now %s; see pzs help %s\n", name, new_name,
+                command_table[command].name);
+        return OPTIONS_WRONG;
+    }
     suggest_begin(&near, name);
     for (int k = 0; k < OPTIONS; k++)
         if (command_takes(command, (option_id)k))
@@ -133,7 +139,7 @@ static int take_set(options *options, const char *value)
     return 0;
 }
 
-static int take_level(options *options, const char *value)
+static int take_image(options *options, const char *value)
 {
     for (options->image = 0;
          options->image < TABLES_IMAGES && strcmp(value, tables_image_name[options->image]) != 0;)
@@ -159,7 +165,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_SET: return take_set(options, value);
     case OPTION_LIMIT: return take_limit(options, value);
     case OPTION_NUMBER: return take_number(options, value);
-    case OPTION_LEVEL: return take_level(options, value);
+    case OPTION_IMAGE: return take_image(options, value);
     case OPTION_JSON: options->as_json = 1; return 0;
     case OPTION_STRICT: options->is_strict = 1; return 0;
     case OPTION_QUASI_STATIC: options->quasi_static = 1; return 0;

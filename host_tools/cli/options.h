@@ -4,7 +4,7 @@
 
 #include "commands.h"
 #include "../simulate/device.h"
-#include "shipped.h"
+#include "../system/shipped.h"
 #include "../tables/tables.h"
 
 /* OPTIONS_WRONG: exit code where the scene or the command line is wrong. */

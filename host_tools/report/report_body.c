@@ -3,11 +3,11 @@
 #include "report_shell.h"
 
 /* Distance of x from the body as it stands now, and its gradient. */
-static double gap_at(const path *p, const double x[3], double normal[3])
+static double gap_at(const equilibrium *p, const double x[3], double normal[3])
 {
     double from[3], hessian[3][3];
     for (int i = 0; i < 3; i++)
-        from[i] = x[i] - p->run.info.load_factor * p->design->scene->contact.move[i];
+        from[i] = x[i] - p->solver.info.load_factor * p->design->scene->contact.move[i];
     return p->body.gap(&p->body, from, normal, hessian);
 }
 
@@ -32,7 +32,7 @@ static void pull_to_body(const analysis *analysis, double x[3], double normal[3]
 {
     enum { ITERATIONS = 4 };
     for (int k = 0; k < ITERATIONS; k++) {
-        const double gap = gap_at(&analysis->path, x, normal);
+        const double gap = gap_at(&analysis->equilibrium, x, normal);
         for (int i = 0; i < 3; i++)
             x[i] -= gap * normal[i];
     }
@@ -46,7 +46,7 @@ static void find_foot(const analysis *analysis, const double *vector, double foo
     for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], unused[3];
         draw_place(&analysis->design.mesh, n, vector, 1, x);
-        const double gap = gap_at(&analysis->path, x, unused);
+        const double gap = gap_at(&analysis->equilibrium, x, unused);
         for (int i = 0; i < 3 && gap < least; i++)
             foot[i] = x[i];
         least = fmin(least, gap);
@@ -58,13 +58,14 @@ static void find_foot(const analysis *analysis, const double *vector, double foo
 static void find_reach(const analysis *analysis, const double *vector, const double foot[3],
                        double along[2][3], double reach[2][2])
 {
-    const double near = 0.12 * analysis->path.face.size, margin = 0.04 * analysis->path.face.size;
+    const double near = 0.12 * analysis->equilibrium.contact_face.size,
+                 margin = 0.04 * analysis->equilibrium.contact_face.size;
     for (int i = 0; i < 4; i++)
         reach[i / 2][i % 2] = 0;
     for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], unused[3];
         draw_place(&analysis->design.mesh, n, vector, 1, x);
-        const bool is_near = gap_at(&analysis->path, x, unused) <= near;
+        const bool is_near = gap_at(&analysis->equilibrium, x, unused) <= near;
         for (int t = 0; t < 2 && is_near; t++) {
             const double place = draw_dot3(along[t], x) - draw_dot3(along[t], foot);
             reach[t][0] = fmin(reach[t][0], place - margin);

@@ -10,7 +10,7 @@ static draw_axis axis_of(const modes *modes, int l)
     double low = 0.1, high = 1;
     for (int k = 0; k < modes->count; k++) {
         const mode_left *left = &modes->left[k * modes->limits + l];
-        low = fmin(low, fmin(left->optimum, modes->mode[k].unlimited));
+        low = fmin(low, fmin(left->optimum, modes->mode[k].unconstrained_error));
         high = fmax(high, fmax(left->optimum, left->clipped));
     }
     low = pow(10, floor(log10(fmax(low, 1e-4))));
@@ -41,7 +41,7 @@ static void draw_modes(FILE *file, const scene *scene, const modes *modes, int l
                "From the optimum within limits to clipped least squares, on a logarithmic axis");
     draw_grid(file, &x, &y, true);
     for (int k = 0; k < modes->count; k++)
-        draw_mode(file, &x, scene->target.mode[k].name, modes->mode[k].unlimited,
+        draw_mode(file, &x, scene->target.mode[k].name, modes->mode[k].unconstrained_error,
                   &modes->left[k * modes->limits + l], ROW * (k + 0.5));
     draw_end(file, DRAW_CHART);
     put(file,
@@ -55,7 +55,7 @@ static void write_modes(FILE *file, const scene *scene, const modes *modes, int 
     double size = 0, voltage = 0;
     for (int k = 0; k < modes->count; k++) {
         size = fmax(size, modes->mode[k].size);
-        voltage = fmax(voltage, modes->mode[k].volt);
+        voltage = fmax(voltage, modes->mode[k].largest_voltage);
     }
     put_table(file, "",
               "Mode|Target, RMS|Unconstrained|Its largest voltage|Optimum within "
@@ -63,8 +63,9 @@ static void write_modes(FILE *file, const scene *scene, const modes *modes, int 
     for (int k = 0; k < modes->count; k++) {
         const mode_left *left = &modes->left[k * modes->limits + l];
         put_row(file, "%t|%a|%p|%a|%p|%d|%p", scene->target.mode[k].name, modes->mode[k].size, size,
-                scene->unit_length, modes->mode[k].unlimited, modes->mode[k].volt, voltage,
-                scene->unit_voltage, left->optimum, left->active, left->clipped);
+                scene->unit_length, modes->mode[k].unconstrained_error,
+                modes->mode[k].largest_voltage, voltage, scene->unit_voltage, left->optimum,
+                left->active_limits, left->clipped);
     }
     put_table_end(file);
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../cli/words.h"
+#include "../text/words.h"
 
 #define PROGRAM "piezoshape " PZS_VERSION_TEXT
 #define FACT(name, value) "<div><dt>" name "</dt><dd>" value "</dd></div>\n"
@@ -53,16 +53,17 @@ static void write_facts(FILE *file, const analysis *analysis, double residual)
     static const char *const kinematics[] = {"local", "Cartesian"}, *const metric[] = {"flat",
                                                                                        "exact"};
     put(file, "<dl>\n" FACT("Mesh", "%d × %d elements of %d type%s, %d nodes"),
-        scene->line[0].elements, scene->line[1].elements, mesh->kinds, mesh->kinds == 1 ? "" : "s",
+        scene->line[0].elements, scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s",
         mesh->nodes);
-    put(file, FACT("Free dof", "%d, half bandwidth %d"), mesh->dof, mesh_half_bandwidth(mesh));
+    put(file, FACT("Free dof", "%d, half bandwidth %d"), mesh->free_dof, mesh_half_bandwidth(mesh));
     put(file, FACT("Element", "%s kinematics, %s metric, %d dof per node"),
-        kinematics[scene->element.cartesian], metric[scene->element.metric], (int)mesh->unknowns);
-    put(file, FACT("Thickness", "%q"), mesh->laminate.h, scene->unit_length);
+        kinematics[scene->element.cartesian], metric[scene->element.metric],
+        (int)mesh->dof_per_node);
+    put(file, FACT("Thickness", "%q"), mesh->laminate.thickness, scene->unit_length);
     put(file, FACT("Condition number, scaled", "%r"), checked(analysis->model.info.condition));
     put(file, FACT("Solver residual", "%r"), checked(residual));
     if (analysis->nonlinear)
-        write_path(file, &analysis->path.run);
+        write_path(file, &analysis->equilibrium.solver);
     else
         put(file,
             FACT("Solver error estimate, energy norm; without the discretisation error", "%r"),
@@ -88,7 +89,7 @@ static void write_warnings(FILE *file, const analysis *analysis)
     if (warnings->dropped > 0)
         put(file, "<li>and %d more</li>\n", warnings->dropped);
     if (is_behind) {
-        path_penetration(&analysis->path, analysis->status, text);
+        equilibrium_penetration_text(&analysis->equilibrium, analysis->status, text);
         put(file, "<li><b class=\"warn\">%t</b>: %t</li>\n", pzs_status_text(analysis->status),
             text);
     }

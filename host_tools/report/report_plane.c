@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../cli/words.h"
+#include "../text/words.h"
 
 static const double full_turn = 6.283185307179586, left_margin = 34, top_margin = 6;
 

@@ -39,7 +39,7 @@ static bool is_at(double voltage, double limit)
 
 static bool is_beyond(const design *design, const voltages *result, int k)
 {
-    return result->volt[k] < design->lower[k] || result->volt[k] > design->upper[k];
+    return result->voltage[k] < design->lower[k] || result->voltage[k] > design->upper[k];
 }
 
 /* Amplifiers at a limit that this set obeyed (held ones left out), or beyond those of the scene. */
@@ -55,10 +55,10 @@ static int fill_marks(const design *design, result *result)
         free(lower);
         return -1;
     }
-    const bool has_limits = is_limited(result->v) && result->v->active > 0 &&
+    const bool has_limits = is_limited(result->v) && result->v->active_limits > 0 &&
                             design_limits(design, common, lower, upper, error) == 0;
     for (int k = 0; k < design->amplifiers; k++) {
-        const double voltage = result->v->volt[k];
+        const double voltage = result->v->voltage[k];
         const bool is_active = is_at(voltage, lower[k]) || is_at(voltage, upper[k]) ||
                                is_at(voltage, design->lower[k]) || is_at(voltage, design->upper[k]);
         if (has_limits && is_active && !design_is_held(design, k))
@@ -75,10 +75,10 @@ static int fill_result(const design *design, const voltages *v, result *r)
     r->v = v;
     if (fill_marks(design, r) < 0 || page_shape_open(&r->shape, &design->mesh) < 0)
         return -1;
-    page_shape_fill(&r->shape, design, v->u, v->shape, v->aim);
+    page_shape_fill(&r->shape, design, v->u, v->shape, v->aligned_target);
     for (int k = 0; k < design->amplifiers; k++) {
         r->beyond += is_beyond(design, v, k);
-        r->voltage = fmax(r->voltage, fabs(v->volt[k]));
+        r->voltage = fmax(r->voltage, fabs(v->voltage[k]));
     }
     return 0;
 }
@@ -147,7 +147,7 @@ static void write_verdict(const shape_page *p)
     }
     put(p->file, "<p class=\"verdict\"><b>Relative RMS error %p</b>: ", best->error);
     write_name(p, best);
-    put(p->file, ", limit active at %d of %d amplifiers.", best->active, p->d->amplifiers);
+    put(p->file, ", limit active at %d of %d amplifiers.", best->active_limits, p->d->amplifiers);
     if (is_limited(best) && open)
         put(p->file, " Unconstrained, %p would remain.", open->error);
     fputs("</p>\n", p->file);
@@ -162,8 +162,8 @@ static void write_row(const shape_page *p, const result *result, double worst_er
         "</td><td>%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i>"
         "</span></td>",
         result->v->error, fmin(100 * result->v->error / worst_error, 100));
-    put(p->file, is_limited(result->v) ? "<td>%d of %d</td>" : "<td>–</td>", result->v->active,
-        p->d->amplifiers);
+    put(p->file, is_limited(result->v) ? "<td>%d of %d</td>" : "<td>–</td>",
+        result->v->active_limits, p->d->amplifiers);
     put(p->file, result->beyond ? "<td>%a</td><td><b>%d</b></td>" : "<td>%a</td><td>%d</td>",
         result->voltage, p->voltage.most, unit, result->beyond);
     put(p->file, "<td>%r</td></tr>\n", result->v->optimality);
@@ -193,11 +193,11 @@ static void write_notes(const shape_page *p)
 {
     const design *design = p->d;
     const voltages *result = main_result(p)->v;
-    if (result->narrower + result->held > 0)
+    if (result->narrowed + result->held > 0)
         put(p->file,
             "<p>Of %d amplifiers, with narrower limits than the table says (own limits, "
             "field_limit): %d; held: %d.</p>\n",
-            design->amplifiers, result->narrower, result->held);
+            design->amplifiers, result->narrowed, result->held);
     if (result->fixed_off > 0)
         put(p->file,
             "<p>%d of %d target rows lie on constrained dof and cannot move, %d of them "
@@ -238,7 +238,7 @@ static void write_optics(const shape_page *p)
     for (int k = 0; k < p->results; k++) {
         const voltages *result = p->result[k].v;
         const optics shape = optics_of(p->d, result->shape, NULL);
-        const optics misfit = optics_of(p->d, result->shape, result->aim);
+        const optics misfit = optics_of(p->d, result->shape, result->aligned_target);
         put_row(p->file, "%t|%q|%q|%q|%q", result->name, shape.rms, unit, shape.valley, unit,
                 misfit.rms, unit, misfit.valley, unit);
     }
@@ -263,7 +263,7 @@ static int draw_reached(const shape_page *p, const result *result)
 static int draw_misfit(const shape_page *p, const result *result)
 {
     const draw_scale own = {true, result->shape.worst, p->misfit.unit};
-    const optics misfit = optics_of(p->d, result->v->shape, result->v->aim);
+    const optics misfit = optics_of(p->d, result->v->shape, result->v->aligned_target);
     fputs("<figure>\n", p->file);
     const int failed =
         shell_map(p->file, &p->d->mesh, result->shape.misfit, &own, "Misfit, reached minus target");
@@ -296,7 +296,7 @@ static void draw_voltages(const shape_page *p, const result *result)
     for (int which = 0; which < p->plans; which++) {
         if (p->plans > 1)
             write_plan(p, which);
-        shell_voltages(p->file, &p->d->mesh, p->plan, which, result->v->volt, result->mark,
+        shell_voltages(p->file, &p->d->mesh, p->plan, which, result->v->voltage, result->mark,
                        &p->voltage);
     }
     put(p->file, "<figcaption>Voltages in their patches: largest <b>%q</b>", result->voltage,
@@ -304,7 +304,7 @@ static void draw_voltages(const shape_page *p, const result *result)
     for (int k = 0; k < scene->actuators; k++)
         if (p->plan[k] < 0)
             put(p->file, ", %t %q", scene->actuator[k].name,
-                result->v->volt[scene->actuator[k].first], scene->unit_temperature);
+                result->v->voltage[scene->actuator[k].first], scene->unit_temperature);
     fputs(". One scale for all results:", p->file);
     draw_legend(p->file, &p->voltage);
     fputs("</figcaption></figure>\n", p->file);
@@ -327,7 +327,7 @@ static int draw_result(const shape_page *p, const result *result)
 static page_set result_set(const void *context, int set)
 {
     const shape_page *p = context;
-    return (page_set){p->result[set].v->name, p->result[set].v->volt};
+    return (page_set){p->result[set].v->name, p->result[set].v->voltage};
 }
 
 static int write_page(const report_job *job, const shape_page *p, const modes *modes)
@@ -370,7 +370,7 @@ static int write_picture(const report_job *job, const shape_page *p)
     put(p->file, "<svg width=\"420\" height=\"%f\">", p->view.height);
     const int failed = page_shape_draw(p->file, &result->shape, &p->view, p->d, p->factor, &own);
     put(p->file, "</svg>\n<svg x=\"436\" width=\"320\" height=\"350\">");
-    shell_voltages(p->file, &p->d->mesh, p->plan, 0, result->v->volt, result->mark, &p->voltage);
+    shell_voltages(p->file, &p->d->mesh, p->plan, 0, result->v->voltage, result->mark, &p->voltage);
     fputs("</svg>\n", p->file);
     draw_legend_at(p->file, &own, 0, height - 32);
     draw_legend_at(p->file, &p->voltage, 430, height - 32);

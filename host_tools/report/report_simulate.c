@@ -1,10 +1,11 @@
 /* Page of `pzs simulate` (report_simulate.h). */
 #include "report_simulate.h"
+#include "../simulate/simulate_words.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "report_page.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 /* ---- record ----------------------------------------------------------- */
 
@@ -78,14 +79,14 @@ static const simulate_phase *worst_phase(const simulation *simulation, double *a
 static void write_verdict(const simulate_page *p)
 {
     double above;
-    char name[WORDS_PHASE];
+    char name[SIMULATE_PHASE_TEXT];
     const simulate_phase *worst = worst_phase(p->s, &above);
     put(p->file,
         "<p class=\"verdict\"><b>%d voltages beyond a limit or the step limit</b> in %d "
         "ticks",
         (int)p->s->count[LAW_CONTROLLER].beyond, p->r->ticks);
     if (worst) {
-        words_phase(p->s, worst, name);
+        simulate_words_phase(p->s, worst, name);
         put(p->file,
             "; at the end of a phase the relative RMS error is at most %p above the "
             "optimum for that plant in the same limits (“%t”, from tick %d)",
@@ -109,8 +110,8 @@ static void write_phases(const simulate_page *p)
     for (int k = 0; k < p->s->phases; k++) {
         const simulate_phase *phase = &p->s->phase[k];
         const simulate_course *course = phase->course;
-        char name[WORDS_PHASE];
-        words_phase(p->s, phase, name);
+        char name[SIMULATE_PHASE_TEXT];
+        simulate_words_phase(p->s, phase, name);
         put_row(p->file, "%d|~%t|%p|%p|%p|%p|%p|%n|%d", phase->from, name, phase->optimum,
                 course[LAW_CONTROLLER].steady, course[LAW_CLAMP].steady,
                 course[LAW_REGULARISED].steady, course[LAW_CONTROLLER].worst,
@@ -127,7 +128,7 @@ static void write_extras(const simulate_page *p, const simulate_count *count)
     if (p->s->estimates) {
         estimator_text(&p->s->estimator, p->s->nominal, text);
         put(p->file, "<p>The shape is estimated. By the influence %s, %t.</p>\n",
-            words_influence(p->scene), text);
+            simulate_words_influence(p->scene), text);
     }
     if (p->scene->simulate.finds)
         put(p->file,
@@ -190,15 +191,15 @@ static void write_certificate(const simulate_page *p)
 {
     const certificate *certificate = &p->s->nominal->certificate;
     char text[3 * SCENE_ERROR];
-    if (!certificate->made)
+    if (!certificate->is_made)
         return;
     certificate_text(certificate, text);
     put(p->file, "<p><b>Quasi-static plant: no inertia.</b> ");
-    if (certificate->vibrates)
+    if (certificate->has_modes)
         put(p->file, "First natural frequency %q. %t</p>\n", certificate_first(certificate), "Hz",
             text);
     else
-        put(p->file, "Vibration is not known: %t</p>\n", certificate->why_not);
+        put(p->file, "Vibration is not known: %t</p>\n", certificate->reason);
 }
 
 /* ---- over time -------------------------------------------------------- */
@@ -404,8 +405,8 @@ static bool is_worth_seeing(const simulation *simulation, int k)
 static int draw_phase(simulate_page *p, int k)
 {
     int failed = 0;
-    char name[WORDS_PHASE];
-    words_phase(p->s, &p->s->phase[k], name);
+    char name[SIMULATE_PHASE_TEXT];
+    simulate_words_phase(p->s, &p->s->phase[k], name);
     put(p->file,
         "<article class=\"set\">\n<h3>Tick %d: end of “%t”</h3>\n<div class=\"row two\">"
         "\n",

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include "report_page.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 /* ---- outputs ---------------------------------------------------------- */
 
@@ -318,7 +318,7 @@ static int write_components(const solve_page *p)
 /* Map of the contact pressure, where there is a contact. */
 static int write_contact_map(const solve_page *p)
 {
-    const pzs_contact *contact = &p->a->path.contact;
+    const pzs_contact *contact = &p->a->equilibrium.contact;
     char unit[WORDS_UNIT];
     draw_scale scale = {false, 0, words_unit(p->m->scene, QUANTITY_PRESSURE, unit)};
     if (!p->a->nonlinear || !p->m->scene->contact.given)
@@ -348,14 +348,14 @@ static int write_page(const report_job *job, const solve_page *p, const double *
 {
     const analysis *analysis = p->a;
     page_begin(job, analysis, "Displacement under loads and applied voltages",
-               analysis->nonlinear ? analysis->path.run.info.residual
+               analysis->nonlinear ? analysis->equilibrium.solver.info.residual
                                    : analysis->model.info.residual);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", p->file);
     int failed = write_deformed(p);
     fputs("<div>\n", p->file);
     write_outputs(p->file, analysis, output);
     page_conditions(p->file, &analysis->design);
-    page_voltages(p->file, &analysis->design, 1, applied_set, analysis->amount);
+    page_voltages(p->file, &analysis->design, 1, applied_set, analysis->input_value);
     fputs("</div>\n</div>\n</section>\n", p->file);
     for (int along = 0; along < 2; along++)
         draw_lines(p->file, analysis, output, along);

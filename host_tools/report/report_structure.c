@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 #include "report_page.h"
-#include "../cli/words.h"
+#include "../text/words.h"
 
 static const char *const component_word[] = {"u₁", "u₂", "u₃", "x", "y", "z"};
 static const char *const face_word[] = {"middle", "inner face", "outer face", "mean of the faces"};
@@ -189,7 +189,7 @@ void page_conditions(FILE *file, const design *design)
     const scene *scene = design->scene;
     put_table(file, "Supports, loads and actuators", "");
     for (int k = 0; k < scene->supports; k++)
-        write_support(file, scene, &scene->support[k], design->mesh.unknowns);
+        write_support(file, scene, &scene->support[k], design->mesh.dof_per_node);
     for (int k = 0; k < scene->loads; k++)
         write_load(file, &design->mesh, &scene->load[k]);
     if (scene->contact.given)

@@ -133,7 +133,8 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
  */
 static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, pzs_real upper)
 {
-    const pzs_real falls = v < upper ? number_absolute(g) : g, stays = v < upper ? -g : 0;
+    const pzs_real falls = v < upper ? number_absolute(g) : g;
+    const pzs_real stays = v < upper ? -g : 0;
     return v > lower ? falls : stays;
 }
 
@@ -158,8 +159,8 @@ static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
             open += !(x >= lower[i] && x <= upper[i]);
             continue;
         }
-        const pzs_real way = free_set[i] > 0 ? move[i] : 0,
-                       slope = free_set[i] > 0 ? 0 : gradient[i] - move[i];
+        const pzs_real way = free_set[i] > 0 ? move[i] : 0;
+        const pzs_real slope = free_set[i] > 0 ? 0 : gradient[i] - move[i];
         const pzs_real x = v[i] + way, most = entry_violation(slope, x, lower[i], upper[i]);
         move[i] = way + slope;
         next[i] = x;
@@ -599,7 +600,9 @@ static uint32_t clamp_voltages(pzs_real *restrict v, const pzs_real *restrict lo
 {
     uint32_t outside = 0;
     for (size_t i = 0; i < span; i++) {
-        outside += (v[i] < lower[i] ? 1u : 0u) + (v[i] > upper[i] ? 1u : 0u);
+        const uint32_t below = v[i] < lower[i] ? 1u : 0u;
+        const uint32_t above = v[i] > upper[i] ? 1u : 0u;
+        outside += below + above;
         v[i] = number_clamp(v[i], lower[i], upper[i]);
     }
     return outside;

@@ -32,19 +32,20 @@
  * overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
-                                const pzs_real *restrict v, const pzs_real *restrict slew,
+                                const pzs_real *restrict v, const pzs_real *restrict step_limit,
                                 const pzs_real *restrict lower, const pzs_real *restrict upper,
                                 size_t width)
 {
     uint32_t clashes = 0;
     for (size_t i = 0; i < width; i++) {
-        const pzs_real last = v[i], most = slew[i], down = last - most, up = last + most;
+        const pzs_real last = v[i], most = step_limit[i], down = last - most, up = last + most;
         const pzs_real inner =
             last - down > most ? down + PZS_EPSILON * number_absolute(down) : down;
         const pzs_real outer = up - last > most ? up - PZS_EPSILON * number_absolute(up) : up;
-        const pzs_real from = inner < last ? inner : last, to = outer > last ? outer : last;
-        const pzs_real low = from > lower[i] ? from : lower[i],
-                       high = to < upper[i] ? to : upper[i];
+        const pzs_real from = inner < last ? inner : last;
+        const pzs_real to = outer > last ? outer : last;
+        const pzs_real low = from > lower[i] ? from : lower[i];
+        const pzs_real high = to < upper[i] ? to : upper[i];
         clashes += low > high ? 1u : 0u;
         lo[i] = low;
         hi[i] = high;
@@ -117,12 +118,12 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
 /* Make the present voltages the base and predict their shape. */
 static void rebase(pzs_optimiser *optimiser, pzs_control *control)
 {
-    const pzs_real effort = control->state.problem->regularisation;
+    const pzs_real regularisation = control->state.problem->regularisation;
     pzs_product_matrix(control->state.predicted, control->state.influence, optimiser->voltage,
                        control->state.problem->outputs, optimiser->inputs);
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         optimiser->regularisation_gradient[i] = optimiser->model_gradient[i] =
-            effort * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
+            regularisation * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
         optimiser->base[i] = optimiser->voltage[i];
     }
     control->state.base_energy = pzs_product_energy(
@@ -522,56 +523,4 @@ pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *r
     r.kkt_violation = most > 0 ? wrong / most : 0;
     *report = r;
     return PZS_OK;
-}
-
-/* ---- comparison ------------------------------------------------------ */
-
-/*
- * Unconstrained optimum into b->voltage. Needs the target gradient; overwrites free set and
- * tableau. Inputs that depend linearly on others stay at 0 V.
- */
-static void solve_free(pzs_optimiser *optimiser)
-{
-    memset(optimiser->voltage, 0, optimiser->width * sizeof(pzs_real));
-    for (uint32_t i = 0; i < optimiser->inputs; i++)
-        optimiser->free_set[i] = 1;
-    pzs_tableau_rebuild(optimiser);
-    for (uint32_t round = 0; round < 3u; round++) {
-        pzs_boxls_true_gradient(optimiser);
-        (void)pzs_boxls_find_direction(optimiser, 0);
-        for (uint32_t i = 0; i < optimiser->inputs; i++)
-            optimiser->voltage[i] += optimiser->free_set[i] > 0 ? optimiser->direction[i] : 0;
-    }
-}
-
-pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *voltage)
-{
-    const pzs_status status = voltage != NULL ? ready(control, error) : PZS_E_ARGUMENT;
-    if (status != PZS_OK)
-        return status;
-    pzs_optimiser *optimiser = &control->state.optimiser;
-    uint8_t *swept = control->state.repeats + control->state.problem->outputs;
-    for (uint32_t i = 0; i < optimiser->inputs; i++)
-        swept[i] = optimiser->free_set[i] > 0;
-    (void)project_target(optimiser, control, error, control->state.predicted);
-    pzs_optimiser apart = *optimiser; /* its own voltages and model gradient */
-    apart.voltage = optimiser->start_voltage;
-    apart.model_gradient = optimiser->start_gradient;
-    solve_free(&apart);
-    for (uint32_t i = 0; i < optimiser->inputs; i++)
-        optimiser->free_set[i] = swept[i];
-    pzs_tableau_rebuild(optimiser);
-    if (pzs_guard_nonfinite(apart.voltage, optimiser->inputs) >= 0)
-        return finish(control, PZS_E_NONFINITE,
-                      pzs_guard_nonfinite(error, control->state.problem->outputs));
-    memcpy(voltage, apart.voltage, optimiser->inputs * sizeof(pzs_real));
-    return finish(control, PZS_OK, -1);
-}
-
-pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *voltage)
-{
-    const pzs_status status = pzs_unlimited(control, error, voltage);
-    for (uint32_t i = 0; status == PZS_OK && i < control->state.problem->inputs; i++)
-        voltage[i] = number_clamp(voltage[i], control->state.lower[i], control->state.upper[i]);
-    return status;
 }

@@ -106,9 +106,8 @@ pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs
                        tables->sensors);
     for (uint32_t i = 0; i < tables->outputs; i++)
         shape[i] += estimate->state.control->state.predicted[i];
-    if (unusable == 0)
-        return finish(estimate, PZS_OK, where);
-    return finish(estimate, unusable < tables->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
+    const pzs_status warning = unusable < tables->sensors ? PZS_W_SENSOR : PZS_W_HELD;
+    return finish(estimate, unusable == 0 ? PZS_OK : warning, where);
 }
 
 /* ---- block ------------------------------------------------------------ */

@@ -37,37 +37,37 @@ pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table)
                : PZS_E_NONFINITE;
 }
 
-pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real *amount,
+pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real *value,
                             pzs_real *shape)
 {
-    if (table == NULL || amount == NULL || shape == NULL)
+    if (table == NULL || value == NULL || shape == NULL)
         return PZS_E_ARGUMENT;
-    if (pzs_guard_nonfinite(amount, table->inputs) >= 0)
+    if (pzs_guard_nonfinite(value, table->inputs) >= 0)
         return PZS_E_NONFINITE;
     for (uint32_t i = 0; i < table->outputs; i++) {
         const pzs_real *row = table->sensitivity + (size_t)i * table->inputs;
         for (uint32_t k = 0; k < table->inputs; k++)
-            shape[i] -= row[k] * amount[k];
+            shape[i] -= row[k] * value[k];
     }
     return PZS_OK;
 }
 
 /* ---- block ------------------------------------------------------------ */
 
-/* The table for the readings: that of the shape where the readings are the shape. */
-static const pzs_feed_forward_table *of_readings(const pzs_known_loads *t)
+/* Table of the readings; that of the shape where the readings are the measured shape. */
+static const pzs_feed_forward_table *readings_table(const pzs_known_loads *loads)
 {
-    return t->readings != NULL ? t->readings : t->shape;
+    return loads->readings != NULL ? loads->readings : loads->shape;
 }
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
-    const pzs_feed_forward_table *readings = of_readings(tables);
+    const pzs_feed_forward_table *readings = readings_table(tables);
     const uint16_t sensors = readings != NULL ? readings->outputs : 0;
     return PZS_FEED_FORWARD_BLOCK_BYTES(sensors, problem->outputs);
 }
 
-/* A table that is valid, of this scene, with so many rows. */
+/* Check that a table is valid, belongs to the scene of the problem and has this number of rows. */
 static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *problem,
                         uint16_t rows)
 {
@@ -81,35 +81,35 @@ static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *
 
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
-    const pzs_known_loads *t = tables;
+    const pzs_known_loads *loads = tables;
     const pzs_problem *problem = signals->control->state.problem;
-    pzs_feed_forward_state *f = self;
-    pzs_status status = check(t->shape, problem, problem->outputs);
+    pzs_feed_forward_state *state = self;
+    pzs_status status = check(loads->shape, problem, problem->outputs);
     if (status == PZS_OK)
-        status = check(of_readings(t), problem, signals->sensors);
+        status = check(readings_table(loads), problem, signals->sensors);
     if (status != PZS_OK)
         return status;
-    if (of_readings(t)->inputs != t->shape->inputs)
+    if (readings_table(loads)->inputs != loads->shape->inputs)
         return PZS_E_ARGUMENT;
-    f->tables = t;
-    f->readings = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *f));
-    f->wanted = f->readings + signals->sensors;
+    state->tables = loads;
+    state->readings = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *state));
+    state->wanted = state->readings + signals->sensors;
     return PZS_OK;
 }
 
-/* Make *signal a copy of itself, in `room`, without the loads of values `known`. */
-static pzs_status take_out(const pzs_feed_forward_table *table, const pzs_real *known,
-                           const pzs_real **signal, pzs_real *room)
+/* Let *signal point to `copy`, a copy of the signal without the effect of the known loads. */
+static pzs_status subtract_known(const pzs_feed_forward_table *table, const pzs_real *known,
+                                 const pzs_real **signal, pzs_real *copy)
 {
     if (known == NULL || *signal == NULL)
         return PZS_OK;
-    memcpy(room, *signal, table->outputs * sizeof *room);
-    *signal = room;
-    return pzs_feed_forward(table, known, room);
+    memcpy(copy, *signal, table->outputs * sizeof *copy);
+    *signal = copy;
+    return pzs_feed_forward(table, known, copy);
 }
 
 /* Index of the first known value that is not finite, or -1. */
-static int32_t bad_value(const pzs_loop_signals *signals, uint32_t loads)
+static int32_t find_nonfinite_value(const pzs_loop_signals *signals, uint32_t loads)
 {
     int32_t bad = -1;
     if (signals->known_now != NULL)
@@ -121,12 +121,14 @@ static int32_t bad_value(const pzs_loop_signals *signals, uint32_t loads)
 
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
-    pzs_feed_forward_state *f = self;
-    signals->where = bad_value(signals, f->tables->shape->inputs);
+    pzs_feed_forward_state *state = self;
+    signals->where = find_nonfinite_value(signals, state->tables->shape->inputs);
     if (signals->where >= 0)
         return PZS_E_NONFINITE;
-    (void)take_out(of_readings(f->tables), signals->known_now, &signals->readings, f->readings);
-    (void)take_out(f->tables->shape, signals->known_next, &signals->wanted, f->wanted);
+    (void)subtract_known(readings_table(state->tables), signals->known_now, &signals->readings,
+                         state->readings);
+    (void)subtract_known(state->tables->shape, signals->known_next, &signals->wanted,
+                         state->wanted);
     signals->measured = signals->readings;
     return PZS_OK;
 }

@@ -50,7 +50,11 @@ void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
     const pzs_real *from = &zero;
     for (size_t j = 0, now; j < cols; j += now) {
         const size_t left = cols - j, fours = (left + 3u) / 4u, step = j > 0;
-        now = 4u * (fours >= FOURS ? FOURS : fours >= FEW ? FEW : 1u);
+        now = 4u;
+        if (fours >= FOURS)
+            now = 4u * FOURS;
+        else if (fours >= FEW)
+            now = 4u * FEW;
         now = now < left ? now : left;
         if (fours >= FOURS)
             multiply_many(y, from, step, a + j, cols, x + j, rows, now);
@@ -157,7 +161,11 @@ void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size
     }
     for (size_t j = 0, end; j < cols; j = end) {
         const size_t tiles = (cols - j + PZS_TILE - 1u) / PZS_TILE;
-        const size_t now = tiles >= MANY ? MANY : tiles >= SOME ? SOME : 1u;
+        size_t now = 1u;
+        if (tiles >= MANY)
+            now = MANY;
+        else if (tiles >= SOME)
+            now = SOME;
         end = j + now * PZS_TILE < cols ? j + now * PZS_TILE : cols;
         const size_t from = PZS_TILE == 4 || now > 1u ? j : end - PZS_TILE;
         if (now == MANY)

@@ -34,7 +34,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_DIVERGED: return "no equilibrium found beyond the last one";
     case PZS_E_LIMIT: return "a limit point or a bifurcation is near";
     case PZS_E_CONTACT:
-        return "contact did not settle; a loose shell must touch the body and be pressed onto it";
+        return "contact did not converge; a loose shell must touch the body and be pressed onto it";
     case PZS_E_PENETRATION: return "the contact body would enter the shell";
     case PZS_E_SOLVES: return "limit on linear solves reached";
     default: return "unknown status";

@@ -203,11 +203,12 @@ void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count
     add_place place[SHELL_MAX];
     const unsigned found = free_places(model, node, count, place);
     pzs_real *value = model->state.stiffness.value;
-    for (const add_place *p = place; p < place + found; p++) {
-        const pzs_real *row = entry + SHELL_PACKED((unsigned)p->local);
-        for (const add_place *q = place; q <= p; q++)
-            value[p->dof > q->dof ? p->base + q->step : q->base + p->step] +=
-                factor * row[q->local];
+    for (const add_place *row_place = place; row_place < place + found; row_place++) {
+        const pzs_real *row = entry + SHELL_PACKED((unsigned)row_place->local);
+        for (const add_place *column_place = place; column_place <= row_place; column_place++)
+            value[row_place->dof > column_place->dof ? row_place->base + column_place->step
+                                                     : column_place->base + row_place->step] +=
+                factor * row[column_place->local];
     }
 }
 
@@ -410,7 +411,8 @@ static void estimate_error(pzs_model *model, const pzs_real *f, const pzs_real *
     const pzs_real error = pzs_linalg_inner(r, z, n);
     /* Rounding may make a tiny error negative; a NaN must stay NaN. */
     model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, r) / load);
-    model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT((error < 0 ? 0 : error) / energy);
+    const pzs_real error2 = error < 0 ? 0 : error;
+    model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT(error2 / energy);
 }
 
 /*
@@ -444,7 +446,8 @@ static void solve_scaled(pzs_model *model, pzs_real *u)
 {
     pzs_real *f = model->state.work, *r = f + model->state.stiffness.n;
     model->info.refinements = 0;
-    model->info.residual = model->info.error_estimate = -1;
+    model->info.residual = -1;
+    model->info.error_estimate = -1;
     if (!model->state.structure->type) {
         pzs_model_backsolve(model, f, u);
         return;

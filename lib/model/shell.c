@@ -75,19 +75,19 @@ static shell_corner corner_derivatives(const pzs_element_type *type, unsigned do
  * forces f.
  */
 static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
-                           const shell_corner *c, int r, pzs_real *f)
+                           const shell_corner *force, int r, pzs_real *f)
 {
     pzs_real *own = f + (unsigned)r * dof_per_node;
     for (int a = 0; a < 2; a++) {
         pzs_real *other = f + neighbour[r][a] * dof_per_node;
-        add_transposed(own, type->s[r][a], c->mean[a]);
-        add_transposed(other, type->t[r][a], c->mean[a]);
-        add_transposed(own + 3, type->s[r][a], c->diff[a]);
-        add_transposed(other + 3, type->t[r][a], c->diff[a]);
+        add_transposed(own, type->s[r][a], force->mean[a]);
+        add_transposed(other, type->t[r][a], force->mean[a]);
+        add_transposed(own + 3, type->s[r][a], force->diff[a]);
+        add_transposed(other + 3, type->t[r][a], force->diff[a]);
     }
-    add_scaled(own + 3, 1, c->beta);
+    add_scaled(own + 3, 1, force->beta);
     if (dof_per_node == 7)
-        own[6] += c->q;
+        own[6] += force->q;
 }
 
 /*
@@ -95,46 +95,49 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
  * = g.lam + lam.lam/2 follows de = (g + lam).dlam on each face. Written in means and differences of
  * the faces, no terms cancel.
  */
-static void corner_strains(const shape *s, const shell_corner *d, pzs_real h, pzs_real e[10])
+static void corner_strains(const shape *base, const shell_corner *change, pzs_real h,
+                           pzs_real e[10])
 {
     const pzs_real hh4 = h * h / 4;
     for (int a = 0; a < 2; a++) {
-        e[2 * a] = dot(s->mean[a], d->mean[a]) + hh4 * dot(s->diff[a], d->diff[a]);
-        e[2 * a + 1] = h * (dot(s->mean[a], d->diff[a]) + dot(s->diff[a], d->mean[a]));
-        e[E13 + a] = dot(s->mean[a], d->beta) + dot(s->beta, d->mean[a]) -
-                     2 * h * (s->diff[a][2] * d->q + s->q * d->diff[a][2]);
+        e[2 * a] = dot(base->mean[a], change->mean[a]) + hh4 * dot(base->diff[a], change->diff[a]);
+        e[2 * a + 1] =
+            h * (dot(base->mean[a], change->diff[a]) + dot(base->diff[a], change->mean[a]));
+        e[E13 + a] = dot(base->mean[a], change->beta) + dot(base->beta, change->mean[a]) -
+                     2 * h * (base->diff[a][2] * change->q + base->q * change->diff[a][2]);
     }
-    e[E33M] = dot(s->beta, d->beta) + 16 * s->q * d->q;
-    e[E33D] = -8 * (s->beta[2] * d->q + s->q * d->beta[2]);
-    e[E12M] = dot(s->mean[0], d->mean[1]) + dot(s->mean[1], d->mean[0]) +
-              hh4 * (dot(s->diff[0], d->diff[1]) + dot(s->diff[1], d->diff[0]));
-    e[E12D] = h * (dot(s->mean[0], d->diff[1]) + dot(s->diff[0], d->mean[1]) +
-                   dot(s->mean[1], d->diff[0]) + dot(s->diff[1], d->mean[0]));
+    e[E33M] = dot(base->beta, change->beta) + 16 * base->q * change->q;
+    e[E33D] = -8 * (base->beta[2] * change->q + base->q * change->beta[2]);
+    e[E12M] = dot(base->mean[0], change->mean[1]) + dot(base->mean[1], change->mean[0]) +
+              hh4 * (dot(base->diff[0], change->diff[1]) + dot(base->diff[1], change->diff[0]));
+    e[E12D] = h * (dot(base->mean[0], change->diff[1]) + dot(base->diff[0], change->mean[1]) +
+                   dot(base->mean[1], change->diff[0]) + dot(base->diff[1], change->mean[0]));
 }
 
 /* Transpose of corner_strains: forces f on the derivatives from the stresses t. */
-static void corner_stresses(const shape *s, const pzs_real t[10], pzs_real h, shell_corner *f)
+static void corner_stresses(const shape *base, const pzs_real t[10], pzs_real h,
+                            shell_corner *force)
 {
     const pzs_real hh4 = h * h / 4;
-    memset(f, 0, sizeof *f);
+    memset(force, 0, sizeof *force);
     for (int a = 0; a < 2; a++) {
         const pzs_real m = t[2 * a], d = h * t[2 * a + 1], q = t[E13 + a];
-        add_scaled(f->mean[a], m, s->mean[a]);
-        add_scaled(f->mean[a], d, s->diff[a]);
-        add_scaled(f->mean[a], q, s->beta);
-        add_scaled(f->mean[a], t[E12M], s->mean[1 - a]);
-        add_scaled(f->mean[a], h * t[E12D], s->diff[1 - a]);
-        add_scaled(f->diff[a], hh4 * m, s->diff[a]);
-        add_scaled(f->diff[a], d, s->mean[a]);
-        add_scaled(f->diff[a], hh4 * t[E12M], s->diff[1 - a]);
-        add_scaled(f->diff[a], h * t[E12D], s->mean[1 - a]);
-        f->diff[a][2] -= 2 * h * q * s->q;
-        add_scaled(f->beta, q, s->mean[a]);
-        f->q -= 2 * h * q * s->diff[a][2];
+        add_scaled(force->mean[a], m, base->mean[a]);
+        add_scaled(force->mean[a], d, base->diff[a]);
+        add_scaled(force->mean[a], q, base->beta);
+        add_scaled(force->mean[a], t[E12M], base->mean[1 - a]);
+        add_scaled(force->mean[a], h * t[E12D], base->diff[1 - a]);
+        add_scaled(force->diff[a], hh4 * m, base->diff[a]);
+        add_scaled(force->diff[a], d, base->mean[a]);
+        add_scaled(force->diff[a], hh4 * t[E12M], base->diff[1 - a]);
+        add_scaled(force->diff[a], h * t[E12D], base->mean[1 - a]);
+        force->diff[a][2] -= 2 * h * q * base->q;
+        add_scaled(force->beta, q, base->mean[a]);
+        force->q -= 2 * h * q * base->diff[a][2];
     }
-    add_scaled(f->beta, t[E33M], s->beta);
-    f->beta[2] -= 8 * t[E33D] * s->q;
-    f->q += 16 * t[E33M] * s->q - 8 * t[E33D] * s->beta[2];
+    add_scaled(force->beta, t[E33M], base->beta);
+    force->beta[2] -= 8 * t[E33D] * base->q;
+    force->q += 16 * t[E33M] * base->q - 8 * t[E33D] * base->beta[2];
 }
 
 /* Add the strains e of corner r to the modes:  e^m = 1/4 sum_r sign e_r. */
@@ -286,27 +289,27 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 #if PZS_NONLINEAR
 
 /* The members of a shell_corner as a shape. */
-static shape shape_of(const shell_corner *d)
+static shape shape_of(const shell_corner *corner)
 {
-    const shape s = {d->mean, d->diff, d->beta, d->q};
+    const shape s = {corner->mean, corner->diff, corner->beta, corner->q};
     return s;
 }
 
 /* Base vectors at corner r plus `part` of the derivatives d. */
-static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *d,
+static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
                                     pzs_real part, int r)
 {
-    shell_corner s;
-    memcpy(s.mean, type->g_mean[r], sizeof s.mean);
-    memcpy(s.diff, type->g_diff[r], sizeof s.diff);
-    memcpy(s.beta, e3, sizeof s.beta);
+    shell_corner corner;
+    memcpy(corner.mean, type->g_mean[r], sizeof corner.mean);
+    memcpy(corner.diff, type->g_diff[r], sizeof corner.diff);
+    memcpy(corner.beta, e3, sizeof corner.beta);
     for (int a = 0; a < 2; a++) {
-        add_scaled(s.mean[a], part, d->mean[a]);
-        add_scaled(s.diff[a], part, d->diff[a]);
+        add_scaled(corner.mean[a], part, derivative->mean[a]);
+        add_scaled(corner.diff[a], part, derivative->diff[a]);
     }
-    add_scaled(s.beta, part, d->beta);
-    s.q = part * d->q;
-    return s;
+    add_scaled(corner.beta, part, derivative->beta);
+    corner.q = part * derivative->q;
+    return corner;
 }
 
 static void derivatives(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,

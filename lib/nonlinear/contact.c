@@ -65,9 +65,11 @@ static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_rea
     for (int i = 0; i < 3; i++)
         normal[i] = inverse * from[i];
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            hessian[i][j] = inverse * ((i == j ? 1 : 0) - normal[i] * normal[j] -
-                                       (along ? along[i] * along[j] : 0));
+        for (int j = 0; j < 3; j++) {
+            const pzs_real unit = i == j ? 1 : 0;
+            const pzs_real across = along ? along[i] * along[j] : 0;
+            hessian[i][j] = inverse * (unit - normal[i] * normal[j] - across);
+        }
     return distance - radius;
 }
 
@@ -344,10 +346,13 @@ static void add_tangent(const pzs_contact *contact, pzs_solver *solver, uint16_t
     const pzs_real z = face_height(contact, solver);
     pzs_real k[SHELL_PACKED(7)] = {0};
     for (unsigned i = 0; i < 6; i++)
-        for (unsigned j = 0; j <= i; j++)
-            k[SHELL_PACKED(i) + j] = (i < 3 ? 1 : z) * (j < 3 ? 1 : z) *
+        for (unsigned j = 0; j <= i; j++) {
+            const pzs_real row_arm = i < 3 ? 1 : z;
+            const pzs_real column_arm = j < 3 ? 1 : z;
+            k[SHELL_PACKED(i) + j] = row_arm * column_arm *
                                      (e * point->normal[i % 3] * point->normal[j % 3] -
                                       contact->state.pressure[node] * point->hessian[i % 3][j % 3]);
+        }
     pzs_model_add_matrix(solver->state.model, &node, 1, contact->state.face->area[node], k);
 }
 

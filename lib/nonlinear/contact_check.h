@@ -36,7 +36,7 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
  *   value [inputs] in
  */
 pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,
-                                  const pzs_real *amount);
+                                  const pzs_real *value);
 
 #endif
 #endif

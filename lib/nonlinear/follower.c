@@ -34,46 +34,46 @@ typedef struct vector_slope {
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
 /* sum += factor x x y, with derivatives */
-static void add_cross(pzs_real factor, const vector_slope *x, const vector_slope *y,
+static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)
 {
     pzs_real c[3], d[3];
-    pzs_face_cross(x->v, y->v, c);
+    pzs_face_cross(left->v, right->v, c);
     for (int i = 0; i < 3; i++)
         sum->v[i] += factor * c[i];
     for (int j = 0; j < VARIABLES; j++) {
-        const pzs_real dx[3] = {x->slope[0][j], x->slope[1][j], x->slope[2][j]};
-        const pzs_real dy[3] = {y->slope[0][j], y->slope[1][j], y->slope[2][j]};
-        pzs_face_cross(dx, y->v, c);
-        pzs_face_cross(x->v, dy, d);
+        const pzs_real dx[3] = {left->slope[0][j], left->slope[1][j], left->slope[2][j]};
+        const pzs_real dy[3] = {right->slope[0][j], right->slope[1][j], right->slope[2][j]};
+        pzs_face_cross(dx, right->v, c);
+        pzs_face_cross(left->v, dy, d);
         for (int i = 0; i < 3; i++)
             sum->slope[i][j] += factor * (c[i] + d[i]);
     }
 }
 
 /* x / |n| with its derivative; size = |n|. */
-static void normalise(const vector_slope *n, pzs_real size, vector_slope *x)
+static void normalise(const vector_slope *n, pzs_real size, vector_slope *vector)
 {
     const pzs_real inverse = size > 0 ? 1 / size : 0;
     for (int i = 0; i < 3; i++)
-        x->v[i] *= inverse;
+        vector->v[i] *= inverse;
     for (int j = 0; j < VARIABLES; j++) {
         const pzs_real relative = inverse * (n->v[0] * n->slope[0][j] + n->v[1] * n->slope[1][j] +
                                              n->v[2] * n->slope[2][j]);
         for (int i = 0; i < 3; i++)
-            x->slope[i][j] = inverse * (x->slope[i][j] - relative * x->v[i]);
+            vector->slope[i][j] = inverse * (vector->slope[i][j] - relative * vector->v[i]);
     }
 }
 
 /* Base vector U_a at corner r with its derivative. */
 static void set_base(const pzs_element_type *type, pzs_real z, unsigned r, unsigned a,
-                     const pzs_real g[3], const vector_slope *t, vector_slope *base)
+                     const pzs_real g[3], const vector_slope *director, vector_slope *base)
 {
     const unsigned neighbour = a == 0 ? r ^ 1u : 3u - r;
     const pzs_real lean = type->g_mean[r][a][2] + z * type->g_diff[r][a][2];
     memset(base, 0, sizeof *base);
     for (unsigned i = 0; i < 3; i++) {
-        base->v[i] = g[i] - lean * t->v[i];
+        base->v[i] = g[i] - lean * director->v[i];
         base->slope[i][BY_DIRECTOR + i] = -lean;
         for (unsigned j = 0; j < 3; j++) {
             base->slope[i][3 * r + j] = type->s[r][a][i][j];
@@ -87,8 +87,8 @@ static void set_base(const pzs_element_type *type, pzs_real z, unsigned r, unsig
  * the face, t [3] director
  */
 static void pressure_force(const pzs_follower *load, const pzs_structure *structure, uint16_t type,
-                           const pzs_real (*w)[3], const pzs_real t[3], unsigned r, vector_slope *n,
-                           vector_slope *side)
+                           const pzs_real (*w)[3], const pzs_real t[3], unsigned r,
+                           vector_slope *normal, vector_slope *side)
 {
     const pzs_real z = pzs_face_height(structure, load->normal_face);
     pzs_real g[2][3];
@@ -98,18 +98,19 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
         director.slope[i][BY_DIRECTOR + i] = 1;
     for (unsigned a = 0; a < 2; a++)
         set_base(&structure->type[type], z, r, a, g[a], &director, &base[a]);
-    memset(n, 0, sizeof *n);
+    memset(normal, 0, sizeof *normal);
     memset(side, 0, sizeof *side);
-    add_cross(1, &base[0], &base[1], n);
+    add_cross(1, &base[0], &base[1], normal);
     if (load->lean) {
         add_cross(load->lean[type][r][0], &director, &base[1], side);
         add_cross(load->lean[type][r][1], &base[0], &director, side);
     }
     if (!load->true_area) {
-        const vector_slope unscaled = *n;
-        const pzs_real size = PZS_SQRT(n->v[0] * n->v[0] + n->v[1] * n->v[1] + n->v[2] * n->v[2]);
+        const vector_slope unscaled = *normal;
+        const pzs_real size = PZS_SQRT(normal->v[0] * normal->v[0] + normal->v[1] * normal->v[1] +
+                                       normal->v[2] * normal->v[2]);
         normalise(&unscaled, size, side);
-        normalise(&unscaled, size, n);
+        normalise(&unscaled, size, normal);
     }
 }
 
@@ -117,17 +118,17 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
  * Add to the force on corner r the factor `part` of vector x at another corner, and add its
  * derivative to slope [24][24]; slope may be NULL.
  */
-static void add_corner_force(const vector_slope *x, pzs_real part, pzs_real z_load, pzs_real z,
+static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load, pzs_real z,
                              unsigned corner, unsigned r, pzs_real *force,
                              pzs_real (*slope)[FACE_DOF])
 {
     for (unsigned i = 0; i < 6; i++) {
         const pzs_real factor = i < 3 ? part : part * z_load;
-        force[CORNER_DOF * r + i] += factor * x->v[i % 3];
+        force[CORNER_DOF * r + i] += factor * vector->v[i % 3];
         for (unsigned j = 0; slope && factor != 0 && j < VARIABLES; j++) {
             const unsigned column = j < BY_DIRECTOR ? CORNER_DOF * (j / 3) + j % 3
                                                     : CORNER_DOF * corner + j - BY_DIRECTOR + 3;
-            const pzs_real change = factor * x->slope[i % 3][j];
+            const pzs_real change = factor * vector->slope[i % 3][j];
             slope[CORNER_DOF * r + i][column] += change;
             if (j < BY_DIRECTOR)
                 slope[CORNER_DOF * r + i][column + 3] += z * change;
@@ -167,12 +168,12 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
         const pzs_real size = load_value * load->pressure[node[corner]] * load->area[type][corner],
                        *d = u + corner * structure->dof_per_node + 3;
         const pzs_real t[3] = {d[0], d[1], 1 + d[2]};
-        vector_slope n, side;
-        pressure_force(load, structure, type, (const pzs_real(*)[3])w, t, corner, &n, &side);
+        vector_slope normal, side;
+        pressure_force(load, structure, type, (const pzs_real(*)[3])w, t, corner, &normal, &side);
         for (unsigned r = 0; r < SHELL_NODES; r++) {
             const pzs_real part = size * load->share[share_index(r, corner)];
             if (part != 0)
-                add_corner_force(&n, part, z_load, z, corner, r, force, slope);
+                add_corner_force(&normal, part, z_load, z, corner, r, force, slope);
             if (part != 0 && load->lean)
                 add_corner_force(&side, part, 0, z, corner, r, force, slope);
         }

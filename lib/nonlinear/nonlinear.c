@@ -308,8 +308,8 @@ pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *x, const 
         const uint16_t dof = structure->node_dof[i];
         if (dof == PZS_CONSTRAINED)
             continue;
-        const pzs_real size =
-            (x[dof] - (y ? y[dof] : 0)) * (i % structure->dof_per_node < 3 ? 1 : h);
+        const pzs_real difference = x[dof] - (y ? y[dof] : 0);
+        const pzs_real size = difference * (i % structure->dof_per_node < 3 ? 1 : h);
         sum += size * size;
     }
     return sum;

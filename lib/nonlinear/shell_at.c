@@ -152,7 +152,9 @@ static void transverse(const pzs_element_type *type, const shell_corner shape[4]
         a[A13 + d][FIRST_Q + p] = -h2 * own->diff[d][2];
     }
     for (int i = 0; i < 3; i++) {
-        a[A33M][NODE_DOF * p + i] = a[A33D][NODE_DOF * p + i] = a[A33D][NODE_DOF * p + 3 + i] = 0;
+        a[A33M][NODE_DOF * p + i] = 0;
+        a[A33D][NODE_DOF * p + i] = 0;
+        a[A33D][NODE_DOF * p + 3 + i] = 0;
         a[A33M][NODE_DOF * p + 3 + i] = quarter * own->beta[i];
     }
     a[A33D][NODE_DOF * p + 5] = -2 * own->q;
@@ -260,7 +262,7 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /* Replace x and y by their sum and difference in `count` columns. */
-static void sum_and_difference(pzs_real *restrict x, pzs_real *restrict y, bool sum_in_x, int count)
+static void sum_and_difference(pzs_real *restrict x, pzs_real *restrict y, int sum_in_x, int count)
 {
     for (int i = 0; i < count; i++) {
         const pzs_real sum = x[i] + y[i], difference = x[i] - y[i];
@@ -382,8 +384,8 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
     for (int other = 0; other <= p; other++, k += dof_per_node, sum += NODE_DOF) {
         const block *z = &pair[pair_of(p, other)];
         const pzs_real *with_mean = (i < 3 ? z->mean : z->cross) + i % 3 * 3;
-        const pzs_real *with_diff = (i < 3 ? z->cross : z->mean) + i % 3 * 3,
-                       factor = i < 3 ? 1 : hh4;
+        const pzs_real *with_diff = (i < 3 ? z->cross : z->mean) + i % 3 * 3;
+        const pzs_real factor = i < 3 ? 1 : hh4;
         const int last = other < p ? NODE_DOF : i + 1;
         for (int j = 0; j < 3 && j < last; j++)
             k[j] = sum[j] + with_mean[j];

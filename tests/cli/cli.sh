@@ -68,7 +68,8 @@ run 2 sovle plate-50-patches && says "unknown command 'sovle'"; check 'unknown c
 run 2 sovle plate-50-patches && says "did you mean 'solve'"; check 'a command mistyped' $?
 run 2 solve plate-50-patches --reprot x.html && says "did you mean '--report'"; check 'an option mistyped' $?
 run 2 solve plate-50-patchs && says "did you mean 'plate-50-patches'"; check 'a scene mistyped' $?
-run 2 tables hemisphere -o "$dir/t.h" --level liner && says "control, linear or nonlinear, not 'liner' (did you mean 'linear'?)"; check 'a choice mistyped' $?
+run 2 tables hemisphere -o "$dir/t.h" --image liner && says "control, linear or nonlinear, not 'liner' (did you mean 'linear'?)"; check 'a choice mistyped' $?
+run 2 tables hemisphere -o "$dir/t.h" --level linear && says '--level is now --image' && [ ! -e "$dir/t.h" ]; check 'a renamed option' $?
 run 2 solve xyzzy && says 'xyzzy' && ! says 'did you mean'; check 'a scene that is near none' $?
 run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?
 run 2 list plate-50-patches && says 'takes no argument'; check 'a command without argument' $?
@@ -81,7 +82,7 @@ for c in $commands; do
         grep -q "^usage: pzs $c" "$dir/one" && grep -q '^Examples:' "$dir/one" && grep -q "^  pzs $c" "$dir/one"
     check "help of $c" $?
 done
-run 0 help tables && grep -q '^  --level' "$dir/out" && ! grep -q -e '--csv' "$dir/out"; check 'the help of a command has its options alone' $?
+run 0 help tables && grep -q '^  --image' "$dir/out" && ! grep -q -e '--csv' "$dir/out"; check 'the help of a command has its options alone' $?
 run 2 help solv && says "did you mean 'solve'"; check 'help of a command mistyped' $?
 "$PZS" man >"$dir/pzs.1"; { ! command -v groff >/dev/null || [ -z "$(groff -man -ww -z "$dir/pzs.1" 2>&1)" ]; } &&
     [ -z "$(for c in $commands; do grep -q "^.fB$c.fR" "$dir/pzs.1" || echo "$c"; done)" ] && [ "$(grep -c '^.fB' "$dir/pzs.1")" -eq $(($(echo "$commands" | wc -w) + $(grep -c '^  -' "$dir/all"))) ]
@@ -92,7 +93,7 @@ complete() {
 }
 if command -v bash >/dev/null; then
     "$PZS" completion >"$dir/pzs.bash" && ln -sf "$(realpath "$PZS")" "$dir/pzs" && PATH="$dir:$PATH" && : >"$dir/a.html" &&
-        [ "$(complete so)" = solve ] && [ "$(complete solve --rep)" = --report ] && [ "$(complete tables x --level no)" = nonlinear ] &&
+        [ "$(complete so)" = solve ] && [ "$(complete solve --rep)" = --report ] && [ "$(complete tables x --image no)" = nonlinear ] &&
         [ "$(complete shape plate-50)" = plate-50-patches ] && [ "$(complete help ch)" = check ] && [ "$(complete solve x --csv)" = '' ] &&
         [ "$(complete solve x --report "$dir/a.h")" = "$dir/a.html" ]
     check 'bash completes commands, options, choices, scenes and files' $?
@@ -130,8 +131,8 @@ run 0 shape plate-50-patches --limit 200 --set 'target.free=[piston]' --json && 
     cp "$dir/out" "$dir/free" && run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-2' --set 'target.free=[piston]' --json &&
     json "abs(j['shape_error']/json.load(open('$dir/free'))['shape_error']-1)<1e-9"
 check 'a free piston in the target costs nothing' $?
-run 2 tables plate-50-patches --set 'target.free=[tip]' --level linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
-    run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'free functions of the target taken out' "$dir/free.h"
+run 2 tables plate-50-patches --set 'target.free=[tip]' --image linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
+    run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'without the free functions of the target' "$dir/free.h"
 check 'free functions: carried by the control image, refused by the linear one' $?
 run 2 simulate plate-closed-loop --set 'target.free=[piston]' && says 'told: found'; check 'free functions and the fault detector: exit 2' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
@@ -260,7 +261,7 @@ int main(void)
     return status != PZS_OK ? (int)status : (int)pzs_control_init(&c, &q_problem, b, more, sizeof more);
 }
 EOT
-run 0 tables plate-50-patches --set element=improved --set 'limits.voltage=[-0.0, 3]' --level linear --prefix q -o "$dir/q.h"
+run 0 tables plate-50-patches --set element=improved --set 'limits.voltage=[-0.0, 3]' --image linear --prefix q -o "$dir/q.h"
 for bits in 32 64; do
     gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/q.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/q" && "$dir/q"
     check "a linear image of the improved element starts, $bits bits" $?
@@ -338,7 +339,7 @@ int main(void)
 {
     pzs_control c;
     for (int k = 0; k < A_INPUTS; k++)
-        if ((double)a_lower[k] < -133.3 || (double)a_upper[k] > 133.3 || (double)a_slew[k] > 0.1) return 9;
+        if ((double)a_lower[k] < -133.3 || (double)a_upper[k] > 133.3 || (double)a_step_limit[k] > 0.1) return 9;
     return (int)pzs_control_init(&c, &a_problem, 0, work, sizeof work) + (a_target[0] > 1);
 }
 EOT

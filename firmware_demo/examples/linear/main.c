@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
-#include "board.h"
+#include "../../boards/board.h"
 #include "plate.h"
 
 static pzs_real model_work[PLATE_MODEL_BYTES / sizeof(pzs_real) + 1];
@@ -16,8 +16,8 @@ static pzs_loop loop;
 /* Returns the first status that is not OK. */
 static pzs_status make_influence(void)
 {
-    static pzs_real stiffness_factor[sizeof plate_kind / sizeof *plate_kind];
-    for (unsigned k = 0; k < sizeof plate_kind / sizeof *plate_kind; k++)
+    static pzs_real stiffness_factor[sizeof plate_element_types / sizeof *plate_element_types];
+    for (unsigned k = 0; k < sizeof plate_element_types / sizeof *plate_element_types; k++)
         stiffness_factor[k] = k == 0 ? PZS_R(0.95) : 1;
     pzs_status status = pzs_model_init(&model, &plate_structure, model_work, sizeof model_work);
     if (status == PZS_OK)
