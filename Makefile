@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # piezoshape. `make demo` and `make test` do all of their set-up; `make help` lists the rest.
 
 B := build

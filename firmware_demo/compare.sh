@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Compare what each image printed under QEMU with its host twin: all lines but the costs, bit by bit.
 #   compare.sh DIRECTORY IMAGE:TWIN...
 set -u

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # Firmware of the demonstration: images, runs under QEMU, sizes. Included by the top Makefile.
 #
 #   make firmware      build every image into $(B)/firmware

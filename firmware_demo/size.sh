@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Flash and RAM of each image and flash of each library object, against committed budgets.
 #   size.sh DIRECTORY BUDGET IMAGE...      SIZE (default arm-none-eabi-size) from the environment
 # An image's stack is what it used in its last run (IMAGE.out); its RAM is data, bss and that stack.

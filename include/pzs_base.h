@@ -25,13 +25,14 @@ extern "C" {
 /* ---- numbers ---------------------------------------------------------- */
 
 /*
- * The names of the two init functions contain the precision, so a program and a library of
+ * The names of the three init functions contain the precision, so a program and a library of
  * different precision do not link.
  */
 #if PZS_REAL_BITS == 32
 typedef float pzs_real;
 #define pzs_model_init pzs_model_init_32
 #define pzs_control_init pzs_control_init_32
+#define pzs_loop_init pzs_loop_init_32
 #define PZS_BY_BITS(for32, for64) (for32)
 #define PZS_EPSILON 1.1920929e-7f
 #define PZS_SQRT(x) sqrtf(x)
@@ -40,6 +41,7 @@ typedef float pzs_real;
 typedef double pzs_real;
 #define pzs_model_init pzs_model_init_64
 #define pzs_control_init pzs_control_init_64
+#define pzs_loop_init pzs_loop_init_64
 #define PZS_BY_BITS(for32, for64) (for64)
 #define PZS_EPSILON 2.2204460492503131e-16
 #define PZS_SQRT(x) sqrt(x)

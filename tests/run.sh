@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Every test, one summary: N passed, N failed.
 # Each part prints TAP lines (ok ..., not ok ...) or CMocka's own; a part that dies counts as failed.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Install the Debian packages that a command needs and this machine lacks.  setup.sh demo|test|bench
 # Where that cannot be done, say what is missing and end with 1. SKIP_SETUP=1: all is there, elsewhere.
 set -eu

@@ -1,5 +1,9 @@
-/* What the demonstration asks of a board. One file per board family implements it, and one the
- * host. */
+/*
+ * What the demonstration asks of a board. One file per board family implements it, and one the
+ * host.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef BOARD_H
 #define BOARD_H
 

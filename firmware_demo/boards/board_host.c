@@ -1,4 +1,8 @@
-/* The same demonstration as a program of the host, to compare its bits with the target's. */
+/*
+ * The same demonstration as a program of the host, to compare its bits with the target's.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <stdio.h>
 #include "board.h"
 

@@ -1,4 +1,7 @@
-/* Arm MPS2 with the AN386 (Cortex-M4F) and AN500 (Cortex-M7) images: CMSDK UART 0, FPGAIO counter.
+/*
+ * Arm MPS2 with the AN386 (Cortex-M4F) and AN500 (Cortex-M7) images: CMSDK UART 0, FPGAIO counter.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "board.h"
 

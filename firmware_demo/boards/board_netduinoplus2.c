@@ -1,6 +1,8 @@
 /*
  * Netduino Plus 2 (STM32F405) as QEMU models it: USART1 and TIM2, clocks and
  * pins at reset state. A real part also needs its clock tree and pins set up.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "board.h"
 

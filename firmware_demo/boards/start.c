@@ -7,6 +7,8 @@
  * faults instead of running into data or code. Exit codes and the stream reach the host by
  * semihosting; on a board without a debugger the breakpoint faults and the fault handler waits for
  * the watchdog.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "board.h"
 

@@ -6,6 +6,8 @@
  *   demo_loads.c or demo_reshape.c    a nonlinear image: large rotation under loads, or under volts
  *   demo_path.c                       what these two have in common
  *   drill.c                           faults that must end in a status, not in a crash
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef DEMO_H
 #define DEMO_H

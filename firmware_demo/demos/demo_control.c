@@ -1,4 +1,8 @@
-/* The control image: the influence matrix comes with the tables. */
+/*
+ * The control image: the influence matrix comes with the tables.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "demo.h"
 #include DEMO_TABLES
 

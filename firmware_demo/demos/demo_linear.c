@@ -1,5 +1,9 @@
-/* The linear image: the device assembles the structure, factors it and computes the influence
- * itself. */
+/*
+ * The linear image: the device assembles the structure, factors it and computes the influence
+ * itself.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "demo.h"
 #include "../boards/board.h"
 #include "print.h"

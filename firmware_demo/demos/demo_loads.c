@@ -3,6 +3,8 @@
  * One line for each output of the scene; the last line tells how far they are from what the host
  * found in double, and must not be further than rounding explains. The exit code is 0 when
  * everything went as it must.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "demo.h"
 #include "../boards/board.h"

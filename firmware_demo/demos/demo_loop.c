@@ -12,6 +12,8 @@
  *   in   RELEASE, input
  *   in   KNOW, 0         values of the loads at the next readings [loads], values to come [loads]:
  *                        fed forward from now on
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include <string.h>
 #include "../boards/board.h"

@@ -1,5 +1,9 @@
-/* A path of the demonstration, and two lines about each equilibrium: what was found, and what it
- * cost. */
+/*
+ * A path of the demonstration, and two lines about each equilibrium: what was found, and what it
+ * cost.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "demo.h"
 #include "../boards/board.h"
 #include "print.h"

@@ -3,6 +3,8 @@
  * what rotation does to it; one voltage step with the influence at the shape reached takes most of
  * that back. Two lines for each equilibrium, then the shape errors. The exit code is 0 when
  * everything went as it must.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "demo.h"
 #include "../boards/board.h"

@@ -1,4 +1,8 @@
-/* The fault drill: each fault must come back as its status, with the volts inside their limits. */
+/*
+ * The fault drill: each fault must come back as its status, with the volts inside their limits.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <string.h>
 #include "demo.h"
 #include "print.h"

@@ -4,6 +4,8 @@
  * of results, which must have the same bits on every machine; one line of
  * costs, which are this machine's own; and the fault drill.
  * The exit code is 0 when everything went as it must.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "demo.h"
 #include "../boards/board.h"

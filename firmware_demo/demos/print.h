@@ -1,4 +1,8 @@
-/* Words and numbers on the board's serial line, without stdio. A field is " name=value". */
+/*
+ * Words and numbers on the board's serial line, without stdio. A field is " name=value".
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef PRINT_H
 #define PRINT_H
 

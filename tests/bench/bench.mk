@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # make bench: speed against the peers, in one run. Our side of the linear algebra and of the voltage step is built for
 # this machine; the peers come from Debian (OpenBLAS) and from a PyPI source package (DAQP), neither is needed elsewhere.
 

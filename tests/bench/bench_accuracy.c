@@ -1,6 +1,8 @@
 /*
  * Speed against error: linear shells by both elements, mesh by mesh, against converged answers.
  * Times are medians of five runs of this process; use the ratios between rows.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>

@@ -11,6 +11,8 @@
  * Inside a child our code and the peer, upper and lower, take turns, so a disturbed second
  * hurts both; what is shown are medians. Each factor starts from a matrix just copied, each
  * solve follows its factor. --json prints one object a row.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #define _POSIX_C_SOURCE 200809L
 #include "pzs.h"

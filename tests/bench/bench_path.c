@@ -7,6 +7,8 @@
  * number of systems. Reading the scene, mesh, element tables and the factor at rest are done once
  * by the host and stand in a column of their own. Times are processor times, medians of this
  * process; use the ratios between rows.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>

@@ -16,6 +16,8 @@
  * its time is the median. Shown are the mean and the worst over the frames, from the error to
  * volts, and of the solver alone. Answers that differ, or a step that does not end, fail.  --json:
  * one object a row.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #define _POSIX_C_SOURCE 200809L
 #include "pzs.h"

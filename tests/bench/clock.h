@@ -1,5 +1,9 @@
-/* Time and medians of the benches. A bench defines _POSIX_C_SOURCE 200809L before its first
- * include. */
+/*
+ * Time and medians of the benches. A bench defines _POSIX_C_SOURCE 200809L before its first
+ * include.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef BENCH_CLOCK_H
 #define BENCH_CLOCK_H
 

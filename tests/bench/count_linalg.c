@@ -2,6 +2,8 @@
  * Instructions of factor and solve on a Cortex-M: n = 200, half bandwidth 48, 197,176 multiply-adds
  * in the unpadded band. Runs on a board of firmware_demo under QEMU, or on the host to compare the
  * bits.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <string.h>

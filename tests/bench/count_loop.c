@@ -2,6 +2,8 @@
  * Instructions of a tick through pzs_loop against the same calls made by hand, on a Cortex-M under
  * QEMU, or on the host to compare the bits. The plate of count_tick.c; BLOCKS 1: the step alone,
  * otherwise feed-forward, estimator, step, amplifiers and fault detector.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include "../../firmware_demo/boards/board.h"

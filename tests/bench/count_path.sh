@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Instructions of one Newton system and where they go, counted by callgrind:  count_path.sh PROGRAM [DEVICE_OUTPUT]
 # PROGRAM is run_path.c without AVX-512, which valgrind does not know; DEVICE_OUTPUT what the demonstration's
 # nonlinear image printed under QEMU. The judging tangent at the end of a load step counts as a system. Valgrind would

@@ -3,6 +3,8 @@
  * instructions are counted; built with -mfloat-abi=soft and the linker's --wrap of the five double
  * operations (count_shell.sh), each addition, subtraction, multiplication and division. On the host
  * there is no count, only the bits to compare.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include "../../firmware_demo/boards/board.h"

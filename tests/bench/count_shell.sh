@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Cost of the element at a shape under QEMU: floating-point operations, instructions, stack.
 # TAP lines; targets: 45,000 operations for the system of an element with 7 unknowns a node, 14 KB of stack.
 set -u

@@ -3,6 +3,8 @@
  * host to compare the bits. The plate with 25 pairs of patches, eleven displacement sensors along
  * its tip, a known pressure, converter steps of 50 mV; the plant is a little weaker than the tables
  * say; the target moves, a load comes, two electrodes die, a sensor is lost.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include "../../firmware_demo/boards/board.h"

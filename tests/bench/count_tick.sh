@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Instructions of a control tick with everything beside it, under QEMU: float on a Cortex-M4F, double on a Cortex-M7.
 #   count_tick.sh PZS      PZS makes the tables; TAP lines
 set -u

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Instructions of the factor and of a control tick on a Cortex-M7 under QEMU.
 # TAP lines; the targets are instructions per multiply-add of the unpadded band, 197,176.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Build DAQP, the peer of bench_step, from its source package into a folder: get_daqp.sh [FOLDER]
 # Leaves FOLDER/libdaqp.a and FOLDER/include. Without network it says so and builds nothing.
 set -e

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The rows of tests/bench/README.md that take seconds, from the program itself.
 #   measured.sh           print the rows
 #   measured.sh --write   put them into the README, between its markers (make measured)

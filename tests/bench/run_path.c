@@ -1,6 +1,8 @@
 /*
  * One equilibrium of a scene from rest, in a process of its own:  run_path SCENE [path=value ...]
  * for callgrind to count (count_path.sh) and for peers/run.py to time.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The command line as a user meets it: results, exit codes, messages with line and column, files never half written.
 set -u
 cd "$(dirname "$0")/../.."
@@ -456,6 +457,10 @@ for scene in plate-few-sensors plate-closed-loop; do
             "$dir/wire" && g++ -x c++ -std=c++11 -pedantic -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits -fsyntax-only "$dir/wire.c" 2>"$dir/err"
         check "$scene: the header wires a loop, $bits bits" $?
     done
+done
+for bits in 32 64; do
+    ! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/wire.c" "$B/$((96 - bits))/libpiezoshape.a" -lm -o "$dir/wire" 2>"$dir/err" && grep -q "pzs_loop_init_$bits" "$dir/err"
+    check "a program with a loop in $bits bits does not link with the other library" $?
 done
 ! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=64 -DW_REAL_BITS=32 -fsyntax-only "$dir/wire.c" 2>"$dir/err" && grep -q 'needs another precision' "$dir/err"
 check 'a program that asks for float does not compile in double' $?

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Every example of `pzs --help`, of the help of each command, of README.md and of the guide (host_tools/README.md) runs. The
 # commands and programs are taken from the texts, so that a new example is tested as soon as it is written.
 #   EXAMPLE_SECONDS  time limit of one example

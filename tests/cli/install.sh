@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Installation as a user meets it: where files go, programs compiled against them, scenes found wherever the program stands,
 # other compilers, flags and build folders, machines on which nothing can be installed.
 set -u

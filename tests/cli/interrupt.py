@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Signals and terminals: what an interrupted pzs leaves behind, and what it says on a terminal.
 
     interrupt.py PZS FOLDER file|device|terminal|quiet

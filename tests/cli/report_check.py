@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Laws of a report of pzs, read as a page: report_check.py FILE.html|FILE.svg LAW [ARGUMENT...]
 
   xml            every SVG of the file is well-formed XML with a title and a description, and holds no NaN or infinity

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # TAP for the gates: sourced by each, run from the top of the project.
 #   CC, CLANG, ARM_CC, ARM_NM, NM   compilers and their nm
 #   CI                              if set, a missing tool fails instead of being skipped

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Layout: every C source is as clang-format lays it out (.clang-format), and no line of a source exceeds 100 columns.
 : "${CLANG_FORMAT:=clang-format}"
 . tests/gates/common.sh

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The public headers: each compiles alone as C and as C++; a C++ program links; no name of the library can collide with a
 # name of the program; the table format number is tied to the table structs.
 #   B (build directory) from the environment

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The architecture: a room includes only the rooms that its README.md names after "May include:", and the include
 # graph of the files has no circle. gcc -MM lists what each file includes, directly or not.
 . tests/gates/common.sh

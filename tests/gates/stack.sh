@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Worst-case stack of every public function, summed along the call graph gcc writes; no recursion, no frames of
 # unknown size, and calls through pointers only where it is known what they reach. 1 KB for a linear image in float,
 # 2 KB where every number is double; at large rotation an element's tangent stands on the stack, 406 numbers and what

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Rules of lib/ that no compiler warns of: no allocation, no stdio, no goto, no #if inside a function,
 # no array of variable length, no file name or configuration beyond pzs_config.h. Recursion: see stack.sh.
 . tests/gates/common.sh

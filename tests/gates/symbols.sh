@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # What the library calls outside itself: a short list of leaf functions, and in float builds no double arithmetic.
 # What an image holds: of the nonlinear path nothing in a linear one, of its options nothing that is not attached.
 . tests/gates/common.sh

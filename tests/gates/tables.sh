@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # A nonlinear image's header, compiled on the host, finds the equilibrium that `pzs` found, bit for bit: dead loads,
 # actuation, follower loads, contact and open electrodes. Where float cannot carry the scene the header does not compile in float.
 #   B (build directory), PZS from the environment

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Volts of long walks have the same bits whatever the tile: programs of test_step built with several. TAP lines.
 set -u
 B=${B:-build}

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Every compiler, precision, tile and option: no warning.
 . tests/gates/common.sh
 

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # One language: words that were replaced do not come back in the comments and identifiers of lib/, include/ and host_tools/.
 # tests/gates/retired_words.txt has a line for each: the retired word (an awk regular expression on a whole word), then
 # what to write instead.

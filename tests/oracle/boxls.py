@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Solve the problems that test_control wrote with scipy's exact bounded least squares and compare objectives.
 
     test_control FILE COUNT; boxls.py FILE [--all]

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The answers of test_control to its 10,000 random problems against scipy's exact bounded least squares, both precisions.
 B=${B:-build}
 dump=$(mktemp)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Linear structural cases; each function states its set-up and returns the printed ratio.
 
 Common to all: point loads are split half on each face (a force on the mean unknown),

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Anchors of the nonlinear oracle: tables of another program and laws.  Prints TAP.
 
     python3 check_nonlinear.py       exit status 1 when a check fails

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Anchors of the oracle: other programs' numbers, closed forms and laws.  Prints TAP.
 
     python3 check_oracle.py          exit status 1 when a check fails

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Frictionless contact of a face with a rigid body: a primal-dual active set inside the mixed Newton.
 
 Per node: weight w = sum area/4, multiplier L <= 0 (force per area), flag, stiffness

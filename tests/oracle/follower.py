@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Follower pressure on a face, with its exact or symmetrised load stiffness.
 
 Normal of the deformed face at corner r of an element, in the corner's triad:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A rectangular mesh of reference elements: assembly, supports, linear solution."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Newton's method with independent resultants on a mesh of reference elements.
 
 Every iteration solves

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Nonlinear cases: each function returns a shell ready for `newton`, its loads and what is watched."""
 
 import numpy as np

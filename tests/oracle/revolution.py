@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Naghdi shell of revolution, one circumferential harmonic at a time, by spectral elements.
 
 Reference for thin shells: nothing here knows the four-node element.  The middle surface is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Reference four-node shell element in numpy, written from the theory alone.
 
 Two elements.  PUBLISHED is GEX7P4 of S. V. Plotnikova's 2013 dissertation on geometrically

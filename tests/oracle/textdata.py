@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The text format of tests/oracle/data: comments, then cases of words and number arrays."""
 
 import numpy as np

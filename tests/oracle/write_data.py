@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Write tests/oracle/data/elements.txt: single elements on six surfaces.
 
     python3 write_data.py

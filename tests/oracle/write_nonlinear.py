@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Write tests/oracle/data/nonlinear.txt: converged nonlinear states.
 
     python3 write_nonlinear.py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Write tests/oracle/data/thin.txt: references for thin shells of revolution.
 
     python3 write_thin.py

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 #include "pzs.h"
 #include "bridge.h"
 #include <stdio.h>

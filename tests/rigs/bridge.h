@@ -1,6 +1,8 @@
 /*
  * The tables and the double-precision answer of a scene as plain arrays, so that a test program
  * in either precision can run the library on what the host tools made in double.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef BRIDGE_H
 #define BRIDGE_H

@@ -1,6 +1,8 @@
 /*
  * A voltage problem with its own arrays and workspace, and a certificate in long double, apart from
  * the library's own arithmetic, of how far its volts are from the optimum. After cmocka.h.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef CONTROL_BENCH_H
 #define CONTROL_BENCH_H

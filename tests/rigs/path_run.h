@@ -1,5 +1,9 @@
-/* What tests of the nonlinear path share: changes of scenes, the path of a run, vectors compared.
- * After cmocka.h. */
+/*
+ * What tests of the nonlinear path share: changes of scenes, the path of a run, vectors compared.
+ * After cmocka.h.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef PATH_RUN_H
 #define PATH_RUN_H
 

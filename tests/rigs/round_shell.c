@@ -1,4 +1,8 @@
-/* A cylinder between diaphragms in closed form (round_shell.h). */
+/*
+ * A cylinder between diaphragms in closed form (round_shell.h).
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "round_shell.h"
 #include <math.h>
 

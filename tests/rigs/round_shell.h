@@ -1,4 +1,8 @@
-/* A thin cylinder in closed form, for tests of the element. */
+/*
+ * A thin cylinder in closed form, for tests of the element.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef ROUND_SHELL_H
 #define ROUND_SHELL_H
 

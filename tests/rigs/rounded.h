@@ -1,4 +1,8 @@
-/* A bridge's tables rounded to the precision of the test program. After cmocka.h. */
+/*
+ * A bridge's tables rounded to the precision of the test program. After cmocka.h.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef ROUNDED_H
 #define ROUNDED_H
 

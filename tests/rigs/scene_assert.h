@@ -1,4 +1,7 @@
-/* What tests of whole scenes share: scenes that must run, numbers that must agree. After cmocka.h.
+/*
+ * What tests of whole scenes share: scenes that must run, numbers that must agree. After cmocka.h.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef SCENE_ASSERT_H
 #define SCENE_ASSERT_H

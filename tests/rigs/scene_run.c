@@ -1,4 +1,8 @@
-/* A scene run as a user runs it (scene_run.h). */
+/*
+ * A scene run as a user runs it (scene_run.h).
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include "scene_run.h"
 #include <stdio.h>

@@ -1,4 +1,8 @@
-/* A scene run as a user runs it: read with changes, prepared, solved. For test programs. */
+/*
+ * A scene run as a user runs it: read with changes, prepared, solved. For test programs.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef SCENE_RUN_H
 #define SCENE_RUN_H
 

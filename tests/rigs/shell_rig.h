@@ -1,5 +1,9 @@
-/* Small shells in the precision of the test program, with a path on each, made without the host
- * tools. After cmocka.h. */
+/*
+ * Small shells in the precision of the test program, with a path on each, made without the host
+ * tools. After cmocka.h.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef SHELL_RIG_H
 #define SHELL_RIG_H
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 #include "testdata.h"
 #include <stdlib.h>
 #include <string.h>

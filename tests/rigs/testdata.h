@@ -1,5 +1,9 @@
-/* Reader of the text data in tests/oracle/data: `case NAME`, `word KEY VALUE`, `array KEY ROWS COLS
- * numbers`. */
+/*
+ * Reader of the text data in tests/oracle/data: `case NAME`, `word KEY VALUE`, `array KEY ROWS COLS
+ * numbers`.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef TESTDATA_H
 #define TESTDATA_H
 

@@ -1,4 +1,8 @@
-/* Random numbers for tests, the same on every machine. */
+/*
+ * Random numbers for tests, the same on every machine.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #ifndef UNIFORM_H
 #define UNIFORM_H
 

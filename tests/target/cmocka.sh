@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Build CMocka for the Cortex-M boards from Debian's source package, into $B/cmocka-arm/{m4,m7}. Run once.
 #   ARM_CC, B from the environment
 : "${B:=build}"

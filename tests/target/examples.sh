@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The examples of firmware_demo/examples: each at most 60 lines, built by its own Makefile, run under QEMU to exit 0.
 #   ARM_CC, QEMU, B, CI from the environment; TAP on stdout
 : "${QEMU:=qemu-system-arm}" "${B:=build}"

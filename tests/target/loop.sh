@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # `pzs simulate --device`: the firmware of each board in the loop, its plant on this computer, the same bits as without it.
 #   ARM_CC, QEMU, B, CI from the environment; TAP on stdout
 : "${QEMU:=qemu-system-arm}" "${B:=build}"

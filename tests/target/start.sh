@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # Start-up on each board under QEMU: memory and FPU ready, exit codes and faults reach the shell.
 #   ARM_CC, QEMU, B (build directory), CI from the environment; TAP on stdout
 : "${QEMU:=qemu-system-arm}" "${B:=build}"

@@ -6,6 +6,8 @@
  *   4  a stack overflow ends the run too, and not in someone's data:
  *   5  a write right below the stack does
  *   6  a write far below it does, as of a large frame
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "../../firmware_demo/boards/board.h"
 

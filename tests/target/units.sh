@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # The unit tests that need nothing but the library, on the target under QEMU: the same files as on the host.
 #   ARM_CC, QEMU, B, CI from the environment; TAP on stdout
 : "${QEMU:=qemu-system-arm}" "${B:=build}"

@@ -5,6 +5,8 @@
  *
  *   sweep_path [full]   half the meshes and half the loads, or all of them; progress on stderr, TAP
  * on stdout
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>

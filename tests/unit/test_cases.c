@@ -1,4 +1,8 @@
-/* Structural and piezoelectric cases with known answers, each a scene run as a user runs it. */
+/*
+ * Structural and piezoelectric cases with known answers, each a scene run as a user runs it.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,8 @@
-/* Bodies and contact in either precision, on small shells made here. */
+/*
+ * Bodies and contact in either precision, on small shells made here.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

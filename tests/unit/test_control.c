@@ -1,6 +1,8 @@
 /*
  * Laws of the voltage controller. Arguments (both optional): a file to which problems and
  * answers are written for tests/oracle/boxls.py, and how many of the random problems.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <setjmp.h>

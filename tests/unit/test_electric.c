@@ -1,5 +1,9 @@
-/* Charges, sensors and open electrodes: laws and closed forms, each on a scene run as a user runs
- * it. */
+/*
+ * Charges, sensors and open electrodes: laws and closed forms, each on a scene run as a user runs
+ * it.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,9 @@
-/* What stands beside the controller: the shape from a few sensors, known loads fed forward,
- * amplifiers with steps. */
+/*
+ * What stands beside the controller: the shape from a few sensors, known loads fed forward,
+ * amplifiers with steps.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,9 @@
-/* The host's gains: as good as any linear estimate can be, honest about what the sensors do not
- * see. */
+/*
+ * The host's gains: as good as any linear estimate can be, honest about what the sensors do not
+ * see.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

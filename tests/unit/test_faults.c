@@ -2,6 +2,8 @@
  * Dead and stuck electrodes found from the shape, on the plate with 25 pairs of patches. The plant
  * is not quite what the tables say: a quarter weaker, every electrode by its own 10 %, noisy
  * sensors, loads that jump and drift.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <math.h>

@@ -1,5 +1,9 @@
-/* What volts and kelvins do to a laminate, flat and curved: closed forms and three-dimensional
- * solutions. */
+/*
+ * What volts and kelvins do to a laminate, flat and curved: closed forms and three-dimensional
+ * solutions.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,9 @@
-/* Follower loads in either precision, on small shells made here; what every option and choice of a
- * path must be. */
+/*
+ * Follower loads in either precision, on small shells made here; what every option and choice of a
+ * path must be.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

@@ -4,6 +4,8 @@
  *
  *   gcc -std=c99 -O2 -ffp-contract=off -DPZS_REAL_BITS=32 -DPZS_TILE=4 -Iinclude \
  *       tests/unit/test_linalg.c lib/core/linalg.c -lcmocka -lm
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <float.h>

@@ -1,5 +1,9 @@
-/* Laws of what stands beside the controller in a closed loop: few sensors, known loads, steps of
- * amplifiers, late readings. */
+/*
+ * Laws of what stands beside the controller in a closed loop: few sensors, known loads, steps of
+ * amplifiers, late readings.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

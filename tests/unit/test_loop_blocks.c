@@ -1,6 +1,8 @@
 /*
  * The control loop as a list of blocks: the bits of the calls made by hand, whatever options are in
  * the list; lists that are refused, by name; blocks that fail; a block of this test's own.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <math.h>

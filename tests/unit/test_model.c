@@ -1,4 +1,8 @@
-/* The linear image in either precision, on tables made in double by the host tools. */
+/*
+ * The linear image in either precision, on tables made in double by the host tools.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

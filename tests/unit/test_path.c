@@ -1,4 +1,8 @@
-/* Laws of the nonlinear path: the way, rigid motion, reactions, contact, actuation, influence. */
+/*
+ * Laws of the nonlinear path: the way, rigid motion, reactions, contact, actuation, influence.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,7 @@
-/* Where the nonlinear path ends when it cannot go on: every end is named and leaves an equilibrium.
+/*
+ * Where the nonlinear path ends when it cannot go on: every end is named and leaves an equilibrium.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include <math.h>
 #include <setjmp.h>

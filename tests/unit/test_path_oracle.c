@@ -1,4 +1,7 @@
-/* Shapes reached by the nonlinear path against those of an independent program, unknown by unknown.
+/*
+ * Shapes reached by the nonlinear path against those of an independent program, unknown by unknown.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,9 @@
-/* The nonlinear path in either precision, on tables made in double by the host tools, against the
- * host's answer in double. */
+/*
+ * The nonlinear path in either precision, on tables made in double by the host tools, against the
+ * host's answer in double.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,8 @@
-/* The nonlinear path on published tables, value by value, with the systems they took. */
+/*
+ * The nonlinear path on published tables, value by value, with the systems they took.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

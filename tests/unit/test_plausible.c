@@ -1,5 +1,9 @@
-/* Laws of the plausibility rules: each speaks just above its limit and not just below; what the
- * shipped scenes say. */
+/*
+ * Laws of the plausibility rules: each speaks just above its limit and not just below; what the
+ * shipped scenes say.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,9 @@
-/* Laws of the scene reader: every shipped scene reads; every fault is one line that says where,
- * what and the cure. */
+/*
+ * Laws of the scene reader: every shipped scene reads; every fault is one line that says where,
+ * what and the cure.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>

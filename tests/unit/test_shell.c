@@ -1,5 +1,9 @@
-/* The element against an independent implementation, and the laws it must obey. Double; tables made
- * by the host tools. */
+/*
+ * The element against an independent implementation, and the laws it must obey. Double; tables made
+ * by the host tools.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

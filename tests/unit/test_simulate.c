@@ -1,5 +1,9 @@
-/* Laws of the closed loop: volts inside every limit whatever fails, no drift, the plant's optimum
- * where the model's shape is right. */
+/*
+ * Laws of the closed loop: volts inside every limit whatever fails, no drift, the plant's optimum
+ * where the model's shape is right.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,6 +2,8 @@
  * Laws of warm voltage steps: the straight pass along a proven tableau, damage to it, limits that
  * change in between, the certificate of pzs_assess. With the argument `bits` it prints a checksum
  * of the volts of long walks instead, which is the same whatever the tile (tests/gates/tiles.sh).
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <setjmp.h>

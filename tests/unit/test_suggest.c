@@ -1,4 +1,8 @@
-/* Edit distance and the suggestions made from it. */
+/*
+ * Edit distance and the suggestions made from it.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

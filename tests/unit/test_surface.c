@@ -1,4 +1,8 @@
-/* Laws of reference surfaces, of splines and of the unknowns a mesh prescribes. */
+/*
+ * Laws of reference surfaces, of splines and of the unknowns a mesh prescribes.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>

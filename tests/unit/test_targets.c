@@ -1,5 +1,9 @@
-/* Targets of whole scenes: Zernike's modes of a mirror, a shell brought back into shape, plates
- * bent by their layup. */
+/*
+ * Targets of whole scenes: Zernike's modes of a mirror, a shell brought back into shape, plates
+ * bent by their layup.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

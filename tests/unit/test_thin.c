@@ -2,6 +2,8 @@
  * Laws of the improved element on thin shells: no mesh may turn too soft as h/R falls, because
  * nothing else would tell. Meshes along lines of curvature, linear, double. HARD=1 runs every
  * thickness and mesh (make hard); the table of ratios is printed in either case.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
 #include <math.h>

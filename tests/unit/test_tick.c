@@ -1,5 +1,9 @@
-/* The control tick as a firmware sees it: limits, slew, lost sensors, dead electrodes, bad tables.
- * Both precisions. */
+/*
+ * The control tick as a firmware sees it: limits, slew, lost sensors, dead electrodes, bad tables.
+ * Both precisions.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

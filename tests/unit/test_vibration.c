@@ -1,4 +1,8 @@
-/* Mass, natural frequencies and the stability of the control step on a structure with mass. */
+/*
+ * Mass, natural frequencies and the stability of the control step on a structure with mass.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
 #include "pzs.h"
 #include <math.h>
 #include <setjmp.h>

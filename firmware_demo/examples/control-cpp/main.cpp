@@ -1,5 +1,5 @@
-// Hold a shape from C++: the library is compiled as C, this file without exceptions.
-// Eight displacements are measured; the loop estimates the shape from them.
+// SPDX-License-Identifier: BSD-2-Clause
+// Hold a shape from C++ without exceptions; the loop estimates it from eight displacements.
 #include "board.h"
 #include "plate.h"
 

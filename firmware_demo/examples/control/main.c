@@ -1,6 +1,5 @@
-/*
- * Hold a shape: one call a tick. The three functions in the middle stand for the hardware.
- */
+/* Hold a shape: one call a tick. The three functions in the middle stand for the hardware.
+ * SPDX-License-Identifier: BSD-2-Clause */
 #define PLATE_REAL_BITS 32 /* this program is for float: another library does not compile */
 #include "../../boards/board.h"
 #include "plate.h"

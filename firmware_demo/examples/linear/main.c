@@ -1,6 +1,8 @@
 /*
  * The device assembles and factors the structure, computes its influence matrix, and holds a shape
  * with it. The first element type is 5 % softer than in the scene, as after a year of heat.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "../../boards/board.h"
 #include "plate.h"

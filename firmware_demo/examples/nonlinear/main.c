@@ -1,6 +1,8 @@
 /*
  * A shell at large rotation: the device finds the equilibrium under the loads of the scene, here a
  * hemisphere pulled by four forces. The host found the same outputs in double: dome_reached.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "../../boards/board.h"
 #include "dome.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """One case by CalculiX: writes the deck, runs ccx, reads displacements, increments and iterations.
 
 Load steps are ccx's automatic increments, from a given first one on; convergence is ccx's own default.

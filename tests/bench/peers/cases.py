@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The two cases of the comparison as plain data, for the peers' own input.
 
 hemisphere: a quarter of a hemisphere with a hole of 18 degrees, mesh theta x phi, theta from the hole to the equator;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Time to reach an error, code by code:  compare.py [--json] [FILE ...]   (without files: the standard input)
 
 Reads the JSON lines of run.py. The error of a run is the worse of its two displacements' errors against the converged

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """One case by Kratos, in the Python that has it:  kratos.py CASE MESH ELEMENT SOLVER STEPS
 
 Prints one JSON object: steps, iterations, seconds, a, b; or {"failed": step} where a step did not converge.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """One case by this project's own programs, processes as the peers are: `pzs solve SCENE --json` for the answer and the
 time of the whole process, run_path for the time of the solution alone. Both are processor times."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Nonlinear shells by this project's program and by other codes: Kratos (PyPI) and CalculiX (Debian), one thread.
 
     run.py [--build FOLDER] [--quick] [--search]
