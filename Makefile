@@ -15,8 +15,8 @@ LIB := $(sort $(wildcard lib/*/*.c))
 HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all install uninstall demo test bench check-long hard oracle tables setup-demo setup-test setup-bench unit \
-    san clean help
+.PHONY: all install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
+    san format clean help
 all: $(B)/pzs
 
 help:
@@ -29,6 +29,7 @@ help:
 	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
 	@echo 'make size        flash, RAM and stack against the committed budget'
 	@echo 'make tables      generate the tables of the firmware demonstrations;  make oracle: the test data'
+	@echo 'make measured    refresh the measurements that take seconds in tests/bench/README.md'
 	@echo 'make hard        the improved element on thin shells, every thickness and mesh: a table'
 	@echo 'make check-long  the checks that take too long for make test'
 
@@ -70,8 +71,9 @@ setup-demo setup-test setup-bench: setup-%:
 
 demo: setup-demo
 	@$(MAKE) --no-print-directory -s $(B)/pzs
-	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html --vtu $(B)/plate-50-patches.vtu
-	@echo 'pictures: $(B)/plate-50-patches.html; for ParaView: $(B)/plate-50-patches.vtu'
+	$(B)/pzs shape plate-50-patches --limit 200 --limit 100 --limit 500 --report $(B)/plate-50-patches.html \
+	    --svg $(B)/plate-50-patches.svg --vtu $(B)/plate-50-patches.vtu
+	@echo 'pictures: $(B)/plate-50-patches.html and .svg; for ParaView: $(B)/plate-50-patches.vtu'
 
 test: setup-test
 	@sh tests/run.sh
@@ -148,6 +150,7 @@ $(call for_variants,fields,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,plausible,64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,vibration,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,targets,64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,unconstrained,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,thin,64,@tests/rigs/round_shell.o @tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(foreach t,path path_tables path_oracle,$(call for_variants,$(t),64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a))
 $(call for_variants,path_ends,64 san64,@tests/rigs/scene_run.o @host.a)
@@ -158,6 +161,9 @@ UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ -lyaml -lm -o $@
+
+format:
+	clang-format -i $$(git ls-files "*.c" "*.h")
 
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
@@ -191,6 +197,9 @@ check-long: setup-test
 	@echo 'long checks passed'
 
 # ---- data made by programs of this project -------------------------------
+
+measured: $(B)/pzs
+	B=$(B) sh tests/bench/measured.sh --write
 
 oracle:
 	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py

@@ -32,22 +32,23 @@ int drill_line(const char *name, int ok, pzs_status status);
 int drill_model(const pzs_structure *structure, void *work, size_t bytes);
 
 #if PZS_NONLINEAR
-/* Tables and memory of a nonlinear image, and the scene's choices for its path. */
+/* Tables and memory of a nonlinear image, and the scene's solver settings. */
 typedef struct demo_nonlinear_image {
     const pzs_structure *structure;
     const pzs_nonlinear *nonlinear;
     void *model_work, *path_work;
     size_t model_bytes, path_bytes;
-    pzs_real change;
-    uint16_t steps, mixed;
-    uint32_t systems;
+    pzs_real tolerance;
+    uint16_t load_steps, extrapolated_iterations;
+    uint32_t solve_limit;
 } demo_nonlinear_image;
 
 /* Those of the generated header, with arrays model_work and path_work beside it. */
 #define DEMO_NONLINEAR_IMAGE                                                                       \
     {                                                                                              \
         &demo_structure, &demo_nonlinear, model_work, path_work, sizeof model_work,                \
-            sizeof path_work, DEMO_CHANGE, DEMO_STEPS, DEMO_MIXED, DEMO_SYSTEMS                    \
+            sizeof path_work, DEMO_TOLERANCE, DEMO_LOAD_STEPS, DEMO_EXTRAPOLATED_ITERATIONS,       \
+            DEMO_SOLVE_LIMIT                                                                       \
     }
 
 /* A model and a path at rest. */

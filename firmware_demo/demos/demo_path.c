@@ -13,10 +13,10 @@ pzs_status demo_open_path(pzs_model *model, pzs_solver *solver, const demo_nonli
     status = pzs_solver_init(solver, model, image->nonlinear, image->path_work, image->path_bytes);
     if (PZS_IS_ERROR(status))
         return status;
-    solver->settings.tolerance = image->change;
-    solver->settings.load_steps = image->steps;
-    solver->settings.extrapolated_iterations = image->mixed;
-    solver->settings.solve_limit = image->systems;
+    solver->settings.tolerance = image->tolerance;
+    solver->settings.load_steps = image->load_steps;
+    solver->settings.extrapolated_iterations = image->extrapolated_iterations;
+    solver->settings.solve_limit = image->solve_limit;
     return status;
 }
 

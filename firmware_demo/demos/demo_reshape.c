@@ -13,7 +13,7 @@
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
 
 static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
-static pzs_real path_work[REALS(DEMO_PATH_BYTES)] BOARD_LARGE;
+static pzs_real path_work[REALS(DEMO_SOLVER_BYTES)] BOARD_LARGE;
 static pzs_real control_work[REALS(DEMO_CONTROL_BYTES)] BOARD_LARGE;
 static pzs_real influence[DEMO_ALL_OUTPUTS * DEMO_ALL_INPUTS] BOARD_LARGE;
 static pzs_real amount[DEMO_ALL_INPUTS]; /* volts, then the scene's loads */
@@ -54,7 +54,7 @@ static pzs_status influence_at_rest(pzs_model *model, reshape_log *log)
 static pzs_status influence_at_shape(pzs_solver *solver, reshape_log *log)
 {
     const uint32_t start = board_count();
-    const pzs_status status = pzs_influence_at(path, influence);
+    const pzs_status status = pzs_influence_at(solver, influence);
     log->at_shape = board_instructions(start, board_count());
     keep_control_part();
     return status;
@@ -101,8 +101,8 @@ static pzs_real shape_error(void)
 /* Equilibrium under amount, into output. */
 static pzs_status reach(const char *name, pzs_solver *solver, pzs_real *missed)
 {
-    const pzs_status status = demo_equilibrium(name, path, amount);
-    pzs_observe(&demo_structure, path->info.displacement, output);
+    const pzs_status status = demo_equilibrium(name, solver, amount);
+    pzs_observe(&demo_structure, solver->info.displacement, output);
     *missed = shape_error();
     return status;
 }
@@ -128,7 +128,7 @@ static pzs_status reshape(const demo_nonlinear_image *image, reshape_log *log)
     for (int i = 0; i < DEMO_OUTPUTS; i++)
         error[i] = demo_target[i];
     for (int j = DEMO_INPUTS; j < DEMO_ALL_INPUTS; j++)
-        amount[j] = demo_full[j];
+        amount[j] = demo_full_input[j];
     if (!PZS_IS_ERROR(status))
         status = choose_volts(&control, log);
     if (!PZS_IS_ERROR(status))

@@ -87,7 +87,7 @@ const command_entry command_table[COMMANDS] = {
          "vibration model: where the materials have densities and vibration makes the control loop "
          "unstable at the scene's rate, no tables are written unless --quasi-static asks for them. "
          "target.free needs the control image.",
-         {"pzs tables plate-50-patches --level linear --prefix plate -o plate.h",
+         {"pzs tables plate-50-patches --image linear --prefix plate -o plate.h",
           "pzs tables plate-closed-loop --quasi-static --prefix loop -o .", NULL}},
     [COMMAND_SIMULATE] =
         {"simulate",
@@ -158,6 +158,9 @@ const option_entry option_table[OPTIONS] = {
     [OPTION_REPORT] = {"--report", NULL, "FILE.html", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
                        "pictures and tables in one page"},
+    [OPTION_SVG] = {"--svg", NULL, "FILE.svg", ARGUMENT_FILE, NULL,
+                    BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
+                    "the main picture alone, for a README or a paper"},
     [OPTION_VTU] = {"--vtu", NULL, "FILE.vtu", ARGUMENT_FILE, NULL,
                     BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES),
                     "deformed shape for ParaView; of modes the mode shapes"},
@@ -172,8 +175,8 @@ const option_entry option_table[OPTIONS] = {
         {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
          "the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the controller; every bit compared with "
          "the same C here. host-32, host-64: that C alone"},
-    [OPTION_LEVEL] =
-        {"--level", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
+    [OPTION_IMAGE] =
+        {"--image", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
          "control (influence matrix), linear (element matrices) or nonlinear (and the equilibrium solver at large rotation; "
          "the scene needs kinematics: nonlinear); default control"},
     [OPTION_QUASI_STATIC] =
@@ -208,6 +211,11 @@ command_id command_find(const char *name)
     while (k < COMMANDS && strcmp(command_table[k].name, name) != 0)
         k++;
     return (command_id)k;
+}
+
+const char *option_new_name(const char *name)
+{
+    return strcmp(name, "--level") == 0 ? option_table[OPTION_IMAGE].name : NULL;
 }
 
 option_id option_find(const char *name)

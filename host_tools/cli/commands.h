@@ -26,11 +26,12 @@ typedef enum option_id {
     OPTION_JSON,
     OPTION_STRICT,
     OPTION_REPORT,
+    OPTION_SVG,
     OPTION_VTU,
     OPTION_NUMBER,
     OPTION_CSV,
     OPTION_DEVICE,
-    OPTION_LEVEL,
+    OPTION_IMAGE,
     OPTION_QUASI_STATIC,
     OPTION_PREFIX,
     OPTION_OUTPUT,
@@ -85,5 +86,8 @@ int command_takes(command_id command, option_id option);
 /* Command or option of a name, or COMMANDS, OPTIONS where there is none. */
 command_id command_find(const char *name);
 option_id option_find(const char *name);
+
+/* Present name of an option that was renamed, or NULL where `name` is not a former name. */
+const char *option_new_name(const char *name);
 
 #endif

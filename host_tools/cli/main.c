@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "../model/certificate_make.h"
+#include "../model/design_build.h"
 #include "../model/estimator.h"
 #include "help.h"
-#include "interrupt.h"
+#include "../system/interrupt.h"
 #include "manual.h"
 #include "../model/mass.h"
 #include "options.h"
@@ -14,7 +16,7 @@
 #include "print.h"
 #include "print_simulate.h"
 #include "print_vibration.h"
-#include "progress.h"
+#include "../system/progress.h"
 #include "../report/report.h"
 #include "../report/report_simulate.h"
 #include "templates.h"
@@ -104,7 +106,42 @@ static int run_on_scene(const options *options, command *run)
     return status;
 }
 
+/* ---- reports ---------------------------------------------------------- */
+
+/* Write one report of a result. Returns 0, or -1. */
+typedef int write_report(const report_job *job, const void *result);
+
+/* The page and the picture that the options ask for. Returns an exit code. */
+static int write_reports(const options *options, write_report *write, const void *result)
+{
+    const char *const path[2] = {options->report, options->svg};
+    int status = 0;
+    for (int k = 0; k < 2 && status == 0; k++) {
+        outfile f;
+        if (!path[k])
+            continue;
+        status = outfile_begin(&f, path[k]);
+        if (status)
+            break;
+        const report_job job = {f.file, k == 1, options->words, options->words_given};
+        status = outfile_end(&f, write(&job, result));
+    }
+    return status;
+}
+
 /* ---- solve ------------------------------------------------------------ */
+
+/* A displacement and the output values that belong to it. */
+typedef struct solution {
+    const analysis *a;
+    const double *u, *value;
+} solution;
+
+static int write_solve(const report_job *job, const void *result)
+{
+    const solution *s = result;
+    return report_solve(job, s->a, s->u, s->value);
+}
 
 static int write_vtu(const analysis *analysis, const double *u, const char *path)
 {
@@ -127,7 +164,7 @@ static int solved(const options *options, analysis *analysis, const double *u)
 {
     const pzs_structure *structure = &analysis->design.structure;
     double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
-    outfile f;
+    const solution result = {analysis, u, value};
     int status = 0;
     if (!value)
         return complain("out of memory", 1);
@@ -138,8 +175,8 @@ static int solved(const options *options, analysis *analysis, const double *u)
     (options->as_json ? print_solve_json : print_solve)(analysis, value);
     if (options->vtu)
         status = write_vtu(analysis, u, options->vtu);
-    if (options->report && status == 0 && (status = outfile_begin(&f, options->report)) == 0)
-        status = outfile_end(&f, report_solve(f.file, analysis, u, value));
+    if (status == 0)
+        status = write_reports(options, write_solve, &result);
     free(value);
     return status;
 }
@@ -147,9 +184,9 @@ static int solved(const options *options, analysis *analysis, const double *u)
 static int command_solve(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR] = "out of memory";
-    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
-    progress_solves(analysis->nonlinear ? &analysis->path.run.info.linear_solves : NULL);
+    progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
     const int failed = u && analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
     /* A path that ends early leaves an equilibrium worth seeing. */
     const int status = u && (!failed || analysis->nonlinear) ? solved(options, analysis, u) : 0;
@@ -210,11 +247,16 @@ static int shape_results(shape_run *run, const options *options, char *error)
     return modes_run(&run->modes, analysis, limit, limits, error);
 }
 
+static int write_shape(const report_job *job, const void *result)
+{
+    const shape_run *run = result;
+    return report_shape(job, run->analysis, run->volts, run->count, &run->modes);
+}
+
 static int command_shape(const options *options, analysis *analysis)
 {
     shape_run run;
     char error[SCENE_ERROR];
-    outfile f;
     int status = 0;
     memset(&run, 0, sizeof run);
     run.analysis = analysis;
@@ -222,15 +264,14 @@ static int command_shape(const options *options, analysis *analysis)
     progress_stage("influence matrix");
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.volts[1];
-        plausible_voltages(&analysis->warnings, analysis->design.scene, best->volt, best->name);
+        plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
         plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
                          best->name);
         progress_stop();
         (options->as_json ? print_shape_json : print_shape)(&run);
         status = options->vtu ? write_vtu(analysis, run.volts[1].u, options->vtu) : 0;
-        if (options->report && status == 0 && (status = outfile_begin(&f, options->report)) == 0)
-            status =
-                outfile_end(&f, report_shape(f.file, analysis, run.volts, run.count, &run.modes));
+        if (status == 0)
+            status = write_reports(options, write_shape, &run);
     } else {
         status = complain(error, failed_code(analysis));
     }
@@ -272,12 +313,24 @@ static void check_phases(plausible *warnings, const simulation *run)
     }
 }
 
+/* A simulation and its record over time. */
+typedef struct simulated {
+    const simulation *run;
+    const simulate_record *record;
+} simulated;
+
+static int write_simulate(const report_job *job, const void *result)
+{
+    const simulated *s = result;
+    return report_simulate(job, s->run, s->record);
+}
+
 static int command_simulate(const options *options, analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
     simulation run;
     simulate_record record;
-    outfile f;
+    const simulated result = {&run, &record};
     char error[SCENE_ERROR];
     int status = 0;
     memset(&run, 0, sizeof run);
@@ -302,8 +355,7 @@ static int command_simulate(const options *options, analysis *analysis)
         check_phases(&analysis->warnings, &run);
         progress_stop();
         (options->as_json ? print_simulation_json : print_simulation)(&run);
-        if (options->report && (status = outfile_begin(&f, options->report)) == 0)
-            status = outfile_end(&f, report_simulate(f.file, &run, &record));
+        status = write_reports(options, write_simulate, &result);
         status |= run.count[LAW_CONTROLLER].beyond > 0 ||
                   run.count[LAW_CONTROLLER].not_finite > 0 ||
                   (run.board && run.board->twin &&
@@ -328,7 +380,7 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
             snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
-            report_displacement(mesh, vibration->shape + i * (size_t)mesh->dof,
+            report_displacement(mesh, vibration->shape + i * (size_t)mesh->free_dof,
                                 vector + i * length);
             field[i] = (report_field){name[i], vector + i * length};
         }
@@ -417,7 +469,7 @@ static int judge_loop(analysis *analysis, char *error)
         "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
         "the tables all the same",
         certificate->rate, certificate_first(certificate), certificate->radius,
-        certificate->rate_to);
+        certificate->stable_rate);
 }
 
 /*
@@ -437,7 +489,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (image != TABLES_CONTROL && scene->target.frees > 0)
         return scene_fault(scene, scene->target.free[0].at, error,
                            "target.free is taken out of the influence matrix of a control "
-                           "image; the device makes that of a %s image itself: use --level control "
+                           "image; the device makes that of a %s image itself: use --image control "
                            "or remove target.free",
                            tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
@@ -445,7 +497,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (scene->kinematics == KINEMATICS_LINEAR)
         return scene_fault(scene, scene->at_surface, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
-    double *u = calloc((size_t)analysis->design.mesh.dof, sizeof *u);
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     analysis->nonlinear = 1;
     const int failed = u ? analysis_solve(analysis, u, error)
                          : scene_fault(scene, scene->at_surface, error, "out of memory");
@@ -460,10 +512,10 @@ static void print_tables(const options *options, const analysis *analysis, const
     const design *design = &analysis->design;
     printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", path,
            tables_image_name[options->image], design->scene->name, design->amplifiers,
-           design->targets, design->mesh.dof);
+           design->targets, design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
-               tables_fit_float(analysis) ? "float or double" : "refused in float");
+               tables_allow_float(analysis) ? "float or double" : "refused in float");
 }
 
 static int command_tables(const options *options, analysis *analysis)

@@ -33,6 +33,12 @@ static int unknown_option(command_id command, const char *name)
 {
     suggestion near;
     char text[SUGGEST_TEXT];
+    const char *new_name = option_new_name(name);
+    if (new_name) {
+        fprintf(stderr, "pzs: %s is now %s; see pzs help %s\n", name, new_name,
+                command_table[command].name);
+        return OPTIONS_WRONG;
+    }
     suggest_begin(&near, name);
     for (int k = 0; k < OPTIONS; k++)
         if (command_takes(command, (option_id)k))
@@ -133,7 +139,7 @@ static int take_set(options *options, const char *value)
     return 0;
 }
 
-static int take_level(options *options, const char *value)
+static int take_image(options *options, const char *value)
 {
     for (options->image = 0;
          options->image < TABLES_IMAGES && strcmp(value, tables_image_name[options->image]) != 0;)
@@ -159,11 +165,12 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_SET: return take_set(options, value);
     case OPTION_LIMIT: return take_limit(options, value);
     case OPTION_NUMBER: return take_number(options, value);
-    case OPTION_LEVEL: return take_level(options, value);
+    case OPTION_IMAGE: return take_image(options, value);
     case OPTION_JSON: options->as_json = 1; return 0;
     case OPTION_STRICT: options->is_strict = 1; return 0;
     case OPTION_QUASI_STATIC: options->quasi_static = 1; return 0;
     case OPTION_REPORT: return take_file(&options->report, value);
+    case OPTION_SVG: return take_file(&options->svg, value);
     case OPTION_VTU: return take_file(&options->vtu, value);
     case OPTION_CSV: return take_file(&options->csv, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
@@ -264,10 +271,11 @@ static int same_file(const char *a, const char *b)
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];
-    const char *const file[5] = {scene_path, options->report, options->vtu, options->csv,
-                                 options->output};
+    enum { FILES = 6 };
+    const char *const file[FILES] = {scene_path,   options->report, options->svg,
+                                     options->vtu, options->csv,    options->output};
     shipped_path(options->scene, scene_path);
-    for (int i = 1; i < 5; i++)
+    for (int i = 1; i < FILES; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && same_file(file[i], file[j]))
                 return options_refuse("two files under one name:", file[i]);
@@ -278,6 +286,8 @@ int options_read(options *options, command_id command, int argc, char **argv)
 {
     memset(options, 0, sizeof *options);
     options->command = command;
+    options->words = argc;
+    options->words_given = argv;
     int wrong = parse(options, argc, argv);
     if (!wrong)
         wrong = check_words(options);

@@ -4,7 +4,7 @@
 
 #include "commands.h"
 #include "../simulate/device.h"
-#include "shipped.h"
+#include "../system/shipped.h"
 #include "../tables/tables.h"
 
 /* OPTIONS_WRONG: exit code where the scene or the command line is wrong. */
@@ -19,7 +19,9 @@ typedef struct options {
     int sets, limits, as_json, is_strict;
     int number; /* of modes; 0: not given */
     int quasi_static;
-    const char *report, *vtu, *csv, *output, *prefix;
+    const char *report, *svg, *vtu, *csv, *output, *prefix;
+    int words;                /* the whole command line, for the report */
+    char *const *words_given; /* [words] */
     const device_board *device;
     tables_image image;
 } options;

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include "interrupt.h"
+#include "../system/interrupt.h"
 
 static int cannot_write(const char *path, const char *why)
 {

@@ -7,14 +7,14 @@
 #include "../../lib/model/model.h"
 #include "print_outputs.h"
 #include "print_vibration.h"
-#include "words.h"
+#include "../text/words.h"
 #include "../tables/tables.h"
 
 /* ---- head ------------------------------------------------------------- */
 
 static const char *precision_needed(const analysis *analysis)
 {
-    if (tables_fit_float(analysis))
+    if (tables_allow_float(analysis))
         return "float or double";
     if (analysis->model.info.condition > 1e14) /* what pzs_factor calls no structure */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
@@ -46,8 +46,8 @@ void print_estimate_json(json *json, const estimator *estimator)
     json_number(json, "sensors", estimator->sensors);
     json_number(json, "rank", estimator->rank);
     json_number(json, "condition", estimator->condition);
-    json_number(json, "missed", estimator->missed / estimator->disturbed);
-    json_number(json, "worst_missed", estimator->worst_missed / estimator->worst_disturbed);
+    json_number(json, "missed", estimator->remaining / estimator->disturbed);
+    json_number(json, "worst_missed", estimator->worst_remaining / estimator->worst_disturbed);
     json_close(json, '}');
 }
 
@@ -67,8 +67,8 @@ void print_head(const analysis *analysis, const char *influence)
     const mesh *mesh = &analysis->design.mesh;
     printf("%s: %s\n", scene->name, scene->about ? scene->about : "");
     printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n",
-           scene->line[0].elements, scene->line[1].elements, mesh->kinds,
-           mesh->kinds == 1 ? "" : "s", mesh->nodes, mesh->dof, mesh_half_bandwidth(mesh));
+           scene->line[0].elements, scene->line[1].elements, mesh->types,
+           mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
     printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
            scene->element.unknowns);
@@ -87,9 +87,9 @@ static void json_head(json *json, const analysis *analysis)
     json_number(json, "real_bits", PZS_REAL_BITS);
     json_string(json, "unit_length", analysis->design.scene->unit_length);
     json_number(json, "elements", mesh->elements);
-    json_number(json, "kinds", mesh->kinds);
+    json_number(json, "kinds", mesh->types);
     json_number(json, "nodes", mesh->nodes);
-    json_number(json, "dof", mesh->dof);
+    json_number(json, "dof", mesh->free_dof);
     json_number(json, "half_bandwidth", mesh_half_bandwidth(mesh));
     json_string(json, "kinematics_of_element",
                 analysis->design.scene->element.cartesian ? "cartesian" : "local");
@@ -109,7 +109,7 @@ static int image_size(const analysis *analysis, tables_image image, tables_size 
     const int controlled = analysis->design.problem.inputs > 0;
     FILE *nowhere = (image == TABLES_CONTROL && !controlled) ||
                             (image != TABLES_CONTROL && analysis->design.free_functions > 0) ||
-                            (image == TABLES_NONLINEAR && !analysis->path.full)
+                            (image == TABLES_NONLINEAR && !analysis->equilibrium.full_input)
                         ? NULL
                         : fopen("/dev/null", "w");
     if (!nowhere)
@@ -177,7 +177,7 @@ void print_check_json(const analysis *analysis)
  * of the last step. */
 static void print_contact(const analysis *analysis)
 {
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     const char *unit = analysis->design.scene->unit_length;
     const char *space = *unit ? " " : "";
     char where[SCENE_ERROR];
@@ -187,16 +187,16 @@ static void print_contact(const analysis *analysis)
         printf("  contact: the body moves far for its size; %u load step%s shortened for it\n",
                run->info.shortened_steps, run->info.shortened_steps == 1 ? "" : "s");
     printf("  contact: the body is at most %.3g%s%s deep between nodes (the sag of elements)\n",
-           analysis->path.contact.info.sag, space, unit);
+           analysis->equilibrium.contact.info.sag, space, unit);
     if (analysis->status != PZS_W_BEHIND)
         return;
-    path_penetration(&analysis->path, analysis->status, where);
+    equilibrium_penetration_text(&analysis->equilibrium, analysis->status, where);
     printf("  WARNING: %s: %s\n", pzs_status_text(analysis->status), where);
 }
 
 static void print_path(const analysis *analysis)
 {
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     printf("  %u load step%s, %u linear systems, %s (%u negative pivots)\n", run->info.load_steps,
            run->info.load_steps == 1 ? "" : "s", run->info.linear_solves,
            run->info.negative_pivots ? "UNSTABLE" : "stable", run->info.negative_pivots);
@@ -216,9 +216,9 @@ static void print_discretisation(void)
 void print_solve(analysis *analysis, const double *value)
 {
     print_head(analysis, "at rest");
-    if (analysis->design.scene->kinematics == KINEMATICS_AUTO && isfinite(analysis->cost))
+    if (analysis->design.scene->kinematics == KINEMATICS_AUTO && isfinite(analysis->linear_error))
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n",
-               analysis->cost, analysis->design.scene->tolerance,
+               analysis->linear_error, analysis->design.scene->tolerance,
                analysis->nonlinear ? "nonlinear is needed" : "linear is enough");
     if (analysis->nonlinear)
         print_path(analysis);
@@ -235,7 +235,7 @@ void print_solve(analysis *analysis, const double *value)
 
 static void json_path(json *json, const analysis *analysis)
 {
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     json_string(json, "status", pzs_status_text(analysis->status));
     json_number(json, "load_factor", run->info.load_factor);
     json_number(json, "steps", run->info.load_steps);
@@ -281,7 +281,7 @@ void print_solve_json(analysis *analysis, const double *value)
     json_head(&json, analysis);
     json_string(&json, "kinematics", analysis->nonlinear ? "nonlinear" : "linear");
     if (design->scene->kinematics == KINEMATICS_AUTO)
-        json_number(&json, "cost_of_linear", analysis->cost);
+        json_number(&json, "cost_of_linear", analysis->linear_error);
     (analysis->nonlinear ? json_path : json_linear)(&json, analysis);
     json_seconds(&json, analysis);
     print_outputs_json(&json, analysis, value, 0);
@@ -341,7 +341,7 @@ static void print_volts(const scene *scene, const voltages *result)
             else
                 printf("    %-20s", actuator->name);
             for (int j = 0; j < grid[1]; j++)
-                printf(" %9.2f", rounded_volt(result->volt[actuator->first + i * grid[1] + j]));
+                printf(" %9.2f", rounded_volt(result->voltage[actuator->first + i * grid[1] + j]));
             putchar('\n');
         }
     }
@@ -364,7 +364,7 @@ static void print_choice(const shape_run *run)
     const voltages *best = &run->volts[1];
     const double tolerance = run->analysis->design.scene->tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n",
-           best->relinearised, best->relinearised == 1 ? "" : "s", best->systems);
+           best->relinearised, best->relinearised == 1 ? "" : "s", best->linear_solves);
     printf(
         "the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware %s\n",
         100 * cost_of_linear(run), 100 * tolerance,
@@ -411,10 +411,10 @@ static void print_reached(const shape_run *run)
 /* Amplifiers that have less than the range of the table. */
 static void print_narrower(const voltages *result, int amplifiers)
 {
-    if (result->narrower + result->held > 0)
+    if (result->narrowed + result->held > 0)
         printf("\n  of %d amplifiers, with narrower limits than the table says (own limits, "
                "field_limit): %d; held: %d\n",
-               amplifiers, result->narrower, result->held);
+               amplifiers, result->narrowed, result->held);
 }
 
 /* Rows that no error counts, where they are not as wanted; and the free functions. */
@@ -470,10 +470,10 @@ void print_shape(const shape_run *run)
         limit_text(result, limits);
         if (isnan(result->error))
             printf("  %-26s %-16s %12s %7d %12.2f ", result->name, limits, "no equil.",
-                   result->active, largest(result->volt, design->amplifiers));
+                   result->active_limits, largest(result->voltage, design->amplifiers));
         else
             printf("  %-26s %-16s %11.3f%% %7d %12.2f ", result->name, limits, 100 * result->error,
-                   result->active, largest(result->volt, design->amplifiers));
+                   result->active_limits, largest(result->voltage, design->amplifiers));
         if (isfinite(result->optimality))
             printf("%10.1e\n", result->optimality);
         else
@@ -519,21 +519,21 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     char name[SCENE_LABEL];
     json_numbers(json, "limits", result->limit, 2);
     json_number(json, "held", result->held);
-    json_number(json, "narrower", result->narrower);
+    json_number(json, "narrower", result->narrowed);
     json_number(json, "shape_error", result->error);
     json_number(json, "shape_error_all_rows", result->error_all);
     json_number(json, "fixed_rows_off", result->fixed_off);
-    json_number(json, "active", result->active);
-    json_number(json, "passes", result->passes);
+    json_number(json, "active", result->active_limits);
+    json_number(json, "passes", result->iterations);
     json_number(json, "kkt", result->optimality);
     if (result->regularisation > 0)
         json_number(json, "regularisation", result->regularisation);
     json_number(json, "relinearised", result->relinearised);
-    json_number(json, "systems", result->systems);
+    json_number(json, "systems", result->linear_solves);
     json_open(json, "volts", '{');
-    for (int k = 0; k < result->volts; k++) {
+    for (int k = 0; k < result->amplifiers; k++) {
         scene_amplifier_name(scene, k, name);
-        json_number(json, name, result->volt[k]);
+        json_number(json, name, result->voltage[k]);
     }
     json_close(json, '}');
     json_reached(json, analysis, result);

@@ -3,7 +3,7 @@
 #define PRINT_H
 
 #include "../model/estimator.h"
-#include "json.h"
+#include "../text/json.h"
 #include "../model/modes.h"
 
 /* What `pzs shape` found. */

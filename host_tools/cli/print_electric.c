@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "print.h"
-#include "words.h"
+#include "../text/words.h"
 
 /* Name of electrode k, and how it is connected. */
 static const char *connection(const design *design, int k, char name[SCENE_LABEL])
@@ -32,7 +32,7 @@ void print_electrodes(analysis *analysis)
     for (int k = 0; k < design->electrodes.count; k++) {
         const char *circuit = connection(design, k, name);
         printf("  %-20s %-8s %14.6e %14.6e %18.6e ", name, circuit,
-               analysis->amount[design->electrodes.input[k]], analysis->charge[k],
+               analysis->input_value[design->electrodes.input[k]], analysis->charge[k],
                analysis_capacitance(analysis, k, 0));
         if (isfinite(analysis_capacitance(analysis, k, 1)))
             printf("%18.6e\n", analysis_capacitance(analysis, k, 1));
@@ -55,7 +55,7 @@ void print_electrodes_json(json *json, analysis *analysis)
         const char *circuit = connection(design, k, name);
         json_open(json, name, '{');
         json_string(json, "circuit", circuit);
-        json_number(json, "volts", analysis->amount[design->electrodes.input[k]]);
+        json_number(json, "volts", analysis->input_value[design->electrodes.input[k]]);
         json_number(json, "charge", analysis->charge[k]);
         json_number(json, "capacitance_held", analysis_capacitance(analysis, k, 0));
         json_number(json, "capacitance_free", analysis_capacitance(analysis, k, 1));

@@ -13,8 +13,9 @@ void print_modes(const scene *scene, const modes *modes)
         for (int k = 0; k < modes->count; k++) {
             const mode_left *left = &modes->left[k * modes->limits + l];
             printf("  %-20s %12.3e %10.3f%% %12.2f %10.3f%% %7d %10.3f%% %11.3f%%\n",
-                   scene->target.mode[k].name, modes->mode[k].size, 100 * modes->mode[k].unlimited,
-                   modes->mode[k].volt, 100 * left->optimum, left->active, 100 * left->clipped,
+                   scene->target.mode[k].name, modes->mode[k].size,
+                   100 * modes->mode[k].unconstrained_error, modes->mode[k].largest_voltage,
+                   100 * left->optimum, left->active_limits, 100 * left->clipped,
                    100 * left->regularised);
         }
     }
@@ -27,15 +28,15 @@ void print_modes_json(json *json, const scene *scene, const modes *modes)
         json_open(json, NULL, '{');
         json_string(json, "name", scene->target.mode[k].name);
         json_number(json, "rms", modes->mode[k].size);
-        json_number(json, "unlimited_error", modes->mode[k].unlimited);
-        json_number(json, "largest_volt", modes->mode[k].volt);
+        json_number(json, "unlimited_error", modes->mode[k].unconstrained_error);
+        json_number(json, "largest_volt", modes->mode[k].largest_voltage);
         json_open(json, "limits", '[');
         for (int l = 0; l < modes->limits; l++) {
             const mode_left *left = &modes->left[k * modes->limits + l];
             json_open(json, NULL, '{');
             json_numbers(json, "limits", left->limit, 2);
             json_number(json, "shape_error", left->optimum);
-            json_number(json, "active", left->active);
+            json_number(json, "active", left->active_limits);
             json_number(json, "clipped_error", left->clipped);
             json_number(json, "regularised_error", left->regularised);
             json_close(json, '}');

@@ -2,7 +2,7 @@
 #include "print_outputs.h"
 #include <math.h>
 #include <stdlib.h>
-#include "words.h"
+#include "../text/words.h"
 
 int print_is_displacement(const analysis *analysis, int k)
 {

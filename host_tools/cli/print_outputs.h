@@ -3,7 +3,7 @@
 #define PRINT_OUTPUTS_H
 
 #include "../model/analysis.h"
-#include "json.h"
+#include "../text/json.h"
 
 /* Does output k give displacements? Only these belong to every shape of `pzs shape`. */
 int print_is_displacement(const analysis *analysis, int k);

@@ -2,8 +2,9 @@
 #include "print_simulate.h"
 #include "print.h"
 #include "print_vibration.h"
-#include "progress.h"
-#include "words.h"
+#include "../system/progress.h"
+#include "../simulate/simulate_words.h"
+#include "../text/words.h"
 
 static const char *const law_name[LAWS] = {"controller", "clipped", "regularised"};
 
@@ -110,8 +111,8 @@ static void print_phases(const simulation *simulation)
            "clipped", "regularised", "worst", "settled", "slew");
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
-        char name[WORDS_PHASE];
-        words_phase(simulation, phase, name);
+        char name[SIMULATE_PHASE_TEXT];
+        simulate_words_phase(simulation, phase, name);
         printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", phase->from, name,
                100 * phase->optimum, 100 * phase->course[LAW_CONTROLLER].steady,
                100 * phase->course[LAW_CLAMP].steady, 100 * phase->course[LAW_REGULARISED].steady,
@@ -184,7 +185,7 @@ static void print_board(const simulation *simulation)
 
 void print_simulation(const simulation *simulation)
 {
-    print_head(simulation->nominal, words_influence(simulation->nominal->design.scene));
+    print_head(simulation->nominal, simulate_words_influence(simulation->nominal->design.scene));
     print_plant(simulation);
     print_phases(simulation);
     print_count(simulation, LAW_CONTROLLER);
@@ -217,8 +218,8 @@ static void json_course(json *json, const simulation *simulation, const simulate
 
 static void json_phase(json *json, const simulation *simulation, const simulate_phase *phase)
 {
-    char name[WORDS_PHASE];
-    words_phase(simulation, phase, name);
+    char name[SIMULATE_PHASE_TEXT];
+    simulate_words_phase(simulation, phase, name);
     json_open(json, NULL, '{');
     json_string(json, "phase", name);
     json_number(json, "from", phase->from);

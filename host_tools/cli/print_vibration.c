@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "words.h"
+#include "../text/words.h"
 
 /* ---- modes ------------------------------------------------------------ */
 
@@ -115,38 +115,38 @@ static void print_lines(const char *text)
 void print_certificate(const certificate *certificate)
 {
     char text[3 * SCENE_ERROR];
-    if (!certificate->made)
+    if (!certificate->is_made)
         return;
-    if (!certificate->vibrates) {
-        printf("  vibration not known: %s\n", certificate->why_not);
+    if (!certificate->has_modes) {
+        printf("  vibration not known: %s\n", certificate->reason);
         return;
     }
     printf("  first natural frequency %.4g Hz; damping ratio %g, %s\n",
            certificate_first(certificate), certificate->damping,
-           certificate->damping_given ? "given" : "assumed");
+           certificate->has_own_damping ? "given" : "assumed");
     certificate_text(certificate, text);
     print_lines(text);
 }
 
 void print_certificate_json(json *json, const certificate *certificate)
 {
-    if (!certificate->made)
+    if (!certificate->is_made)
         return;
     json_open(json, "vibration", '{');
-    if (certificate->vibrates)
+    if (certificate->has_modes)
         json_numbers(json, "frequency", certificate->vibration.frequency,
                      certificate->vibration.count);
     else
-        json_string(json, "missing", certificate->why_not);
-    if (certificate->vibrates && certificate->why_not[0])
-        json_string(json, "not_judged", certificate->why_not);
-    if (certificate->is_judged) {
+        json_string(json, "missing", certificate->reason);
+    if (certificate->has_modes && certificate->reason[0])
+        json_string(json, "not_judged", certificate->reason);
+    if (certificate->is_assessed) {
         json_number(json, "damping", certificate->damping);
         json_number(json, "modes", certificate->modes);
         json_number(json, "radius", certificate->radius);
         if (certificate->rate > 0)
             json_bool(json, "stable", !certificate_refuses(certificate));
-        json_number(json, "rate_to", certificate->rate_to);
+        json_number(json, "rate_to", certificate->stable_rate);
     }
     json_close(json, '}');
 }

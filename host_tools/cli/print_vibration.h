@@ -3,7 +3,7 @@
 #define PRINT_VIBRATION_H
 
 #include "../model/certificate.h"
-#include "json.h"
+#include "../text/json.h"
 
 /* Modes of `pzs modes`: frequency, mass that takes part, and the input that moves each most. */
 void print_vibration(const design *design, const vibration *vibration);

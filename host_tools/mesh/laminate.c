@@ -1,18 +1,20 @@
-/* Plies to resultants (laminate.h). */
+/* Stiffness, resultants and charges of a package of plies (laminate.h). */
 #include "laminate.h"
 #include <math.h>
 #include <string.h>
 
 enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5 };
 
-/* Voigt component of each strain, and whether it is the difference of the faces. */
+/* Voigt component of each strain of the element. */
 static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
 static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
 
 /* ---- plies ------------------------------------------------------------ */
 
-/* Invert a positive definite a [n][stride] in place by Gauss-Jordan; returns -1 at a pivot that is
- * not positive. */
+/*
+ * Invert a positive definite matrix a [n][stride] in place by Gauss-Jordan elimination. Returns -1
+ * at a pivot that is not positive.
+ */
 static int invert(double *a, int n, int stride)
 {
     for (int p = 0; p < n; p++) {
@@ -34,7 +36,7 @@ static int invert(double *a, int n, int stride)
     return 0;
 }
 
-/* Stiffness in the ply's own axes from its engineering constants. */
+/* Stiffness of a ply in its own axes, from the engineering constants of its material. */
 static int ply_stiffness(const scene_material *material, double c[6][6])
 {
     memset(c, 0, 36 * sizeof(double));
@@ -49,7 +51,10 @@ static int ply_stiffness(const scene_material *material, double c[6][6])
     return invert(&c[0][0], 3, 6);
 }
 
-/* Engineering strains in axes turned by an angle about e3: ply = t . shell. */
+/*
+ * Transformation t of engineering strains to axes turned by an angle about e3: ply strain = t shell
+ * strain.
+ */
 static void turn(double degrees, double t[6][6])
 {
     const double angle = degrees * 0.017453292519943295, c = cos(angle), s = sin(angle);
@@ -64,7 +69,7 @@ static void turn(double degrees, double t[6][6])
     memcpy(t, turned, sizeof turned);
 }
 
-/* y = t' x */
+/* y = t' x: stress of the ply in the axes of the shell. */
 static void turn_back(double t[6][6], const double x[6], double y[6])
 {
     for (int i = 0; i < 6; i++) {
@@ -74,7 +79,10 @@ static void turn_back(double t[6][6], const double x[6], double y[6])
     }
 }
 
-/* Stress in the ply's axes of a held ply per unit of field along its poling: C d or e. */
+/*
+ * Stress in the ply's axes, per unit of electric field along its poling, of a ply whose strains are
+ * zero: C d or e.
+ */
 static void field_stress(const scene_material *material, double c[6][6], double stress[6])
 {
     const double strain[3] = {material->d31, material->d32, material->d33};
@@ -93,30 +101,34 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
         return -1;
     turn(layer->angle, t);
     for (int i = 0; i < 6; i++)
-        turn_back(t, c[i], half[i]); /* half = C t, row by row as C is symmetric */
+        turn_back(t, c[i], half[i]); /* half = C t, formed by rows because C is symmetric */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
             for (int k = 0; k < 6; k++)
                 ply->c[i][j] += t[k][i] * half[k][j];
         }
-    /* A volt across the ply is the field -1/h along e3; the free strain d E makes the given stress
-     * -C d E. */
+    /*
+     * A volt across the ply is the field -1/h along e3; the free strain d E causes the prescribed
+     * stress -C d E.
+     */
     field_stress(material, c, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
-    turn_back(t, stress, ply->volt);
+    turn_back(t, stress, ply->stress_per_voltage);
     for (int i = 0; i < 6; i++) {
         stress[i] = 0;
         for (int j = 0; j < 3; j++)
             stress[i] -= c[i][j] * material->alpha[j];
     }
-    turn_back(t, stress, ply->kelvin);
-    /* D3 = e strain + permittivity E3 + p kelvin along the poling; the upper electrode holds -D3.
+    turn_back(t, stress, ply->stress_per_kelvin);
+    /*
+     * D3 = e strain + permittivity E3 + p temperature, along the poling; the upper electrode
+     * carries the charge -D3 per area.
      */
     ply->capacitance = material->permittivity / layer->thickness;
-    ply->pyro = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
-    ply->weight = material->density;
+    ply->pyroelectric_charge = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
+    ply->density = material->density;
     return 0;
 }
 
@@ -127,9 +139,9 @@ int laminate_build(const scene *scene, laminate *laminate, char *error)
         return scene_fault(scene, scene->at_layers, error, "%d layers; at most %d are possible",
                            scene->layers, LAMINATE_LAYERS);
     for (int i = 0; i < scene->layers; i++)
-        laminate->h += scene->layer[i].thickness;
-    laminate->z[0] = scene->reference_is_middle ? -laminate->h / 2 : -scene->reference;
-    laminate->z[1] = laminate->z[0] + laminate->h;
+        laminate->thickness += scene->layer[i].thickness;
+    laminate->z[0] = scene->reference_is_middle ? -laminate->thickness / 2 : -scene->reference;
+    laminate->z[1] = laminate->z[0] + laminate->thickness;
     laminate->plies = scene->layers;
     double z = laminate->z[0];
     for (int i = 0; i < scene->layers; i++) {
@@ -155,20 +167,24 @@ static const double gauss_x[POINTS] = {-0.9324695142031521, -0.6612093864662645,
 static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0.4679139345726910,
                                        0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
 
-/* Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z, and c1 c2: all 1 where the metric is
- * off. */
+/*
+ * Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z, and the area ratio c1 c2. All are 1
+ * where the scene's element has no metric.
+ */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
                         double share[6])
 {
-    const double c1 = element->metric ? 1 + place->k[0] * z : 1,
-                 c2 = element->metric ? 1 + place->k[1] * z : 1;
+    const double height = element->metric ? z : 0;
+    const double c1 = 1 + place->k[0] * height, c2 = 1 + place->k[1] * height;
     const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
     memcpy(share, all, sizeof all);
     return c1 * c2;
 }
 
-/* D(i,j) = sum over plies of integral of N_i N_j C c1 c2/(s_i s_j) dz; N = 1 for a mean, height
- * over h for a difference. */
+/*
+ * D(i,j) = sum over the plies of the integral of N_i N_j C c1 c2/(s_i s_j) dz; N is 1 for a mean
+ * and height over thickness for a difference.
+ */
 static void integrate_stiffness(const laminate *laminate, const scene_element *element,
                                 const laminate_place *place, double d[N][N])
 {
@@ -177,30 +193,31 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
     for (int p = 0; p < laminate->plies; p++) {
         const laminate_ply *ply = &laminate->ply[p];
         const double half = (ply->z[1] - ply->z[0]) / 2;
-        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+        for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
             double share[6];
             const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+            const double function[2] = {1, (z - middle) / laminate->thickness};
             for (int i = 0; i < N; i++)
                 for (int j = 0; j < N; j++)
-                    d[i][j] += weight * (is_difference[i] ? (z - middle) / laminate->h : 1) *
-                               (is_difference[j] ? (z - middle) / laminate->h : 1) *
+                    d[i][j] += weight * function[is_difference[i]] * function[is_difference[j]] *
                                ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
         }
     }
 }
 
 /*
- * Size of a field at height z, in its unit. Across a curved ply the flux is constant and the field
- * falls with 1/(c1 c2); over the mean field volt / thickness it is 1/(c1 c2) over its mean.
+ * Size of a field at height z, in the field's unit. Across a curved ply the electric flux is
+ * constant and the field falls with 1/(c1 c2); relative to the mean field voltage/thickness the
+ * factor is 1/(c1 c2) over its mean.
  */
 static double field_at(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, const laminate_field *field, double z)
 {
     double share[6], mean = 0;
     if (field->ply < 0)
-        return field->kelvin[0] +
-               (field->kelvin[1] - field->kelvin[0]) * (z - laminate->z[0]) / laminate->h;
+        return field->temperature[0] + (field->temperature[1] - field->temperature[0]) *
+                                           (z - laminate->z[0]) / laminate->thickness;
     const double *face = laminate->ply[field->ply].z;
     for (int g = 0; g < POINTS; g++)
         mean += gauss_w[g] / 2 /
@@ -209,15 +226,16 @@ static double field_at(const laminate *laminate, const scene_element *element,
     return 1 / (metric_at(element, place, z, share) * mean);
 }
 
-/* Stress of a unit of the field in ply p. */
+/* Stress per unit of the field in ply p. */
 static const double *field_stress_of(const laminate *laminate, const laminate_field *field, int p)
 {
-    return field->ply >= 0 ? laminate->ply[p].volt : laminate->ply[p].kelvin;
+    return field->ply >= 0 ? laminate->ply[p].stress_per_voltage
+                           : laminate->ply[p].stress_per_kelvin;
 }
 
 static int field_acts(const laminate_place *place, const laminate_field *field, int p)
 {
-    return (field->ply < 0 || field->ply == p) && place->present >> p & 1u;
+    return (field->ply < 0 || field->ply == p) && place->present_plies >> p & 1u;
 }
 
 /* h0 += integral of N stress field c1 c2/s dz over a ply */
@@ -232,7 +250,7 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
         const double weight = half * gauss_w[g] * metric_at(element, place, z, share) *
                               field_at(laminate, element, place, field, z);
         for (int i = 0; i < N; i++)
-            h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->h : 1) *
+            h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
                      stress[voigt[i]] / share[voigt[i]];
     }
 }
@@ -246,8 +264,8 @@ static int inverse_of(double a[N][N], double inverse[N][N])
 }
 
 /*
- * lin33: the part of e33 linear in z relaxes. With o the others and d the difference of 33:
- * D_oo -= D_od D_do / D_dd, D_od = 0, D_dd = 1/(D^-1)_dd.
+ * Element option lin33: the part of the strain e33 that is linear in z is relaxed. With o the other
+ * strains and d the difference of 33: D_oo -= D_od D_do / D_dd, D_od = 0, D_dd = 1/(D^-1)_dd.
  */
 static int relax_e33(double d[N][N])
 {
@@ -263,8 +281,9 @@ static int relax_e33(double d[N][N])
 }
 
 /*
- * Bending flexibility 12/(E h^3) that the transverse shear borrows on coarse meshes: the smaller
- * of the two directions' difference compliances, in-plane strains free of 33, over h^2.
+ * Bending flexibility 12/(E h^3) that is added to the transverse shear on coarse meshes: the
+ * smaller of the two directions' difference compliances over h^2, with in-plane strains free of
+ * stress along 33.
  */
 static double bending_flexibility(double inverse[N][N], double h)
 {
@@ -272,15 +291,20 @@ static double bending_flexibility(double inverse[N][N], double h)
     return (f1 < f2 ? f1 : f2) / (h * h);
 }
 
-/* Strains that a mode keeps: 00 all; 01 those of 11, 33, 13; 10 those of 22, 33, 23; 11 those
- * of 33. */
+/*
+ * Whether a mode contains a strain: mode 00 contains all, 01 those of 11, 33, 13, 10 those of 22,
+ * 33, 23, and 11 those of 33.
+ */
 static int kept(int mode, int strain)
 {
     static const int along[N] = {1, 1, 2, 2, 3, 3, 0, 0, 1, 2};
     return mode == 0 || along[strain] == 3 || (mode < 3 && along[strain] == mode);
 }
 
-/* Matrix of a mode: Q' D Q, or [Q' D^-1 Q]^-1 (hr), zero outside the kept strains. */
+/*
+ * Matrix of a mode: Q' D Q, or [Q' D^-1 Q]^-1 for the Hellinger-Reissner variant (hr); zero outside
+ * the strains of the mode.
+ */
 static int mode_matrix(double d[N][N], double inverse[N][N], int mode, int hr, double out[N][N])
 {
     int index[N], n = 0;
@@ -301,11 +325,11 @@ static int mode_matrix(double d[N][N], double inverse[N][N], int mode, int hr, d
 }
 
 /*
- * Share of the bending flexibility in the mode 01 (a = 0) or 10 (a = 1). The bubble is
- * antisymmetric across the element there and has to twist besides: 1/(1 + c (f/ft)(L_a/L_b)^2),
- * f and ft the compliances of bending and of twist, c = .6. For a square isotropic element with
- * nu = .3 the exact share of the bubble is .784, this law gives .813. It bounds the torsion of a
- * strip of any length: too soft by at most the factor 1 + .96 rho/c.
+ * Share of the bending flexibility in the mode 01 (a = 0) or 10 (a = 1). There the bubble is
+ * antisymmetric across the element and has to twist as well: 1/(1 + c (f/ft)(L_a/L_b)^2), with f
+ * and ft the compliances of bending and of twist and c = 0.6. For a square isotropic element with
+ * Poisson's ratio 0.3 the exact share of the bubble is 0.784, and this formula gives 0.813. It
+ * bounds the torsion of a strip of any length: too soft by at most the factor 1 + 0.96 rho/c.
  */
 static double bubble_share(double inverse[N][N], double h, const laminate_place *place, int a)
 {
@@ -315,30 +339,30 @@ static double bubble_share(double inverse[N][N], double h, const laminate_place 
 }
 
 /*
- * Flexibility that the two transverse shears of a mode take from bending: rho f L_a^2/12, times
- * the bubble's share in the modes 01 and 10. The published element has rho = 0.
+ * Flexibility that is added to the two transverse shears of a mode: rho f L_a^2/12, times the
+ * bubble's share in the modes 01 and 10. The published element has rho = 0.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
                               double flexibility[2])
 {
-    const double f = element->rho * bending_flexibility(inverse, laminate->h) / 12;
+    const double f = element->rho * bending_flexibility(inverse, laminate->thickness) / 12;
     for (int a = 0; a < 2; a++)
         flexibility[a] = f * place->chord[a] * place->chord[a];
     for (int a = 0; a < 2 && element->rho > 0; a++)
         if (mode == 1 + a)
-            flexibility[a] *= bubble_share(inverse, laminate->h, place, a);
+            flexibility[a] *= bubble_share(inverse, laminate->thickness, place, a);
 }
 
 /*
- * Add flexibility[a] to the transverse shear compliance of a mode, on the shears it keeps. Plies
- * are turned about e3 alone, so shears are coupled with no other strain and their block of the
- * mode's compliance is the inverse of the block.
+ * Add flexibility[a] to the transverse shear compliance of a mode, for the shears that the mode
+ * contains. Plies are turned about e3 alone, so the shears are coupled with no other strain, and
+ * their block of the mode's compliance is the inverse of their block of its stiffness.
  */
 static int soften_shear(double m[N][N], int mode, const double flexibility[2])
 {
     double s[2][2] = {{m[8][8], m[8][9]}, {m[9][8], m[9][9]}};
-    int first = kept(mode, 8) ? 0 : 1, last = kept(mode, 9) ? 1 : 0;
+    const int first = !kept(mode, 8), last = kept(mode, 9);
     const int n = last - first + 1;
     if (n <= 0)
         return 0;
@@ -378,35 +402,41 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 }
 
 /*
- * A ply's given stress. With lin33 the normal stress it would raise is relaxed ply by ply,
- * s_a - C_a3/C_33 s_33, because e33 linear through the package cannot follow one ply.
+ * Prescribed stress of a ply. With lin33 the normal stress that it would cause is relaxed in each
+ * ply, s_a - C_a3/C_33 s_33, because a strain e33 that is linear through the package cannot follow
+ * a single ply.
  */
-static void ply_stress(const laminate_ply *ply, const scene_element *element, const double given[6],
-                       double stress[6])
+static void ply_stress(const laminate_ply *ply, const scene_element *element,
+                       const double prescribed[6], double stress[6])
 {
     for (int i = 0; i < 6; i++)
-        stress[i] = given[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * given[2] : 0);
+        stress[i] =
+            prescribed[i] - (element->lin33 ? ply->c[i][2] / ply->c[2][2] * prescribed[2] : 0);
 }
 
-/* Thickness strain that holds a field back: that of the plies' free thickening, in the mean over
- * the package. */
-static double held_thickening(const laminate *laminate, const laminate_place *place,
+/*
+ * Thickness strain that a field would cause in the mean over the package if each ply thickened
+ * freely.
+ */
+static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
 {
-    double held = 0;
+    double thickening = 0;
     for (int p = 0; p < laminate->plies; p++) {
         const laminate_ply *ply = &laminate->ply[p];
-        const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->h;
+        const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->thickness;
         const double mean =
-            field->ply >= 0 ? 1 : field->kelvin[0] + (field->kelvin[1] - field->kelvin[0]) * share;
+            field->ply >= 0
+                ? 1
+                : field->temperature[0] + (field->temperature[1] - field->temperature[0]) * share;
         if (field_acts(place, field, p))
-            held += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
-                    (ply->z[1] - ply->z[0]) / laminate->h;
+            thickening += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
+                          (ply->z[1] - ply->z[0]) / laminate->thickness;
     }
-    return held;
+    return thickening;
 }
 
-/* D with the linear part of e33 relaxed. */
+/* Stiffness D with the part of e33 that is linear in z relaxed (lin33). */
 static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double d[N][N])
 {
@@ -415,13 +445,13 @@ static int relaxed_stiffness(const laminate *laminate, const scene_element *elem
 }
 
 /*
- * With lin33 each ply thickens freely, by -s33/C_33 in the mean, and the mean of e33 takes it up:
- * besides the plies' stresses there are resultants that hold this thickening back.
+ * With lin33 each ply thickens freely, by -s33/C_33 in the mean, and the mean of e33 contains this
+ * thickening: besides the plies' stresses there are resultants that correspond to it.
  */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double h0[N])
 {
-    const double held = element->lin33 ? held_thickening(laminate, place, field) : 0;
+    const double thickening = element->lin33 ? free_thickening(laminate, place, field) : 0;
     double d[N][N];
     memset(h0, 0, N * sizeof *h0);
     for (int p = 0; p < laminate->plies; p++) {
@@ -433,21 +463,21 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
     }
     const int thickens = element->lin33 && relaxed_stiffness(laminate, element, place, d) == 0;
     for (int i = 0; i < N; i++)
-        h0[i] = (h0[i] + (thickens ? d[i][M33] * held : 0)) * place->area;
+        h0[i] = (h0[i] + (thickens ? d[i][M33] * thickening : 0)) * place->area;
 }
 
-void laminate_given(const laminate *laminate, const scene_element *element,
-                    const laminate_place *place, int ply, double h0[N])
+void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
+                              const laminate_place *place, int ply, double h0[N])
 {
     const laminate_field field = {ply, {1, 1}};
     laminate_resultants(laminate, element, place, &field, h0);
 }
 
 /*
- * The second derivative of the package's electric enthalpy by both fields, its sign turned. With
- * lin33 the thickness strain of ply p is that of the package plus its own free one less the mean of
- * all, n_p - n; these strains do work on each other, which leaves the integral of C33 n_p n_p' less
- * n n' D_33 to the charge.
+ * The charge is the second derivative of the package's electric enthalpy with respect to both
+ * fields, with its sign changed. With lin33 the thickness strain of ply p is that of the package
+ * plus the ply's own free one less the mean of all, n_p - n. These strains do work on each other,
+ * which adds the integral of C33 n_p n_p' less n n' D_33 to the charge.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)
@@ -455,9 +485,11 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
     const laminate_field voltage = {ply, {0, 0}};
     const laminate_ply *own = &laminate->ply[ply];
     const double half = (own->z[1] - own->z[0]) / 2;
-    const double direct = field->ply >= 0 ? own->capacitance : own->pyro;
+    const double direct = field->ply >= 0 ? own->capacitance : own->pyroelectric_charge;
     const double thickening =
-        element->lin33 ? own->volt[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2] : 0;
+        element->lin33
+            ? own->stress_per_voltage[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2]
+            : 0;
     double d[N][N], share[6], charge = 0;
     for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
         const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
@@ -466,9 +498,9 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                   field_at(laminate, element, place, &voltage, z) *
                   field_at(laminate, element, place, field, z);
     }
-    if (element->lin33 && place->present >> ply & 1u &&
+    if (element->lin33 && place->present_plies >> ply & 1u &&
         relaxed_stiffness(laminate, element, place, d) == 0)
-        charge -= held_thickening(laminate, place, &voltage) *
-                  held_thickening(laminate, place, field) * d[M33][M33];
+        charge -= free_thickening(laminate, place, &voltage) *
+                  free_thickening(laminate, place, field) * d[M33][M33];
     return charge * place->area;
 }

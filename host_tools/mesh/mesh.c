@@ -71,8 +71,10 @@ static int in_span(const double span[2], double theta)
     return theta >= span[0] && theta <= span[1];
 }
 
-/* Does mesh line i of a direction lie in a region's span? The first line of a closed direction is
- * its last one too. */
+/*
+ * Whether mesh line i of a direction lies in the span of a region. The first line of a closed
+ * direction is also its last one.
+ */
 static int line_in_region(const mesh *mesh, const scene_where *where, int direction, int i)
 {
     const scene_line *line = &mesh->scene->line[direction];
@@ -108,7 +110,7 @@ int mesh_select(const mesh *mesh, const scene_where *where, int *node)
     return count;
 }
 
-/* ---- element kinds ---------------------------------------------------- */
+/* ---- element types --------------------------------------------------- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -121,16 +123,20 @@ static double distance(const double a[3], const double b[3])
     return sqrt(dot(d, d));
 }
 
-/* One corner of an element: its surface point, and the neighbour along a with the sign towards
- * growing theta_a. */
+/*
+ * One corner of an element: its surface point, the neighbouring corner along theta_a, and the sign
+ * of the way there towards increasing theta_a.
+ */
 typedef struct corner_pair {
     const surface_point *own, *other;
     int a;
     double sign, length;
 } corner_pair;
 
-/* Local kinematics: components interpolated in the turning triad, derivatives with A, k, B of the
- * corner. */
+/*
+ * Corner tables of local kinematics: components are interpolated in the triad that turns with the
+ * surface; derivatives use A, k and B of the corner.
+ */
 static void local_tables(const corner_pair *c, const laminate *laminate, double s[3][3],
                          double t[3][3], double g_mean[3], double g_diff[3])
 {
@@ -149,8 +155,10 @@ static void local_tables(const corner_pair *c, const laminate *laminate, double 
     g_diff[a] = k;
 }
 
-/* Cartesian kinematics: differences of vectors between the corners, in the own triad, over the
- * chord. */
+/*
+ * Corner tables of Cartesian kinematics: differences of vectors between the corners, in the
+ * corner's own triad, divided by the length of the chord.
+ */
 static void cartesian_tables(const corner_pair *c, const laminate *laminate, double s[3][3],
                              double t[3][3], double g_mean[3], double g_diff[3])
 {
@@ -201,7 +209,7 @@ static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord
     }
 }
 
-/* Area, curvatures and chords of an element at its centre, and the plies present in it. */
+/* Area, curvatures and chords of an element at its centre, and the plies that are present in it. */
 static laminate_place element_place(const mesh *mesh, int element)
 {
     const scene *scene = mesh->scene;
@@ -220,17 +228,20 @@ static laminate_place element_place(const mesh *mesh, int element)
                      : centre.a[0] * centre.a[1] * (t[0][1] - t[0][0]) * (t[1][1] - t[1][0]);
     for (int i = 0; i < scene->layers; i++)
         if (!scene->layer[i].patched)
-            place.present |= 1u << i;
+            place.present_plies |= 1u << i;
     for (int p = 0; p < scene->patch_grids; p++) {
         const scene_patches *patches = &scene->patches[p];
         if (middle[0] > patches->theta1[0] && middle[0] < patches->theta1[1] &&
             middle[1] > patches->theta2[0] && middle[1] < patches->theta2[1])
-            place.present |= 1u << patches->layer;
+            place.present_plies |= 1u << patches->layer;
     }
     return place;
 }
 
-/* Equal up to the rounding of node positions: every array within 1e-12 of its largest entry. */
+/*
+ * Whether two arrays are equal up to the rounding of node positions: within 1e-12 of their largest
+ * entry.
+ */
 static int alike(const double *x, const double *y, size_t n)
 {
     double largest = 0, difference = 0;
@@ -241,10 +252,11 @@ static int alike(const double *x, const double *y, size_t n)
     return difference <= 1e-12 * largest;
 }
 
-static int same_kind(const pzs_element_type *x, const laminate_place *at_x,
+static int same_type(const pzs_element_type *x, const laminate_place *at_x,
                      const pzs_element_type *y, const laminate_place *at_y)
 {
-    return at_x->present == at_y->present && alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72) &&
+    return at_x->present_plies == at_y->present_plies &&
+           alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72) &&
            alike(&x->t[0][0][0][0], &y->t[0][0][0][0], 72) &&
            alike(&x->g_mean[0][0][0], &y->g_mean[0][0][0], 24) &&
            alike(&x->g_diff[0][0][0], &y->g_diff[0][0][0], 24) &&
@@ -252,84 +264,89 @@ static int same_kind(const pzs_element_type *x, const laminate_place *at_x,
            alike(at_x->k, at_y->k, 2);
 }
 
-static int find_kind(const mesh *mesh, const pzs_element_type *type, const laminate_place *place)
+static int find_type(const mesh *mesh, const pzs_element_type *type, const laminate_place *place)
 {
-    for (int k = mesh->kinds - 1; k >= 0; k--)
-        if (same_kind(type, place, &mesh->kind[k], &mesh->place[k]))
+    for (int k = mesh->types - 1; k >= 0; k--)
+        if (same_type(type, place, &mesh->type[k], &mesh->place[k]))
             return k;
     return -1;
 }
 
-/* Share of the warp in the membrane shear (warp.h). */
+/* Share of the warp in the membrane shear of an element (warp.h). */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
     double sum = 0;
     for (int a = 0; a < 2; a++)
         sum += place->chord[a] * place->chord[a] * place->k[a];
-    return mesh->scene->element.tau * sum / (12 * mesh->laminate.h);
+    return mesh->scene->element.tau * sum / (12 * mesh->laminate.thickness);
 }
 
-/* Add a kind whose corner tables and thickness are there. */
-static int add_kind(mesh *mesh, pzs_element_type *type, const laminate_place *place, char *error)
+/* Add an element type whose corner tables and thickness are filled. Returns 0, or -1 with error
+ * filled. */
+static int add_type(mesh *mesh, pzs_element_type *type, const laminate_place *place, char *error)
 {
     const scene *scene = mesh->scene;
     if (laminate_modes(&mesh->laminate, &scene->element, place, type->d) < 0)
-        return scene_fault(scene, scene->at_layers, error,
-                           "no stiffness where no patch lies: add a layer that is not patched");
+        return scene_fault(
+            scene, scene->at_layers, error,
+            "no layer is present outside the patches, so the stiffness is 0 there; add a layer without patches");
     if (warp_fill(type, warp_share(mesh, place)) < 0)
         return scene_fault(scene, scene->at_surface, error,
                            "an element of %g x %g is degenerate; use other mesh lines",
                            place->chord[0], place->chord[1]);
-    mesh->kind[mesh->kinds] = *type;
-    mesh->place[mesh->kinds++] = *place;
+    mesh->type[mesh->types] = *type;
+    mesh->place[mesh->types++] = *place;
     return 0;
 }
 
-static int build_kinds(mesh *mesh, char *error)
+static int build_types(mesh *mesh, char *error)
 {
     for (int e = 0; e < mesh->elements; e++) {
         pzs_element_type type;
         memset(&type, 0, sizeof type);
         corner_tables(mesh, e, &type);
         const laminate_place place = element_place(mesh, e);
-        type.thickness = mesh->laminate.h;
-        const int known = find_kind(mesh, &type, &place);
-        const int k = known < 0 ? mesh->kinds : known;
-        if (known < 0 && add_kind(mesh, &type, &place, error) < 0)
+        type.thickness = mesh->laminate.thickness;
+        const int known = find_type(mesh, &type, &place);
+        const int k = known < 0 ? mesh->types : known;
+        if (known < 0 && add_type(mesh, &type, &place, error) < 0)
             return -1;
-        mesh->element_kind[e] = (uint16_t)k;
+        mesh->element_type[e] = (uint16_t)k;
     }
     return 0;
 }
 
 /* ---- numbering -------------------------------------------------------- */
 
-/* Position p of a folded closed line of n: 0, n-1, 1, n-2, ... */
+/* Line at position p of a folded closed direction of n lines: 0, n-1, 1, n-2, ... */
 static int folded(int p, int n)
 {
     return p % 2 ? n - 1 - p / 2 : p / 2;
 }
 
-/* Give the unknowns of one node what a support says; values as in apply_supports. */
-static int hold(mesh *mesh, const scene_support *support, int node, double *values, char *error)
+/* Apply a support to the dof of one node; `values` as in apply_supports. */
+static int apply_support(mesh *mesh, const scene_support *support, int node, double *values,
+                         char *error)
 {
     const expr_point at = mesh_place(mesh, node);
     const double value = support->value ? expr_value(support->value, &at) : 0;
     if (!isfinite(value))
-        return scene_fault(mesh->scene, support->at, error,
-                           "value is not a finite number at theta1 = %g, theta2 = %g", at.theta1,
-                           at.theta2);
-    for (unsigned i = 0; i < mesh->unknowns; i++) {
-        const size_t u = (size_t)node * mesh->unknowns + i;
+        return scene_fault(
+            mesh->scene, support->at, error,
+            "the value of the support is not a finite number at theta1 = %g, theta2 = %g; correct its formula",
+            at.theta1, at.theta2);
+    for (unsigned i = 0; i < mesh->dof_per_node; i++) {
+        const size_t u = (size_t)node * mesh->dof_per_node + i;
         const int moved = (support->move >> i & 1u) != 0,
                   fixed = mesh->node_dof[u] == PZS_CONSTRAINED;
-        const double before = fixed ? 0 : values[u], wanted = moved ? value : 0;
+        const double before = fixed ? 0 : values[u];
+        const double wanted = moved ? value : 0;
         if (!(support->fix >> i & 1u))
             continue;
         if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
             return scene_fault(
                 mesh->scene, support->at, error,
-                "at theta1 = %g, theta2 = %g another support says %g, this one %g; keep one",
+                "at theta1 = %g, theta2 = %g another support prescribes %g and this one %g; remove one",
                 at.theta1, at.theta2, before, wanted);
         if (moved && !fixed)
             values[u] = value;
@@ -339,34 +356,36 @@ static int hold(mesh *mesh, const scene_support *support, int node, double *valu
     return 0;
 }
 
-/* Mark what is held at 0; values [nodes][unknowns] out: what the prescribed unknowns are to be, NAN
- * for the others. */
+/*
+ * Mark the dof that supports hold at 0. values [nodes][dof_per_node] out: the prescribed
+ * displacement of a dof, NAN where there is none.
+ */
 static int apply_supports(mesh *mesh, int *node, double *values, char *error)
 {
-    for (size_t i = 0; i < (size_t)mesh->nodes * mesh->unknowns; i++)
+    for (size_t i = 0; i < (size_t)mesh->nodes * mesh->dof_per_node; i++)
         values[i] = (double)NAN;
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
         const int count = mesh_select(mesh, &support->where, node);
         for (int c = 0; c < count; c++)
-            if (hold(mesh, support, node[c], values, error) < 0)
+            if (apply_support(mesh, support, node[c], values, error) < 0)
                 return -1;
     }
     return 0;
 }
 
-/* List the unknowns with a value of their own, in the order of their numbers. */
+/* List the dof with prescribed displacements in the order of their numbers. */
 static int list_prescribed(mesh *mesh, const double *values)
 {
-    const size_t all = (size_t)mesh->nodes * mesh->unknowns;
-    double *of_dof = malloc((size_t)mesh->dof * sizeof *of_dof);
-    mesh->prescribed_dof = calloc((size_t)mesh->dof, sizeof *mesh->prescribed_dof);
-    mesh->prescribed_value = calloc((size_t)mesh->dof, sizeof *mesh->prescribed_value);
+    const size_t all = (size_t)mesh->nodes * mesh->dof_per_node;
+    double *of_dof = malloc((size_t)mesh->free_dof * sizeof *of_dof);
+    mesh->prescribed_dof = calloc((size_t)mesh->free_dof, sizeof *mesh->prescribed_dof);
+    mesh->prescribed_value = calloc((size_t)mesh->free_dof, sizeof *mesh->prescribed_value);
     if (of_dof && mesh->prescribed_dof && mesh->prescribed_value) {
         for (size_t u = 0; u < all; u++)
             if (mesh->node_dof[u] != PZS_CONSTRAINED)
                 of_dof[mesh->node_dof[u]] = values[u];
-        for (int i = 0; i < mesh->dof; i++)
+        for (int i = 0; i < mesh->free_dof; i++)
             if (!isnan(of_dof[i])) {
                 mesh->prescribed_dof[mesh->prescribed_count] = (uint16_t)i;
                 mesh->prescribed_value[mesh->prescribed_count++] = of_dof[i];
@@ -376,40 +395,41 @@ static int list_prescribed(mesh *mesh, const double *values)
     return of_dof && mesh->prescribed_dof && mesh->prescribed_value ? 0 : -1;
 }
 
-static void number_unknowns(mesh *mesh)
+static void number_dof(mesh *mesh)
 {
     const int closed[2] = {is_closed(mesh->scene, 0), is_closed(mesh->scene, 1)};
     const int width_2_fast = mesh->lines[1] * (1 + closed[0]),
               width_1_fast = mesh->lines[0] * (1 + closed[1]);
     const int fast = width_2_fast <= width_1_fast ? 1 : 0, slow = 1 - fast;
-    mesh->dof = 0;
+    mesh->free_dof = 0;
     for (int p = 0; p < mesh->lines[slow]; p++)
         for (int q = 0; q < mesh->lines[fast]; q++) {
             const int line = closed[slow] ? folded(p, mesh->lines[slow]) : p;
             const int node = fast == 1 ? mesh_node(mesh, line, q) : mesh_node(mesh, q, line);
-            uint16_t *dof = mesh->node_dof + (size_t)node * mesh->unknowns;
-            for (unsigned i = 0; i < mesh->unknowns; i++)
+            uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;
+            for (unsigned i = 0; i < mesh->dof_per_node; i++)
                 if (dof[i] != PZS_CONSTRAINED)
-                    dof[i] = (uint16_t)(mesh->dof++ & 0xFFFF);
+                    dof[i] = (uint16_t)(mesh->free_dof++ & 0xFFFF);
         }
 }
 
 static void find_envelope(mesh *mesh)
 {
-    for (int i = 0; i < mesh->dof; i++)
-        mesh->first[i] = (uint16_t)i;
+    for (int i = 0; i < mesh->free_dof; i++)
+        mesh->first_column[i] = (uint16_t)i;
     for (int e = 0; e < mesh->elements; e++) {
         uint16_t least = PZS_CONSTRAINED;
         for (int pass = 0; pass < 2; pass++)
             for (int r = 0; r < 4; r++)
-                for (unsigned i = 0; i < mesh->unknowns; i++) {
-                    const uint16_t dof = mesh->node_dof[mesh->element[e][r] * mesh->unknowns + i];
+                for (unsigned i = 0; i < mesh->dof_per_node; i++) {
+                    const uint16_t dof =
+                        mesh->node_dof[mesh->element[e][r] * mesh->dof_per_node + i];
                     if (dof == PZS_CONSTRAINED)
                         continue;
                     if (pass == 0 && dof < least)
                         least = dof;
-                    if (pass == 1 && least < mesh->first[dof])
-                        mesh->first[dof] = least;
+                    if (pass == 1 && least < mesh->first_column[dof])
+                        mesh->first_column[dof] = least;
                 }
     }
 }
@@ -417,9 +437,9 @@ static void find_envelope(mesh *mesh)
 int mesh_half_bandwidth(const mesh *mesh)
 {
     int widest = 0;
-    for (int i = 0; i < mesh->dof; i++)
-        if (i - mesh->first[i] > widest)
-            widest = i - mesh->first[i];
+    for (int i = 0; i < mesh->free_dof; i++)
+        if (i - mesh->first_column[i] > widest)
+            widest = i - mesh->first_column[i];
     return widest;
 }
 
@@ -431,23 +451,24 @@ static int allocate(mesh *mesh)
     mesh->point = calloc(nodes, sizeof *mesh->point);
     mesh->theta = calloc(nodes, sizeof *mesh->theta);
     mesh->element = calloc(elements, sizeof *mesh->element);
-    mesh->element_kind = calloc(elements, sizeof *mesh->element_kind);
-    mesh->kind = calloc(elements, sizeof *mesh->kind);
+    mesh->element_type = calloc(elements, sizeof *mesh->element_type);
+    mesh->type = calloc(elements, sizeof *mesh->type);
     mesh->place = calloc(elements, sizeof *mesh->place);
-    mesh->node_dof = calloc(nodes * mesh->unknowns, sizeof *mesh->node_dof);
-    mesh->first = calloc(nodes * mesh->unknowns, sizeof *mesh->first);
-    return mesh->point && mesh->theta && mesh->element && mesh->element_kind && mesh->kind &&
-           mesh->place && mesh->node_dof && mesh->first;
+    mesh->node_dof = calloc(nodes * mesh->dof_per_node, sizeof *mesh->node_dof);
+    mesh->first_column = calloc(nodes * mesh->dof_per_node, sizeof *mesh->first_column);
+    return mesh->point && mesh->theta && mesh->element && mesh->element_type && mesh->type &&
+           mesh->place && mesh->node_dof && mesh->first_column;
 }
 
 static int build_stiffness(mesh *mesh)
 {
-    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->unknowns);
-    mesh->stiffness = malloc((size_t)mesh->kinds * packed * sizeof *mesh->stiffness);
+    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
+    mesh->stiffness = malloc((size_t)mesh->types * packed * sizeof *mesh->stiffness);
     if (!mesh->stiffness)
         return -1;
-    for (int k = 0; k < mesh->kinds; k++)
-        pzs_shell_stiffness(&mesh->kind[k], mesh->unknowns, mesh->stiffness + (size_t)k * packed);
+    for (int k = 0; k < mesh->types; k++)
+        pzs_shell_stiffness(&mesh->type[k], mesh->dof_per_node,
+                            mesh->stiffness + (size_t)k * packed);
     return 0;
 }
 
@@ -455,21 +476,22 @@ static int build_numbers(mesh *mesh, char *error)
 {
     const scene *scene = mesh->scene;
     int *node = calloc((size_t)mesh->nodes, sizeof *node), status = -1;
-    double *values = calloc((size_t)mesh->nodes * mesh->unknowns, sizeof *values);
+    double *values = calloc((size_t)mesh->nodes * mesh->dof_per_node, sizeof *values);
     if (!node || !values)
-        scene_fault(scene, scene->line[0].at, error, "%d nodes do not fit into memory",
-                    mesh->nodes);
+        scene_fault(scene, scene->line[0].at, error,
+                    "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
     else if (apply_supports(mesh, node, values, error) == 0) {
-        number_unknowns(mesh);
-        if (mesh->dof == 0)
-            scene_fault(scene, scene->at_surface, error, "the supports leave nothing free");
-        else if (mesh->dof >= (int)PZS_CONSTRAINED)
+        number_dof(mesh);
+        if (mesh->free_dof == 0)
+            scene_fault(scene, scene->at_surface, error,
+                        "0 free dof: the supports constrain every node; remove a support");
+        else if (mesh->free_dof >= (int)PZS_CONSTRAINED)
             scene_fault(scene, scene->line[0].at, error,
-                        "%d free unknowns; tables hold at most %u: use fewer elements", mesh->dof,
-                        PZS_CONSTRAINED - 1u);
+                        "%d free dof; the tables hold at most %u; use fewer elements",
+                        mesh->free_dof, PZS_CONSTRAINED - 1u);
         else if ((status = list_prescribed(mesh, values)) < 0)
-            scene_fault(scene, scene->line[0].at, error, "%d unknowns do not fit into memory",
-                        mesh->dof);
+            scene_fault(scene, scene->line[0].at, error,
+                        "%d dof do not fit into memory; use fewer elements", mesh->free_dof);
     }
     free(node);
     free(values);
@@ -485,20 +507,21 @@ static int fill(mesh *mesh, char *error)
         if (is_closed(scene, a) && scene->line[a].elements < 3)
             return scene_fault(
                 scene, scene->line[a].at, error,
-                "%d elements cannot close on themselves; take at least 3 around, better 12",
+                "%d elements around a closed direction are too few; use at least 3, better 12",
                 scene->line[a].elements);
     if (!allocate(mesh))
-        return scene_fault(scene, scene->line[0].at, error, "%d nodes do not fit into memory",
-                           mesh->nodes);
+        return scene_fault(scene, scene->line[0].at, error,
+                           "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
     place_nodes(mesh);
     if (build_numbers(mesh, error) < 0)
         return -1;
     find_envelope(mesh);
-    if (build_kinds(mesh, error) < 0)
+    if (build_types(mesh, error) < 0)
         return -1;
     if (build_stiffness(mesh) < 0)
         return scene_fault(scene, scene->line[0].at, error,
-                           "%d element matrices do not fit into memory", mesh->kinds);
+                           "%d element matrices do not fit into memory; use fewer elements",
+                           mesh->types);
     return 0;
 }
 
@@ -506,7 +529,7 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 {
     memset(mesh, 0, sizeof *mesh);
     mesh->scene = scene;
-    mesh->unknowns = (unsigned)scene->element.unknowns;
+    mesh->dof_per_node = (unsigned)scene->element.unknowns;
     for (int a = 0; a < 2; a++)
         mesh->lines[a] = scene->line[a].elements + (is_closed(scene, a) ? 0 : 1);
     mesh->nodes = mesh->lines[0] * mesh->lines[1];
@@ -522,12 +545,12 @@ void mesh_free(mesh *mesh)
     free(mesh->point);
     free(mesh->theta);
     free(mesh->element);
-    free(mesh->element_kind);
-    free(mesh->kind);
+    free(mesh->element_type);
+    free(mesh->type);
     free(mesh->place);
     free(mesh->stiffness);
     free(mesh->node_dof);
-    free(mesh->first);
+    free(mesh->first_column);
     free(mesh->prescribed_dof);
     free(mesh->prescribed_value);
     memset(mesh, 0, sizeof *mesh);

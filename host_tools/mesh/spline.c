@@ -1,8 +1,9 @@
 /*
- * Cubic splines (spline.h). A coordinate is given by its values y_i and second derivatives m_i at
- * the knots. They minimise sum (p_i - y_i)^2 + lambda integral m^2 under one condition a knot:
- * continuous slope inside, the end conditions outside. Values, second derivatives and multipliers
- * of the knots, interleaved, are the unknowns of one banded system.
+ * Cubic splines (spline.h). A coordinate is described by its values y_i and second derivatives m_i
+ * at the knots. They minimise sum (p_i - y_i)^2 + lambda integral m^2 under one condition per knot:
+ * a continuous slope at inner knots, the end conditions at the outer ones. Values, second
+ * derivatives and Lagrange multipliers of the knots, interleaved, are the variables of one banded
+ * linear system.
  */
 #include "spline.h"
 #include <math.h>
@@ -13,23 +14,25 @@ enum { BAND = 7, ROW = 3 * BAND + 1, VALUE = 0, SECOND = 1, MULTIPLIER = 2 };
 
 struct spline {
     int n;
-    double *t;               /* [n] chord length */
+    double *t;               /* [n] chord length up to each knot */
     double (*y)[2], (*m)[2]; /* [n] values, second derivatives */
 };
 
-/* Entry (i, j) of a banded matrix that has room for the fill of row exchanges. */
+/* Entry (i, j) of a banded matrix with room for the fill of row exchanges. */
 static double *entry(double *band, int i, int j)
 {
     return &band[(size_t)i * ROW + (size_t)(j - i + BAND)];
 }
 
-/* Solve a banded system by elimination with row exchanges; x [rows][2] in: right sides, out:
- * solutions. */
+/*
+ * Solve a banded linear system by elimination with row exchanges. x [rows][2] in: right-hand sides,
+ * out: solutions.
+ */
 static void solve_band(double *band, double (*x)[2], int rows)
 {
     for (int c = 0; c < rows; c++) {
-        const int last = c + BAND < rows ? c + BAND : rows - 1,
-                  right = c + 2 * BAND < rows ? c + 2 * BAND : rows - 1;
+        const int last = c + BAND < rows ? c + BAND : rows - 1;
+        const int right = c + 2 * BAND < rows ? c + 2 * BAND : rows - 1;
         int pivot = c;
         for (int i = c + 1; i <= last; i++)
             if (fabs(*entry(band, i, c)) > fabs(*entry(band, pivot, c)))
@@ -62,15 +65,17 @@ static void solve_band(double *band, double (*x)[2], int rows)
     }
 }
 
-/* One coefficient of the condition of knot i: on unknown `kind` of knot j. */
+/* One coefficient of the condition of knot i: that of variable `kind` of knot j. */
 static void condition(double *band, int i, int j, int kind, double value)
 {
     *entry(band, 3 * i + MULTIPLIER, 3 * j + kind) += value;
     *entry(band, 3 * j + kind, 3 * i + MULTIPLIER) += value;
 }
 
-/* The slope of piece i (from knot i to i + 1) at its end `at` (i or i + 1), times sign, in the
- * condition of knot c. */
+/*
+ * Add the slope of piece i (from knot i to i + 1) at its end `at` (i or i + 1), times sign, to the
+ * condition of knot c.
+ */
 static void add_slope(double *band, const double *t, int c, int i, int at, double sign)
 {
     const double h = t[i + 1] - t[i];
@@ -80,7 +85,10 @@ static void add_slope(double *band, const double *t, int c, int i, int at, doubl
     condition(band, c, i + 1, SECOND, at == i ? -sign * h / 6 : sign * h / 3);
 }
 
-/* Third derivative continuous at knot k: the two pieces that meet there are one cubic. */
+/*
+ * Not-a-knot condition: the third derivative is continuous at knot k, so the two pieces that meet
+ * there are one cubic.
+ */
 static void add_not_a_knot(double *band, const double *t, int c, int k)
 {
     const double before = t[k] - t[k - 1], after = t[k + 1] - t[k];
@@ -120,7 +128,7 @@ static void fill_band(double *band, double (*x)[2], const spline *spline,
     }
 }
 
-/* Fit in lengths relative to the whole, so that the unit of length does not matter. */
+/* Fit in lengths relative to the total length, so that the unit of length has no effect. */
 static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 {
     const int n = spline->n;
@@ -192,7 +200,7 @@ double spline_length(const spline *spline)
     return spline->t[spline->n - 1];
 }
 
-/* Index of the piece that holds t. */
+/* Index of the piece that contains the parameter t. */
 static int piece(const spline *spline, double t)
 {
     int low = 0, high = spline->n - 1;

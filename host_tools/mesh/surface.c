@@ -1,6 +1,6 @@
 /*
- * Reference surfaces (surface.h): plates, cylinders over a plane curve, surfaces of revolution.
- * A1 never depends on theta2: B2 = 0.
+ * Reference surfaces (surface.h): plates, cylinders over a plane curve, surfaces of revolution. A1
+ * never depends on theta2, so B2 = 0.
  */
 #include "surface.h"
 #include <math.h>
@@ -21,7 +21,7 @@ static surface_point plate_at(double t1, double t2)
     return p;
 }
 
-/* Growth of a spiral's radius per angle; 0 for the circular cylinder. */
+/* Increase of a spiral's radius per radian; 0 for the circular cylinder. */
 static double growth(const scene_surface *surface)
 {
     return surface->type == SURFACE_SPIRAL
@@ -30,8 +30,8 @@ static double growth(const scene_surface *surface)
 }
 
 /*
- * Cylinder over the curve r(phi) = r + growth phi; its axis is theta1 (along x, phi = 0 on top,
- * towards +y) or theta2 (along z, phi = 0 on +x, towards +y).
+ * Cylinder over the curve r(phi) = r + growth phi. Its axis is theta1 (along x; phi = 0 on top,
+ * increasing towards +y) or theta2 (along z; phi = 0 on +x, increasing towards +y).
  */
 static surface_point cylinder_at(const scene_surface *surface, double t1, double t2)
 {
@@ -60,14 +60,14 @@ static surface_point cylinder_at(const scene_surface *surface, double t1, double
     return p;
 }
 
-/* A meridian at theta1: (radius, height) and its first two derivatives. */
+/* Point of a meridian at theta1: (radius, height) and its first two derivatives. */
 typedef struct meridian {
     double x[2], d1[2], d2[2];
 } meridian;
 
 static meridian meridian_at(const scene_surface *surface, double t)
 {
-    meridian m = {{t, 0}, {1, 0}, {0, 0}}; /* polar */
+    meridian m = {{t, 0}, {1, 0}, {0, 0}}; /* polar coordinates of a plane */
     const double c = cos(t), q = sin(t), slope = surface->angle * degree;
     if (surface->type == SURFACE_CONE) {
         const meridian cone = {
@@ -95,8 +95,10 @@ static meridian meridian_at(const scene_surface *surface, double t)
     return m;
 }
 
-/* Surface of revolution about z, theta2 = azimuth; e3 to the left of the meridian seen as height
- * over radius. */
+/*
+ * Surface of revolution about z with theta2 as the azimuth. e3 points to the left of the meridian
+ * when height is drawn over radius.
+ */
 static surface_point revolution_at(const scene_surface *surface, double t1, double t2)
 {
     const meridian m = meridian_at(surface, t1);
@@ -132,7 +134,9 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
 
 /* ---- area ------------------------------------------------------------- */
 
-/* Integral of A1 A2 over one coordinate, by eight points of Gauss; the other one does not matter.
+/*
+ * Integral of A1 A2 over one coordinate by Gauss quadrature with eight points; the result does not
+ * depend on the other coordinate.
  */
 static double gauss(const scene_surface *surface, int direction, double from, double to)
 {
@@ -144,13 +148,18 @@ static double gauss(const scene_surface *surface, int direction, double from, do
     double sum = 0;
     for (int i = 0; i < 8; i++) {
         const double t = middle + (i & 1 ? half : -half) * point[i / 2];
-        const surface_point p = surface_at(surface, direction == 1 ? t : 0, direction == 2 ? t : 0);
+        const double theta1 = direction == 1 ? t : 0;
+        const double theta2 = direction == 2 ? t : 0;
+        const surface_point p = surface_at(surface, theta1, theta2);
         sum += weight[i / 2] * p.a[0] * p.a[1];
     }
     return half * sum;
 }
 
-/* The pieces between the knots of a spline are smooth, not the whole; long pieces are cut. */
+/*
+ * Integral of A1 A2 over a range, by pieces: a spline is smooth only between its knots, and long
+ * pieces are divided.
+ */
 static double integral(const scene_surface *surface, int direction, const double t[2])
 {
     enum { PIECES = 8 };
@@ -197,7 +206,7 @@ int surface_closes(const scene_surface *surface, int direction)
     return surface_revolves(surface) && (direction == 2 || surface->type == SURFACE_TORUS);
 }
 
-/* A spiral's angle runs along the coordinate that is not its axis. */
+/* The angle of a spiral runs along the coordinate that is not its axis. */
 int surface_is_angle(const scene_surface *surface, int direction)
 {
     if (surface->type == SURFACE_SPIRAL)

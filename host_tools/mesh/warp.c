@@ -1,17 +1,17 @@
-/* The share of the warp in the membrane shear of an element (warp.h). */
+/* Share of the warp in the membrane shear of an element (warp.h). */
 #include "warp.h"
 #include <math.h>
 #include <string.h>
 
 /*
- * Unknowns: the factors c of the rows. Equations: the tilts along e1 and e2 of the directors of
- * four nodes.
+ * Columns are the factors c of the eight rows of warp.h. Equations are the tilts of four nodes'
+ * directors about two axes.
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
- * c [ROWS] solves a c = y; the columns of a are the rows' strains of each tilt, y those of the 12
- * difference.
+ * Linear system a c = y for c [ROWS]: the columns of a are the strains of the rows under each tilt,
+ * y is the 12 difference under each tilt.
  */
 typedef struct tilt_system {
     double a[TILTS][ROWS], y[TILTS];
@@ -28,8 +28,8 @@ static double dot(const double a[3], const double b[3])
 }
 
 /*
- * Derivative along direction a, at corner r, of a unit tilt of the director of node p along
- * e_(j+1).
+ * Derivative along direction a, at corner r, of a unit tilt along e_(j+1) of the director of node
+ * p.
  */
 static void tilt_derivative(const pzs_element_type *type, int r, int a, int p, int j, double out[3])
 {
@@ -41,8 +41,8 @@ static void tilt_derivative(const pzs_element_type *type, int r, int a, int p, i
 }
 
 /*
- * Add the strains at corner r of a tilt of node p along e_(j+1), as they enter the modes of the
- * rows.
+ * Add the strains at corner r under a tilt of node p along e_(j+1), with the weights of the modes
+ * of the rows.
  */
 static void add_corner(const pzs_element_type *type, int r, int p, int j, double row[ROWS],
                        double *y)
@@ -52,7 +52,8 @@ static void add_corner(const pzs_element_type *type, int r, int p, int j, double
     tilt_derivative(type, r, 0, p, j, along1);
     tilt_derivative(type, r, 1, p, j, along2);
     const double e11 = h * dot(g1, along1), e22 = h * dot(g2, along2);
-    const double e13 = r == p ? g1[j] : 0, e23 = r == p ? g2[j] : 0;
+    const double e13 = r == p ? g1[j] : 0;
+    const double e23 = r == p ? g2[j] : 0;
     const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23,
                                  e11,          xi2[r] * e11, e22, xi1[r] * e22};
     for (int k = 0; k < ROWS; k++)
@@ -70,8 +71,8 @@ static void fill_system(const pzs_element_type *type, tilt_system *s)
 }
 
 /*
- * Divide every column by its largest entry, kept in scale: bending strains carry h, shears do
- * not.
+ * Divide every column by its largest entry, which is returned in `scale`: bending strains contain
+ * the thickness, shears do not.
  */
 static void scale_columns(tilt_system *s, double scale[ROWS])
 {
@@ -91,7 +92,7 @@ static void swap(double *x, double *y)
     *y = kept;
 }
 
-/* Largest entry of a from row and column `from` on. */
+/* Largest entry of the matrix from row and column `from` on. */
 static double find_pivot(const tilt_system *s, int from, int *row, int *column)
 {
     double largest = -1;
@@ -105,7 +106,7 @@ static double find_pivot(const tilt_system *s, int from, int *row, int *column)
     return largest;
 }
 
-/* Take column `step` out of all equations but its own. */
+/* Eliminate column `step` from all equations but its own. */
 static void eliminate(tilt_system *s, int step)
 {
     for (int i = 0; i < TILTS; i++) {
@@ -119,8 +120,8 @@ static void eliminate(tilt_system *s, int step)
 }
 
 /*
- * Gauss and Jordan with both pivots; order [ROWS] out: the unknown of each column. Returns the
- * rank.
+ * Gauss-Jordan elimination with complete pivoting. order [ROWS] out: the variable of each column.
+ * Returns the rank.
  */
 static int reduce(tilt_system *s, int order[ROWS])
 {
@@ -144,9 +145,9 @@ static int reduce(tilt_system *s, int order[ROWS])
 }
 
 /*
- * Solve for c [ROWS], 0 for unknowns beyond the rank. What rounding leaves of a 0 becomes one, in
- * units of the columns' scales. Returns -1 where an equation beyond the rank is not
- * met or a number is not finite.
+ * Solve for c [ROWS], with 0 for the variables beyond the rank. Entries that are rounding error,
+ * relative to the scales of the columns, are set to 0. Returns -1 where an equation beyond the rank
+ * is not satisfied or a number is not finite.
  */
 static int solve(tilt_system *s, double c[ROWS])
 {
@@ -171,16 +172,16 @@ static int solve(tilt_system *s, double c[ROWS])
 
 int warp_fill(pzs_element_type *type, double share)
 {
-    tilt_system system;
+    tilt_system equations;
     double c[ROWS];
     memset(type->warp, 0, sizeof type->warp);
     if (!(fabs(share) > 0))
         return 0;
-    fill_system(type, &system);
-    if (solve(&system, c) < 0)
+    fill_system(type, &equations);
+    if (solve(&equations, c) < 0)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * c[k]; /* not -0 */
+        type->warp[1 + k] = 0 - share * c[k]; /* avoids -0 */
     return 0;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <time.h>
 #include "../../lib/model/electrode.h"
+#include "design_build.h"
 #include "electrodes.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/core/linalg.h"
@@ -30,8 +31,9 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
     const scene *scene = analysis->design.scene;
     if (status == PZS_E_LOOSE || status == PZS_E_NEGATIVE)
         for (int n = 0; n < mesh->nodes; n++)
-            for (unsigned i = 0; i < mesh->unknowns; i++)
-                if (mesh->node_dof[(size_t)n * mesh->unknowns + i] == analysis->model.info.where)
+            for (unsigned i = 0; i < mesh->dof_per_node; i++)
+                if (mesh->node_dof[(size_t)n * mesh->dof_per_node + i] ==
+                    analysis->model.info.where)
                     return scene_fault(
                         scene, scene->at_surface, error,
                         "%s: %s at node theta1 = %g, theta2 = %g; add supports that stop every rigid motion",
@@ -45,8 +47,11 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
     return scene_fault(scene, scene->at_surface, error, "%s", pzs_status_text(status));
 }
 
-/* Assemble and factor the stiffness at rest, unless that is what the model holds. */
-static pzs_status at_rest(analysis *analysis)
+/*
+ * Assemble and factor the stiffness of the reference state, unless the model already contains its
+ * factor.
+ */
+static pzs_status factor_reference_state(analysis *analysis)
 {
     if (analysis->model.state.stage == STAGE_FACTORED)
         return PZS_OK;
@@ -67,10 +72,10 @@ static pzs_status open_electrodes(analysis *analysis)
     const pzs_electrodes *tables = &analysis->design.electrodes;
     const uint16_t inputs = analysis->design.structure.input.count;
     const size_t bytes = PZS_ELECTRIC_BYTES(tables->count, tables->count, inputs);
-    analysis->amount = calloc(inputs + 1u, sizeof *analysis->amount);
+    analysis->input_value = calloc(inputs + 1u, sizeof *analysis->input_value);
     analysis->charge = calloc(tables->count + 1u, sizeof *analysis->charge);
     analysis->electric_work = malloc(bytes);
-    if (!analysis->amount || !analysis->charge || !analysis->electric_work)
+    if (!analysis->input_value || !analysis->charge || !analysis->electric_work)
         return PZS_E_WORKSPACE;
     return tables->count > 0 ? pzs_electric_init(&analysis->electric, &analysis->model, tables,
                                                  analysis->electric_work, bytes)
@@ -91,19 +96,20 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
                                        : PZS_E_WORKSPACE;
     if (status == PZS_OK && analysis->design.mesh.prescribed_count > 0 &&
         scene->kinematics == KINEMATICS_LINEAR) {
-        scene_fault(scene, scene->support[0].at, error,
-                    "a support with a value needs kinematics: nonlinear");
+        scene_fault(
+            scene, scene->support[0].at, error,
+            "kinematics: linear cannot prescribe the value of a support; set kinematics: nonlinear");
         analysis_free(analysis);
         return -1;
     }
     if (status == PZS_OK)
         status = open_electrodes(analysis);
     if (status == PZS_OK)
-        status = at_rest(analysis);
+        status = factor_reference_state(analysis);
     analysis->nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
     if (scene->kinematics != KINEMATICS_LINEAR &&
         (status == PZS_OK || scene->contact.given || analysis->design.mesh.prescribed_count > 0))
-        status = path_open(&analysis->path, &analysis->design, &analysis->model);
+        status = equilibrium_open(&analysis->equilibrium, &analysis->design, &analysis->model);
     if (status == PZS_OK)
         return 0;
     analysis_explain(analysis, status, error);
@@ -118,28 +124,30 @@ int analysis_ended_early(const analysis *analysis)
            analysis->status == PZS_E_SOLVES;
 }
 
-/* What the nonlinear path met, in words; only errors fail. */
-static int explain_path(const analysis *analysis, char *error)
+/* The message of the equilibrium solver's last status. Returns -1 for errors and 0 for warnings. */
+static int explain_equilibrium(const analysis *analysis, char *error)
 {
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     const scene *scene = analysis->design.scene;
+    const scene_at at = scene->equilibrium.at.line ? scene->equilibrium.at : scene->at_surface;
+    const char *plural = run->info.load_steps == 1 ? "" : "s";
     if (!PZS_IS_ERROR(analysis->status))
         return 0;
     if (analysis->status == PZS_E_PENETRATION) {
         char where[SCENE_ERROR];
-        path_penetration(&analysis->path, analysis->status, where);
+        equilibrium_penetration_text(&analysis->equilibrium, analysis->status, where);
         return scene_fault(scene, scene->contact.at, error,
                            "%s: %s (reached %.4g of the load in %u linear solves)",
                            pzs_status_text(analysis->status), where, run->info.load_factor,
                            run->info.linear_solves);
     }
     if (analysis_ended_early(analysis))
-        return scene_fault(
-            scene, scene->equilibrium.at.line ? scene->equilibrium.at : scene->at_surface, error,
-            "%s: reached %.4g of the load in %u systems, %u load step%s; "
-            "the last equilibrium has %u negative pivots",
-            pzs_status_text(analysis->status), run->info.load_factor, run->info.linear_solves,
-            run->info.load_steps, run->info.load_steps == 1 ? "" : "s", run->info.negative_pivots);
+        return scene_fault(scene, at, error,
+                           "%s: reached %.4g of the load in %u linear solves, %u load step%s; "
+                           "the last equilibrium has %u negative pivots",
+                           pzs_status_text(analysis->status), run->info.load_factor,
+                           run->info.linear_solves, run->info.load_steps, plural,
+                           run->info.negative_pivots);
     return analysis_explain(analysis, analysis->status, error);
 }
 
@@ -149,7 +157,7 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.scene->output[k];
     if (output->electric != ELECTRIC_NONE)
         return output->count;
-    return places > 0 ? places : 1; /* the whole contact has no place and one value */
+    return places > 0 ? places : 1; /* an output of the whole contact has one value and no node */
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)
@@ -173,48 +181,52 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
     if (output->electric != ELECTRIC_NONE) {
         const int input = electrodes_input(&analysis->design, output, i);
         return output->electric == ELECTRIC_VOLTAGE
-                   ? analysis->amount[input]
+                   ? analysis->input_value[input]
                    : analysis->charge[electrodes_of(&analysis->design, input)];
     }
     if (output->contact == CONTACT_NONE)
         return value[analysis->design.named_first[k] + i];
-    return path_contact_output(&analysis->path, output, analysis_output_node(analysis, k, i));
+    return equilibrium_contact_output(&analysis->equilibrium, output,
+                                      analysis_output_node(analysis, k, i));
 }
 
-pzs_status analysis_electrodes(analysis *analysis, const double *amount)
+pzs_status analysis_electrodes(analysis *analysis, const double *value)
 {
-    memcpy(analysis->amount, analysis->nonlinear ? analysis->path.run.info.input_value : amount,
-           analysis->design.structure.input.count * sizeof *analysis->amount);
+    memcpy(analysis->input_value,
+           analysis->nonlinear ? analysis->equilibrium.solver.info.input_value : value,
+           analysis->design.structure.input.count * sizeof *analysis->input_value);
     if (analysis->nonlinear)
-        pzs_charges_at(&analysis->path.run, &analysis->design.electrodes, analysis->charge);
+        pzs_charges_at(&analysis->equilibrium.solver, &analysis->design.electrodes,
+                       analysis->charge);
     if (analysis->nonlinear || !analysis->electric.state.model)
         return PZS_OK;
-    const pzs_status status = pzs_open_voltages(&analysis->electric, analysis->amount);
-    return status == PZS_OK ? pzs_charges(&analysis->electric, analysis->amount, analysis->charge)
-                            : status;
+    const pzs_status status = pzs_open_voltages(&analysis->electric, analysis->input_value);
+    return status == PZS_OK
+               ? pzs_charges(&analysis->electric, analysis->input_value, analysis->charge)
+               : status;
 }
 
-static pzs_status reach_nonlinear(analysis *analysis, const double *amount, int warm, double *u)
+static pzs_status reach_nonlinear(analysis *analysis, const double *value, int warm, double *u)
 {
-    pzs_solver *run = &analysis->path.run;
+    pzs_solver *run = &analysis->equilibrium.solver;
     const double begin = analysis_now();
     if (!warm)
         pzs_solver_reset(run);
-    analysis->status = pzs_equilibrium(run, amount);
+    analysis->status = pzs_equilibrium(run, value);
     analysis->seconds.solve = analysis_now() - begin;
-    memcpy(u, run->info.displacement, (size_t)analysis->design.mesh.dof * sizeof *u);
-    (void)analysis_electrodes(analysis, amount);
+    memcpy(u, run->info.displacement, (size_t)analysis->design.mesh.free_dof * sizeof *u);
+    (void)analysis_electrodes(analysis, value);
     return analysis->status;
 }
 
-static pzs_status reach_linear(analysis *analysis, const double *amount, double *u)
+static pzs_status reach_linear(analysis *analysis, const double *value, double *u)
 {
-    analysis->status = at_rest(analysis);
+    analysis->status = factor_reference_state(analysis);
     const double begin = analysis_now();
     if (analysis->status == PZS_OK)
-        analysis->status = analysis_electrodes(analysis, amount);
+        analysis->status = analysis_electrodes(analysis, value);
     if (analysis->status == PZS_OK)
-        analysis->status = pzs_solve(&analysis->model, analysis->amount, u);
+        analysis->status = pzs_solve(&analysis->model, analysis->input_value, u);
     analysis->seconds.solve = analysis_now() - begin;
     return analysis->status;
 }
@@ -223,19 +235,20 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
 {
     const design *design = &analysis->design;
     const size_t inputs = design->structure.input.count, amplifiers = (size_t)design->amplifiers;
-    double *amount = calloc(inputs + 1, sizeof *amount);
-    if (!amount)
+    double *value = calloc(inputs + 1, sizeof *value);
+    if (!value)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    for (size_t k = 0; k < inputs; k++)
-        amount[k] = k < amplifiers        ? voltage[k]
-                    : analysis->nonlinear ? analysis->path.full[k]
-                                          : k < amplifiers + (size_t)design->loads;
-    const pzs_status status = analysis->nonlinear ? reach_nonlinear(analysis, amount, warm, u)
-                                                  : reach_linear(analysis, amount, u);
-    free(amount);
-    return analysis->nonlinear ? explain_path(analysis, error)
-           : status == PZS_OK  ? 0
-                               : analysis_explain(analysis, status, error);
+    for (size_t k = 0; k < amplifiers; k++)
+        value[k] = voltage[k];
+    for (size_t k = amplifiers; k < inputs; k++)
+        value[k] = analysis->nonlinear ? analysis->equilibrium.full_input[k]
+                                       : k < amplifiers + (size_t)design->loads;
+    const pzs_status status = analysis->nonlinear ? reach_nonlinear(analysis, value, warm, u)
+                                                  : reach_linear(analysis, value, u);
+    free(value);
+    if (analysis->nonlinear)
+        return explain_equilibrium(analysis, error);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
 static int solve_applied(analysis *analysis, double *u, char *error)
@@ -250,22 +263,27 @@ static int solve_applied(analysis *analysis, double *u, char *error)
     return failed;
 }
 
-/* Difference of two displacements over the size of the second, every unknown by its stiffness. */
+/*
+ * Difference of two displacements relative to the size of the second; each dof is weighted by its
+ * stiffness.
+ */
 static double distance(const analysis *analysis, const double *x, const double *y)
 {
     double apart = 0, size = 0;
-    for (int i = 0; i < analysis->design.mesh.dof; i++) {
+    for (int i = 0; i < analysis->design.mesh.free_dof; i++) {
         apart += pow((x[i] - y[i]) / analysis->model.state.scale[i], 2);
         size += pow(y[i] / analysis->model.state.scale[i], 2);
     }
     return size > 0 ? sqrt(apart / size) : 0;
 }
 
-/* Run both, keep the cheaper one where it differs from the other by no more than the scene's
- * tolerance. */
+/*
+ * Solve with linear and nonlinear kinematics, and keep the linear displacement where the two differ
+ * by no more than the scene's tolerance.
+ */
 static int solve_auto(analysis *analysis, double *u, char *error)
 {
-    const size_t bytes = (size_t)analysis->design.mesh.dof * sizeof *u;
+    const size_t bytes = (size_t)analysis->design.mesh.free_dof * sizeof *u;
     double *linear = malloc(bytes);
     if (!linear)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
@@ -274,8 +292,8 @@ static int solve_auto(analysis *analysis, double *u, char *error)
     analysis->nonlinear = 1;
     if (!failed)
         failed = solve_applied(analysis, u, error);
-    analysis->cost = failed ? (double)NAN : distance(analysis, linear, u);
-    if (analysis->cost <= analysis->design.scene->tolerance) {
+    analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, u);
+    if (analysis->linear_error <= analysis->design.scene->tolerance) {
         analysis->nonlinear = 0;
         memcpy(u, linear, bytes);
     }
@@ -283,7 +301,10 @@ static int solve_auto(analysis *analysis, double *u, char *error)
     return failed;
 }
 
-/* Contact and moved supports are the path's alone: there is nothing linear to compare it with. */
+/*
+ * Contact and prescribed displacements exist under nonlinear kinematics alone, so no linear
+ * solution is computed for them.
+ */
 int analysis_solve(analysis *analysis, double *u, char *error)
 {
     const int path_alone =
@@ -292,7 +313,7 @@ int analysis_solve(analysis *analysis, double *u, char *error)
         return solve_auto(analysis, u, error);
     if (analysis->design.scene->kinematics == KINEMATICS_AUTO) {
         analysis->nonlinear = 1;
-        analysis->cost = (double)NAN;
+        analysis->linear_error = (double)NAN;
     }
     return solve_applied(analysis, u, error);
 }
@@ -306,7 +327,7 @@ int analysis_influence(analysis *analysis, char *error)
                                  sizeof *analysis->influence);
     if (!analysis->influence)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    pzs_status status = at_rest(analysis);
+    pzs_status status = factor_reference_state(analysis);
     if (status == PZS_OK)
         status = pzs_influence(&analysis->model, analysis->influence);
     if (status == PZS_OK && analysis->electric.state.model)
@@ -333,58 +354,62 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
     return sum;
 }
 
-/* Twice the work of the loads, temperatures left out. amount [inputs] in: zeros, out: 1 for each
- * load */
-static double work_of_loads(analysis *analysis, double *amount)
+/*
+ * Twice the work of the loads, temperatures excluded. input [inputs] in: zeros, out: 1 for each
+ * load
+ */
+static double work_of_loads(analysis *analysis, double *value)
 {
     const design *design = &analysis->design;
     const pzs_rows *in = &design->structure.input;
-    double *u = calloc((size_t)design->mesh.dof, sizeof *u), work = 0;
+    double *u = calloc((size_t)design->mesh.free_dof, sizeof *u), work = 0;
     for (int k = 0; k < design->loads; k++)
-        amount[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
-    const pzs_status status = u ? pzs_solve(&analysis->model, amount, u) : PZS_E_WORKSPACE;
+        value[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
+    const pzs_status status = u ? pzs_solve(&analysis->model, value, u) : PZS_E_WORKSPACE;
     for (int k = design->amplifiers; status == PZS_OK && k < design->amplifiers + design->loads;
          k++)
         for (uint32_t t = in->start[k]; t < in->start[k + 1]; t++)
-            work += amount[k] * in->value[t] * u[in->dof[t]];
+            work += value[k] * in->value[t] * u[in->dof[t]];
     free(u);
     return status == PZS_OK ? work : (double)NAN;
 }
 
-/* The work of the same forces falls by what the volts that open electrodes take on do against the
- * charges of the short circuit. */
+/*
+ * The work of the same forces is reduced by the product of the open electrodes' voltages and the
+ * charges that they would carry short-circuited.
+ */
 double analysis_stiffening(analysis *analysis)
 {
     const design *design = &analysis->design;
     const pzs_electrodes *tables = &design->electrodes;
-    double *amount = calloc(design->structure.input.count + 1u, sizeof *amount),
+    double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
-    double work = (double)NAN, fallen = 0;
-    const pzs_model kept = analysis->model; /* what it says of the last solve */
-    if (amount && charge && !analysis->nonlinear && tables->count > 0 &&
+    double work = (double)NAN, released = 0;
+    const pzs_model kept = analysis->model; /* the model's info on the last solve */
+    if (value && charge && !analysis->nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
-        work = work_of_loads(analysis, amount);
-        const int known = pzs_charges(&analysis->electric, amount, charge) == PZS_OK &&
-                          pzs_open_voltages(&analysis->electric, amount) == PZS_OK;
+        work = work_of_loads(analysis, value);
+        const int known = pzs_charges(&analysis->electric, value, charge) == PZS_OK &&
+                          pzs_open_voltages(&analysis->electric, value) == PZS_OK;
         for (int k = 0; known && k < tables->count; k++)
-            fallen -= charge[k] * amount[tables->input[k]];
+            released -= charge[k] * value[tables->input[k]];
         work = known ? work : (double)NAN;
     }
     analysis->model = kept;
-    free(amount);
+    free(value);
     free(charge);
-    return work > 0 ? work / (work - fallen) : (double)NAN;
+    return work > 0 ? work / (work - released) : (double)NAN;
 }
 
 void analysis_free(analysis *analysis)
 {
     certificate_free(&analysis->certificate);
-    path_close(&analysis->path);
+    equilibrium_close(&analysis->equilibrium);
     design_free(&analysis->design);
     free(analysis->work);
     free(analysis->influence);
     free(analysis->electric_work);
-    free(analysis->amount);
+    free(analysis->input_value);
     free(analysis->charge);
     memset(analysis, 0, sizeof *analysis);
 }

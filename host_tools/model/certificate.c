@@ -1,52 +1,17 @@
-/* Stability of the control step on a structure with mass (certificate.h). */
+/* Spectral radius and text of a control loop's certificate (certificate.h). */
 #include "certificate.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "analysis.h"
 #include "eigen.h"
-#include "estimator.h"
-#include "mass.h"
-#include "../../lib/model/model.h"
 
-/*
- * Squarings for the radius at the scene's rate and at the rates of the scan; most states of the
- * loop; rates scanned.
- */
-enum {
-    EXACT = 40,
-    QUICK = 16,
-    MOST_STATES = 300,
-    MOST_DELAY = 100,
-    MOST_RATES = 2000,
-    PHASES = 8,
-    STARTS = 4
-};
-
-static const double two_pi = 6.283185307179586;
-
-/*
- * The scan: first rate, in damping rates zeta w1 a tick, its steps, and its end in highest
- * frequencies.
- */
-static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
-
-/*
- * Time constants of a mode between two ticks after which its vibration is forgotten: exp(-20)
- * = 2e-9.
- */
+/* A mode whose vibration decays by more than exp(-20) = 2e-9 between two ticks counts as static. */
 static const double decayed = 20;
-
-/*
- * Smallest regularisation, relative to the mean diagonal: amplifiers of equal effect can be told
- * apart by it.
- */
-static const double least_regularisation = 1e-12;
 
 /* ---- the loop --------------------------------------------------------- */
 
-/* Propagator of (deviation from equilibrium, velocity / w) over an interval. */
+/* Propagator r [2][2] of (deviation from equilibrium, velocity / w) over an interval. */
 static void propagator(double w, double damping, double interval, double r[2][2])
 {
     const double root = sqrt(1 - damping * damping), decay = exp(-damping * w * interval);
@@ -58,13 +23,13 @@ static void propagator(double w, double damping, double interval, double r[2][2]
 }
 
 /*
- * The loop over a tick: states q - eq and p = velocity / w of each mode just before the tick, then
- * the deviations measured 1 .. delay ticks before. With eq = g v in force, a tick moves eq to -g F
- * e(late):
+ * Matrix of the loop over one tick. Its states are the deviation e = q - eq and p = velocity / w of
+ * each mode just before the tick, then the deviations measured 1 .. delay ticks before. With the
+ * equilibrium eq = g v in force, a tick changes eq to -g F e(late):
  *   e' = R00 (e + eq - eq') + R01 p,     eq' = -(g F) e(t - delay)
  *   p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay - 1)
  * so that delay + 1 deviations of the past are kept.
- *   loop [modes][stride] in  of which the first `modes` columns count
+ *   loop [modes][stride]  in  g F, of which the first `modes` columns count
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
                       double damping, int delay, double interval, double *a)
@@ -89,7 +54,10 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
     }
 }
 
-/* Modes whose vibration lives from tick to tick; of the others only the static part is left. */
+/*
+ * Number of modes whose vibration lasts from tick to tick; of the other modes only the static
+ * response counts.
+ */
 static int lasting(const double *square, int modes, double damping, double interval)
 {
     int count = 0;
@@ -112,280 +80,6 @@ double certificate_radius(const double *loop, const double *square, int modes, d
     return radius;
 }
 
-/* ---- gains ------------------------------------------------------------ */
-
-/* Cholesky factor of a [n][n] in its lower triangle. Returns success. */
-static int cholesky(double *a, size_t n)
-{
-    for (size_t j = 0; j < n; j++) {
-        for (size_t i = j; i < n; i++)
-            for (size_t k = 0; k < j; k++)
-                a[i * n + j] -= a[i * n + k] * a[j * n + k];
-        if (!(a[j * n + j] > 0))
-            return 0;
-        const double pivot = sqrt(a[j * n + j]);
-        for (size_t i = j; i < n; i++)
-            a[i * n + j] /= pivot;
-    }
-    return 1;
-}
-
-/* x = (L L')^-1 x */
-static void cholesky_solve(const double *l, size_t n, double *x)
-{
-    for (size_t i = 0; i < n; i++) {
-        for (size_t k = 0; k < i; k++)
-            x[i] -= l[i * n + k] * x[k];
-        x[i] /= l[i * n + i];
-    }
-    for (size_t i = n; i-- > 0;) {
-        for (size_t k = i + 1; k < n; k++)
-            x[i] -= l[k * n + i] * x[k];
-        x[i] /= l[i * n + i];
-    }
-}
-
-/* What the gains are made from. */
-typedef struct gains {
-    const analysis *a;
-    const vibration *v;
-    size_t modes, n;   /* n: amplifiers that can move */
-    size_t *amplifier; /* [n] */
-    double *factor;    /* [n][n] B'W^2 B and its regularisation, factored */
-    double *shape;     /* [targets] what the controller takes for a mode's shape */
-    double *x;         /* [n] */
-    double *given;     /* [modes][n] modal coordinates per unit of voltage */
-    double *loop;      /* [modes][modes] */
-    int as_measured;   /* an estimate's sensors are left out */
-} gains;
-
-static size_t list_amplifiers(const design *design, size_t *amplifier)
-{
-    size_t n = 0;
-    for (int k = 0; k < design->amplifiers; k++)
-        if (design->lower[k] < design->upper[k])
-            amplifier[n++] = (size_t)k;
-    return n;
-}
-
-static int factor_hessian(gains *g)
-{
-    const design *design = &g->a->design;
-    double trace = 0;
-    for (size_t i = 0; i < g->n; i++)
-        for (size_t j = 0; j < g->n; j++)
-            g->factor[i * g->n + j] =
-                design->hessian[g->amplifier[i] * (size_t)design->amplifiers + g->amplifier[j]];
-    for (size_t i = 0; i < g->n; i++)
-        trace += g->factor[i * g->n + i];
-    for (size_t i = 0; i < g->n; i++)
-        g->factor[i * g->n + i] +=
-            design->problem.regularisation + least_regularisation * trace / (double)g->n;
-    return g->n > 0 && cholesky(g->factor, g->n);
-}
-
-/*
- * Does every reading of the estimate show a displacement? Then its rows are those of the structure.
- */
-static int reads_displacements(const scene *scene)
-{
-    for (int i = 0; i < scene->estimate.readings; i++)
-        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
-            return 0;
-    return 1;
-}
-
-/* The shape estimated from what the sensors show of a displacement u. */
-static void estimated_shape(const gains *g, const estimator *estimator, const double *u)
-{
-    const design *design = &g->a->design;
-    const scene *scene = design->scene;
-    int sensor = 0;
-    memset(g->shape, 0, (size_t)design->targets * sizeof *g->shape);
-    for (int i = 0; i < scene->estimate.readings; i++) {
-        const int output = scene->estimate.reading[i].output;
-        for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++) {
-            const double shown = pzs_model_observe_row(&design->structure, u, (uint32_t)row);
-            for (int t = 0; t < design->targets; t++)
-                g->shape[t] +=
-                    estimator->gain[(size_t)t * (size_t)estimator->sensors + (size_t)sensor] *
-                    shown;
-            sensor++;
-        }
-    }
-}
-
-/* Column of g F that belongs to a mode. */
-static void fill_column(gains *g, const estimator *estimator, size_t mode)
-{
-    const design *design = &g->a->design;
-    const size_t dof = (size_t)design->mesh.dof;
-    const double *u = g->v->shape + ((size_t)g->v->rigid + mode) * dof;
-    if (estimator)
-        estimated_shape(g, estimator, u);
-    else
-        design_shape(design, u, g->shape);
-    for (size_t j = 0; j < g->n; j++) {
-        g->x[j] = 0;
-        for (int t = 0; t < design->targets; t++)
-            g->x[j] += design->influence[(size_t)t * (size_t)design->amplifiers + g->amplifier[j]] *
-                       design->weight[t] * design->weight[t] * g->shape[t];
-    }
-    cholesky_solve(g->factor, g->n, g->x);
-    for (size_t i = 0; i < g->modes; i++) {
-        double sum = 0;
-        for (size_t j = 0; j < g->n; j++)
-            sum += g->given[i * g->n + j] * g->x[j];
-        g->loop[i * g->modes + mode] = sum;
-    }
-}
-
-static int fill_gains(gains *g)
-{
-    estimator estimator;
-    char ignored[SCENE_ERROR];
-    const scene *scene = g->a->design.scene;
-    g->n = list_amplifiers(&g->a->design, g->amplifier);
-    if (!factor_hessian(g))
-        return 0;
-    for (size_t i = 0; i < g->modes; i++)
-        for (size_t j = 0; j < g->n; j++)
-            g->given[i * g->n + j] =
-                vibration_static(g->v, &g->a->design, g->v->rigid + (int)i, (int)g->amplifier[j]);
-    const int wanted = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
-    const int estimates =
-        wanted && reads_displacements(scene) && estimator_open(&estimator, g->a, ignored) == 0;
-    g->as_measured = wanted && !estimates;
-    for (size_t mode = 0; mode < g->modes; mode++)
-        fill_column(g, estimates ? &estimator : NULL, mode);
-    if (estimates)
-        estimator_close(&estimator);
-    return 1;
-}
-
-/* g F of the lowest modes that are no rigid motion, to be freed; NULL where it cannot be made. */
-static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
-                          int *as_measured)
-{
-    const size_t amplifiers = (size_t)analysis->design.amplifiers;
-    gains g = {.a = analysis, .v = vibration, .modes = (size_t)modes};
-    g.amplifier = malloc(amplifiers * sizeof *g.amplifier);
-    g.factor = malloc(amplifiers * amplifiers * sizeof *g.factor);
-    g.x = malloc(amplifiers * sizeof *g.x);
-    g.shape = malloc((size_t)analysis->design.targets * sizeof *g.shape);
-    g.given = malloc(g.modes * amplifiers * sizeof *g.given);
-    g.loop = malloc(g.modes * g.modes * sizeof *g.loop);
-    const int filled =
-        g.amplifier && g.factor && g.x && g.shape && g.given && g.loop && fill_gains(&g);
-    free(g.amplifier);
-    free(g.factor);
-    free(g.x);
-    free(g.shape);
-    free(g.given);
-    *as_measured = g.as_measured;
-    if (filled)
-        return g.loop;
-    free(g.loop);
-    return NULL;
-}
-
-/* ---- verdict ---------------------------------------------------------- */
-
-/* What the radius is judged with. */
-typedef struct judged_loop {
-    const double *loop, *square;
-    int modes, delay;
-    double damping;
-} judged_loop;
-
-/*
- * Is the loop stable at a rate? Between ticks many periods apart the phase of the first mode, not
- * the decay alone, decides: then the intervals up to one period longer have to be stable too.
- */
-static int is_stable(const judged_loop *l, double rate)
-{
-    const double period = two_pi / sqrt(l->square[0]), interval = 1 / rate;
-    const int phases = interval > 4 * period ? PHASES : 1;
-    for (int k = 0; k < phases; k++) {
-        const double longer = interval + period * k / PHASES;
-        if (!(certificate_radius(l->loop, l->square, l->modes, l->damping, l->delay, longer,
-                                 QUICK) < 1))
-            return 0;
-    }
-    return 1;
-}
-
-/*
- * The rate up to which every rate scanned is stable: 0 where the first ones are not, infinite where
- * all are.
- */
-static double scan_rates(const judged_loop *l)
-{
-    const double end = scan_to * sqrt(l->square[l->modes - 1]) / two_pi;
-    double rate = scan_from * l->damping * sqrt(l->square[0]), stable = 0;
-    for (int i = 0; i < STARTS && !is_stable(l, rate); i++)
-        rate /= 4;
-    for (int i = 0; i < MOST_RATES && rate < end; i++) {
-        if (!is_stable(l, rate))
-            return stable;
-        stable = rate;
-        rate *= scan_step;
-    }
-    return rate < end ? stable : HUGE_VAL;
-}
-
-static void judge(certificate *certificate, const analysis *analysis)
-{
-    const scene *scene = analysis->design.scene;
-    const int first = vibration_first(&certificate->vibration), delay = scene->simulate.delay,
-              most = MOST_STATES / (delay + 3);
-    const double *square = certificate->vibration.square + first;
-    certificate->modes = certificate->vibration.count - first;
-    certificate->modes = certificate->modes < most ? certificate->modes : most;
-    if (certificate->modes < 1 || analysis->design.problem.inputs == 0)
-        return;
-    if (delay > MOST_DELAY) {
-        snprintf(certificate->why_not, sizeof certificate->why_not,
-                 "sensors %d ticks late: at most %d can be judged", delay, MOST_DELAY);
-        return;
-    }
-    double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
-                              &certificate->as_measured);
-    if (!loop) {
-        snprintf(certificate->why_not, sizeof certificate->why_not,
-                 "its gains cannot be computed; add a regularisation, limits.effort");
-        return;
-    }
-    certificate->is_judged = 1;
-    if (certificate->rate > 0) {
-        certificate->radius =
-            certificate_radius(loop, square, certificate->modes, certificate->damping, delay,
-                               1 / certificate->rate, EXACT);
-        certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
-    }
-    const judged_loop judged = {loop, square, certificate->modes, delay, certificate->damping};
-    certificate->rate_to = scan_rates(&judged);
-    free(loop);
-}
-
-void certificate_make(certificate *certificate, const analysis *analysis)
-{
-    const scene *scene = analysis->design.scene;
-    if (certificate->made)
-        return;
-    memset(certificate, 0, sizeof *certificate);
-    certificate->made = 1;
-    certificate->damping = scene->dynamics.damping;
-    certificate->damping_given = scene->dynamics.damping_given;
-    certificate->rate = scene->simulate.given ? scene->simulate.rate : 0;
-    certificate->radius = certificate->gain = certificate->rate_to = (double)NAN;
-    certificate->vibrates =
-        vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,
-                        MASS_LUMPED, certificate->why_not) == 0;
-    if (certificate->vibrates)
-        judge(certificate, analysis);
-}
-
 void certificate_free(certificate *certificate)
 {
     vibration_free(&certificate->vibration);
@@ -394,37 +88,37 @@ void certificate_free(certificate *certificate)
 
 int certificate_refuses(const certificate *certificate)
 {
-    return certificate->is_judged && certificate->rate > 0 && !(certificate->radius < 1);
+    return certificate->is_assessed && certificate->rate > 0 && !(certificate->radius < 1);
 }
 
 double certificate_first(const certificate *certificate)
 {
     const int first = vibration_first(&certificate->vibration);
-    return certificate->vibrates && first < certificate->vibration.count
+    return certificate->has_modes && first < certificate->vibration.count
                ? certificate->vibration.frequency[first]
                : (double)NAN;
 }
 
-/* ---- words ------------------------------------------------------------ */
+/* ---- text -------------------------------------------------------------- */
 
-/* The range of rates, behind the verdict. */
+/* Text on the range of stable rates. */
 static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 {
-    if (!isfinite(certificate->rate_to))
+    if (!isfinite(certificate->stable_rate))
         snprintf(text, SCENE_ERROR, "Every rate is stable.");
-    else if (certificate->rate_to <= 0)
+    else if (certificate->stable_rate <= 0)
         snprintf(text, SCENE_ERROR,
                  "No rate was found at which it is stable; wait for a vibration model.");
     else if (certificate_refuses(certificate))
         snprintf(text, SCENE_ERROR,
                  "Run it at most at %.3g ticks a second, or wait for a vibration model.",
-                 certificate->rate_to);
+                 certificate->stable_rate);
     else
         snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.",
-                 certificate->rate_to);
+                 certificate->stable_rate);
 }
 
-/* The verdict at the scene's rate. */
+/* Text on the stability at the scene's rate. */
 static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (certificate_refuses(certificate))
@@ -448,15 +142,16 @@ void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]
 {
     char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
     text[0] = '\0';
-    if (certificate->made && certificate->vibrates && !certificate->is_judged &&
-        certificate->why_not[0])
+    if (certificate->is_made && certificate->has_modes && !certificate->is_assessed &&
+        certificate->reason[0])
         snprintf(text, 3 * SCENE_ERROR, "The stability of the control loop is not known: %s",
-                 certificate->why_not);
-    if (!certificate->is_judged)
+                 certificate->reason);
+    if (!certificate->is_assessed)
         return;
     if (certificate->rate > 0)
         rate_text(certificate, verdict);
     range_text(certificate, range);
     snprintf(text, 3 * SCENE_ERROR, "%s%s%s", verdict, range,
-             certificate->as_measured ? "\nJudged as if every target node were measured." : "");
+             certificate->assumes_measured ? "\nJudged as if every target node were measured."
+                                           : "");
 }

@@ -1,70 +1,62 @@
 /*
- * Whether the control step, which takes each shape for an equilibrium, is stable on the same
- * structure with its mass.
+ * Certificate of stability: whether the control step, which takes each shape for an equilibrium, is
+ * stable on the same structure with mass.
  *
- * The plant is the lowest modes with one damping ratio, held voltages between the ticks, and the
- * static rest of the modes left out. The step is the one of pzs_tick without limits: the voltages
- * that make up for the disturbance
- *   d = y - B v = C (q - g v)
- * measured `delay` ticks before,
- *   v' = -F (q - g v),   F = (B'W^2 B + regularisation)^-1 B'W^2 C.
- * In the deviation e = q - g v from the static equilibrium the loop is closed with g F alone,
- * whatever the number of amplifiers. Limits and the step limit only slow the growth down.
+ * The plant is the lowest modes with one damping ratio, voltages that are constant between the
+ * ticks, and the static response of the modes left out. The step is that of pzs_tick without
+ * limits. Its voltages compensate the disturbance d = y - B v = C (q - g v) measured `delay` ticks
+ * before, v' = -F (q - g v),   F = (B'W^2 B + regularisation)^-1 B'W^2 C. In the deviation e = q -
+ * g v from the static equilibrium the loop depends on g F alone, for any number of amplifiers.
+ * Voltage limits and step limits only slow the growth of vibration down.
  */
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H
 
 #include "vibration.h"
 
-struct analysis;
-
 typedef struct certificate {
-    int made;                  /* whether certificate_make has run */
-    int vibrates;              /* modes are known: the densities are given */
-    char why_not[SCENE_ERROR]; /* where they are not, or where a loop cannot be judged: the reason
-                                  and the cure */
+    int is_made;   /* whether certificate_make has run */
+    int has_modes; /* whether the modes are known, as they are where all densities are given */
+    char reason[SCENE_ERROR]; /* why the modes are unknown or the loop was not assessed, and what to
+                                 do */
     vibration vibration;
-    int is_judged;     /* a target and amplifiers: the numbers below are known */
-    int as_measured;   /* judged as if every target node were measured: readings of electrodes are
-                          left out */
-    int modes;         /* of the loop */
-    double damping;    /* ratio */
-    int damping_given; /* by the scene; 0: assumed */
-    double rate;       /* ticks a second of the scene, 0: it gives none */
-    double radius; /* spectral radius at that rate: growth of vibration a tick; NAN without a rate
+    int is_assessed; /* whether the members below are known: there are a target and amplifiers */
+    int assumes_measured; /* assessed as if every target node were measured, because some readings
+                             are of electrodes */
+    int modes;            /* number of modes in the loop */
+    double damping;       /* damping ratio of every mode */
+    int has_own_damping;  /* whether the scene gives the damping ratio; else it is an assumption */
+    double rate;          /* ticks per second of the scene; 0: the scene gives none */
+    double radius; /* spectral radius at that rate: growth of vibration per tick; NAN without a rate
                     */
-    double gain;   /* 2 zeta w1 T: about the largest step gain that is stable; NAN without a rate */
-    double rate_to; /* every rate up to this one is stable; 0: none was found, infinite: all */
+    double gain;   /* 2 zeta w1 T: about the largest stable step gain; NAN without a rate */
+    double stable_rate; /* all rates up to this one are stable; 0: none was found, infinite: every
+                           rate */
 } certificate;
 
-/*
- * Modes and verdict of a scene, in the reference state; once.
- *   a in  after analysis_influence where the scene has a target, and before simulate_tables
- * Nothing here is an error of the scene: what could not be found is told by the members.
- */
-void certificate_make(certificate *certificate, const struct analysis *analysis);
 void certificate_free(certificate *certificate);
 
-/* Is the loop known to be unstable at the scene's rate? */
+/* Whether the loop is known to be unstable at the scene's rate. */
 int certificate_refuses(const certificate *certificate);
 
-/* First natural frequency, rigid motions left out; NAN where there is none. */
+/* First natural frequency without rigid motions; NAN where there is none. */
 double certificate_first(const certificate *certificate);
 
 /*
  * Spectral radius of the loop.
- *   loop     [modes][modes] in  g F
- *   square   [modes]        in  w^2
- *   damping, delay          in  ratio; ticks
- *   interval                in  of the ticks, s
+ *   loop [modes][modes]  in  g F
+ *   square [modes]       in  squares of the angular frequencies, w^2
+ *   damping              in  damping ratio
+ *   delay                in  delay of the measurements, ticks
+ *   interval             in  time between ticks, s
  * Returns NAN where memory runs out.
  */
 double certificate_radius(const double *loop, const double *square, int modes, double damping,
                           int delay, double interval, int squarings);
 
 /*
- * The verdict in sentences, separated by line feeds; empty where nothing
- * is to be said.
+ * Text of the certificate in sentences separated by line feeds; empty where there is nothing to
+ * report.
  */
 void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]);
 

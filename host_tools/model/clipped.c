@@ -3,126 +3,109 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../lib/core/guard.h"
-#include "../../lib/control/control.h"
 
 /*
- * The grid: 10^(LOWEST + k / PER_DECADE), k < GRID, to 10, where every voltage is far below its
- * size.
+ * Exponents of the grid of lambda: 10^(LOWEST + k / PER_DECADE) for k < GRID, up to 10, where all
+ * voltages are small.
  */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 
-static bool is_held(const clipped *c, size_t k)
+static bool is_held(const clipped *clipped, size_t k)
 {
-    return c->lower[k] == c->upper[k];
+    return clipped->lower[k] == clipped->upper[k];
 }
 
 /*
- * Copy B without the columns of held amplifiers, and take what those do off the target. Returns
- * tr(B'W^2 B)/n.
+ * Copy B without the columns of held amplifiers, and subtract the effect of these from the target.
+ * Returns tr(B'W^2 B)/n.
  */
-static double part(clipped *c)
+static double prepare_arrays(clipped *clipped)
 {
-    const design *design = c->design;
+    const design *design = clipped->design;
     const size_t n = (size_t)design->amplifiers;
     double trace = 0;
     for (size_t i = 0; i < (size_t)design->targets; i++) {
         const double *row = design->influence + i * n;
-        c->left[i] = c->wanted[i];
+        clipped->required[i] = clipped->wanted[i];
         for (size_t k = 0; k < n; k++) {
             trace += pow(design->weight[i] * row[k], 2) / (double)n;
-            c->influence[i * n + k] = is_held(c, k) ? 0 : row[k];
-            c->left[i] -= is_held(c, k) ? row[k] * c->lower[k] : 0;
+            clipped->influence[i * n + k] = is_held(clipped, k) ? 0 : row[k];
+            clipped->required[i] -= is_held(clipped, k) ? row[k] * clipped->lower[k] : 0;
         }
     }
     return trace;
 }
 
-int clipped_open(clipped *c, const design *design, const double *lower, const double *upper,
+int clipped_open(clipped *clipped, const design *design, const double *lower, const double *upper,
                  const double *wanted)
 {
     const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
-    *c = (clipped){.design = design,
-                   .lower = lower,
-                   .upper = upper,
-                   .wanted = wanted,
-                   .problem = design->problem};
-    c->arrays = calloc(m * n + 2 * m + n * n, sizeof *c->arrays);
-    c->work = malloc(PZS_CONTROL_BYTES(n, m));
-    if (!c->arrays || !c->work)
+    *clipped = (struct clipped){.design = design,
+                                .lower = lower,
+                                .upper = upper,
+                                .wanted = wanted,
+                                .problem = design->problem};
+    clipped->arrays = calloc(m * n + 2 * m, sizeof *clipped->arrays);
+    if (!clipped->arrays)
         return -1;
-    c->influence = c->arrays;
-    c->left = c->influence + m * n;
-    c->shape = c->left + m;
-    double *hessian = c->shape + m;
-    c->scale = part(c);
-    memcpy(hessian, design->hessian, n * n * sizeof *hessian);
-    for (size_t j = 0; j < n; j++)
-        for (size_t k = 0; k < n; k++)
-            if (is_held(c, j) || is_held(c, k))
-                hessian[j * n + k] = 0;
-    c->problem.influence = c->influence;
-    c->problem.hessian = design->problem.hessian ? hessian : NULL;
-    c->problem.lower = lower;
-    c->problem.upper = upper;
-    return 0;
+    clipped->influence = clipped->arrays;
+    clipped->required = clipped->influence + m * n;
+    clipped->shape = clipped->required + m;
+    clipped->scale = prepare_arrays(clipped);
+    clipped->problem.influence = clipped->influence;
+    return unconstrained_open(&clipped->solver, &clipped->problem) ? 0 : -1;
 }
 
-void clipped_close(clipped *c)
+void clipped_close(clipped *clipped)
 {
-    free(c->arrays);
-    free(c->work);
-    memset(c, 0, sizeof *c);
+    unconstrained_close(&clipped->solver);
+    free(clipped->arrays);
+    memset(clipped, 0, sizeof *clipped);
 }
 
-pzs_status clipped_solve(clipped *c, double lambda, double *voltage)
+bool clipped_solve(clipped *clipped, double lambda, double *voltage)
 {
-    const size_t bytes = PZS_CONTROL_BYTES(c->design->amplifiers, c->design->targets);
-    pzs_control control;
-    c->problem.regularisation = c->design->problem.regularisation + lambda * c->scale;
-    c->problem.crc = 0;
-    c->problem.crc = pzs_problem_crc(&c->problem);
-    const pzs_status status = pzs_control_init(&control, &c->problem, NULL, c->work, bytes);
-    return status == PZS_OK ? pzs_clipped(&control, c->left, voltage) : status;
+    unconstrained_factor(&clipped->solver,
+                         clipped->design->problem.regularisation + lambda * clipped->scale);
+    const bool is_finite = unconstrained_solve(&clipped->solver, clipped->required, voltage);
+    for (int k = 0; is_finite && k < clipped->design->amplifiers; k++)
+        voltage[k] = fmin(fmax(voltage[k], clipped->lower[k]), clipped->upper[k]);
+    return is_finite;
 }
 
 /*
- * |W (B v - wanted)| of the voltages for lambda, infinite where there are none; best, best_at,
- * volt: the smallest so far.
+ * Search for the lambda with the smallest |W (B v - wanted)|: the best lambda, error and voltages
+ * so far.
  */
-typedef struct search {
+typedef struct tuning {
     clipped *c;
-    double *trial, *volt; /* [amplifiers] */
-    double best, best_at;
-    pzs_status status; /* of the last that failed */
-} search;
+    double *trial, *best_voltage; /* [amplifiers] */
+    double best, best_lambda;
+} tuning;
 
-static double missed(search *s, double lambda)
+static double clipped_misfit(tuning *tuning, double lambda)
 {
-    const clipped *c = s->c;
-    const size_t n = (size_t)c->design->amplifiers;
-    const pzs_status status = clipped_solve(s->c, lambda, s->trial);
-    if (status != PZS_OK) {
-        s->status = status;
+    const clipped *clipped = tuning->c;
+    const size_t n = (size_t)clipped->design->amplifiers;
+    if (!clipped_solve(tuning->c, lambda, tuning->trial))
         return HUGE_VAL;
-    }
-    for (size_t i = 0; i < (size_t)c->design->targets; i++) {
-        c->shape[i] = 0;
+    for (size_t i = 0; i < (size_t)clipped->design->targets; i++) {
+        clipped->shape[i] = 0;
         for (size_t k = 0; k < n; k++)
-            c->shape[i] += c->design->influence[i * n + k] * s->trial[k];
+            clipped->shape[i] += clipped->design->influence[i * n + k] * tuning->trial[k];
     }
-    const double error = sqrt(design_squares(c->design, c->shape, c->wanted));
-    if (error < s->best) {
-        s->best = error;
-        s->best_at = lambda;
-        memcpy(s->volt, s->trial, n * sizeof *s->volt);
+    const double error = sqrt(design_squares(clipped->design, clipped->shape, clipped->wanted));
+    if (error < tuning->best) {
+        tuning->best = error;
+        tuning->best_lambda = lambda;
+        memcpy(tuning->best_voltage, tuning->trial, n * sizeof *tuning->best_voltage);
     }
     return error;
 }
 
 /*
- * lambda of a decimal exponent, to three digits: the best one is where a voltage just reaches its
- * limit, and rounding must not decide whether that voltage counts as cut.
+ * lambda of a decimal exponent, rounded to three digits. At the best lambda a voltage just reaches
+ * its limit, and rounding errors must not decide whether it counts as clipped.
  */
 static double lambda_of(double exponent)
 {
@@ -130,47 +113,49 @@ static double lambda_of(double exponent)
     return unit * floor(pow(10, exponent) / unit + 0.5);
 }
 
-/* Shrink [from, to], decimal exponents, around a minimum. */
-static void golden_section(search *s, double from, double to)
+/* Golden-section search for a minimum between two decimal exponents. */
+static void golden_section(tuning *tuning, double from, double to)
 {
     const double ratio = (sqrt(5) - 1) / 2;
     double x[2] = {to - ratio * (to - from), from + ratio * (to - from)};
-    double y[2] = {missed(s, lambda_of(x[0])), missed(s, lambda_of(x[1]))};
+    double y[2] = {clipped_misfit(tuning, lambda_of(x[0])),
+                   clipped_misfit(tuning, lambda_of(x[1]))};
     for (int k = 0; k < SECTIONS; k++) {
         if (y[0] <= y[1]) {
             to = x[1];
             x[1] = x[0];
             y[1] = y[0];
             x[0] = to - ratio * (to - from);
-            y[0] = missed(s, lambda_of(x[0]));
+            y[0] = clipped_misfit(tuning, lambda_of(x[0]));
         } else {
             from = x[0];
             x[0] = x[1];
             y[0] = y[1];
             x[1] = from + ratio * (to - from);
-            y[1] = missed(s, lambda_of(x[1]));
+            y[1] = clipped_misfit(tuning, lambda_of(x[1]));
         }
     }
 }
 
-pzs_status clipped_tune(clipped *c, double *voltage, double *lambda)
+pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda)
 {
     const double step = 1.0 / PER_DECADE;
     double least = HUGE_VAL, at = LOWEST;
-    search s = {.c = c, .volt = voltage, .best = HUGE_VAL, .status = PZS_OK};
-    s.trial = calloc((size_t)c->design->amplifiers, sizeof *s.trial);
-    if (!s.trial)
+    tuning tuning = {.c = clipped, .best_voltage = voltage, .best = HUGE_VAL};
+    tuning.trial = calloc((size_t)clipped->design->amplifiers, sizeof *tuning.trial);
+    if (!tuning.trial)
         return PZS_E_WORKSPACE;
-    (void)missed(&s, 0);
+    (void)clipped_misfit(&tuning, 0);
     for (int k = 0; k < GRID; k++) {
-        const double exponent = LOWEST + k * step, error = missed(&s, lambda_of(exponent));
+        const double exponent = LOWEST + k * step,
+                     error = clipped_misfit(&tuning, lambda_of(exponent));
         if (error < least) {
             least = error;
             at = exponent;
         }
     }
-    golden_section(&s, at - step, at + step);
-    free(s.trial);
-    *lambda = s.best_at;
-    return isfinite(s.best) ? PZS_OK : s.status;
+    golden_section(&tuning, at - step, at + step);
+    free(tuning.trial);
+    *lambda = tuning.best_lambda;
+    return isfinite(tuning.best) ? PZS_OK : PZS_E_NONFINITE;
 }

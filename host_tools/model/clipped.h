@@ -1,51 +1,56 @@
 /*
- * What is often done instead of a bounded optimum, to compare with it: least squares without
- * limits, then each voltage cut to its limits. With Tikhonov regularisation,
+ * Clipped least squares, for comparison with the bounded optimum: least squares without limits,
+ * then each voltage clipped to its limits. With Tikhonov regularisation,
  *
- *   min |W (B v - wanted)|^2 + (effort + lambda s) |v - prefer|^2,   s = tr(B'W^2 B)/n,   then cut,
+ *   min |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2,   s = tr(B'W^2 B)/n,   then clipped,
  *
- * the voltages are smaller before they are cut, and lambda decides how good the result is.
+ * the voltages are smaller before they are clipped, and lambda determines the error of the result;
+ * r is the regularisation of the scene and v0 the reference voltages.
  */
 #ifndef CLIPPED_H
 #define CLIPPED_H
 
 #include "design.h"
+#include "unconstrained.h"
 
 typedef struct clipped {
     const design *design;
-    const double *lower, *upper; /* [amplifiers] */
-    const double *wanted;        /* [targets] what B v should be */
-    pzs_problem problem;         /* of the amplifiers that are not held */
+    const double *lower, *upper; /* [amplifiers] V */
+    const double *wanted;        /* [targets] target of B v */
+    pzs_problem problem;         /* voltage problem of the amplifiers that are not held */
     double scale;                /* s, m2/V2 */
-    double *arrays;              /* one allocation of the arrays below */
-    double *influence;           /* [targets][amplifiers] 0 in the columns of held amplifiers */
-    double *left;                /* [targets] wanted less what held amplifiers do */
-    double *shape;               /* [targets] room */
-    void *work;
+    double *arrays;              /* one allocation of the three arrays below */
+    double *influence; /* [targets][amplifiers] B with columns of zeros for held amplifiers */
+    double *required;  /* [targets] wanted less the effect of held amplifiers */
+    double *shape;     /* [targets] work */
+    unconstrained solver;
 } clipped;
 
 /*
- * Prepare.
- *   lower, upper [amplifiers] in  limits to cut to; an amplifier whose limits are equal is held,
- *                                 the others compensate
+ * Prepare the least-squares problem.
+ *   lower, upper [amplifiers] in  limits; an amplifier with equal limits is held at that voltage
  *   wanted [targets]          in
- * All must outlive *c. Returns 0, or -1 where memory runs out; clipped_close in either case.
+ * All arguments must outlive the result. Returns 0, or -1 where memory runs out; call clipped_close
+ * in either case.
  */
-int clipped_open(clipped *c, const design *design, const double *lower, const double *upper,
+int clipped_open(clipped *clipped, const design *design, const double *lower, const double *upper,
                  const double *wanted);
-void clipped_close(clipped *c);
-
-/* Voltages for one lambda >= 0. volt [amplifiers] out */
-pzs_status clipped_solve(clipped *c, double lambda, double *voltage);
+void clipped_close(clipped *clipped);
 
 /*
- * The lambda of the smallest |W (B v - wanted)| after cutting, and its voltages: the best of 0 and
- * a logarithmic grid, refined by golden section between the neighbours of the best, to three
- * digits. It is chosen knowing the answer, and so is the best that this method can do with one
- * parameter.
- *   volt [amplifiers] out
- *   lambda            out
+ * Clipped voltages for one lambda >= 0. voltage [amplifiers] out, V. Returns whether they are
+ * finite.
  */
-pzs_status clipped_tune(clipped *c, double *voltage, double *lambda);
+bool clipped_solve(clipped *clipped, double lambda, double *voltage);
+
+/*
+ * Find the lambda with the smallest |W (B v - wanted)| after clipping: the best of 0 and a
+ * logarithmic grid, refined by a golden-section search between the neighbours of the best, to three
+ * digits. The choice uses the error itself, so no choice of one parameter gives a better result.
+ *   voltage [amplifiers]  out  clipped voltages, V
+ *   lambda                out
+ * Errors: WORKSPACE, NONFINITE.
+ */
+pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda);
 
 #endif

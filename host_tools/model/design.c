@@ -1,22 +1,21 @@
-/* Columns and rows of a scene (design.h). */
+/* Inputs and outputs of a scene as sparse rows (design.h). */
 #include "design.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "electrodes.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
-typedef struct builder {
+typedef struct row_builder {
     uint32_t *start;
     uint16_t *dof;
     double *value;
     size_t rows, terms, room_rows, room_terms;
-    int full; /* memory ran out */
-} builder;
+    int is_full; /* memory ran out */
+} row_builder;
 
 void *design_grow(void *old, size_t count, size_t size, int *full)
 {
@@ -35,22 +34,22 @@ void design_release(const void *table)
     free(owned.memory);
 }
 
-/* Append a dense row [dof]: its nonzero entries. */
-static void append_row(builder *builder, const double *dense, int dof)
+/* Append a dense row [dof] as its nonzero entries. */
+static void append_row(row_builder *builder, const double *dense, int dof)
 {
     if (builder->rows + 2 > builder->room_rows) {
         builder->room_rows = 2 * builder->room_rows + 64;
-        builder->start =
-            design_grow(builder->start, builder->room_rows, sizeof *builder->start, &builder->full);
+        builder->start = design_grow(builder->start, builder->room_rows, sizeof *builder->start,
+                                     &builder->is_full);
     }
     if (builder->terms + (size_t)dof > builder->room_terms) {
         builder->room_terms = 2 * builder->room_terms + (size_t)dof;
         builder->dof =
-            design_grow(builder->dof, builder->room_terms, sizeof *builder->dof, &builder->full);
+            design_grow(builder->dof, builder->room_terms, sizeof *builder->dof, &builder->is_full);
         builder->value = design_grow(builder->value, builder->room_terms, sizeof *builder->value,
-                                     &builder->full);
+                                     &builder->is_full);
     }
-    if (builder->full)
+    if (builder->is_full)
         return;
     builder->start[builder->rows++] = (uint32_t)builder->terms;
     for (int i = 0; i < dof; i++)
@@ -61,7 +60,7 @@ static void append_row(builder *builder, const double *dense, int dof)
     builder->start[builder->rows] = (uint32_t)builder->terms;
 }
 
-static void rows_of(const builder *builder, pzs_rows *rows)
+static void rows_of(const row_builder *builder, pzs_rows *rows)
 {
     rows->count = (uint16_t)builder->rows;
     rows->start = builder->start;
@@ -71,7 +70,7 @@ static void rows_of(const builder *builder, pzs_rows *rows)
 
 /* ---- outputs ---------------------------------------------------------- */
 
-/* Unit direction of a component in the local triad of a node. */
+/* Unit vector of a component in the triad of a node. */
 static void direction(const surface_point *p, scene_component component, double c[3])
 {
     for (int a = 0; a < 3; a++)
@@ -79,23 +78,28 @@ static void direction(const surface_point *p, scene_component component, double 
                                          : p->e[a][component - COMPONENT_X];
 }
 
-/* Height of a face above the middle of a thickness h. */
-static double pzs_face_height(scene_face face, double h)
+/* Height of a face above the middle surface of a thickness h. */
+static double face_height(scene_face face, double h)
 {
-    return face == FACE_OUTER ? h / 2 : face == FACE_INNER ? -h / 2 : 0;
+    if (face == FACE_OUTER)
+        return h / 2;
+    return face == FACE_INNER ? -h / 2 : 0;
 }
 
-/* Mean and difference weights of components c on a face, without the seventh unknown. */
+/*
+ * Weights of a node's first six dof (means and differences) in the displacement component c of a
+ * face.
+ */
 static void face_weights(const mesh *mesh, scene_face face, const double c[3], double weight[7])
 {
     for (int a = 0; a < 3; a++) {
         weight[a] = c[a];
-        weight[3 + a] = pzs_face_height(face, mesh->laminate.h) * c[a];
+        weight[3 + a] = face_height(face, mesh->laminate.thickness) * c[a];
     }
     weight[6] = 0;
 }
 
-/* The middle also has the seventh unknown along e3. */
+/* The displacement of the middle also depends on the seventh dof, along e3. */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7])
 {
@@ -103,28 +107,28 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
     direction(&mesh->point[node], component, c);
     face_weights(mesh, face, c, weight);
     if (face == FACE_MIDDLE)
-        weight[6] = mesh->laminate.h * c[2];
+        weight[6] = mesh->laminate.thickness * c[2];
 }
 
-/* dense += factor times weights on the free unknowns of a node */
+/* dense += factor times weights on the free dof of a node */
 static void add_node(const mesh *mesh, int node, double factor, const double weight[7],
                      double *dense)
 {
-    for (unsigned i = 0; i < mesh->unknowns; i++) {
-        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->unknowns + i];
+    for (unsigned i = 0; i < mesh->dof_per_node; i++) {
+        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + i];
         if (dof != PZS_CONSTRAINED)
             dense[dof] += factor * weight[i];
     }
 }
 
-static void append_output(const mesh *mesh, const scene_output *output, int node, builder *rows,
+static void append_output(const mesh *mesh, const scene_output *output, int node, row_builder *rows,
                           double *dense)
 {
     double weight[7];
-    memset(dense, 0, (size_t)mesh->dof * sizeof *dense);
+    memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
     design_output_weights(mesh, node, output->component, output->face, weight);
     add_node(mesh, node, 1, weight, dense);
-    append_row(rows, dense, mesh->dof);
+    append_row(rows, dense, mesh->free_dof);
 }
 
 void design_node_areas(const mesh *mesh, double *area)
@@ -132,7 +136,7 @@ void design_node_areas(const mesh *mesh, double *area)
     memset(area, 0, (size_t)mesh->nodes * sizeof *area);
     for (int e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++)
-            area[mesh->element[e][r]] += mesh->place[mesh->element_kind[e]].area / 4;
+            area[mesh->element[e][r]] += mesh->place[mesh->element_type[e]].area / 4;
 }
 
 int design_target_values(const design *design, const expr *wanted, scene_at at, double *value,
@@ -144,8 +148,8 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
         value[i] = expr_value(wanted, &place);
         if (!isfinite(value[i]))
             return scene_fault(design->scene, at, error,
-                               "the wanted displacement or free function is not a finite number at "
-                               "theta1 = %g, theta2 = %g",
+                               "the target value or free function is not a finite number at "
+                               "theta1 = %g, theta2 = %g; correct its formula",
                                mesh->theta[design->target_node[i]][0],
                                mesh->theta[design->target_node[i]][1]);
     }
@@ -153,8 +157,8 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
     return 0;
 }
 
-/* Target rows, wanted values and weights; weights by area have mean square 1. */
-static int build_targets(design *design, builder *rows, double *dense, int *node, char *error)
+/* Rows, target values and weights of the target nodes; weights by area have mean square 1. */
+static int build_targets(design *design, row_builder *rows, double *dense, int *node, char *error)
 {
     const scene_target *target = &design->scene->target;
     if (!target->given)
@@ -182,15 +186,17 @@ static int build_targets(design *design, builder *rows, double *dense, int *node
     return 0;
 }
 
-/* An output of displacements or of contact pressures has a place; one of electrodes or of the whole
- * contact has none. */
+/*
+ * Whether an output belongs to nodes: displacements and contact pressures do, electrodes and
+ * resultants of the whole contact do not.
+ */
 static int has_place(const scene_output *output)
 {
     return output->electric == ELECTRIC_NONE &&
            (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
 }
 
-/* Nodes of the named outputs. node [nodes] is used as room. */
+/* List the nodes of the named outputs. node [nodes] work */
 static int build_places(design *design, int *node)
 {
     int entries = 0;
@@ -211,12 +217,13 @@ static int build_places(design *design, int *node)
     return design->place_node ? 0 : -1;
 }
 
-static int build_named(design *design, builder *rows, double *dense, int *node, char *error)
+static int build_named(design *design, row_builder *rows, double *dense, int *node, char *error)
 {
     design->named_first = calloc((size_t)design->scene->outputs + 1, sizeof *design->named_first);
     if (!design->named_first || build_places(design, node) < 0)
         return scene_fault(design->scene, design->scene->at_surface, error,
-                           "outputs do not fit into memory");
+                           "%d outputs do not fit into memory; name fewer nodes",
+                           design->scene->outputs);
     for (int k = 0; k < design->scene->outputs; k++) {
         const scene_output *output = &design->scene->output[k];
         const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
@@ -233,20 +240,23 @@ static int build_named(design *design, builder *rows, double *dense, int *node, 
 static void scatter(const mesh *mesh, int element, double factor, const double *f, double *dense)
 {
     for (int r = 0; r < 4; r++)
-        for (unsigned i = 0; i < mesh->unknowns; i++) {
-            const uint16_t dof = mesh->node_dof[mesh->element[element][r] * mesh->unknowns + i];
+        for (unsigned i = 0; i < mesh->dof_per_node; i++) {
+            const uint16_t dof = mesh->node_dof[mesh->element[element][r] * mesh->dof_per_node + i];
             if (dof != PZS_CONSTRAINED)
-                dense[dof] += factor * f[(unsigned)r * mesh->unknowns + i];
+                dense[dof] += factor * f[(unsigned)r * mesh->dof_per_node + i];
         }
 }
 
-/* h0 += factor times the resultants of a volt across ply, or of a kelvin when ply < 0 */
-static void add_given(const mesh *mesh, int element, int ply, double factor,
-                      double h0[LAMINATE_STRAINS])
+/*
+ * h0 += factor times the resultants of one volt across a ply, or of a temperature of 1 K where ply
+ * < 0
+ */
+static void add_unit_resultants(const mesh *mesh, int element, int ply, double factor,
+                                double h0[LAMINATE_STRAINS])
 {
     double one[LAMINATE_STRAINS];
-    laminate_given(&mesh->laminate, &mesh->scene->element,
-                   &mesh->place[mesh->element_kind[element]], ply, one);
+    laminate_unit_resultants(&mesh->laminate, &mesh->scene->element,
+                             &mesh->place[mesh->element_type[element]], ply, one);
     for (int i = 0; i < LAMINATE_STRAINS; i++)
         h0[i] += factor * one[i];
 }
@@ -273,59 +283,63 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
     int acts = actuator->is_temperature;
     memset(h0, 0, LAMINATE_STRAINS * sizeof *h0);
     if (actuator->is_temperature)
-        add_given(mesh, element, -1, 1, h0);
+        add_unit_resultants(mesh, element, -1, 1, h0);
     for (int k = 0; k < actuator->drives; k++) {
         const scene_patches *patches = &mesh->scene->patches[actuator->drive[k].patches];
         if (design_patch(mesh, element, patches) != cell)
             continue;
-        add_given(mesh, element, patches->layer, actuator->drive[k].factor, h0);
+        add_unit_resultants(mesh, element, patches->layer, actuator->drive[k].factor, h0);
         acts = 1;
     }
     return acts;
 }
 
-laminate_field design_kelvin(const scene_load *load)
+laminate_field design_temperatures(const scene_load *load)
 {
     const expr_point anywhere = {0, 0, 0, 0, 0};
     laminate_field field = {-1, {0, 0}};
-    field.kelvin[0] = expr_value(load->value, &anywhere);
-    field.kelvin[1] = load->outer ? expr_value(load->outer, &anywhere) : field.kelvin[0];
+    field.temperature[0] = expr_value(load->value, &anywhere);
+    field.temperature[1] = load->outer ? expr_value(load->outer, &anywhere) : field.temperature[0];
     return field;
 }
 
-void design_warming(const mesh *mesh, const scene_load *load, int element,
-                    double h0[LAMINATE_STRAINS])
+void design_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
+                                   double h0[LAMINATE_STRAINS])
 {
-    const laminate_field field = design_kelvin(load);
+    const laminate_field field = design_temperatures(load);
     laminate_resultants(&mesh->laminate, &mesh->scene->element,
-                        &mesh->place[mesh->element_kind[element]], &field, h0);
+                        &mesh->place[mesh->element_type[element]], &field, h0);
 }
 
-/* dense += force at rest of given resultants */
+/* dense += nodal forces of prescribed resultants in the reference state */
 static void add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
                            double *dense)
 {
     double f[SHELL_MAX];
-    pzs_shell_prescribed_force(&mesh->kind[mesh->element_kind[element]], mesh->unknowns, h0, f);
+    pzs_shell_prescribed_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, h0, f);
     scatter(mesh, element, 1, f, dense);
 }
 
-/* Columns of the amplifiers of an actuator or of a sensor's electrodes: their patches, tied with
- * their factors. */
-static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator, builder *columns,
-                              double *dense)
+/*
+ * Append the columns of an actuator's amplifiers or of a sensor's electrodes: all patches that one
+ * amplifier drives, with their factors.
+ */
+static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
+                              row_builder *columns, double *dense)
 {
     double h0[LAMINATE_STRAINS];
     for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++) {
-        memset(dense, 0, (size_t)mesh->dof * sizeof *dense);
+        memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
         for (int e = 0; e < mesh->elements; e++)
             if (design_actuation(mesh, actuator, cell, e, h0))
                 add_resultants(mesh, e, h0, dense);
-        append_row(columns, dense, mesh->dof);
+        append_row(columns, dense, mesh->free_dof);
     }
 }
 
-/* Force per unit of load at a node, components in its triad; pressure acts along e3. */
+/*
+ * Force per unit of a load at a node, in components of the node's triad; a pressure acts along e3.
+ */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double c[3])
 {
@@ -337,8 +351,10 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
         c[a] *= value * stretch;
 }
 
-/* Nodal force of components c on the chosen face (half on each where it is the middle): virtual
- * work of F.u. */
+/*
+ * Add the nodal forces of a force c on the chosen face (half on each face for the middle), by its
+ * virtual work.
+ */
 static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
                       const double c[3], double *dense)
 {
@@ -349,8 +365,8 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 
 /*
  * Components at node `to` of a load given at node `from`. A pressure keeps its components, because
- * vectors interpolated along a chord lose angle^2/6 of it; a load of fixed direction is carried as
- * a vector by the Cartesian element and by components in the published one.
+ * vectors interpolated along a chord lose angle^2/6 of their size. A load of fixed direction keeps
+ * its vector in the Cartesian element and its components in the published element.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to, const double c[3],
                   double out[3])
@@ -369,8 +385,8 @@ static void carry(const mesh *mesh, const scene_load *load, int from, int to, co
 double design_chords(const mesh *mesh, int element, int r, scene_face face, double flat[2][2],
                      double lean[2])
 {
-    const pzs_element_type *type = &mesh->kind[mesh->element_kind[element]];
-    const double half = pzs_face_height(face, type->thickness);
+    const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
+    const double half = face_height(face, type->thickness);
     for (int a = 0; a < 2; a++) {
         for (int i = 0; i < 2; i++)
             flat[a][i] = type->g_mean[r][a][i] + half * type->g_diff[r][a][i];
@@ -381,8 +397,10 @@ double design_chords(const mesh *mesh, int element, int r, scene_face face, doub
     return flat[0][0] * flat[1][1] - flat[0][1] * flat[1][0];
 }
 
-/* What a pressure on a corner of a chord pushes along the surface, on its middle. c [3] in the
- * pressure there. */
+/*
+ * Add the in-plane force on the middle surface that a pressure causes at a corner because the
+ * chords are inclined to the tangent plane. c [3] in: pressure at the corner
+ */
 static void add_lean(const mesh *mesh, const scene_load *load, int element, int r, double size,
                      const double c[3], double *dense)
 {
@@ -393,20 +411,33 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
     add_node(mesh, mesh->element[element][r], 1, weight, dense);
 }
 
-/* A distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r, s)
- * p_s. */
+/* Consistent weight of node s in the force on node r: of an edge (2 nodes) or an element (4). */
+static double consistent_weight(int count, int r, int s)
+{
+    const int is_opposite = count == 4 && (r ^ s) == 2;
+    int weight = count == 4 ? 4 : 2;
+    if (is_opposite)
+        weight /= 4;
+    else if (r != s)
+        weight /= 2;
+    return weight;
+}
+
+/*
+ * Add a distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r,
+ * s) p_s.
+ */
 static void add_distributed(const mesh *mesh, const scene_load *load, const int *node,
                             const double *value, int count, double size, double *dense)
 {
+    const int whole = count == 4 ? 36 : 6;
     for (int r = 0; r < count; r++)
         for (int s = 0; s < count; s++) {
-            const int apart = r == s ? 0 : count == 4 && (r ^ s) == 2 ? 2 : 1;
             double c[3], carried[3];
             load_vector(mesh, load, node[s], value[s], c);
             carry(mesh, load, node[s], node[r], c, carried);
-            add_force(mesh, load, node[r],
-                      size * (count == 4 ? 4 >> apart : 2 >> apart) / (count == 4 ? 36 : 6),
-                      carried, dense);
+            add_force(mesh, load, node[r], size * consistent_weight(count, r, s) / whole, carried,
+                      dense);
         }
 }
 
@@ -414,13 +445,13 @@ static void face_column(const mesh *mesh, const scene_load *load, const double *
                         double density, double *dense)
 {
     for (int e = 0; e < mesh->elements; e++) {
-        const laminate_place *place = &mesh->place[mesh->element_kind[e]];
+        const laminate_place *place = &mesh->place[mesh->element_type[e]];
         double weight = density;
         int node[4];
         double corner[4];
         for (int p = 0; load->type == LOAD_WEIGHT && p < mesh->laminate.plies; p++)
-            if (place->present >> p & 1u)
-                weight += mesh->laminate.ply[p].weight *
+            if (place->present_plies >> p & 1u)
+                weight += mesh->laminate.ply[p].density *
                           (mesh->laminate.ply[p].z[1] - mesh->laminate.ply[p].z[0]);
         for (int r = 0; r < 4; r++) {
             node[r] = mesh->element[e][r];
@@ -471,7 +502,7 @@ static void load_column(const mesh *mesh, const scene_load *load, const double *
     case LOAD_TEMPERATURE:
         for (int e = 0; e < mesh->elements; e++) {
             double h0[LAMINATE_STRAINS];
-            design_warming(mesh, load, e, h0);
+            design_temperature_resultants(mesh, load, e, h0);
             add_resultants(mesh, e, h0, dense);
         }
         break;
@@ -484,14 +515,15 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
         const expr_point at = mesh_place(mesh, n);
         value[n] = expr_value(load->value, &at);
         if (!isfinite(value[n]))
-            return scene_fault(mesh->scene, load->at, error,
-                               "load is not a finite number at theta1 = %g, theta2 = %g",
-                               mesh->theta[n][0], mesh->theta[n][1]);
+            return scene_fault(
+                mesh->scene, load->at, error,
+                "the load is not a finite number at theta1 = %g, theta2 = %g; correct its formula",
+                mesh->theta[n][0], mesh->theta[n][1]);
     }
     return 0;
 }
 
-/* Number of inputs that only the nonlinear path has. */
+/* Number of inputs that exist under nonlinear kinematics alone. */
 static int extras_of(const design *design)
 {
     const scene *scene = design->scene;
@@ -501,8 +533,8 @@ static int extras_of(const design *design)
     return scene->kinematics == KINEMATICS_LINEAR ? 0 : extras;
 }
 
-static int build_inputs(design *design, builder *columns, double *dense, int *node, double *value,
-                        char *error)
+static int build_inputs(design *design, row_builder *columns, double *dense, int *node,
+                        double *value, char *error)
 {
     const scene *scene = design->scene;
     const mesh *mesh = &design->mesh;
@@ -512,14 +544,14 @@ static int build_inputs(design *design, builder *columns, double *dense, int *no
     for (int k = 0; k < scene->loads; k++) {
         if (design_load_values(mesh, &scene->load[k], value, error) < 0)
             return -1;
-        memset(dense, 0, (size_t)mesh->dof * sizeof *dense);
+        memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
         load_column(mesh, &scene->load[k], value, node, dense);
-        append_row(columns, dense, mesh->dof);
+        append_row(columns, dense, mesh->free_dof);
     }
     design->loads = scene->loads;
-    memset(dense, 0, (size_t)mesh->dof * sizeof *dense);
+    memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
     for (int k = 0; k < extras_of(design); k++)
-        append_row(columns, dense, mesh->dof);
+        append_row(columns, dense, mesh->free_dof);
     design->sensor_first = (int)columns->rows;
     for (int k = 0; k < scene->sensors; k++)
         amplifier_columns(mesh, &scene->sensor[k], columns, dense);
@@ -528,7 +560,7 @@ static int build_inputs(design *design, builder *columns, double *dense, int *no
 
 /* ---- structure -------------------------------------------------------- */
 
-static void fill_structure(design *design, const builder *columns, const builder *rows)
+static void fill_structure(design *design, const row_builder *columns, const row_builder *rows)
 {
     const mesh *mesh = &design->mesh;
     pzs_structure *structure = &design->structure;
@@ -536,38 +568,46 @@ static void fill_structure(design *design, const builder *columns, const builder
     structure->scene = design->scene->hash;
     structure->nodes = (uint16_t)mesh->nodes;
     structure->elements = (uint16_t)mesh->elements;
-    structure->types = (uint16_t)mesh->kinds;
-    structure->dof_per_node = (uint16_t)mesh->unknowns;
-    structure->free_dof = (uint16_t)mesh->dof;
+    structure->types = (uint16_t)mesh->types;
+    structure->dof_per_node = (uint16_t)mesh->dof_per_node;
+    structure->free_dof = (uint16_t)mesh->free_dof;
     structure->element = (const uint16_t(*)[4])mesh->element;
-    structure->element_type = mesh->element_kind;
+    structure->element_type = mesh->element_type;
     structure->node_dof = mesh->node_dof;
-    structure->first_column = mesh->first;
+    structure->first_column = mesh->first_column;
     structure->stiffness = mesh->stiffness;
-    structure->type = mesh->kind;
+    structure->type = mesh->type;
     rows_of(columns, &structure->input);
     rows_of(rows, &structure->output);
     structure->crc = pzs_structure_crc(structure);
 }
 
-static int build_rows(design *design, char *error)
+/* All inputs and outputs. dense [free_dof], value [nodes], node [nodes] work */
+static int build_all(design *design, row_builder *columns, row_builder *rows, double *dense,
+                     double *value, int *node, char *error)
+{
+    if (build_inputs(design, columns, dense, node, value, error) < 0)
+        return -1;
+    if (build_targets(design, rows, dense, node, error) < 0)
+        return -1;
+    return build_named(design, rows, dense, node, error);
+}
+
+int design_structure(design *design, char *error)
 {
     const size_t nodes = (size_t)design->mesh.nodes;
-    builder columns = {0}, rows = {0};
-    double *dense = calloc((size_t)design->mesh.dof, sizeof *dense),
+    row_builder columns = {0}, rows = {0};
+    double *dense = calloc((size_t)design->mesh.free_dof, sizeof *dense),
            *value = calloc(nodes, sizeof *value);
     int *node = calloc(nodes, sizeof *node), status = -1;
     if (!dense || !value || !node)
         scene_fault(design->scene, design->scene->at_surface, error,
-                    "columns do not fit into memory");
+                    "the inputs of %d free dof do not fit into memory; use fewer elements",
+                    design->mesh.free_dof);
     else
-        status = build_inputs(design, &columns, dense, node, value, error) < 0 ||
-                         build_targets(design, &rows, dense, node, error) < 0 ||
-                         build_named(design, &rows, dense, node, error) < 0
-                     ? -1
-                     : 0;
+        status = build_all(design, &columns, &rows, dense, value, node, error);
     if (status == 0 &&
-        (columns.full || rows.full || columns.rows > UINT16_MAX || rows.rows > UINT16_MAX))
+        (columns.is_full || rows.is_full || columns.rows > UINT16_MAX || rows.rows > UINT16_MAX))
         status = scene_fault(design->scene, design->scene->at_surface, error,
                              "too many inputs or outputs (%zu, %zu); at most %u each", columns.rows,
                              rows.rows, (unsigned)UINT16_MAX);
@@ -576,17 +616,6 @@ static int build_rows(design *design, char *error)
     free(value);
     free(node);
     return status;
-}
-
-int design_build(design *design, const scene *scene, char *error)
-{
-    memset(design, 0, sizeof *design);
-    design->scene = scene;
-    if (mesh_build(&design->mesh, scene, error) == 0 && build_rows(design, error) == 0 &&
-        design_target_rows(design, error) == 0 && electrodes_build(design, error) == 0)
-        return 0;
-    design_free(design);
-    return -1;
 }
 
 /* ---- shapes ----------------------------------------------------------- */
@@ -614,7 +643,11 @@ void design_free(design *design)
     design_release(design->structure.output.start);
     design_release(design->structure.output.dof);
     design_release(design->structure.output.value);
-    electrodes_free(design);
+    design_release(design->electrodes.input);
+    design_release(design->electrodes.open);
+    design_release(design->electrodes.direct.start);
+    design_release(design->electrodes.direct.dof);
+    design_release(design->electrodes.direct.value);
     free(design->target_node);
     free(design->named_first);
     free(design->place_first);
@@ -628,8 +661,8 @@ void design_free(design *design)
     free(design->hessian);
     free(design->lower);
     free(design->upper);
-    free(design->slew);
-    free(design->prefer);
+    free(design->step_limit);
+    free(design->reference_voltage);
     mesh_free(&design->mesh);
     memset(design, 0, sizeof *design);
 }

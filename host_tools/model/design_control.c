@@ -6,7 +6,7 @@
 #include "../../lib/control/control.h"
 #include "../../lib/core/guard.h"
 
-/* B'W^2 B, and the effort in m2/V2. */
+/* Form B'W^2 B. Returns the regularisation in m2/V2. */
 static double build_hessian(design *design)
 {
     const size_t n = (size_t)design->amplifiers;
@@ -26,14 +26,16 @@ static double build_hessian(design *design)
 
 /* ---- limits ----------------------------------------------------------- */
 
-/* Limits of every amplifier under construction. */
+/* Limits of all amplifiers under construction. */
 typedef struct limits {
     const scene *scene;
     double *lower, *upper; /* [amplifiers] */
 } limits;
 
-/* Narrow the limits of one amplifier by the depolarisation field of a patch it drives: a field
- * against the poling. */
+/*
+ * Narrow the limits of one amplifier by the depolarisation field of a patch that it drives: the
+ * field against the poling.
+ */
 static void narrow_by_field(const limits *l, int k, const scene_drive *drive)
 {
     const scene_layer *layer = &l->scene->layer[l->scene->patches[drive->patches].layer];
@@ -67,10 +69,10 @@ static void set_all(const limits *l, double lower, double upper)
 }
 
 /*
- * The amplifiers' own limits in place of the common ones; the last item that names an amplifier
- * applies.
+ * Apply the amplifiers' own limits instead of the common ones; the last entry that names an
+ * amplifier counts.
  */
-static void take_own(const limits *l)
+static void apply_own_limits(const limits *l)
 {
     const scene_limits *from = &l->scene->limits;
     for (int i = 0; i < from->each_count; i++)
@@ -80,7 +82,7 @@ static void take_own(const limits *l)
         }
 }
 
-/* Common limits over the others; a held amplifier has one voltage, which they do not move. */
+/* Narrow the limits by common ones; the voltage of a held amplifier does not change. */
 static void narrow_by_common(const limits *l, double lower, double upper)
 {
     for (int k = 0; k < l->scene->amplifiers; k++)
@@ -90,8 +92,8 @@ static void narrow_by_common(const limits *l, double lower, double upper)
         }
 }
 
-/* Held amplifiers keep their voltage, the others have no limit. */
-static void open_others(const limits *l)
+/* Remove the limits of all amplifiers that are not held. */
+static void remove_limits(const limits *l)
 {
     for (int k = 0; k < l->scene->amplifiers; k++)
         if (l->lower[k] != l->upper[k]) {
@@ -100,7 +102,7 @@ static void open_others(const limits *l)
         }
 }
 
-/* Each amplifier must have a voltage left. */
+/* Check that every amplifier has a voltage between its limits. */
 static int check_limits(const limits *l, const char *which, char *error)
 {
     for (int k = 0; k < l->scene->amplifiers; k++)
@@ -117,17 +119,17 @@ static int check_limits(const limits *l, const char *which, char *error)
 }
 
 /*
- * The limits of the scene: of its amplifiers where they have their own, else common, within the
+ * Limits of the scene: those of an amplifier itself, else the common ones, narrowed by the
  * depolarisation fields.
  */
 static int build_limits(const design *design, char *error)
 {
     const limits l = {design->scene, design->lower, design->upper};
     set_all(&l, design->scene->limits.lower, design->scene->limits.upper);
-    take_own(&l);
+    apply_own_limits(&l);
     narrow_by_fields(&l);
     for (int k = 0; k < design->amplifiers; k++)
-        design->slew[k] = design->scene->limits.slew;
+        design->step_limit[k] = design->scene->limits.slew;
     return check_limits(&l, "", error);
 }
 
@@ -139,11 +141,11 @@ int design_limits(const design *design, common_limits common, double *lower, dou
     memcpy(lower, design->lower, bytes);
     memcpy(upper, design->upper, bytes);
     if (common.source == LIMITS_NONE)
-        open_others(&l);
+        remove_limits(&l);
     if (common.source != LIMITS_GIVEN)
         return 0;
     set_all(&l, -HUGE_VAL, HUGE_VAL);
-    take_own(&l);
+    apply_own_limits(&l);
     narrow_by_fields(&l);
     narrow_by_common(&l, common.lower, common.upper);
     return check_limits(&l, "the limits asked for, ", error);
@@ -164,10 +166,10 @@ static int allocate_control(design *design)
     design->hessian = calloc(n * n, sizeof *design->hessian);
     design->lower = calloc(n, sizeof *design->lower);
     design->upper = calloc(n, sizeof *design->upper);
-    design->slew = calloc(n, sizeof *design->slew);
-    design->prefer = calloc(n, sizeof *design->prefer);
+    design->step_limit = calloc(n, sizeof *design->step_limit);
+    design->reference_voltage = calloc(n, sizeof *design->reference_voltage);
     return design->wanted && design->influence && design->hessian && design->lower &&
-           design->upper && design->slew && design->prefer;
+           design->upper && design->step_limit && design->reference_voltage;
 }
 
 int design_control(design *design, const double *influence, char *error)
@@ -209,8 +211,8 @@ int design_control(design *design, const double *influence, char *error)
     problem->weight = design->weight;
     problem->lower = design->lower;
     problem->upper = design->upper;
-    problem->step_limit = design->slew;
-    problem->reference_voltage = design->prefer;
+    problem->step_limit = design->step_limit;
+    problem->reference_voltage = design->reference_voltage;
     problem->crc = pzs_problem_crc(problem);
     return 0;
 }

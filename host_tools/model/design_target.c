@@ -1,11 +1,7 @@
 /*
- * Rows of the target: those that cannot move, and the functions that are free (design.h).
- *
- * With W the weights and F the free functions at the target's nodes, the projector
- *
- *   P = I - F (F'W^2 F)^-1 F'W^2
- *
- * takes from a vector what a weighted least-squares fit of F finds in it. The columns of F are made
+ * Rows of the target on constrained dof, and the free functions of the target (design.h). With W
+ * the weights and F the free functions at the target nodes, the projector P = I - F (F'W^2 F)^-1
+ * F'W^2 removes from a vector its weighted least-squares fit by F. The columns of F are made
  * W-orthonormal here, so that F'W^2 F = I.
  */
 #include "design.h"
@@ -14,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- rows that cannot move -------------------------------------------- */
+/* ---- rows on constrained dof ------------------------------------------- */
 
 static bool is_prescribed(const mesh *mesh, uint16_t dof)
 {
@@ -24,7 +20,7 @@ static bool is_prescribed(const mesh *mesh, uint16_t dof)
     return false;
 }
 
-/* Is the displacement of a target row made of constrained dof alone? */
+/* Whether the displacement of a target row depends on constrained dof alone. */
 static bool is_constrained(const design *design, int row)
 {
     const pzs_rows *rows = &design->structure.output;
@@ -34,8 +30,8 @@ static bool is_constrained(const design *design, int row)
     return true;
 }
 
-/* Rows that cannot move have no weight; what it would be is kept aside. */
-static void part_rows(design *design)
+/* Set the weights of rows on constrained dof to 0 and keep their former weights in fixed_weight. */
+static void separate_fixed_rows(design *design)
 {
     for (int i = 0; i < design->targets; i++)
         if (is_constrained(design, i)) {
@@ -52,19 +48,19 @@ static double difference(const double *x, const double *y, int i)
     return y ? x[i] - y[i] : x[i];
 }
 
-/* What is left of x - y in row i without `count` free functions times c. */
-static double left_of(const design *design, const double *x, const double *y, const double *c,
-                      int count, int i)
+/* Entry i of x - y without the first `count` free functions times c. */
+static double residual_entry(const design *design, const double *x, const double *y,
+                             const double *c, int count, int i)
 {
-    double left = difference(x, y, i);
+    double residual = difference(x, y, i);
     for (int j = 0; j < count; j++)
-        left -= c[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
-    return left;
+        residual -= c[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
+    return residual;
 }
 
 /*
- * c [count] out: weighted least-squares fit of the first free functions to x - y, in two iterations
- * against rounding.
+ * Weighted least-squares fit of the first free functions to x - y; a second iteration corrects
+ * rounding errors. c [count] out
  */
 static void fit(const design *design, const double *x, const double *y, int count, double *c)
 {
@@ -73,11 +69,11 @@ static void fit(const design *design, const double *x, const double *y, int coun
     for (int again = 0; again < 2; again++) {
         memset(more, 0, sizeof more);
         for (int i = 0; i < design->targets; i++) {
-            const double left =
-                design->weight[i] * design->weight[i] * left_of(design, x, y, c, count, i);
+            const double residual =
+                design->weight[i] * design->weight[i] * residual_entry(design, x, y, c, count, i);
             for (int j = 0; j < count; j++)
                 more[j] +=
-                    left * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
+                    residual * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
         }
         for (int j = 0; j < count; j++)
             c[j] += more[j];
@@ -93,37 +89,40 @@ static double weighted_squares(const design *design, const double *x)
     return sum;
 }
 
-/* Rounding-error bound of the weighted size of what a fit leaves, relative to the vector. */
+/* Rounding-error bound of the weighted size of a fit's residual, relative to the vector. */
 static double rounding(const design *design)
 {
     return 8 * DBL_EPSILON * sqrt((double)design->targets);
 }
 
 /*
- * x := x less its fit by the first `count` functions; rows with weight are zero where rounding
- * alone is left.
+ * x := x less its fit by the first `count` functions. Weighted rows are set to 0 where only
+ * rounding errors remain.
  */
-static void take_out(const design *design, int count, double *x)
+static void remove_fit(const design *design, int count, double *x)
 {
     double c[DESIGN_FREE];
     const double before = weighted_squares(design, x);
     fit(design, x, NULL, count, c);
     for (int i = 0; i < design->targets; i++)
-        x[i] = left_of(design, x, NULL, c, count, i);
+        x[i] = residual_entry(design, x, NULL, c, count, i);
     if (weighted_squares(design, x) > pow(rounding(design), 2) * before)
         return;
     for (int i = 0; i < design->targets; i++)
         x[i] = design->weight[i] > 0 ? 0 : x[i];
 }
 
-/* Function j at the target's nodes, orthogonal to those before it and of weighted size 1. */
+/*
+ * Evaluate function j at the target nodes, orthogonalise it to those before it and scale it to
+ * weighted size 1.
+ */
 static int add_free(design *design, int j, char *error)
 {
     const scene_mode *from = &design->scene->target.free[j];
     double *value = design->free_value + (size_t)j * (size_t)design->targets;
     if (design_target_values(design, from->value, from->at, value, error) < 0)
         return -1;
-    take_out(design, j, value);
+    remove_fit(design, j, value);
     const double size = sqrt(weighted_squares(design, value));
     if (!(size > 0))
         return scene_fault(design->scene, from->at, error,
@@ -139,7 +138,7 @@ static int add_free(design *design, int j, char *error)
 void design_take_free(const design *design, double *x)
 {
     if (design->free_functions > 0)
-        take_out(design, design->free_functions, x);
+        remove_fit(design, design->free_functions, x);
 }
 
 double design_misfit(const design *design, const double *x, const double *y, double *misfit)
@@ -147,7 +146,7 @@ double design_misfit(const design *design, const double *x, const double *y, dou
     double c[DESIGN_FREE], sum = 0;
     fit(design, x, y, design->free_functions, c);
     for (int i = 0; i < design->targets; i++) {
-        misfit[i] = left_of(design, x, y, c, design->free_functions, i);
+        misfit[i] = residual_entry(design, x, y, c, design->free_functions, i);
         sum += pow(design->fixed_weight[i] * misfit[i], 2);
     }
     return sum;
@@ -158,7 +157,8 @@ double design_squares(const design *design, const double *x, const double *y)
     double c[DESIGN_FREE], sum = 0;
     fit(design, x, y, design->free_functions, c);
     for (int i = 0; i < design->targets; i++)
-        sum += pow(design->weight[i] * left_of(design, x, y, c, design->free_functions, i), 2);
+        sum +=
+            pow(design->weight[i] * residual_entry(design, x, y, c, design->free_functions, i), 2);
     return sum;
 }
 
@@ -188,7 +188,7 @@ int design_target_rows(design *design, char *error)
     if (!design->fixed_weight || !design->free_value)
         return scene_fault(design->scene, target->what.at, error,
                            "%d target nodes do not fit into memory", design->targets);
-    part_rows(design);
+    separate_fixed_rows(design);
     for (int j = 0; j < target->frees && design->fixed_rows < design->targets; j++)
         if (add_free(design, j, error) < 0)
             return -1;

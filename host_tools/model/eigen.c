@@ -3,7 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Turn rows and columns p, q of the symmetric a [n][n] so that a_pq vanishes; v's columns along. */
+/*
+ * Rotate rows and columns p, q of the symmetric matrix a [n][n] so that a_pq becomes 0; apply the
+ * rotation to the columns of v.
+ */
 static void rotate(double *a, double *v, size_t n, size_t p, size_t q)
 {
     const double theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
@@ -35,7 +38,7 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
                     rotate(a, v, n, p, q);
 }
 
-/* Divide by the Frobenius norm. Returns the norm. */
+/* Divide a matrix by its Frobenius norm. Returns the norm. */
 static double normalise(double *a, size_t n)
 {
     double sum = 0;
@@ -47,7 +50,7 @@ static double normalise(double *a, size_t n)
     return norm;
 }
 
-/* out = a a */
+/* out = a a, all [n][n] */
 static void square(const double *a, double *out, size_t n)
 {
     memset(out, 0, n * n * sizeof *out);

@@ -6,9 +6,9 @@
 
 /*
  * Eigenvalues and eigenvectors of a symmetric matrix by Jacobi's method with cyclic sweeps.
- *   a          [n][n] in/out  the matrix; its eigenvalues on the diagonal, not sorted
- *   v          [n][n] out     eigenvectors as columns
- *   negligible in             an entry of at most this size is taken for 0
+ *   a [n][n]   in/out  the matrix; out: eigenvalues on the diagonal, not sorted
+ *   v [n][n]   out     eigenvectors as columns
+ *   negligible in      entries of at most this size count as 0
  */
 void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligible);
 
@@ -16,8 +16,8 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
  * Spectral radius of any square matrix by repeated squaring: |A^k|^(1/k) with k = 2^squarings
  * (Gelfand's formula). The result exceeds the radius by a factor of at most about (condition of the
  * eigenvectors)^(1/k).
- *   a    [n][n] in/out  destroyed
- *   work [n][n]
+ *   a [n][n]     in/out  overwritten
+ *   work [n][n]  work
  */
 double eigen_radius(double *a, double *work, size_t n, int squarings);
 

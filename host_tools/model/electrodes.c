@@ -3,14 +3,16 @@
 #include <stdlib.h>
 #include "../../lib/model/electrode.h"
 
-/* A volt of an input across a ply, in one element. */
+/* Action of an input in one element: a voltage across a ply, times a factor. */
 typedef struct across {
     int input, ply;
     double factor;
 } across;
 
-/* Those of one actuator or sensor whose first input is `first`; the plies of different drives may
- * be the same. */
+/*
+ * Append the actions of one actuator or sensor in an element. `first` is its first input; different
+ * drives may name the same ply.
+ */
 static int append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
                          across *list)
 {
@@ -25,7 +27,7 @@ static int append_across(const mesh *mesh, const scene_actuator *actuator, int f
     return count;
 }
 
-/* All in one element. list [patch grids] out */
+/* All actions in one element. list [patch grids] out. Returns their number. */
 static int all_across(const design *design, int element, across *list)
 {
     const scene *scene = design->scene;
@@ -40,13 +42,15 @@ static int all_across(const design *design, int element, across *list)
     return count;
 }
 
-/* Charge per unit of every input on the electrodes of one element, held. dense [electrodes][inputs]
- * in/out */
+/*
+ * Add the charge per unit of every input on the electrodes of one element, strains zero. dense
+ * [electrodes][inputs] in/out
+ */
 static void add_element(const design *design, int element, across *list, double *dense)
 {
     const mesh *mesh = &design->mesh;
     const scene *scene = design->scene;
-    const laminate_place *place = &mesh->place[mesh->element_kind[element]];
+    const laminate_place *place = &mesh->place[mesh->element_type[element]];
     const int count = all_across(design, element, list);
     for (int i = 0; i < count; i++) {
         const across *own = &list[i];
@@ -67,7 +71,7 @@ static void add_element(const design *design, int element, across *list, double 
         }
         for (int k = 0; k < scene->loads; k++)
             if (scene->load[k].type == LOAD_TEMPERATURE) {
-                const laminate_field kelvin = design_kelvin(&scene->load[k]);
+                const laminate_field kelvin = design_temperatures(&scene->load[k]);
                 row[design->amplifiers + k] +=
                     own->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);
@@ -75,7 +79,10 @@ static void add_element(const design *design, int element, across *list, double 
     }
 }
 
-/* Inputs that are volts: amplifiers but those of a temperature, then the sensors' electrodes. */
+/*
+ * List the inputs that are voltages: amplifiers except those of a temperature, then the electrodes
+ * of sensors.
+ */
 static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open)
 {
     const scene *scene = design->scene;
@@ -147,15 +154,6 @@ int electrodes_build(design *design, char *error)
                            "electrodes do not fit into memory");
     tables->crc = pzs_electrode_crc(tables, (uint32_t)inputs);
     return 0;
-}
-
-void electrodes_free(design *design)
-{
-    design_release(design->electrodes.input);
-    design_release(design->electrodes.open);
-    design_release(design->electrodes.direct.start);
-    design_release(design->electrodes.direct.dof);
-    design_release(design->electrodes.direct.value);
 }
 
 int electrodes_of(const design *design, int input)

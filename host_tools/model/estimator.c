@@ -10,209 +10,253 @@
 
 enum { SWEEPS = 30, POWER = 300 };
 
-/* Everything that is needed on the way. */
-typedef struct bench {
-    const analysis *a;
-    size_t m, n, loads, p, k; /* targets, amplifiers, loads, disturbances, sensors */
-    double *sigma;            /* [p] of loads, then amplifiers */
-    double *seen;             /* [k][inputs] per unit of every input */
-    double *noise;            /* [k] */
-    double *shape;            /* W A [m][p] */
-    double *clear;            /* N^-1 C [k][p] */
-    double *square;           /* [k][k] N^-1 C C' N^-1, then its eigenvalues on the diagonal */
-    double *turn;             /* [k][k] its eigenvectors, as columns */
-    double *left, *side, *way, *turned; /* [p], [k], [m], [k] work */
-} bench;
+/* Intermediate results of the gains. */
+typedef struct estimation {
+    const analysis *analysis;
+    size_t targets, amplifiers, loads, disturbances, sensors; /* numbers of targets, amplifiers,
+                                                                 loads, disturbances, sensors */
+    double *sigma;          /* [disturbances] standard deviations of loads, then of amplifiers */
+    double *sensitivity;    /* [sensors][inputs] reading per unit of every input */
+    double *noise;          /* [sensors] standard deviation */
+    double *shape;          /* [targets][disturbances] W A */
+    double *scaled_reading; /* [sensors][disturbances] N^-1 C */
+    double *square; /* [sensors][sensors] N^-1 C C' N^-1, later its eigenvalues on the diagonal */
+    double *eigenvector; /* [sensors][sensors] eigenvectors of that matrix as columns */
+    double *target_part, *side, *direction, *rotated; /* work arrays [disturbances], [sensors],
+                                                  [targets], [sensors] */
+} estimation;
 
-static int take(bench *b)
+static int take(estimation *estimation)
 {
-    const size_t inputs = b->a->design.structure.input.count;
-    b->sigma = calloc(b->p + 1, sizeof *b->sigma);
-    b->seen = calloc(b->k * inputs + 1, sizeof *b->seen);
-    b->noise = calloc(b->k + 1, sizeof *b->noise);
-    b->shape = calloc(b->m * b->p + 1, sizeof *b->shape);
-    b->clear = calloc(b->k * b->p + 1, sizeof *b->clear);
-    b->square = calloc(b->k * b->k + 1, sizeof *b->square);
-    b->turn = calloc(b->k * b->k + 1, sizeof *b->turn);
-    b->left = calloc(b->p + 1, sizeof *b->left);
-    b->side = calloc(b->k + 1, sizeof *b->side);
-    b->way = calloc(b->m + 1, sizeof *b->way);
-    b->turned = calloc(b->k + 1, sizeof *b->turned);
-    return b->sigma && b->seen && b->noise && b->shape && b->clear && b->square && b->turn &&
-           b->left && b->side && b->way && b->turned;
+    const size_t inputs = estimation->analysis->design.structure.input.count;
+    estimation->sigma = calloc(estimation->disturbances + 1, sizeof *estimation->sigma);
+    estimation->sensitivity =
+        calloc(estimation->sensors * inputs + 1, sizeof *estimation->sensitivity);
+    estimation->noise = calloc(estimation->sensors + 1, sizeof *estimation->noise);
+    estimation->shape =
+        calloc(estimation->targets * estimation->disturbances + 1, sizeof *estimation->shape);
+    estimation->scaled_reading = calloc(estimation->sensors * estimation->disturbances + 1,
+                                        sizeof *estimation->scaled_reading);
+    estimation->square =
+        calloc(estimation->sensors * estimation->sensors + 1, sizeof *estimation->square);
+    estimation->eigenvector =
+        calloc(estimation->sensors * estimation->sensors + 1, sizeof *estimation->eigenvector);
+    estimation->target_part = calloc(estimation->disturbances + 1, sizeof *estimation->target_part);
+    estimation->side = calloc(estimation->sensors + 1, sizeof *estimation->side);
+    estimation->direction = calloc(estimation->targets + 1, sizeof *estimation->direction);
+    estimation->rotated = calloc(estimation->sensors + 1, sizeof *estimation->rotated);
+    return estimation->sigma && estimation->sensitivity && estimation->noise && estimation->shape &&
+           estimation->scaled_reading && estimation->square && estimation->eigenvector &&
+           estimation->target_part && estimation->side && estimation->direction &&
+           estimation->rotated;
 }
 
-static void give_back(bench *b)
+static void give_back(estimation *estimation)
 {
-    double *const all[] = {b->sigma, b->seen, b->noise, b->shape, b->clear, b->square,
-                           b->turn,  b->left, b->side,  b->way,   b->turned};
+    double *const all[] = {estimation->sigma,       estimation->sensitivity,    estimation->noise,
+                           estimation->shape,       estimation->scaled_reading, estimation->square,
+                           estimation->eigenvector, estimation->target_part,    estimation->side,
+                           estimation->direction,   estimation->rotated};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
 }
 
-/* ---- what disturbs, what is seen ------------------------------------- */
+/* ---- disturbances and readings ---------------------------------------- */
 
-/* Input of a disturbance: loads stand behind the amplifiers. */
-static size_t input_of(const bench *b, size_t disturbance)
+/* Input of a disturbance: the loads are inputs after the amplifiers. */
+static size_t input_of(const estimation *estimation, size_t disturbance)
 {
-    return disturbance < b->loads ? b->n + disturbance : disturbance - b->loads;
+    return disturbance < estimation->loads ? estimation->amplifiers + disturbance
+                                           : disturbance - estimation->loads;
 }
 
-static void find_sizes(bench *b)
+/* Standard deviation of the voltage of an amplifier where the scene gives none: a tenth of half the
+ * range between its limits, or 1 V without limits. */
+static double default_deviation(const design *design, size_t amplifier)
 {
-    const design *design = &b->a->design;
-    const scene_estimate *say = &design->scene->estimate;
-    for (size_t i = 0; i < b->p; i++) {
-        const double half =
-            i < b->loads ? 0 : (design->upper[i - b->loads] - design->lower[i - b->loads]) / 2;
-        b->sigma[i] = i < b->loads      ? say->loads
-                      : say->volts >= 0 ? say->volts
-                      : isfinite(half)  ? half / 10
-                                        : 1;
-    }
+    const double half = (design->upper[amplifier] - design->lower[amplifier]) / 2;
+    return isfinite(half) ? half / 10 : 1;
 }
 
-/* Readings per unit of one input: displacements from the influence, volts and charges with open
- * electrodes free. */
-static int see_input(bench *b, size_t input, double *amount, double *charge)
+static void find_sizes(estimation *estimation)
 {
-    const analysis *analysis = b->a;
+    const design *design = &estimation->analysis->design;
+    const scene_estimate *settings = &design->scene->estimate;
+    const size_t loads = estimation->loads;
+    for (size_t i = 0; i < loads; i++)
+        estimation->sigma[i] = settings->loads;
+    for (size_t i = loads; i < estimation->disturbances; i++)
+        estimation->sigma[i] =
+            settings->volts >= 0 ? settings->volts : default_deviation(design, i - loads);
+}
+
+/* Voltage or charge of the i-th electrode of an output. */
+static double electric_reading(const design *design, const scene_output *output, int i,
+                               const double *value, const double *charge)
+{
+    const int input = electrodes_input(design, output, i);
+    if (output->electric == ELECTRIC_VOLTAGE)
+        return value[input];
+    return charge[electrodes_of(design, input)];
+}
+
+/*
+ * Readings per unit of one input: displacements from the influence matrix, voltages and charges
+ * with the open electrodes' voltages computed.
+ */
+static int fill_sensitivity(estimation *estimation, size_t input, double *value, double *charge)
+{
+    const analysis *analysis = estimation->analysis;
     const design *design = &analysis->design;
     const size_t inputs = design->structure.input.count;
     size_t row = 0;
-    memset(amount, 0, inputs * sizeof *amount);
-    amount[input] = 1;
+    memset(value, 0, inputs * sizeof *value);
+    value[input] = 1;
     if (analysis->electric.state.model &&
-        (pzs_open_voltages(&analysis->electric, amount) != PZS_OK ||
-         pzs_charges(&analysis->electric, amount, charge) != PZS_OK))
+        (pzs_open_voltages(&analysis->electric, value) != PZS_OK ||
+         pzs_charges(&analysis->electric, value, charge) != PZS_OK))
         return -1;
     for (int r = 0; r < design->scene->estimate.readings; r++) {
         const int k = design->scene->estimate.reading[r].output;
         const scene_output *output = &design->scene->output[k];
         for (int i = 0; i < analysis_outputs(analysis, k); i++, row++) {
-            const int of =
-                output->electric != ELECTRIC_NONE ? electrodes_input(design, output, i) : -1;
-            b->seen[row * inputs + input] =
-                output->electric == ELECTRIC_NONE
-                    ? analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input]
-                : output->electric == ELECTRIC_VOLTAGE ? amount[of]
-                                                       : charge[electrodes_of(design, of)];
-            b->noise[row] = design->scene->estimate.reading[r].noise;
+            double *reading = &estimation->sensitivity[row * inputs + input];
+            if (output->electric == ELECTRIC_NONE)
+                *reading =
+                    analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input];
+            else
+                *reading = electric_reading(design, output, i, value, charge);
+            estimation->noise[row] = design->scene->estimate.reading[r].noise;
         }
     }
     return 0;
 }
 
-static int see(bench *b)
+static int fill_sensitivities(estimation *estimation)
 {
-    const size_t inputs = b->a->design.structure.input.count;
-    double *amount = calloc(inputs, sizeof *amount),
-           *charge = calloc(b->a->design.electrodes.count + 1u, sizeof *charge);
-    int failed = !amount || !charge;
-    for (size_t i = 0; !failed && i < b->n + b->loads; i++)
-        failed = see_input(b, i, amount, charge);
-    free(amount);
+    const size_t inputs = estimation->analysis->design.structure.input.count;
+    double *value = calloc(inputs, sizeof *value),
+           *charge = calloc(estimation->analysis->design.electrodes.count + 1u, sizeof *charge);
+    int failed = !value || !charge;
+    for (size_t i = 0; !failed && i < estimation->amplifiers + estimation->loads; i++)
+        failed = fill_sensitivity(estimation, i, value, charge);
+    free(value);
     free(charge);
     return failed ? -1 : 0;
 }
 
-/* W A, N^-1 C and its square. */
-static void form(bench *b)
+/* Form W A, N^-1 C and N^-1 C C' N^-1. */
+static void form(estimation *estimation)
 {
-    const design *design = &b->a->design;
+    const design *design = &estimation->analysis->design;
     const size_t inputs = design->structure.input.count;
-    for (size_t j = 0; j < b->p; j++) {
-        for (size_t i = 0; i < b->m; i++)
-            b->shape[i * b->p + j] =
-                design->weight[i] * b->a->influence[i * inputs + input_of(b, j)] * b->sigma[j];
-        for (size_t i = 0; i < b->k; i++)
-            b->clear[i * b->p + j] =
-                b->seen[i * inputs + input_of(b, j)] * b->sigma[j] / b->noise[i];
+    for (size_t j = 0; j < estimation->disturbances; j++) {
+        for (size_t i = 0; i < estimation->targets; i++)
+            estimation->shape[i * estimation->disturbances + j] =
+                design->weight[i] *
+                estimation->analysis->influence[i * inputs + input_of(estimation, j)] *
+                estimation->sigma[j];
+        for (size_t i = 0; i < estimation->sensors; i++)
+            estimation->scaled_reading[i * estimation->disturbances + j] =
+                estimation->sensitivity[i * inputs + input_of(estimation, j)] *
+                estimation->sigma[j] / estimation->noise[i];
     }
-    for (size_t i = 0; i < b->k; i++)
-        for (size_t l = 0; l < b->k; l++)
-            for (size_t j = 0; j < b->p; j++)
-                b->square[i * b->k + l] += b->clear[i * b->p + j] * b->clear[l * b->p + j];
+    for (size_t i = 0; i < estimation->sensors; i++)
+        for (size_t l = 0; l < estimation->sensors; l++)
+            for (size_t j = 0; j < estimation->disturbances; j++)
+                estimation->square[i * estimation->sensors + l] +=
+                    estimation->scaled_reading[i * estimation->disturbances + j] *
+                    estimation->scaled_reading[l * estimation->disturbances + j];
 }
 
 /* ---- eigenvalues ------------------------------------------------------ */
 
-/* square becomes diagonal, turn its eigenvectors. */
-static void diagonalise(bench *b)
+/* Diagonalise `square`; its eigenvectors go to `eigenvector`. */
+static void diagonalise(estimation *estimation)
 {
-    eigen_symmetric(b->square, b->turn, b->k, SWEEPS, 0);
+    eigen_symmetric(estimation->square, estimation->eigenvector, estimation->sensors, SWEEPS, 0);
 }
 
-static double eigenvalue(const bench *b, size_t i)
+static double eigenvalue(const estimation *estimation, size_t i)
 {
-    return fmax(b->square[i * b->k + i], 0);
+    return fmax(estimation->square[i * estimation->sensors + i], 0);
 }
 
-/* side = (1 + square)^-1 side. */
-static void filter(bench *b)
+/* side := (1 + square)^-1 side */
+static void apply_filter(estimation *estimation)
 {
-    const size_t n = b->k;
+    const size_t n = estimation->sensors;
     for (size_t e = 0; e < n; e++) {
-        b->turned[e] = 0;
+        estimation->rotated[e] = 0;
         for (size_t i = 0; i < n; i++)
-            b->turned[e] += b->turn[i * n + e] * b->side[i];
-        b->turned[e] /= 1 + eigenvalue(b, e);
+            estimation->rotated[e] += estimation->eigenvector[i * n + e] * estimation->side[i];
+        estimation->rotated[e] /= 1 + eigenvalue(estimation, e);
     }
     for (size_t i = 0; i < n; i++) {
-        b->side[i] = 0;
+        estimation->side[i] = 0;
         for (size_t e = 0; e < n; e++)
-            b->side[i] += b->turn[i * n + e] * b->turned[e];
+            estimation->side[i] += estimation->eigenvector[i * n + e] * estimation->rotated[e];
     }
 }
 
 /* ---- gains ------------------------------------------------------------ */
 
-/* Row i of G: that of A, C' and the filter; row [m] of A without its weight. */
-static void make_gains(bench *b, estimator *estimator)
+/* Row i of the gain matrix G. row [disturbances] in: row of A without its weight */
+static void make_gains(estimation *estimation, estimator *estimator)
 {
-    const size_t inputs = b->a->design.structure.input.count;
-    for (size_t i = 0; i < b->m; i++) {
-        for (size_t k = 0; k < b->k; k++) {
-            b->side[k] = 0;
-            for (size_t j = 0; j < b->p; j++)
-                b->side[k] += b->a->influence[i * inputs + input_of(b, j)] * b->sigma[j] *
-                              b->clear[k * b->p + j];
+    const size_t inputs = estimation->analysis->design.structure.input.count;
+    for (size_t i = 0; i < estimation->targets; i++) {
+        for (size_t k = 0; k < estimation->sensors; k++) {
+            estimation->side[k] = 0;
+            for (size_t j = 0; j < estimation->disturbances; j++)
+                estimation->side[k] +=
+                    estimation->analysis->influence[i * inputs + input_of(estimation, j)] *
+                    estimation->sigma[j] *
+                    estimation->scaled_reading[k * estimation->disturbances + j];
         }
-        filter(b);
-        for (size_t k = 0; k < b->k; k++)
-            estimator->gain[i * b->k + k] = b->side[k] / b->noise[k];
+        apply_filter(estimation);
+        for (size_t k = 0; k < estimation->sensors; k++)
+            estimator->gain[i * estimation->sensors + k] =
+                estimation->side[k] / estimation->noise[k];
     }
-    for (size_t k = 0; k < b->k; k++) {
-        memcpy(estimator->direct + k * b->n, b->seen + k * inputs,
-               b->n * sizeof *estimator->direct);
-        memcpy(estimator->shown + k * b->loads, b->seen + k * inputs + b->n,
-               b->loads * sizeof *estimator->shown);
+    for (size_t k = 0; k < estimation->sensors; k++) {
+        memcpy(estimator->direct + k * estimation->amplifiers, estimation->sensitivity + k * inputs,
+               estimation->amplifiers * sizeof *estimator->direct);
+        memcpy(estimator->reading_per_load + k * estimation->loads,
+               estimation->sensitivity + k * inputs + estimation->amplifiers,
+               estimation->loads * sizeof *estimator->reading_per_load);
     }
 }
 
-/* left [p] = what the sensors do not take from a disturbance: (1 + C'N^-2 C)^-1 left. */
-static void miss(bench *b, double *left)
+/*
+ * Part of a disturbance that the sensors do not determine: part := (1 + C'N^-2 C)^-1 part. part
+ * [disturbances]
+ */
+static void remove_observed_part(estimation *estimation, double *left)
 {
-    for (size_t k = 0; k < b->k; k++) {
-        b->side[k] = 0;
-        for (size_t j = 0; j < b->p; j++)
-            b->side[k] += b->clear[k * b->p + j] * left[j];
+    for (size_t k = 0; k < estimation->sensors; k++) {
+        estimation->side[k] = 0;
+        for (size_t j = 0; j < estimation->disturbances; j++)
+            estimation->side[k] +=
+                estimation->scaled_reading[k * estimation->disturbances + j] * left[j];
     }
-    filter(b);
-    for (size_t j = 0; j < b->p; j++)
-        for (size_t k = 0; k < b->k; k++)
-            left[j] -= b->clear[k * b->p + j] * b->side[k];
+    apply_filter(estimation);
+    for (size_t j = 0; j < estimation->disturbances; j++)
+        for (size_t k = 0; k < estimation->sensors; k++)
+            left[j] -=
+                estimation->scaled_reading[k * estimation->disturbances + j] * estimation->side[k];
 }
 
-/* left = A'W way. Returns its length. */
-static double pull_back(bench *b, const double *way)
+/* target_part := A'W direction. Returns its length. */
+static double project_to_disturbances(estimation *estimation, const double *direction)
 {
     double sum = 0;
-    for (size_t j = 0; j < b->p; j++) {
-        b->left[j] = 0;
-        for (size_t i = 0; i < b->m; i++)
-            b->left[j] += b->shape[i * b->p + j] * way[i];
-        sum += b->left[j] * b->left[j];
+    for (size_t j = 0; j < estimation->disturbances; j++) {
+        estimation->target_part[j] = 0;
+        for (size_t i = 0; i < estimation->targets; i++)
+            estimation->target_part[j] +=
+                estimation->shape[i * estimation->disturbances + j] * direction[i];
+        sum += estimation->target_part[j] * estimation->target_part[j];
     }
     return sqrt(sum);
 }
@@ -225,58 +269,62 @@ static double length(const double *x, size_t n)
     return sqrt(sum);
 }
 
-/* What the disturbances do, and what is missed of it, in the mean: the traces of A A' and of what
- * is left. */
-static void measure(bench *b, estimator *estimator)
+/*
+ * Expected size of the disturbances and of what the estimate leaves of them: the traces of A A' and
+ * of A (1 + C'N^-2 C)^-1 A'.
+ */
+static void measure_errors(estimation *estimation, estimator *estimator)
 {
     double all = 0, left = 0;
-    for (size_t i = 0; i < b->m; i++) {
-        const double *row = b->shape + i * b->p;
-        memcpy(b->left, row, b->p * sizeof *row);
-        miss(b, b->left);
-        for (size_t j = 0; j < b->p; j++) {
+    for (size_t i = 0; i < estimation->targets; i++) {
+        const double *row = estimation->shape + i * estimation->disturbances;
+        memcpy(estimation->target_part, row, estimation->disturbances * sizeof *row);
+        remove_observed_part(estimation, estimation->target_part);
+        for (size_t j = 0; j < estimation->disturbances; j++) {
             all += row[j] * row[j];
-            left += row[j] * b->left[j];
+            left += row[j] * estimation->target_part[j];
         }
     }
     estimator->disturbed = sqrt(all);
-    estimator->missed = sqrt(fmax(left, 0));
+    estimator->remaining = sqrt(fmax(left, 0));
 }
 
-/* The direction missed most, by the power method. */
-static void find_worst(bench *b, estimator *estimator)
+/* Find the direction in which the estimate leaves most, by the power method. */
+static void find_worst(estimation *estimation, estimator *estimator)
 {
-    for (size_t i = 0; i < b->m; i++)
-        b->way[i] = 1 + (double)i / (double)b->m;
+    for (size_t i = 0; i < estimation->targets; i++)
+        estimation->direction[i] = 1 + (double)i / (double)estimation->targets;
     for (int turn = 0; turn < POWER; turn++) {
-        const double size = length(b->way, b->m);
-        for (size_t i = 0; i < b->m; i++)
-            b->way[i] /= size > 0 ? size : 1;
-        estimator->worst_disturbed = pull_back(b, b->way);
-        miss(b, b->left);
-        for (size_t i = 0; i < b->m; i++) {
-            b->way[i] = 0;
-            for (size_t j = 0; j < b->p; j++)
-                b->way[i] += b->shape[i * b->p + j] * b->left[j];
+        const double size = length(estimation->direction, estimation->targets);
+        for (size_t i = 0; i < estimation->targets; i++)
+            estimation->direction[i] /= size > 0 ? size : 1;
+        estimator->worst_disturbed = project_to_disturbances(estimation, estimation->direction);
+        remove_observed_part(estimation, estimation->target_part);
+        for (size_t i = 0; i < estimation->targets; i++) {
+            estimation->direction[i] = 0;
+            for (size_t j = 0; j < estimation->disturbances; j++)
+                estimation->direction[i] += estimation->shape[i * estimation->disturbances + j] *
+                                            estimation->target_part[j];
         }
-        estimator->worst_missed = sqrt(length(b->way, b->m));
+        estimator->worst_remaining = sqrt(length(estimation->direction, estimation->targets));
     }
-    const design *design = &b->a->design;
-    for (size_t i = 0; i < b->m; i++) {
-        estimator->worst[i] = design->weight[i] > 0 ? b->way[i] / design->weight[i] : 0;
+    const design *design = &estimation->analysis->design;
+    for (size_t i = 0; i < estimation->targets; i++) {
+        estimator->worst[i] =
+            design->weight[i] > 0 ? estimation->direction[i] / design->weight[i] : 0;
         if (fabs(estimator->worst[i]) > fabs(estimator->worst[estimator->worst_target]))
             estimator->worst_target = (int)i;
     }
     const double most = estimator->worst[estimator->worst_target];
-    for (size_t i = 0; i < b->m && fabs(most) > 0; i++)
+    for (size_t i = 0; i < estimation->targets && fabs(most) > 0; i++)
         estimator->worst[i] /= most;
 }
 
-static void rate(const bench *b, estimator *estimator)
+static void rate(const estimation *estimation, estimator *estimator)
 {
     double least = HUGE_VAL, most = 0;
-    for (size_t i = 0; i < b->k; i++) {
-        const double clear = sqrt(eigenvalue(b, i));
+    for (size_t i = 0; i < estimation->sensors; i++) {
+        const double clear = sqrt(eigenvalue(estimation, i));
         most = fmax(most, clear);
         least = clear > 1 ? fmin(least, clear) : least;
         estimator->rank += clear > 1;
@@ -289,7 +337,7 @@ static void rate(const bench *b, estimator *estimator)
 static int no_memory(const analysis *analysis, char *error)
 {
     return scene_fault(analysis->design.scene, analysis->design.scene->estimate.at, error,
-                       "out of memory");
+                       "the estimator does not fit into memory; use fewer target nodes");
 }
 
 static void fill_tables(estimator *estimator, const design *design)
@@ -300,78 +348,90 @@ static void fill_tables(estimator *estimator, const design *design)
                                   estimator->direct, estimator->gain};
     const pzs_feed_forward_table known = {
         problem->format,         problem->scene,   0,
-        (uint16_t)design->loads, problem->outputs, estimator->known};
-    const pzs_feed_forward_table shown = {
-        problem->format, problem->scene, 0, (uint16_t)design->loads, (uint16_t)estimator->sensors,
-        estimator->shown};
+        (uint16_t)design->loads, problem->outputs, estimator->shape_per_load};
+    const pzs_feed_forward_table shown = {problem->format,
+                                          problem->scene,
+                                          0,
+                                          (uint16_t)design->loads,
+                                          (uint16_t)estimator->sensors,
+                                          estimator->reading_per_load};
     estimator->tables = tables;
     estimator->tables.crc = estimator->sensors > 0 ? pzs_estimate_crc(&tables) : 0;
-    estimator->known_tables = known;
-    estimator->known_tables.crc = pzs_estimate_known_crc(&known);
-    estimator->shown_tables = shown;
-    estimator->shown_tables.crc = pzs_estimate_known_crc(&shown);
+    estimator->shape_table = known;
+    estimator->shape_table.crc = pzs_estimate_known_crc(&known);
+    estimator->reading_table = shown;
+    estimator->reading_table.crc = pzs_estimate_known_crc(&shown);
 }
 
-static int refuse(const estimator *estimator, const analysis *analysis, char *error)
+static int check_observability(const estimator *estimator, const analysis *analysis, char *error)
 {
-    const scene_estimate *say = &analysis->design.scene->estimate;
+    const scene_estimate *settings = &analysis->design.scene->estimate;
     char text[SCENE_ERROR];
     if (!(estimator->disturbed > 0))
-        return scene_fault(analysis->design.scene, say->at, error,
-                           "nothing disturbs the shape; give loads, or volts above 0");
-    if (!(estimator->missed > say->tolerance * estimator->disturbed))
+        return scene_fault(
+            analysis->design.scene, settings->at, error,
+            "nothing disturbs the shape: the standard deviations of all loads and voltages are 0; give a load, or a voltage deviation above 0");
+    if (!(estimator->remaining > settings->tolerance * estimator->disturbed))
         return 0;
     estimator_text(estimator, analysis, text);
-    return scene_fault(analysis->design.scene, say->at, error,
-                       "these readings cannot see the shape: %s; add one there, or raise tolerance",
-                       text);
+    return scene_fault(
+        analysis->design.scene, settings->at, error,
+        "these readings do not determine the shape: %s; add a reading there, or raise tolerance",
+        text);
 }
 
-static int build(bench *b, estimator *estimator, char *error)
+static int build(estimation *estimation, estimator *estimator, char *error)
 {
-    const design *design = &b->a->design;
+    const design *design = &estimation->analysis->design;
     const size_t inputs = design->structure.input.count;
-    estimator->known = calloc(b->m * b->loads + 1, sizeof *estimator->known);
-    estimator->shown = calloc(b->k * b->loads + 1, sizeof *estimator->shown);
-    estimator->direct = calloc(b->k * b->n + 1, sizeof *estimator->direct);
-    estimator->gain = calloc(b->m * b->k + 1, sizeof *estimator->gain);
-    estimator->worst = calloc(b->m + 1, sizeof *estimator->worst);
-    if (!estimator->known || !estimator->shown || !estimator->direct || !estimator->gain ||
-        !estimator->worst || !take(b))
-        return no_memory(b->a, error);
-    for (size_t i = 0; i < b->m; i++)
-        memcpy(estimator->known + i * b->loads, b->a->influence + i * inputs + b->n,
-               b->loads * sizeof *estimator->known);
-    if (b->k > 0) {
-        find_sizes(b);
-        if (see(b) < 0)
-            return no_memory(b->a, error);
-        form(b);
-        diagonalise(b);
-        make_gains(b, estimator);
-        measure(b, estimator);
-        find_worst(b, estimator);
-        rate(b, estimator);
+    estimator->shape_per_load =
+        calloc(estimation->targets * estimation->loads + 1, sizeof *estimator->shape_per_load);
+    estimator->reading_per_load =
+        calloc(estimation->sensors * estimation->loads + 1, sizeof *estimator->reading_per_load);
+    estimator->direct =
+        calloc(estimation->sensors * estimation->amplifiers + 1, sizeof *estimator->direct);
+    estimator->gain =
+        calloc(estimation->targets * estimation->sensors + 1, sizeof *estimator->gain);
+    estimator->worst = calloc(estimation->targets + 1, sizeof *estimator->worst);
+    if (!estimator->shape_per_load || !estimator->reading_per_load || !estimator->direct ||
+        !estimator->gain || !estimator->worst || !take(estimation))
+        return no_memory(estimation->analysis, error);
+    for (size_t i = 0; i < estimation->targets; i++)
+        memcpy(estimator->shape_per_load + i * estimation->loads,
+               estimation->analysis->influence + i * inputs + estimation->amplifiers,
+               estimation->loads * sizeof *estimator->shape_per_load);
+    if (estimation->sensors > 0) {
+        find_sizes(estimation);
+        if (fill_sensitivities(estimation) < 0)
+            return no_memory(estimation->analysis, error);
+        form(estimation);
+        diagonalise(estimation);
+        make_gains(estimation, estimator);
+        measure_errors(estimation, estimator);
+        find_worst(estimation, estimator);
+        rate(estimation, estimator);
     }
     fill_tables(estimator, design);
-    return b->k > 0 ? refuse(estimator, b->a, error) : 0;
+    return estimation->sensors > 0 ? check_observability(estimator, estimation->analysis, error)
+                                   : 0;
 }
 
 int estimator_open(estimator *estimator, const analysis *analysis, char *error)
 {
     const design *design = &analysis->design;
-    bench b = {.a = analysis,
-               .m = (size_t)design->targets,
-               .n = (size_t)design->amplifiers,
-               .loads = (size_t)design->loads,
-               .p = (size_t)(design->loads + design->amplifiers)};
+    estimation estimation = {.analysis = analysis,
+                             .targets = (size_t)design->targets,
+                             .amplifiers = (size_t)design->amplifiers,
+                             .loads = (size_t)design->loads,
+                             .disturbances = (size_t)(design->loads + design->amplifiers)};
     memset(estimator, 0, sizeof *estimator);
     for (int r = 0; r < design->scene->estimate.readings; r++)
-        b.k += (size_t)analysis_outputs(analysis, design->scene->estimate.reading[r].output);
-    estimator->sensors = (int)b.k;
-    estimator->disturbances = (int)b.p;
-    const int failed = build(&b, estimator, error);
-    give_back(&b);
+        estimation.sensors +=
+            (size_t)analysis_outputs(analysis, design->scene->estimate.reading[r].output);
+    estimator->sensors = (int)estimation.sensors;
+    estimator->disturbances = (int)estimation.disturbances;
+    const int failed = build(&estimation, estimator, error);
+    give_back(&estimation);
     if (failed)
         estimator_close(estimator);
     return failed;
@@ -381,8 +441,8 @@ void estimator_close(estimator *estimator)
 {
     free(estimator->direct);
     free(estimator->gain);
-    free(estimator->known);
-    free(estimator->shown);
+    free(estimator->shape_per_load);
+    free(estimator->reading_per_load);
     free(estimator->worst);
     memset(estimator, 0, sizeof *estimator);
 }
@@ -393,9 +453,9 @@ void estimator_text(const estimator *estimator, const analysis *analysis, char t
     const double *theta = mesh->theta[analysis->design.target_node[estimator->worst_target]];
     snprintf(
         text, SCENE_ERROR,
-        "%d sensors tell %d of %d disturbances from noise (condition %.1e) and miss %.1f%% of the shape; worst "
-        "direction missed by %.0f%%, largest at theta1 = %g, theta2 = %g",
+        "%d sensors distinguish %d of %d disturbances from noise (condition %.1e) and leave %.1f%% of the shape "
+        "unobserved; worst direction unobserved by %.0f%%, largest at theta1 = %g, theta2 = %g",
         estimator->sensors, estimator->rank, estimator->disturbances, estimator->condition,
-        100 * estimator->missed / estimator->disturbed,
-        100 * estimator->worst_missed / estimator->worst_disturbed, theta[0], theta[1]);
+        100 * estimator->remaining / estimator->disturbed,
+        100 * estimator->worst_remaining / estimator->worst_disturbed, theta[0], theta[1]);
 }

@@ -1,4 +1,4 @@
-/* Mass of a mesh (mass.h). */
+/* Mass matrix of a mesh (mass.h). */
 #include "mass.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,19 +6,19 @@
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
 
-/* Functions of t: 1, t, h (1 - 4 t^2/h^2). */
+/* Displacement functions of the height t: 1, t, h (1 - 4 t^2/h^2). */
 enum { FUNCTIONS = 3, POINTS = 4 };
 
-/* Function and component of each nodal unknown. */
+/* Displacement function and component of each dof of a node. */
 static const int function_of[7] = {0, 0, 0, 1, 1, 1, 2}, component_of[7] = {0, 1, 2, 0, 1, 2, 2};
 
-/* Gauss points, exact to the seventh power; the integrands have the sixth. */
+/* Gauss points, exact for polynomials up to the seventh degree; the integrands are of the sixth. */
 static const double gauss_x[POINTS] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                        0.8611363115940526};
 static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                        0.3478548451374538};
 
-/* m += weight f f' at height t above the middle */
+/* m += weight f f' at height t above the middle, with f the three displacement functions */
 static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
 {
     const double f[FUNCTIONS] = {1, t, h * (1 - 4 * t * t / (h * h))};
@@ -36,19 +36,22 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 {
     const double middle = (laminate->z[0] + laminate->z[1]) / 2;
     memset(m, 0, sizeof(double[FUNCTIONS][FUNCTIONS]));
-    add_moments(0, laminate->h, per_area, m);
+    add_moments(0, laminate->thickness, per_area, m);
     for (int p = 0; p < laminate->plies; p++) {
         const laminate_ply *ply = &laminate->ply[p];
         const double half = (ply->z[1] - ply->z[0]) / 2, centre = (ply->z[0] + ply->z[1]) / 2;
-        for (int g = 0; g < POINTS && place->present >> p & 1u; g++) {
+        for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
             const double z = centre + half * gauss_x[g];
             const double metric = (1 + place->k[0] * z) * (1 + place->k[1] * z);
-            add_moments(z - middle, laminate->h, half * gauss_w[g] * ply->weight * metric, m);
+            add_moments(z - middle, laminate->thickness, half * gauss_w[g] * ply->density * metric,
+                        m);
         }
     }
 }
 
-/* Part of the element's mass between corners r and s: bilinear, or a quarter at each corner. */
+/*
+ * Share of the element's mass that couples corners r and s: bilinear, or a quarter at each corner.
+ */
 static double share(int r, int s, double lumped)
 {
     const int is_opposite = (r ^ s) == 2;
@@ -61,7 +64,7 @@ static double share(int r, int s, double lumped)
     return (1 - lumped) * consistent + lumped * at_corner;
 }
 
-/* Cosine between axis a of one node and axis b of another. */
+/* Cosine of the angle between axis a of one node and axis b of another. */
 static double between(const surface_point *p, int a, const surface_point *q, int b)
 {
     return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
@@ -70,8 +73,8 @@ static double between(const surface_point *p, int a, const surface_point *q, int
 static void fill_element(const mesh *mesh, int element, double lumped,
                          double m[FUNCTIONS][FUNCTIONS], double *entry)
 {
-    const int dof_per_node = (int)mesh->unknowns;
-    const double area = mesh->place[mesh->element_kind[element]].area;
+    const int dof_per_node = (int)mesh->dof_per_node;
+    const double area = mesh->place[mesh->element_type[element]].area;
     for (int row = 0; row < 4 * dof_per_node; row++)
         for (int column = 0; column <= row; column++) {
             const int r = row / dof_per_node, s = column / dof_per_node, i = row % dof_per_node,
@@ -85,7 +88,7 @@ static void fill_element(const mesh *mesh, int element, double lumped,
 
 static size_t entries(const mesh *mesh)
 {
-    return SHELL_PACKED(4 * (size_t)mesh->unknowns);
+    return SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
 }
 
 int mass_missing(const scene *scene, char names[SCENE_ERROR])
@@ -107,7 +110,7 @@ int mass_missing(const scene *scene, char names[SCENE_ERROR])
     return missing;
 }
 
-/* Refuse a scene whose mass is not known. */
+/* Refuse a scene in which a density is missing. */
 static int check_densities(const scene *scene, char *error)
 {
     char names[SCENE_ERROR];
@@ -133,7 +136,7 @@ int mass_build(mass *mass, const mesh *mesh, double lumped, char *error)
                            "the mass of %d elements does not fit into memory", mesh->elements);
     for (int e = 0; e < mesh->elements; e++) {
         double integral[FUNCTIONS][FUNCTIONS];
-        moments(&mesh->laminate, &mesh->place[mesh->element_kind[e]], scene->dynamics.mass_per_area,
+        moments(&mesh->laminate, &mesh->place[mesh->element_type[e]], scene->dynamics.mass_per_area,
                 integral);
         fill_element(mesh, e, lumped, integral, mass->entry + (size_t)e * entries(mesh));
     }
@@ -151,7 +154,7 @@ const double *mass_element(const mass *mass, int element)
     return mass->entry + (size_t)element * entries(mass->mesh);
 }
 
-/* f = M_e u of one element.  u, f [4 unknowns] */
+/* f = M_e u of one element. u, f [4 dof_per_node] */
 static void multiply_element(const double *entry, int n, const double *u, double *f)
 {
     for (int i = 0; i < n; i++)
@@ -168,11 +171,11 @@ static void multiply_element(const double *entry, int n, const double *u, double
 
 void mass_multiply(const mass *mass, const pzs_model *model, const double *u, double *f)
 {
-    memset(f, 0, (size_t)mass->mesh->dof * sizeof *f);
+    memset(f, 0, (size_t)mass->mesh->free_dof * sizeof *f);
     for (int e = 0; e < mass->mesh->elements; e++) {
         double local[SHELL_MAX], force[SHELL_MAX];
         pzs_model_gather(model, mass->mesh->element[e], SHELL_NODES, u, local);
-        multiply_element(mass_element(mass, e), 4 * (int)mass->mesh->unknowns, local, force);
+        multiply_element(mass_element(mass, e), 4 * (int)mass->mesh->dof_per_node, local, force);
         pzs_model_scatter(model, mass->mesh->element[e], SHELL_NODES, 1, force, f);
     }
 }
@@ -186,7 +189,7 @@ static void cross(const double a[3], const double b[3], double c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Unknowns of a node under a rigid motion.  u [7] out */
+/* Dof of a node under a rigid motion. u [7] out */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double u[7])
 {
@@ -208,10 +211,10 @@ static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], co
 double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3],
                   const double spin[3], double *force)
 {
-    const int dof_per_node = (int)mass->mesh->unknowns;
+    const int dof_per_node = (int)mass->mesh->dof_per_node;
     double sum = 0;
     if (force)
-        memset(force, 0, (size_t)mass->mesh->dof * sizeof *force);
+        memset(force, 0, (size_t)mass->mesh->free_dof * sizeof *force);
     for (int e = 0; e < mass->mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
         for (int r = 0; r < SHELL_NODES; r++) {

@@ -1,24 +1,24 @@
-/* Modes of a target, one by one (modes.h). */
+/* Modes of a target, one at a time (modes.h). */
 #include "modes.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../cli/progress.h"
+#include "../system/progress.h"
 
-/* Without limits, once for all of them. */
-static int run_unlimited(analysis *analysis, mode *m, char *error)
+/* Voltages without limits for one mode. */
+static int run_unconstrained(analysis *analysis, mode *m, char *error)
 {
     voltages result;
     const int failed =
         voltages_optimum(analysis, (common_limits){.source = LIMITS_NONE}, &result, error);
-    m->unlimited = result.error;
-    for (int k = 0; !failed && k < result.volts; k++)
-        m->volt = fmax(m->volt, fabs(result.volt[k]));
+    m->unconstrained_error = result.error;
+    for (int k = 0; !failed && k < result.amplifiers; k++)
+        m->largest_voltage = fmax(m->largest_voltage, fabs(result.voltage[k]));
     voltages_free(&result);
     return failed;
 }
 
-static int run_limited(analysis *analysis, common_limits limit, mode_left *left, char *error)
+static int run_limited(analysis *analysis, common_limits limit, mode_left *result, char *error)
 {
     voltages best, cut, tuned;
     memset(&cut, 0, sizeof cut);
@@ -26,18 +26,18 @@ static int run_limited(analysis *analysis, common_limits limit, mode_left *left,
     const int failed = voltages_optimum(analysis, limit, &best, error) < 0 ||
                        voltages_clipped(analysis, limit, &cut, error) < 0 ||
                        voltages_regularised(analysis, limit, &tuned, error) < 0;
-    memcpy(left->limit, best.limit, sizeof left->limit);
-    left->optimum = best.error;
-    left->active = best.active;
-    left->clipped = cut.error;
-    left->regularised = tuned.error;
+    memcpy(result->limit, best.limit, sizeof result->limit);
+    result->optimum = best.error;
+    result->active_limits = best.active_limits;
+    result->clipped = cut.error;
+    result->regularised = tuned.error;
     voltages_free(&best);
     voltages_free(&cut);
     voltages_free(&tuned);
     return failed ? -1 : 0;
 }
 
-/* Root mean square of the target, by its weights. */
+/* Root mean square of the target under its weights. */
 static double target_size(const design *design)
 {
     double weights = 0;
@@ -46,8 +46,10 @@ static double target_size(const design *design)
     return sqrt(design_squares(design, design->target, NULL) / weights);
 }
 
-/* Mode k of the target in the target's place, what the scene's loads move taken off as there.
- * loaded [targets] in */
+/*
+ * Results of mode k of the target. loaded [targets] in  displacement under the scene's loads, which
+ * is subtracted
+ */
 static int run_mode(modes *modes, int k, analysis *analysis, const double *loaded,
                     const common_limits *limit, char *error)
 {
@@ -58,7 +60,7 @@ static int run_mode(modes *modes, int k, analysis *analysis, const double *loade
     for (int i = 0; i < design->targets; i++)
         design->wanted[i] = design->target[i] - loaded[i];
     modes->mode[k].size = target_size(design);
-    int failed = run_unlimited(analysis, &modes->mode[k], error);
+    int failed = run_unconstrained(analysis, &modes->mode[k], error);
     for (int l = 0; !failed && l < modes->limits; l++)
         failed = run_limited(analysis, limit[l], &modes->left[k * modes->limits + l], error);
     return failed;
@@ -72,7 +74,7 @@ int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int 
     modes->limits = limits;
     modes->mode = calloc(count + 1, sizeof *modes->mode);
     modes->left = calloc(count * (size_t)limits + 1, sizeof *modes->left);
-    double *kept = calloc(3 * n + 1, sizeof *kept); /* target, wanted, and their difference */
+    double *kept = calloc(3 * n + 1, sizeof *kept); /* target, wanted and their difference */
     int failed = !modes->mode || !modes->left || !kept
                      ? scene_fault(design->scene, design->scene->target.what.at, error,
                                    "%zu modes do not fit into memory", count)

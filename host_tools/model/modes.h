@@ -1,25 +1,26 @@
 /*
- * The shapes that a target lists as modes, each asked for alone: what is left of it without limits
- * on the volts, at best within limits, and where the volts without limits are simply cut.
+ * Results for each of the shapes that a target lists as modes, taken as the target alone: its error
+ * without voltage limits, at the optimum within limits, and for clipped least squares.
  */
 #ifndef MODES_H
 #define MODES_H
 
 #include "voltages.h"
 
-/* One mode within one pair of limits. */
+/* Results for one mode within one pair of limits. */
 typedef struct mode_left {
-    double limit[2];    /* V, lowest and highest that any amplifier may give */
-    double optimum;     /* shape error of the best volts within them */
-    double clipped;     /* of clipped least squares, */
-    double regularised; /* and regularised before with the best parameter of this mode */
-    int active;         /* amplifiers at a limit at the optimum */
+    double limit[2];    /* lowest and highest voltage that any amplifier may give, V */
+    double optimum;     /* shape error of the optimum within these limits */
+    double clipped;     /* shape error of clipped least squares */
+    double regularised; /* shape error of regularised, then clipped least squares, with the best
+                           parameter for this mode */
+    int active_limits;  /* number of amplifiers at a limit at the optimum */
 } mode_left;
 
 typedef struct mode {
-    double size;      /* root mean square of what is wanted */
-    double unlimited; /* shape error without limits, */
-    double volt;      /* and the largest volt it takes */
+    double size;                /* root mean square of the mode's target */
+    double unconstrained_error; /* shape error without limits */
+    double largest_voltage;     /* largest voltage without limits, V */
 } mode;
 
 typedef struct modes {
@@ -29,9 +30,10 @@ typedef struct modes {
 } modes;
 
 /*
- * After analysis_influence, on the structure asked about (a->nonlinear); the design's target is as
- * before afterwards. limit  in  [limits] as in voltages_optimum Returns 0, or -1 with error filled;
- * modes_free in either case.
+ * Compute the results of every mode, on the structure that analysis->nonlinear selects, after
+ * analysis_influence. The design's target is unchanged afterwards.
+ *   limit [limits]  in  as in voltages_optimum
+ * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,
               char *error);

@@ -20,7 +20,7 @@ static const struct rule {
     const char *name;
     subject_type of;
     measure *measure;
-    double low, high; /* the range that raises no warning, ends included */
+    double low, high; /* range without a warning, both ends included */
     const char *unit, *cure;
 } rules[] = {
     {"displacement", SUBJECT_RESULT, measure_displacement, 0, 1, "times the thickness",
@@ -39,8 +39,7 @@ static const struct rule {
     {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
 };
 
-/* Is a number the same as that of a warning: of the same rule, at the same place, of the same
- * value? */
+/* Whether a number equals that of a warning: same rule, same place, same value. */
 static int is_repeated(const plausible_warning *w, const struct rule *rule, const measured *found)
 {
     return strcmp(w->rule, rule->name) == 0 && w->at.line == found->at.line &&
@@ -48,8 +47,8 @@ static int is_repeated(const plausible_warning *w, const struct rule *rule, cons
 }
 
 /*
- * Room for a warning: that of the same rule on an earlier result, or the next. NULL where a worse
- * or the same one stands, or no room is left.
+ * Entry for a warning: that of the same rule on an earlier result, or the next free one. NULL where
+ * a worse or equal warning exists, or no entry is free.
  */
 static plausible_warning *place(plausible *warnings, const struct rule *rule, const measured *found)
 {
@@ -78,9 +77,10 @@ static void warn(plausible *warnings, const scene *scene, const struct rule *rul
     w->limit = is_above ? rule->high : rule->low;
     w->unit = rule->unit;
     w->at = found->at;
+    const char *space = *rule->unit ? " " : "";
+    const char *side = is_above ? "above" : "below";
     scene_fault(scene, found->at, w->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
-                *rule->unit ? " " : "", rule->unit, is_above ? "above" : "below", w->limit,
-                rule->cure);
+                space, rule->unit, side, w->limit, rule->cure);
 }
 
 static void apply(plausible *warnings, const struct rule *rule, const subject *of)
@@ -120,7 +120,7 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *u, in
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
                         const char *name)
 {
-    const subject of = {.scene = scene, .volt = voltage, .name = name};
+    const subject of = {.scene = scene, .voltage = voltage, .name = name};
     apply_all(warnings, SUBJECT_VOLTAGES, &of);
 }
 

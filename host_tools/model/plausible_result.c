@@ -10,14 +10,14 @@
 
 /* ---- voltages --------------------------------------------------------- */
 
-/* Only where the scene's limits do not tell as much already. */
+/* This rule applies only where the rule on the scene's limits gives no warning already. */
 int measure_found_field(const subject *of, int k, measured *found)
 {
     const scene_actuator *actuator;
     const scene_drive *drive;
     if (!plausible_drive(of->scene, k, &actuator, &drive))
         return 0;
-    const double voltage = plausible_voltage(of->scene, actuator, of->volt),
+    const double voltage = plausible_voltage(of->scene, actuator, of->voltage),
                  most = plausible_voltage(of->scene, actuator, NULL);
     if (isinf(most) || most < voltage)
         plausible_field(of->scene, drive, voltage, found);
@@ -29,14 +29,14 @@ int measure_found_field(const subject *of, int k, measured *found)
 
 /* ---- displacement and strain ------------------------------------------ */
 
-/* A component of a node's displacement. */
+/* One component of the displacement of a node. */
 static double displacement_of(const mesh *mesh, const double *u, int node,
                               scene_component component, scene_face face)
 {
     double weight[7], sum = 0;
     design_output_weights(mesh, node, component, face, weight);
-    for (unsigned k = 0; k < mesh->unknowns; k++) {
-        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->unknowns + k];
+    for (unsigned k = 0; k < mesh->dof_per_node; k++) {
+        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
         if (dof != PZS_CONSTRAINED)
             sum += weight[k] * u[dof];
     }
@@ -54,19 +54,18 @@ int measure_displacement(const subject *of, int k, measured *found)
         where = size > most ? node : where;
         most = fmax(most, size);
     }
-    found->value = most / of->mesh->laminate.h;
+    found->value = most / of->mesh->laminate.thickness;
     snprintf(found->what, WHAT, "normal displacement of %s, %g at theta1 = %g, theta2 = %g",
              of->name, most, of->mesh->theta[where][0], of->mesh->theta[where][1]);
     return 1;
 }
 
-/* Places and displacements of the corners of an element on a face, as vectors from edge to edge:
- * along xi1 and xi2. */
+/* Edge vectors of an element along xi1 and xi2 on one face: undeformed, and of the displacement. */
 typedef struct cell {
     double x[2][3], u[2][3];
 } cell;
 
-/* Both faces of all nodes. point, moved [nodes][2][3] out */
+/* Positions of both faces at all nodes. point, moved [nodes][2][3] out */
 static void face_points(const mesh *mesh, const double *u, double (*point)[2][3],
                         double (*moved)[2][3])
 {
@@ -102,8 +101,10 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Principal strains are the eigenvalues of the strain over the metric, both in the basis of the
- * edges. */
+/*
+ * Largest absolute principal strain: eigenvalues of the strain relative to the metric, both in the
+ * basis of the edges.
+ */
 static double principal_strain(const cell *c, int is_linear)
 {
     double g[2][2], e[2][2];

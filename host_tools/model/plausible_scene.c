@@ -6,7 +6,7 @@
 #include "../scene/scene_units.h"
 #include "../mesh/surface.h"
 
-static const double quarter = 1.5707963267948966; /* turn, in radians */
+static const double quarter = 1.5707963267948966; /* a full turn in radians */
 
 /* ---- units ------------------------------------------------------------ */
 
@@ -16,7 +16,7 @@ static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 static const units_unit length_unit = {{1, 0, 0, 0, 0, 0}, 0, 0};
 
-/* A number of the scene in SI units, NAN where the scene's own are not known. */
+/* A number of the scene in SI units; NAN where the scene's units are unknown. */
 static double in_si(const scene *scene, double value, const units_unit *unit)
 {
     int ten;
@@ -35,7 +35,7 @@ static int is_isotropic(const scene_material *material)
     return is_cubic && material->g12 == material->e[0] / (2 * (1 + material->nu12));
 }
 
-/* In the isotropic case the shear modulus follows from E and is not judged. */
+/* In the isotropic case the shear modulus follows from Young's modulus and is not compared. */
 int measure_modulus(const subject *of, int k, measured *found)
 {
     static const char *const name[MODULI] = {"E1", "E2", "E3", "G12", "G13", "G23"};
@@ -70,7 +70,9 @@ int measure_density(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Strain constants, or stress constants over the largest modulus, which are about as large. */
+/*
+ * Strain constants, or stress constants divided by the largest modulus, which are of similar size.
+ */
 int measure_piezo(const subject *of, int k, measured *found)
 {
     static const char *const name[CONSTANTS] = {"31", "32", "33", "24", "15"};
@@ -86,9 +88,9 @@ int measure_piezo(const subject *of, int k, measured *found)
     if (value != 0)
         found->value = in_si(scene, fabs(value), &piezo_unit);
     found->at = material->at;
-    snprintf(found->what, WHAT, "|%s%s%s| of material '%s', %g in the scene's units",
-             material->has_e ? "e" : "d", name[i], material->has_e ? "/E" : "", material->name,
-             fabs(value));
+    const char *format = material->has_e ? "|e%s/E| of material '%s', %g in the scene's units"
+                                         : "|d%s| of material '%s', %g in the scene's units";
+    snprintf(found->what, WHAT, format, name[i], material->name, fabs(value));
     return 1;
 }
 
@@ -107,8 +109,10 @@ int measure_thickness(const subject *of, int k, measured *found)
 
 /* ---- electric fields -------------------------------------------------- */
 
-/* The k-th pair of an actuator of voltages and a grid of patches that it drives; returns 0 where
- * there is none. */
+/*
+ * The k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where there
+ * is none.
+ */
 int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive)
 {
@@ -123,8 +127,10 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
     return 0;
 }
 
-/* Largest voltage that the scene's limits allow an amplifier, without its sign; its own limits go
- * before the common ones. */
+/*
+ * Largest absolute voltage that the scene's limits allow for an amplifier; its own limits take
+ * precedence over the common ones.
+ */
 static double allowed(const scene *scene, int amplifier)
 {
     double most = fmax(fabs(scene->limits.lower), fabs(scene->limits.upper));
@@ -136,8 +142,10 @@ static double allowed(const scene *scene, int amplifier)
     return most;
 }
 
-/* The largest of a property of the amplifiers of an actuator: of volt, or where it is NULL what
- * their limits allow. */
+/*
+ * Largest absolute voltage of an actuator's amplifiers: of `voltage`, or where that is NULL of the
+ * voltages that the limits allow.
+ */
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage)
 {
     double most = 0;
@@ -146,8 +154,10 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
     return most;
 }
 
-/* Field of a voltage in the layer of a drive; none where the material has a limit of its own, which
- * the design keeps. */
+/*
+ * Electric field of a voltage in the layer of a drive; NAN where the material has its own field
+ * limit, which the design enforces.
+ */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
     const scene_layer *layer = &scene->layer[scene->patches[drive->patches].layer];
@@ -186,7 +196,7 @@ int measure_applied_field(const subject *of, int k, measured *found)
 
 /* ---- mesh at local loads ---------------------------------------------- */
 
-/* The longer of the two elements along a direction at a mesh line. */
+/* The longer of the two elements next to a mesh line, along one direction. */
 static double element_at(const scene_line *line, int i)
 {
     const double before = i > 0 ? line->point[i] - line->point[i - 1] : 0;
@@ -199,16 +209,17 @@ static double span_of(const scene_line *line)
     return line->point[line->elements] - line->point[0];
 }
 
-/* A shell at a local load, seen along one curved direction. */
+/* A shell near a local load, along one curved direction. */
 typedef struct bend {
     double radius, thickness, length; /* length of the shell across the direction */
-    double size;                      /* of an element along the direction, at the load */
+    double size;                      /* size of an element along the direction, at the load */
 } bend;
 
 /*
- * Elements on a quarter turn that the dent of a force needs: two for each of the waves (R/h)^(1/4)
- * (R/L)^(1/2) of a shell of the length L, at most one for each bending length sqrt(R h). A strip
- * narrower than that bends as a ring, without a dent, and needs none.
+ * Elements that the dent under a point force needs on a quarter turn: two for each of the
+ * (R/h)^(1/4) (R/L)^(1/2) waves of a shell of the length L, at most one for each bending length
+ * sqrt(R h). A strip narrower than the bending length bends as a ring without a dent, and needs
+ * none.
  */
 static double elements_needed(const bend *b)
 {
@@ -232,7 +243,7 @@ static bend bend_at(const scene *scene, const int node[2], int direction)
     return b;
 }
 
-/* A force at a node, along one direction: elements needed over elements there. */
+/* Point force, along one direction: number of elements needed over the number present. */
 static void measure_point(const scene *scene, const scene_load *load, int direction,
                           measured *found)
 {
@@ -249,8 +260,9 @@ static void measure_point(const scene *scene, const scene_load *load, int direct
              ceil(scene->line[direction].elements * needed / there));
 }
 
-/* A load on an edge: the size of elements across the edge over the bending length of the curve
- * along it, the least. */
+/*
+ * Load on an edge: size of the elements across the edge over the shortest bending length along it.
+ */
 static void measure_edge(const scene *scene, const scene_load *load, int direction, measured *found)
 {
     const int is_theta1 =

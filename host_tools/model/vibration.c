@@ -11,41 +11,44 @@
 #include "../../lib/model/shell.h"
 
 /*
- * Starting vectors of a supported and of a loose structure, sweeps of Jacobi's method, tries of the
- * check.
+ * Number of starting vectors of a supported and of a loose structure, sweeps of Jacobi's method,
+ * attempts of the check and of the shift.
  */
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
-/* Residual of a Ritz pair relative to its value at which the mode has converged. */
+/* Relative residual of a Ritz pair at which its mode has converged. */
 static const double converged_at = 1e-8;
 
-/* Part of the shift that squares near 0 are known to by the search, and that of a rigid motion. */
+/*
+ * Error of squares of frequencies near 0 relative to the shift, and bound below which a mode is a
+ * rigid motion.
+ */
 static const double known_to = 1e-6, rigid_below = 1e-8;
 
-/* A structure whose stiffness is conditioned worse is shifted, as if it were loose. */
+/* A structure whose stiffness has a larger condition is shifted like a loose one. */
 static const double held_below = 1e10;
 
 static const double two_pi = 6.283185307179586;
 
 /*
- * The search. Column j of h holds the products of A q_j with the basis, A = (K + shift M)^-1 M, for
- * the first `done` vectors; the rows from `done` on tell how far their span is from being
- * invariant.
+ * Lanczos search. Column j of h holds the products of A q_j with the basis, A = (K + shift M)^-1 M,
+ * for the first `done` vectors; the rows from `done` on measure how far the span of these is from
+ * being invariant.
  */
 typedef struct search {
     const design *d;
     mass mass;
     pzs_model model;
     void *work;
-    uint8_t *held;  /* [dof] dof with a value of their own: at rest here */
-    size_t n, room; /* free dof; basis vectors that fit */
+    uint8_t *held;  /* [free dof] dof with a prescribed displacement; here they are fixed at 0 */
+    size_t n, room; /* number of free dof; number of basis vectors that the memory holds */
     double shift;
-    double *basis; /* [room][n] orthonormal in M */
+    double *basis; /* [room][n] orthonormal with respect to M */
     size_t made, done;
-    double *h;           /* [room][room] column j at h + j room */
+    double *h;           /* [room][room] column j begins at h + j room */
     double *w, *mw;      /* [n] work */
-    double *ritz, *turn; /* [done][done] values on the diagonal, vectors as columns */
-    size_t *order;       /* [done] columns by falling value */
+    double *ritz, *turn; /* [done][done] Ritz values on the diagonal, their vectors as columns */
+    size_t *order;       /* [done] columns by decreasing Ritz value */
     uint64_t seed;
     int solves;
 } search;
@@ -53,8 +56,8 @@ typedef struct search {
 /* ---- matrices --------------------------------------------------------- */
 
 /*
- * Factor K + times M, rows scaled by the diagonal of K. Returns what the pivots are; zero 0 where
- * K has no diagonal.
+ * Factor K + times M with rows scaled by the diagonal of K. Returns the signs of the pivots, all
+ * zero where K has a zero on its diagonal.
  */
 static linalg_inertia factor(search *s, double times, int keep_scale)
 {
@@ -79,22 +82,23 @@ static linalg_inertia factor(search *s, double times, int keep_scale)
     return inertia;
 }
 
-/*
- * Number of squares of frequencies below a bound, or -1 where K - bound M cannot be factored there.
- */
+/* Number of squared frequencies below a bound, or -1 where K - bound M cannot be factored. */
 static int count_below(search *s, double bound)
 {
     const linalg_inertia inertia = factor(s, -bound, 1);
     return inertia.zero < 0 ? (int)inertia.negative : -1;
 }
 
-/* Does the factor of K alone hold the structure, by more than rounding? */
+/*
+ * Whether the pivots of K alone show, beyond rounding, that the supports prevent every rigid
+ * motion.
+ */
 static int is_held(const search *s, const linalg_inertia *inertia)
 {
     return inertia->zero < 0 && inertia->negative == 0 && s->model.info.condition < held_below;
 }
 
-/* A bound that so many frequencies lie above: of each dof alone K_ii/M_ii is one for the lowest. */
+/* Upper bound of the lowest squared frequencies: K_ii/M_ii of each dof. */
 static double upper_bound(search *s)
 {
     double least = HUGE_VAL;
@@ -117,8 +121,8 @@ static double upper_bound(search *s)
 }
 
 /*
- * Factor K, or for a loose structure K + shift M, the shift about as large as the highest square
- * wanted. Returns success.
+ * Factor K, or for a loose structure K + shift M with a shift of about the highest required squared
+ * frequency. Returns success.
  */
 static int choose_shift(search *s, int number)
 {
@@ -139,7 +143,7 @@ static int choose_shift(search *s, int number)
 
 /* ---- basis ------------------------------------------------------------ */
 
-/* Uniform in [-1, 1], the same in every run. */
+/* Pseudo-random number in [-1, 1]; the sequence is the same in every run. */
 static double draw(search *s)
 {
     s->seed = s->seed * 6364136223846793005u + 1442695040888963407u;
@@ -155,8 +159,10 @@ static double dot(const double *x, const double *y, size_t n)
 }
 
 /*
- * Make w orthogonal to the basis, twice, and append what is left of it, unless that is rounding.
- *   column [room] in/out  products with the basis added, the norm appended; NULL: not wanted
+ * Make w orthogonal to the basis, in two iterations, and append the rest unless it is rounding
+ * error.
+ *   column [room]  in/out  the products with the basis are added, the norm is appended; NULL: not
+ *                          needed
  */
 static void append(search *s, double *column)
 {
@@ -191,10 +197,10 @@ static void apply(search *s, const double *x)
     s->solves++;
 }
 
-/* A new direction, rich in low modes. */
+/* Append a random direction in which the lowest modes dominate. */
 static void inject(search *s)
 {
-    double *x = s->basis + s->made * s->n; /* not yet in the basis */
+    double *x = s->basis + s->made * s->n; /* orthogonal to the basis */
     if (s->made == s->room)
         return;
     for (size_t k = 0; k < s->n; k++)
@@ -203,7 +209,7 @@ static void inject(search *s)
     append(s, NULL);
 }
 
-/* One more vector worked through. Returns whether there was one. */
+/* Multiply one more basis vector by A. Returns whether there was one. */
 static int advance(search *s)
 {
     if (s->done == s->made)
@@ -270,7 +276,7 @@ static double residual(const search *s, size_t i)
     return sqrt(sum) / value(s, i);
 }
 
-/* Have the first so many converged? */
+/* Whether the first `number` Ritz pairs have converged. */
 static int have_converged(const search *s, size_t number)
 {
     if (s->done < number)
@@ -282,8 +288,8 @@ static int have_converged(const search *s, size_t number)
 }
 
 /*
- * Modes to be checked: those wanted, and those that cannot be told from the last one by their
- * frequency.
+ * Number of modes to check: those required, and those whose frequencies cannot be distinguished
+ * from the last one.
  */
 static size_t cluster_end(const search *s, size_t number)
 {
@@ -295,7 +301,10 @@ static size_t cluster_end(const search *s, size_t number)
     return end;
 }
 
-/* Extend the basis until the lowest have converged. Returns how many, at least `number`, or 0. */
+/*
+ * Extend the basis until the lowest modes have converged. Returns their number, at least `number`,
+ * or 0.
+ */
 static size_t iterate(search *s, size_t number)
 {
     size_t next = s->done + 2 * BLOCK;
@@ -317,7 +326,7 @@ static size_t iterate(search *s, size_t number)
 
 /* ---- check ------------------------------------------------------------ */
 
-/* A bound above the last of the modes found and, where it is known, below the next. */
+/* Bound above the last computed mode and, where the next mode is known, below that one. */
 static double bound_above(const search *s, size_t found)
 {
     const double last = square_of(s, found - 1),
@@ -328,8 +337,8 @@ static double bound_above(const search *s, size_t found)
 }
 
 /*
- * Number of modes below the bound by the pivots of K - bound M; the factor for solves is made
- * again. -1: not known.
+ * Number of modes below the bound by the pivots of K - bound M, or -1 where it is unknown; the
+ * factor for linear solves is restored afterwards.
  */
 static int modes_below(search *s, double bound)
 {
@@ -341,8 +350,8 @@ static int modes_below(search *s, double bound)
 }
 
 /*
- * Find the lowest modes, and search on in new directions while the pivots tell of more. Returns
- * success.
+ * Find the lowest modes, and continue in new directions as long as the pivots show that more exist.
+ * Returns success.
  */
 static int find_modes(search *s, size_t number, char *error)
 {
@@ -370,7 +379,7 @@ static int find_modes(search *s, size_t number, char *error)
 /* ---- results ---------------------------------------------------------- */
 
 /*
- * Displacement of the middle surface at a node, largest over the nodes; the sign of its largest
+ * Largest displacement of the middle surface over the nodes, with the sign of its largest
  * component.
  */
 static double largest_displacement(const search *s, const double *x, double *sign)
@@ -406,7 +415,7 @@ static void take_shape(search *s, size_t i, double *x)
         x[k] *= sign;
 }
 
-/* x' K x, formed from strains: a rigid motion has none, to rounding of rounding. */
+/* x' K x formed from strains, so that a rigid motion has none even to second order of rounding. */
 static double energy(const search *s, const double *x)
 {
     const mesh *mesh = s->mass.mesh;
@@ -414,8 +423,8 @@ static double energy(const search *s, const double *x)
     for (int e = 0; e < mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
         pzs_model_gather(&s->model, mesh->element[e], SHELL_NODES, x, u);
-        pzs_shell_force(&mesh->kind[mesh->element_kind[e]], mesh->unknowns, u, f);
-        sum += dot(u, f, SHELL_NODES * (size_t)mesh->unknowns);
+        pzs_shell_force(&mesh->type[mesh->element_type[e]], mesh->dof_per_node, u, f);
+        sum += dot(u, f, SHELL_NODES * (size_t)mesh->dof_per_node);
     }
     return sum;
 }
@@ -435,7 +444,7 @@ static void take_modes(search *s, vibration *vibration)
     vibration->solves = s->solves;
 }
 
-/* Effective masses: (x' M r)^2 of unit rigid translations r. */
+/* Effective modal masses: (x' M r)^2 of unit rigid translations r. */
 static void take_masses(search *s, vibration *vibration)
 {
     const double still[3] = {0, 0, 0};
@@ -462,7 +471,7 @@ static int allocate_results(vibration *vibration, size_t count, size_t n)
            vibration->effective;
 }
 
-/* ---- whole ------------------------------------------------------------ */
+/* ---- memory and result ------------------------------------------------- */
 
 static int allocate_search(search *s, size_t number)
 {
@@ -530,7 +539,7 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     memset(vibration, 0, sizeof *vibration);
     memset(&s, 0, sizeof s);
     s.d = design;
-    const int most = design->mesh.dof - design->mesh.prescribed_count;
+    const int most = design->mesh.free_dof - design->mesh.prescribed_count;
     const int wanted = number < most ? number : most;
     if (mass_build(&s.mass, &design->mesh, lumped, error) < 0)
         return -1;
@@ -567,7 +576,7 @@ int vibration_first(const vibration *vibration)
 double vibration_static(const vibration *vibration, const design *design, int mode, int input)
 {
     const pzs_rows *in = &design->structure.input;
-    const double *x = vibration->shape + (size_t)mode * (size_t)design->mesh.dof;
+    const double *x = vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof;
     double sum = 0;
     for (uint32_t t = in->start[input]; t < in->start[input + 1]; t++)
         sum += in->value[t] * x[in->dof[t]];

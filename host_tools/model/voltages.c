@@ -16,55 +16,56 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *bounds; /* [3][amplifiers] lower, upper, slew */
+    double *limits; /* [3][amplifiers] lower limit, upper limit, step limit */
     void *work;
 } trial;
 
-static void trial_free(trial *t)
+static void trial_free(trial *trial)
 {
-    free(t->bounds);
-    free(t->work);
+    free(trial->limits);
+    free(trial->work);
 }
 
 /*
- * influence [targets][amplifiers] in, or NULL: the design's, at rest. error is filled where limits
- * do not overlap.
+ * Set up a controller with other limits.
+ *   influence [targets][amplifiers] in  NULL: that of the design, in the reference state
+ * Fills error where limits do not overlap.
  */
-static pzs_status trial_start(trial *t, const design *design, common_limits common,
+static pzs_status trial_start(trial *trial, const design *design, common_limits common,
                               const double *influence, char *error)
 {
     const size_t n = (size_t)design->amplifiers,
                  bytes = PZS_CONTROL_BYTES(design->amplifiers, design->targets);
-    memset(t, 0, sizeof *t);
-    t->problem = design->problem;
-    t->bounds = calloc(3 * n, sizeof *t->bounds);
-    t->work = malloc(bytes);
-    if (!t->bounds || !t->work)
+    memset(trial, 0, sizeof *trial);
+    trial->problem = design->problem;
+    trial->limits = calloc(3 * n, sizeof *trial->limits);
+    trial->work = malloc(bytes);
+    if (!trial->limits || !trial->work)
         return PZS_E_WORKSPACE;
-    if (design_limits(design, common, t->bounds, t->bounds + n, error) < 0)
+    if (design_limits(design, common, trial->limits, trial->limits + n, error) < 0)
         return PZS_E_LIMITS;
     for (size_t k = 0; k < n; k++)
-        t->bounds[2 * n + k] = HUGE_VAL;
-    t->problem.lower = t->bounds;
-    t->problem.upper = t->bounds + n;
-    t->problem.step_limit = t->bounds + 2 * n;
+        trial->limits[2 * n + k] = HUGE_VAL;
+    trial->problem.lower = trial->limits;
+    trial->problem.upper = trial->limits + n;
+    trial->problem.step_limit = trial->limits + 2 * n;
     if (influence) {
-        t->problem.influence = influence;
-        t->problem.hessian = NULL;
+        trial->problem.influence = influence;
+        trial->problem.hessian = NULL;
     }
-    t->problem.crc = 0;
-    t->problem.crc = pzs_problem_crc(&t->problem);
-    return pzs_control_init(&t->control, &t->problem, NULL, t->work, bytes);
+    trial->problem.crc = 0;
+    trial->problem.crc = pzs_problem_crc(&trial->problem);
+    return pzs_control_init(&trial->control, &trial->problem, NULL, trial->work, bytes);
 }
 
 /*
- * The widest range of any amplifier, how many have less or are held, and how many of `volt` are at
- * a limit.
+ * Note the widest range of any amplifier, how many amplifiers are held or have a narrower range,
+ * and how many voltages are at a limit.
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
     double lowest = HUGE_VAL, highest = -HUGE_VAL;
-    result->active = result->held = result->narrower = 0;
+    result->active_limits = result->held = result->narrowed = 0;
     for (int k = 0; k < problem->inputs; k++) {
         if (problem->lower[k] == problem->upper[k]) {
             result->held++;
@@ -72,77 +73,79 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
         }
         lowest = fmin(lowest, problem->lower[k]);
         highest = fmax(highest, problem->upper[k]);
-        result->active += voltage[k] == problem->lower[k] || voltage[k] == problem->upper[k];
+        result->active_limits += voltage[k] == problem->lower[k] || voltage[k] == problem->upper[k];
     }
     for (int k = 0; k < problem->inputs; k++)
-        result->narrower += problem->lower[k] != problem->upper[k] &&
+        result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* every amplifier held: from -INFINITY to INFINITY */
+    result->limit[0] = fmin(lowest, highest); /* every amplifier is held; the range went from
+                                                 -INFINITY to INFINITY */
     result->limit[1] = fmax(lowest, highest);
 }
 
-/* The message of a status that is about the voltage problem. Returns -1. */
+/* Fill error with the message of a status of the voltage problem. Returns -1. */
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* design_limits has named the amplifier */
+        return -1; /* design_limits has named the amplifier in error */
     return scene_fault(analysis->design.scene, analysis->design.scene->limits.at, error, "%s",
                        pzs_status_text(status));
 }
 
 /*
- * The bounded optimum: reached in one step; a budget that runs out continues where it stopped.
- *   influence as in trial_start
- *   wanted [targets] in     what B volt should be
- *   reach            in     most change of any volt from `volt`, or INFINITY
- *   volt [amplifiers] in/out
+ * Bounded optimum in one control step; a step that runs out of iterations is continued.
+ *   influence             in      as in trial_start
+ *   wanted [targets]      in      target of B v
+ *   trust_radius          in      largest change of any voltage, or INFINITY
+ *   voltage [amplifiers]  in/out  V
  */
-static pzs_status best_volts(const design *design, common_limits common, const double *influence,
-                             const double *wanted, double reach, voltages *result, double *voltage,
-                             char *error)
+static pzs_status optimise_voltages(const design *design, common_limits common,
+                                    const double *influence, const double *wanted, double reach,
+                                    voltages *result, double *voltage, char *error)
 {
-    trial t;
-    pzs_status status = trial_start(&t, design, common, influence, error);
+    trial trial;
+    pzs_status status = trial_start(&trial, design, common, influence, error);
     for (int k = 0; status == PZS_OK && isfinite(reach) && k < design->amplifiers; k++) {
-        t.control.state.lower[k] = fmax(t.problem.lower[k], voltage[k] - reach);
-        t.control.state.upper[k] = fmin(t.problem.upper[k], voltage[k] + reach);
+        trial.control.state.lower[k] = fmax(trial.problem.lower[k], voltage[k] - reach);
+        trial.control.state.upper[k] = fmin(trial.problem.upper[k], voltage[k] + reach);
     }
     if (status == PZS_OK && isfinite(reach))
-        status = pzs_control_start(&t.control, voltage);
+        status = pzs_control_start(&trial.control, voltage);
     for (int again = 0; status == PZS_OK && again < 10; again++) {
-        status = pzs_step(&t.control, wanted);
-        result->passes += t.control.info.iterations;
+        status = pzs_step(&trial.control, wanted);
+        result->iterations += trial.control.info.iterations;
         if (status != PZS_W_ITERATIONS)
             break;
         status = PZS_OK;
     }
     if (!PZS_IS_ERROR(status)) {
-        memcpy(voltage, t.control.info.voltage, (size_t)design->amplifiers * sizeof *voltage);
+        memcpy(voltage, trial.control.info.voltage, (size_t)design->amplifiers * sizeof *voltage);
         pzs_report report;
-        (void)pzs_assess(&t.control, wanted, &report);
+        (void)pzs_assess(&trial.control, wanted, &report);
         result->optimality = report.kkt_violation;
-        note_limits(&t.problem, voltage, result);
+        note_limits(&trial.problem, voltage, result);
         status = PZS_OK;
     }
-    trial_free(&t);
+    trial_free(&trial);
     return status;
 }
 
-/* ---- volts and their shape -------------------------------------------- */
+/* ---- voltages and their shape ----------------------------------------- */
 
 static int start(const analysis *analysis, voltages *result, const char *name)
 {
     memset(result, 0, sizeof *result);
     snprintf(result->name, sizeof result->name, "%s", name);
-    result->volts = analysis->design.amplifiers;
-    result->volt = calloc((size_t)analysis->design.amplifiers, sizeof *result->volt);
+    result->amplifiers = analysis->design.amplifiers;
+    result->voltage = calloc((size_t)analysis->design.amplifiers, sizeof *result->voltage);
     result->shape = calloc((size_t)analysis->design.targets, sizeof *result->shape);
-    result->aim = calloc((size_t)analysis->design.targets, sizeof *result->aim);
-    result->u = calloc((size_t)analysis->design.mesh.dof, sizeof *result->u);
+    result->aligned_target =
+        calloc((size_t)analysis->design.targets, sizeof *result->aligned_target);
+    result->u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *result->u);
     result->optimality = (double)NAN;
     result->limit[0] = -HUGE_VAL;
     result->limit[1] = HUGE_VAL;
-    return result->volt && result->shape && result->aim && result->u ? 0 : -1;
+    return result->voltage && result->shape && result->aligned_target && result->u ? 0 : -1;
 }
 
 static int out_of_memory(const analysis *analysis, char *error)
@@ -150,7 +153,7 @@ static int out_of_memory(const analysis *analysis, char *error)
     return analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
-/* Weighted squares of what is wanted in the rows that cannot move. */
+/* Weighted squares of the target in the rows on constrained dof. */
 static double wanted_fixed(const design *design)
 {
     double sum = 0;
@@ -159,50 +162,55 @@ static double wanted_fixed(const design *design)
     return sum;
 }
 
-static double relative(double missed, double wanted)
+static double relative(double misfit, double wanted)
 {
-    return wanted > 0 ? sqrt(missed / wanted) : sqrt(missed);
+    return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
-/* v->shape, v->aim and the errors of v->u. */
-static void measure(const analysis *analysis, voltages *result)
+/* Fill result->shape, result->aligned_target and the errors of result->u. */
+static void measure_errors(const analysis *analysis, voltages *result)
 {
     const design *design = &analysis->design;
     double most = 0;
     design_shape(design, result->u, result->shape);
-    const double missed = design_squares(design, result->shape, design->target),
+    const double misfit = design_squares(design, result->shape, design->target),
                  wanted = design_squares(design, design->wanted, NULL);
-    const double missed_fixed = design_misfit(design, result->shape, design->target, result->aim);
+    const double missed_fixed =
+        design_misfit(design, result->shape, design->target, result->aligned_target);
     result->fixed_off = 0;
     for (int i = 0; i < design->targets; i++)
         most = fmax(most, fabs(design->target[i]));
     for (int i = 0; i < design->targets; i++)
-        result->fixed_off += design->fixed_weight[i] > 0 && fabs(result->aim[i]) > 1e-9 * most;
+        result->fixed_off +=
+            design->fixed_weight[i] > 0 && fabs(result->aligned_target[i]) > 1e-9 * most;
     for (int i = 0; i < design->targets; i++)
-        result->aim[i] = result->shape[i] - result->aim[i];
-    result->error = relative(missed, wanted);
-    result->error_all = relative(missed + missed_fixed, wanted + wanted_fixed(design));
+        result->aligned_target[i] = result->shape[i] - result->aligned_target[i];
+    result->error = relative(misfit, wanted);
+    result->error_all = relative(misfit + missed_fixed, wanted + wanted_fixed(design));
 }
 
-/* Shape of v->volt on the structure asked about. */
-static int reach(analysis *analysis, voltages *result, int warm, char *error)
+/* Displacement and errors of result->voltage on the structure that analysis->nonlinear selects. */
+static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 {
-    if (analysis_reach(analysis, result->volt, warm, result->u, error) < 0)
+    if (analysis_reach(analysis, result->voltage, warm, result->u, error) < 0)
         return -1;
-    measure(analysis, result);
-    result->residual =
-        analysis->nonlinear ? analysis->path.run.info.residual : analysis->model.info.residual;
-    result->systems += analysis->nonlinear ? (int)analysis->path.run.info.linear_solves : 0;
+    measure_errors(analysis, result);
+    result->residual = analysis->nonlinear ? analysis->equilibrium.solver.info.residual
+                                           : analysis->model.info.residual;
+    result->linear_solves +=
+        analysis->nonlinear ? (int)analysis->equilibrium.solver.info.linear_solves : 0;
     return 0;
 }
 
-/* The same from rest; where the load steps end early, error is NAN and the shape the last
- * equilibrium. */
-static int reach_or_none(analysis *analysis, voltages *result, char *error)
+/*
+ * The same from the reference state. Where the load steps end early, the error is NAN and the shape
+ * is the last equilibrium.
+ */
+static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
 {
-    if (reach(analysis, result, 0, error) == 0)
+    if (evaluate(analysis, result, 0, error) == 0)
         return 0;
-    measure(analysis, result);
+    measure_errors(analysis, result);
     result->error = result->error_all = (double)NAN;
     return analysis->nonlinear && analysis_ended_early(analysis) ? 0 : -1;
 }
@@ -213,40 +221,41 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
               common.source == LIMITS_NONE ? "linear optimum, no limits"
                                            : "linear optimum in limits") < 0)
         return out_of_memory(analysis, error);
-    const pzs_status status = best_volts(&analysis->design, common, NULL, analysis->design.wanted,
-                                         HUGE_VAL, result, result->volt, error);
+    const pzs_status status =
+        optimise_voltages(&analysis->design, common, NULL, analysis->design.wanted, HUGE_VAL,
+                          result, result->voltage, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
-    if (reach_or_none(analysis, result, error) < 0)
+    if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->nonlinear)
-        result->optimality = (double)NAN; /* no claim on another structure than the one it was found
-                                           * for
-                                           */
+        result->optimality = (double)NAN; /* the optimality holds on the structure of the
+                                             optimisation only */
     return 0;
 }
 
 /*
- * Least squares cut to the limits; tuned: regularised by the lambda that leaves the smallest error
- * of the linear model.
+ * Least squares clipped to the limits. tuned: regularised by the lambda that leaves the smallest
+ * error of the linear model.
  */
-static pzs_status clipped_volts(const design *design, common_limits common, bool tuned,
+static pzs_status clip_voltages(const design *design, common_limits common, bool tuned,
                                 voltages *result, char *error)
 {
-    trial t;
-    clipped c;
-    memset(&c, 0, sizeof c);
-    pzs_status status = trial_start(&t, design, common, NULL, error);
-    if (status == PZS_OK &&
-        clipped_open(&c, design, t.problem.lower, t.problem.upper, design->wanted) < 0)
+    trial trial;
+    clipped clipped;
+    memset(&clipped, 0, sizeof clipped);
+    pzs_status status = trial_start(&trial, design, common, NULL, error);
+    if (status == PZS_OK && clipped_open(&clipped, design, trial.problem.lower, trial.problem.upper,
+                                         design->wanted) < 0)
         status = PZS_E_WORKSPACE;
+    if (status == PZS_OK && tuned)
+        status = clipped_tune(&clipped, result->voltage, &result->regularisation);
+    else if (status == PZS_OK && !clipped_solve(&clipped, 0, result->voltage))
+        status = PZS_E_NONFINITE;
     if (status == PZS_OK)
-        status = tuned ? clipped_tune(&c, result->volt, &result->regularisation)
-                       : clipped_solve(&c, 0, result->volt);
-    if (status == PZS_OK)
-        note_limits(&t.problem, result->volt, result);
-    clipped_close(&c);
-    trial_free(&t);
+        note_limits(&trial.problem, result->voltage, result);
+    clipped_close(&clipped);
+    trial_free(&trial);
     return status;
 }
 
@@ -254,10 +263,10 @@ static int clip(analysis *analysis, common_limits common, bool tuned, voltages *
 {
     if (start(analysis, result, tuned ? "regularised, then clipped" : "clipped least squares") < 0)
         return out_of_memory(analysis, error);
-    const pzs_status status = clipped_volts(&analysis->design, common, tuned, result, error);
+    const pzs_status status = clip_voltages(&analysis->design, common, tuned, result, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
-    return reach_or_none(analysis, result, error);
+    return evaluate_or_none(analysis, result, error);
 }
 
 int voltages_clipped(analysis *analysis, common_limits common, voltages *result, char *error)
@@ -275,101 +284,108 @@ int voltages_given(analysis *analysis, const char *name, const double *voltage, 
 {
     if (start(analysis, result, name) < 0)
         return out_of_memory(analysis, error);
-    memcpy(result->volt, voltage, (size_t)analysis->design.amplifiers * sizeof *result->volt);
-    return reach_or_none(analysis, result, error);
+    memcpy(result->voltage, voltage, (size_t)analysis->design.amplifiers * sizeof *result->voltage);
+    return evaluate_or_none(analysis, result, error);
 }
 
 void voltages_free(voltages *result)
 {
-    free(result->volt);
+    free(result->voltage);
     free(result->shape);
-    free(result->aim);
+    free(result->aligned_target);
     free(result->u);
     memset(result, 0, sizeof *result);
 }
 
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
-/* A misfit and the effort in its unit. */
-static double with_effort(const analysis *analysis, const voltages *result, double sum)
+/* A squared misfit plus the regularisation term in its unit. */
+static double with_regularisation(const analysis *analysis, const voltages *result, double sum)
 {
     const design *design = &analysis->design;
     for (int k = 0; k < design->amplifiers; k++)
-        sum += design->problem.regularisation * pow(result->volt[k] - design->prefer[k], 2);
+        sum += design->problem.regularisation *
+               pow(result->voltage[k] - design->reference_voltage[k], 2);
     return sum;
 }
 
-/* What the optimum makes small. */
+/* Objective of the optimisation at a result. */
 static double objective(const analysis *analysis, const voltages *result)
 {
-    return with_effort(analysis, result,
-                       design_squares(&analysis->design, result->shape, analysis->design.target));
+    return with_regularisation(
+        analysis, result,
+        design_squares(&analysis->design, result->shape, analysis->design.target));
 }
 
-/* Arrays of one Gauss-Newton run; one allocation, at `all`. */
+/* Arrays of one Gauss-Newton run; one allocation, at `full_influence`. */
 typedef struct newton {
-    double *all;       /* [outputs][inputs] influence at the shape reached */
-    double *influence; /* [targets][amplifiers] its part */
-    double *wanted;    /* [targets] what influence times volts should be */
-    double *column;    /* [targets] room */
-    double reach;      /* most change of any volt for which the influence is trusted */
-    void *state;       /* of the path at the shape reached */
-    voltages best;     /* there */
+    double *full_influence; /* [outputs][inputs] influence at the last shape */
+    double *influence;      /* [targets][amplifiers] rows and columns of the voltage problem */
+    double *wanted;         /* [targets] target of influence times voltages */
+    double *work;           /* [targets] work */
+    double trust_radius;    /* largest change of any voltage, V */
+    void *state;            /* state of the equilibrium solver at the best result */
+    voltages best;          /* result with the smallest objective so far */
 } newton;
 
-/* What v holds is the best so far; and back to it. */
-static void keep(const analysis *analysis, newton *newton, const voltages *result)
+/* Save a result as the best one, and return to the best one. */
+static void save_best(const analysis *analysis, newton *newton, const voltages *result)
 {
     const voltages own = newton->best;
-    path_keep(&analysis->path, newton->state);
+    equilibrium_save(&analysis->equilibrium, newton->state);
     newton->best = *result;
-    newton->best.volt =
-        memcpy(own.volt, result->volt, (size_t)result->volts * sizeof *result->volt);
+    newton->best.voltage =
+        memcpy(own.voltage, result->voltage, (size_t)result->amplifiers * sizeof *result->voltage);
     newton->best.shape =
         memcpy(own.shape, result->shape, (size_t)analysis->design.targets * sizeof *result->shape);
-    newton->best.aim =
-        memcpy(own.aim, result->aim, (size_t)analysis->design.targets * sizeof *result->aim);
+    newton->best.aligned_target =
+        memcpy(own.aligned_target, result->aligned_target,
+               (size_t)analysis->design.targets * sizeof *result->aligned_target);
     newton->best.u =
-        memcpy(own.u, result->u, (size_t)analysis->design.mesh.dof * sizeof *result->u);
+        memcpy(own.u, result->u, (size_t)analysis->design.mesh.free_dof * sizeof *result->u);
 }
 
 static void go_back(analysis *analysis, const newton *newton, voltages *result)
 {
-    path_return(&analysis->path, newton->state);
-    memcpy(result->volt, newton->best.volt, (size_t)result->volts * sizeof *result->volt);
+    equilibrium_restore(&analysis->equilibrium, newton->state);
+    memcpy(result->voltage, newton->best.voltage,
+           (size_t)result->amplifiers * sizeof *result->voltage);
     memcpy(result->shape, newton->best.shape,
            (size_t)analysis->design.targets * sizeof *result->shape);
-    memcpy(result->u, newton->best.u, (size_t)analysis->design.mesh.dof * sizeof *result->u);
-    memcpy(result->aim, newton->best.aim, (size_t)analysis->design.targets * sizeof *result->aim);
+    memcpy(result->u, newton->best.u, (size_t)analysis->design.mesh.free_dof * sizeof *result->u);
+    memcpy(result->aligned_target, newton->best.aligned_target,
+           (size_t)analysis->design.targets * sizeof *result->aligned_target);
     result->error = newton->best.error;
     result->error_all = newton->best.error_all;
     result->fixed_off = newton->best.fixed_off;
     result->residual = newton->best.residual;
-    result->active = newton->best.active;
+    result->active_limits = newton->best.active_limits;
     result->optimality = newton->best.optimality;
 }
 
-/* Influence at the shape reached. */
+/* Compute the influence at the last shape. */
 static pzs_status relinearise(analysis *analysis, newton *newton, voltages *result)
 {
     const design *design = &analysis->design;
     const size_t n = (size_t)design->amplifiers;
-    const pzs_status status = pzs_influence_at(&analysis->path.run, newton->all);
+    const pzs_status status =
+        pzs_influence_at(&analysis->equilibrium.solver, newton->full_influence);
     if (status == PZS_OK)
-        design_influence_free(design, newton->all, design->structure.input.count, newton->column,
-                              newton->influence);
+        design_influence_free(design, newton->full_influence, design->structure.input.count,
+                              newton->work, newton->influence);
     for (size_t i = 0; status == PZS_OK && i < (size_t)design->targets; i++) {
-        newton->wanted[i] = result->aim[i] - result->shape[i];
+        newton->wanted[i] = result->aligned_target[i] - result->shape[i];
         for (size_t k = 0; k < n; k++)
-            newton->wanted[i] += newton->influence[i * n + k] * result->volt[k];
+            newton->wanted[i] += newton->influence[i * n + k] * result->voltage[k];
     }
     result->relinearised++;
-    keep(analysis, newton, result);
+    save_best(analysis, newton, result);
     return status;
 }
 
-/* The objective that the linearised structure promises for v->volt. */
-static double promised(const analysis *analysis, const newton *newton, const voltages *result)
+/* Objective that the linearised structure predicts for result->voltage. */
+static double predicted_objective(const analysis *analysis, const newton *newton,
+                                  const voltages *result)
 {
     const design *design = &analysis->design;
     double sum = 0;
@@ -377,42 +393,43 @@ static double promised(const analysis *analysis, const newton *newton, const vol
         double miss = -newton->wanted[i];
         for (int k = 0; k < design->amplifiers; k++)
             miss += newton->influence[(size_t)i * (size_t)design->amplifiers + (size_t)k] *
-                    result->volt[k];
+                    result->voltage[k];
         sum += pow(design->weight[i] * miss, 2);
     }
-    return with_effort(analysis, result, sum);
+    return with_regularisation(analysis, result, sum);
 }
 
 static double largest_change(const analysis *analysis, const newton *newton, const voltages *result)
 {
     double most = 0;
     for (int k = 0; k < analysis->design.amplifiers; k++)
-        most = fmax(most, fabs(result->volt[k] - newton->best.volt[k]));
+        most = fmax(most, fabs(result->voltage[k] - newton->best.voltage[k]));
     return most;
 }
 
 /*
- * Move to the linearised optimum within reach; the reach follows how well the last promise was
- * kept, and a move that helps nothing is taken back and tried again closer. Returns the part of the
- * objective it fell by; 0: nothing helps.
+ * Move to the optimum of the linearised structure within the trust radius. The radius follows the
+ * ratio of the actual to the predicted decrease; a step that does not decrease the objective is
+ * undone and repeated with a smaller radius. Returns the relative decrease of the objective; 0: no
+ * step decreases it.
  */
 static double improve(analysis *analysis, common_limits common, newton *newton, voltages *result,
                       pzs_status *status, char *error)
 {
     const double before = objective(analysis, result);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
-        *status = best_volts(&analysis->design, common, newton->influence, newton->wanted,
-                             newton->reach, result, result->volt, error);
+        *status = optimise_voltages(&analysis->design, common, newton->influence, newton->wanted,
+                                    newton->trust_radius, result, result->voltage, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(analysis, newton, result),
-                     promise = promised(analysis, newton, result);
-        const int reached = reach(analysis, result, 1, error) == 0;
+                     promise = predicted_objective(analysis, newton, result);
+        const int reached = evaluate(analysis, result, 1, error) == 0;
         const double kept = (before - objective(analysis, result)) / (before - promise);
         if (!reached || !(kept > 0.75))
-            newton->reach = change / (kept > 0.25 && reached ? 1 : 4);
-        else if (change >= 0.99 * newton->reach)
-            newton->reach = 2 * change;
+            newton->trust_radius = change / (kept > 0.25 && reached ? 1 : 4);
+        else if (change >= 0.99 * newton->trust_radius)
+            newton->trust_radius = 2 * change;
         if (reached && objective(analysis, result) < before)
             return 1 - objective(analysis, result) / before;
         go_back(analysis, newton, result);
@@ -427,15 +444,16 @@ static int gauss_newton(analysis *analysis, common_limits common, voltages *resu
                  inputs = design->structure.input.count;
     const size_t all = (size_t)design->structure.output.count * inputs;
     double fell = 1;
-    newton newton = {.reach = HUGE_VAL,
-                     .all = calloc(all + m * n + 2 * m, sizeof *newton.all),
-                     .state = malloc(path_state_bytes(&analysis->path))};
-    newton.influence = newton.all + all;
+    newton newton = {.trust_radius = HUGE_VAL,
+                     .full_influence = calloc(all + m * n + 2 * m, sizeof *newton.full_influence),
+                     .state = malloc(equilibrium_state_bytes(&analysis->equilibrium))};
+    newton.influence = newton.full_influence + all;
     newton.wanted = newton.influence + m * n;
-    newton.column = newton.wanted + m;
-    pzs_status status = start(analysis, &newton.best, "") == 0 && newton.all && newton.state
-                            ? PZS_OK
-                            : PZS_E_WORKSPACE;
+    newton.work = newton.wanted + m;
+    pzs_status status =
+        start(analysis, &newton.best, "") == 0 && newton.full_influence && newton.state
+            ? PZS_OK
+            : PZS_E_WORKSPACE;
     while (status == PZS_OK && fell > 1e-3 && result->relinearised < MOST_RELINEARISED) {
         status = relinearise(analysis, &newton, result);
         if (status == PZS_OK)
@@ -443,30 +461,30 @@ static int gauss_newton(analysis *analysis, common_limits common, voltages *resu
     }
     voltages_free(&newton.best);
     free(newton.state);
-    free(newton.all);
+    free(newton.full_influence);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-/* Halve the volts, within their limits, until there is an equilibrium. */
-static int retreat(analysis *analysis, common_limits common, voltages *result, char *error)
+/* Halve the voltages, within their limits, until an equilibrium exists. */
+static int halve_voltages(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    trial t;
-    const pzs_status status = trial_start(&t, &analysis->design, common, NULL, error);
+    trial trial;
+    const pzs_status status = trial_start(&trial, &analysis->design, common, NULL, error);
     int failed = -1;
     for (int tries = 0; status == PZS_OK && failed && tries < MOST_REFUSED; tries++) {
-        for (int k = 0; k < result->volts; k++)
-            result->volt[k] =
-                fmin(fmax(result->volt[k] / 2, t.problem.lower[k]), t.problem.upper[k]);
-        failed = reach(analysis, result, 0, error);
+        for (int k = 0; k < result->amplifiers; k++)
+            result->voltage[k] =
+                fmin(fmax(result->voltage[k] / 2, trial.problem.lower[k]), trial.problem.upper[k]);
+        failed = evaluate(analysis, result, 0, error);
     }
-    trial_free(&t);
+    trial_free(&trial);
     return failed;
 }
 
 int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     if (voltages_linear(analysis, common, result, error) < 0 ||
-        (isnan(result->error) && retreat(analysis, common, result, error) < 0))
+        (isnan(result->error) && halve_voltages(analysis, common, result, error) < 0))
         return -1;
     snprintf(result->name, sizeof result->name, "%s",
              common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");

@@ -1,38 +1,44 @@
 /*
- * Pictures of a result: an HTML page with SVG drawings, and a VTK file for ParaView.
- * Each function returns 0, or -1 when memory runs out, a solve fails or the file cannot be written.
+ * Pictures of a result: an HTML page with SVG drawings, its main picture as an SVG file, and a VTK
+ * file for ParaView. Each function returns 0, or -1 when memory runs out, a solve fails or the file
+ * cannot be written.
  */
 #ifndef REPORT_H
 #define REPORT_H
 
+#include <stdbool.h>
 #include <stdio.h>
 #include "../model/modes.h"
 
+/* Where a report goes, as which of the two, and the command line that asked for it. */
+typedef struct report_job {
+    FILE *file;
+    bool is_svg;
+    int words;
+    char *const *word; /* [words] */
+} report_job;
+
 /*
- * Displacement field of a result on the mesh.
- *   u      [nodes][3]  Cartesian displacement of the middle surface
+ * `pzs solve`: deformed shape, outputs, components. u [dof] displacement, output [output rows]
+ * values
  */
+int report_solve(const report_job *job, const analysis *analysis, const double *u,
+                 const double *output);
+
+/*
+ * `pzs shape`: reached shapes, misfits and voltages of each result, error table, modes of the
+ * target; one solve each. voltages [count]
+ */
+int report_shape(const report_job *job, analysis *analysis, const voltages *voltages, int count,
+                 const modes *modes);
+
+/* Displacement field of a result: u [nodes][3], Cartesian, of the middle surface. */
 typedef struct report_field {
     const char *name;
     const double *u;
 } report_field;
 
-/*
- * HTML page of `pzs solve`: undeformed and deformed shape, outputs with their references, mesh and
- * numerics. u       [dof]            displacement output  [output rows]    values of the
- * structure's output rows
- */
-int report_solve(FILE *file, const analysis *analysis, const double *u, const double *output);
-
-/*
- * HTML page of `pzs shape`: target and reached shape, misfit maps, voltages on their patches, error
- * table, and what is left of each of the target's modes. volts [count] results, each drawn; one
- * solve each
- */
-int report_shape(FILE *file, analysis *analysis, const voltages *voltages, int count,
-                 const modes *modes);
-
-/* Legacy VTK file: quadrilaterals with one displacement vector field per entry. */
+/* VTK file: quadrilaterals with one displacement vector field per entry. */
 int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields);
 
 /* Cartesian displacement of the middle surface at the nodes. u [dof] in, vector [nodes][3] out. */

@@ -1,128 +1,114 @@
-/* The body of a contact in a picture (report_body.h). */
-#include "report_body.h"
+/* The rigid body of a contact in a picture (report_shell.h). */
 #include <math.h>
-#include <string.h>
+#include "report_shell.h"
 
-/* Distance of x from the body as it stands now, its gradient in normal. */
-static double gap_at(const path *p, const double x[3], double normal[3])
+/* Distance of x from the body as it stands now, and its gradient. */
+static double gap_at(const equilibrium *p, const double x[3], double normal[3])
 {
     double from[3], hessian[3][3];
     for (int i = 0; i < 3; i++)
-        from[i] = x[i] - p->run.info.load_factor * p->design->scene->contact.move[i];
+        from[i] = x[i] - p->solver.info.load_factor * p->design->scene->contact.move[i];
     return p->body.gap(&p->body, from, normal, hessian);
 }
 
-/* Two unit vectors across a normal, the second along the axis that lies most across it. */
-static void tangents(const double normal[3], double along[2][3])
+/* Unit vectors across a normal: the second along the axis that lies most across it. */
+static void find_tangents(const double normal[3], double along[2][3])
 {
     int least = 2;
     for (int i = 1; i >= 0; i--)
         if (fabs(normal[i]) < fabs(normal[least]) - 1e-9)
             least = i;
-    double size = 0;
+    const double size = sqrt(1 - normal[least] * normal[least]);
+    for (int i = 0; i < 3; i++)
+        along[1][i] = ((i == least) - normal[least] * normal[i]) / size;
     for (int i = 0; i < 3; i++) {
-        along[1][i] = (i == least) - normal[least] * normal[i];
-        size += along[1][i] * along[1][i];
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        along[0][i] = along[1][j] * normal[k] - along[1][k] * normal[j];
     }
-    for (int i = 0; i < 3; i++)
-        along[1][i] /= sqrt(size);
-    for (int i = 0; i < 3; i++)
-        along[0][i] = along[1][(i + 1) % 3] * normal[(i + 2) % 3] -
-                      along[1][(i + 2) % 3] * normal[(i + 1) % 3];
 }
 
-/* The node nearest to the body: its foot on it, the normal there. */
-static void nearest(const analysis *analysis, const double *vector, double foot[3],
-                    double normal[3])
+/* Move a point onto the body, which takes some iterations where the gap is no distance. */
+static void pull_to_body(const analysis *analysis, double x[3], double normal[3])
+{
+    enum { ITERATIONS = 4 };
+    for (int k = 0; k < ITERATIONS; k++) {
+        const double gap = gap_at(&analysis->equilibrium, x, normal);
+        for (int i = 0; i < 3; i++)
+            x[i] -= gap * normal[i];
+    }
+}
+
+/* The node nearest to the body: its foot on the body, the normal there. */
+static void find_foot(const analysis *analysis, const double *vector, double foot[3],
+                      double normal[3])
 {
     double least = HUGE_VAL;
     for (int n = 0; n < analysis->design.mesh.nodes; n++) {
-        double x[3], out[3];
+        double x[3], unused[3];
         draw_place(&analysis->design.mesh, n, vector, 1, x);
-        const double gap = gap_at(&analysis->path, x, out);
-        if (!(gap < least))
-            continue;
-        least = gap;
-        for (int i = 0; i < 3; i++) {
-            normal[i] = out[i];
-            foot[i] = x[i] - gap * out[i];
-        }
+        const double gap = gap_at(&analysis->equilibrium, x, unused);
+        for (int i = 0; i < 3 && gap < least; i++)
+            foot[i] = x[i];
+        least = fmin(least, gap);
     }
+    pull_to_body(analysis, foot, normal);
 }
 
-/* How far the nodes near the body reach along the tangents at a foot, with a margin. reach [2][2]
- * out */
-static void reach_of(const analysis *analysis, const double *vector, const double foot[3],
-                     double along[2][3], double reach[2][2])
+/* How far the nodes near the body reach from a foot along its tangents. reach [2][2] out */
+static void find_reach(const analysis *analysis, const double *vector, const double foot[3],
+                       double along[2][3], double reach[2][2])
 {
-    const double size = analysis->path.face.size, near = 0.12 * size, margin = 0.04 * size;
-    memset(reach, 0, 4 * sizeof **reach);
+    const double near = 0.12 * analysis->equilibrium.contact_face.size,
+                 margin = 0.04 * analysis->equilibrium.contact_face.size;
+    for (int i = 0; i < 4; i++)
+        reach[i / 2][i % 2] = 0;
     for (int n = 0; n < analysis->design.mesh.nodes; n++) {
         double x[3], unused[3];
         draw_place(&analysis->design.mesh, n, vector, 1, x);
-        if (gap_at(&analysis->path, x, unused) > near)
-            continue;
+        const bool is_near = gap_at(&analysis->equilibrium, x, unused) <= near;
+        for (int t = 0; t < 2 && is_near; t++) {
+            const double place = draw_dot3(along[t], x) - draw_dot3(along[t], foot);
+            reach[t][0] = fmin(reach[t][0], place - margin);
+            reach[t][1] = fmax(reach[t][1], place + margin);
+        }
+    }
+}
+
+void shell_body_find(shell_body *body, const analysis *analysis, const double *vector,
+                     draw_view *view)
+{
+    const int last = SHELL_NET - 1;
+    double foot[3] = {0, 0, 0}, along[2][3], reach[2][2], unused[3];
+    body->is_given = analysis->nonlinear && analysis->design.scene->contact.given;
+    if (!body->is_given)
+        return;
+    find_foot(analysis, vector, foot, body->normal);
+    find_tangents(body->normal, along);
+    find_reach(analysis, vector, foot, along, reach);
+    for (int k = 0; k < SHELL_NET * SHELL_NET; k++) {
+        double *x = body->x[k / SHELL_NET][k % SHELL_NET];
+        const double s = reach[0][0] + (reach[0][1] - reach[0][0]) * (k / SHELL_NET) / last;
+        const double t = reach[1][0] + (reach[1][1] - reach[1][0]) * (k % SHELL_NET) / last;
         for (int i = 0; i < 3; i++)
-            x[i] -= foot[i];
-        for (int t = 0; t < 2; t++) {
-            const double place = draw_dot3(along[t], x);
-            reach[t][0] = fmin(reach[t][0], place);
-            reach[t][1] = fmax(reach[t][1], place);
-        }
-    }
-    for (int t = 0; t < 2; t++) {
-        reach[t][0] -= margin;
-        reach[t][1] += margin;
+            x[i] = foot[i] + s * along[0][i] + t * along[1][i];
+        pull_to_body(analysis, x, unused);
+        draw_view_include(view, x);
     }
 }
 
-void body_find(body_net *net, const analysis *analysis, const double *vector)
+void shell_body_draw(FILE *file, const shell_body *body, const draw_view *view, bool is_in_front)
 {
-    enum { PULLS = 4 };
-    double foot[3] = {0, 0, 0}, along[2][3], reach[2][2];
-    memset(net, 0, sizeof *net);
-    net->given = analysis->nonlinear && analysis->design.scene->contact.given;
-    if (!net->given)
+    if (!body->is_given || (draw_dot3(body->normal, view->axis[2]) < 0) != is_in_front)
         return;
-    nearest(analysis, vector, foot, net->normal);
-    tangents(net->normal, along);
-    reach_of(analysis, vector, foot, along, reach);
-    for (int i = 0; i < BODY_LINES; i++)
-        for (int j = 0; j < BODY_LINES; j++) {
-            double *x = net->x[i][j], out[3];
-            const double s = reach[0][0] + (reach[0][1] - reach[0][0]) * i / (BODY_LINES - 1);
-            const double t = reach[1][0] + (reach[1][1] - reach[1][0]) * j / (BODY_LINES - 1);
-            for (int k = 0; k < 3; k++)
-                x[k] = foot[k] + s * along[0][k] + t * along[1][k];
-            for (int pull = 0; pull < PULLS; pull++) {
-                const double gap = gap_at(&analysis->path, x, out);
-                for (int k = 0; k < 3; k++)
-                    x[k] -= gap * out[k];
-            }
+    draw_path(file, "body");
+    for (int i = 0; i + 1 < SHELL_NET; i++)
+        for (int j = 0; j + 1 < SHELL_NET; j++) {
+            double at[4][2];
+            draw_project(view, body->x[i][j], at[0]);
+            draw_project(view, body->x[i + 1][j], at[1]);
+            draw_project(view, body->x[i + 1][j + 1], at[2]);
+            draw_project(view, body->x[i][j + 1], at[3]);
+            draw_polygon(file, (const double(*)[2])at, 4);
         }
-}
-
-void body_include(const body_net *net, draw_view *view)
-{
-    for (int i = 0; net->given && i < BODY_LINES; i++)
-        for (int j = 0; j < BODY_LINES; j++)
-            draw_view_include(view, net->x[i][j]);
-}
-
-void body_draw(FILE *file, const body_net *net, const draw_view *view, int in_front)
-{
-    if (!net->given || (draw_dot3(net->normal, view->axis[2]) < 0) != in_front)
-        return;
-    fputs("<path class=\"body\" d=\"", file);
-    for (int i = 0; i + 1 < BODY_LINES; i++)
-        for (int j = 0; j + 1 < BODY_LINES; j++) {
-            static const int side[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-            for (int r = 0; r < 4; r++) {
-                double at[2];
-                draw_project(view, net->x[i + side[r][0]][j + side[r][1]], at);
-                fprintf(file, "%c%.1f %.1f", r ? 'L' : 'M', at[0], at[1]);
-            }
-            fputc('z', file);
-        }
-    fputs("\"/>\n", file);
+    draw_path_end(file);
 }

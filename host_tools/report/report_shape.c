@@ -1,382 +1,409 @@
 /* Page of `pzs shape` (report.h). */
-#include "report.h"
 #include <math.h>
 #include <stdlib.h>
-#include "report_html.h"
-#include "report_modes.h"
-#include "report_parts.h"
-#include "report_plane.h"
+#include "report_page.h"
 
-/* One set of volts with all that is drawn of it. */
+/* One set of voltages with all that is drawn of it. */
 typedef struct result {
-    const voltages *volts;
-    double *vector;          /* [nodes][3] displacement reached */
-    double *wanted, *misfit; /* [nodes][3], [nodes] as parts_misfit has them */
-    plane_outline *outline;  /* [amplifiers] */
-    double worst, rms, volt; /* largest and root mean square misfit, largest volt */
-    int beyond;              /* amplifiers beyond the limits of the scene */
+    const voltages *v;
+    page_shape shape;
+    shell_mark *mark; /* [amplifiers] */
+    double voltage;   /* largest */
+    int beyond;       /* amplifiers beyond the limits of the scene */
 } result;
 
-typedef struct page {
+typedef struct shape_page {
     FILE *file;
     analysis *a;
     const design *d;
     result *result;
     int results, plans;
-    const modes *modes;
     int *plan; /* [actuators] */
     draw_view view;
-    double factor;           /* magnification of every drawing */
-    double target;           /* largest wanted displacement */
-    draw_scale misfit, volt; /* shared by every set */
-    double residual;         /* largest of the drawn shapes */
-} page;
+    double factor;              /* magnification of every drawing */
+    draw_scale misfit, voltage; /* shared by all results */
+    double residual;            /* largest of the drawn shapes */
+} shape_page;
 
 /* ---- results ---------------------------------------------------------- */
 
-static void result_free(result *result)
-{
-    free(result->vector);
-    free(result->wanted);
-    free(result->misfit);
-    free(result->outline);
-}
-
-static int result_room(result *result, const design *design)
-{
-    const size_t nodes = (size_t)design->mesh.nodes;
-    result->vector = calloc(3 * nodes, sizeof *result->vector);
-    result->wanted = calloc(3 * nodes, sizeof *result->wanted);
-    result->misfit = calloc(nodes, sizeof *result->misfit);
-    result->outline = calloc((size_t)design->amplifiers + 1, sizeof *result->outline);
-    return result->vector && result->wanted && result->misfit && result->outline ? 0 : -1;
-}
-
-static void result_misfit(const design *design, result *result)
-{
-    parts_misfit(design, result->volts->shape, result->volts->aim, result->vector, result->misfit,
-                 result->wanted);
-    for (int t = 0; t < design->targets; t++) {
-        const double miss = result->misfit[design->target_node[t]];
-        result->worst = fmax(result->worst, fabs(miss));
-        result->rms += miss * miss / design->targets;
-    }
-    result->rms = sqrt(result->rms);
-}
-
-/* At one of the limits this set obeyed, or beyond those of the scene. */
-static void result_outline(const design *design, result *r)
-{
-    const voltages *v = r->volts;
-    for (int k = 0; k < design->amplifiers; k++) {
-        const double voltage = v->volt[k];
-        const int at = voltage == v->limit[0] || voltage == v->limit[1] ||
-                       voltage == design->lower[k] || voltage == design->upper[k];
-        const int beyond = voltage < design->lower[k] || voltage > design->upper[k];
-        r->outline[k] = v->active > 0 && at ? OUTLINE_LIMIT
-                        : beyond            ? OUTLINE_BEYOND
-                                            : OUTLINE_NONE;
-        r->beyond += beyond;
-        r->volt = fmax(r->volt, fabs(voltage));
-    }
-}
-
-static int result_fill(const analysis *analysis, const voltages *voltages, result *result)
-{
-    result->volts = voltages;
-    if (result_room(result, &analysis->design) < 0)
-        return -1;
-    report_displacement(&analysis->design.mesh, voltages->u, result->vector);
-    result_misfit(&analysis->design, result);
-    result_outline(&analysis->design, result);
-    return 0;
-}
-
-/* ---- scales shared by all sets ---------------------------------------- */
-
-static double largest_vector(const mesh *mesh, const double *vector)
-{
-    double most = 0;
-    for (int n = 0; n < mesh->nodes; n++)
-        most = fmax(most, draw_dot3(vector + 3 * n, vector + 3 * n));
-    return sqrt(most);
-}
-
-static void page_scales(page *page)
-{
-    const mesh *mesh = &page->d->mesh;
-    double most = 0;
-    page->misfit.is_signed = page->volt.is_signed = 1;
-    page->misfit.unit = page->d->scene->unit_length;
-    page->volt.unit = page->d->scene->unit_voltage;
-    for (int t = 0; t < page->d->targets; t++)
-        page->target = fmax(page->target, fabs(page->d->target[t]));
-    for (int k = 0; k < page->results; k++) {
-        page->misfit.most = fmax(page->misfit.most, page->result[k].worst);
-        page->volt.most = fmax(page->volt.most, page->result[k].volt);
-        most = fmax(most, largest_vector(mesh, page->result[k].vector));
-    }
-    page->factor =
-        page->a->nonlinear ? 1 : parts_magnification(mesh, fmax(most, page->target), 0.2);
-    draw_view_begin(&page->view, mesh);
-    for (int k = 0; k < page->results; k++) {
-        parts_include(&page->view, mesh, page->result[k].vector, page->factor);
-        parts_include(&page->view, mesh, page->result[k].wanted, page->factor);
-    }
-    draw_view_fit(&page->view, 420, 420);
-}
-
-/* ---- words ------------------------------------------------------------ */
-
-static int is_limited(const voltages *result)
+static bool is_limited(const voltages *result)
 {
     return isfinite(result->limit[0]) || isfinite(result->limit[1]);
 }
 
-static void write_limits(const page *page, const voltages *result)
+static bool is_at(double voltage, double limit)
 {
-    if (!is_limited(result)) {
-        fputs("&ndash;", page->file);
-        return;
-    }
-    if (result->limit[0] == -result->limit[1]) {
-        fputs("&plusmn;&nbsp;", page->file);
-        html_quantity(page->file, result->limit[1], page->volt.unit);
-        return;
-    }
-    html_number(page->file, result->limit[0]);
-    fputs(" to ", page->file);
-    html_quantity(page->file, result->limit[1], page->volt.unit);
+    return fabs(voltage - limit) <= 1e-9 * fabs(limit);
 }
 
-static void write_name(const page *page, const voltages *result)
+static bool is_beyond(const design *design, const voltages *result, int k)
 {
-    html_text(page->file, result->name);
-    if (is_limited(result)) {
-        fputs(", ", page->file);
-        write_limits(page, result);
-    }
+    return result->voltage[k] < design->lower[k] || result->voltage[k] > design->upper[k];
 }
 
-/* The first set within limits, as asked for, and what the best without limits would leave. */
-static void write_verdict(const page *page)
+/* Amplifiers at a limit that this set obeyed (held ones left out), or beyond those of the scene. */
+static int fill_marks(const design *design, result *result)
 {
-    const voltages *asked = NULL, *unlimited = NULL;
-    for (int k = 0; k < page->results; k++) {
-        const voltages *result = page->result[k].volts;
-        if (is_limited(result) && !asked)
-            asked = result;
-        if (!is_limited(result) && (!unlimited || result->error < unlimited->error))
-            unlimited = result;
+    const size_t amplifiers = (size_t)design->amplifiers;
+    const common_limits common = {LIMITS_GIVEN, result->v->limit[0], result->v->limit[1]};
+    double *lower = calloc(2 * amplifiers + 1, sizeof *lower);
+    double *upper = lower ? lower + amplifiers : NULL;
+    char error[SCENE_ERROR];
+    result->mark = calloc(amplifiers + 1, sizeof *result->mark);
+    if (!lower || !result->mark) {
+        free(lower);
+        return -1;
     }
-    const voltages *best = asked ? asked : unlimited;
-    if (!best)
-        return;
-    fputs("<p class=\"verdict\"><b>Shape error ", page->file);
-    html_percent(page->file, best->error);
-    fputs(" of the target</b>: ", page->file);
-    write_name(page, best);
-    fprintf(page->file, ", %d of %d amplifiers at a limit.", best->active, page->d->amplifiers);
-    if (asked && unlimited) {
-        fputs(" Without limits ", page->file);
-        html_percent(page->file, unlimited->error);
-        fputs(" would remain.", page->file);
+    const bool has_limits = is_limited(result->v) && result->v->active_limits > 0 &&
+                            design_limits(design, common, lower, upper, error) == 0;
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double voltage = result->v->voltage[k];
+        const bool is_active = is_at(voltage, lower[k]) || is_at(voltage, upper[k]) ||
+                               is_at(voltage, design->lower[k]) || is_at(voltage, design->upper[k]);
+        if (has_limits && is_active && !design_is_held(design, k))
+            result->mark[k] = SHELL_AT_LIMIT;
+        else if (is_beyond(design, result->v, k))
+            result->mark[k] = SHELL_BEYOND;
     }
-    fputs("</p>\n", page->file);
+    free(lower);
+    return 0;
 }
 
-static void write_row(const page *page, const result *result, double worst_error)
+static int fill_result(const design *design, const voltages *v, result *r)
 {
-    FILE *file = page->file;
-    fputs("<tr><th scope=\"row\">", file);
-    html_text(file, result->volts->name);
-    fputs("</th><td>", file);
-    write_limits(page, result->volts);
-    fputs("</td><td>", file);
-    html_percent(file, result->volts->error);
-    fprintf(
-        file,
-        "<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%.1f%%\"></i></span></td><td>",
-        worst_error > 0 ? fmin(100 * result->volts->error / worst_error, 100) : 0);
-    html_alike(file, result->worst, page->misfit.most, page->misfit.unit);
-    fputs("</td><td>", file);
-    if (is_limited(result->volts))
-        fprintf(file, "%d of %d", result->volts->active, page->d->amplifiers);
+    r->v = v;
+    if (fill_marks(design, r) < 0 || page_shape_open(&r->shape, &design->mesh) < 0)
+        return -1;
+    page_shape_fill(&r->shape, design, v->u, v->shape, v->aligned_target);
+    for (int k = 0; k < design->amplifiers; k++) {
+        r->beyond += is_beyond(design, v, k);
+        r->voltage = fmax(r->voltage, fabs(v->voltage[k]));
+    }
+    return 0;
+}
+
+/* Scales and view that all results share. */
+static void fit_page(shape_page *p)
+{
+    double most = 0;
+    p->misfit = (draw_scale){true, 0, p->d->scene->unit_length};
+    p->voltage = (draw_scale){true, 0, p->d->scene->unit_voltage};
+    for (int t = 0; t < p->d->targets; t++)
+        most = fmax(most, fabs(p->d->target[t]));
+    for (int k = 0; k < p->results; k++) {
+        p->misfit.most = fmax(p->misfit.most, p->result[k].shape.worst);
+        p->voltage.most = fmax(p->voltage.most, p->result[k].voltage);
+        most = fmax(most, page_largest(&p->d->mesh, p->result[k].shape.vector));
+        p->residual = fmax(p->residual, p->result[k].v->residual);
+    }
+    p->factor = p->a->nonlinear ? 1 : draw_magnification(&p->d->mesh, most, 0.2);
+    draw_view_begin(&p->view, &p->d->mesh);
+    for (int k = 0; k < p->results; k++) {
+        draw_view_mesh(&p->view, &p->d->mesh, p->result[k].shape.vector, p->factor);
+        draw_view_mesh(&p->view, &p->d->mesh, p->result[k].shape.wanted, p->factor);
+    }
+    draw_view_fit(&p->view, 420, 420);
+}
+
+/* ---- words ------------------------------------------------------------ */
+
+static void write_limits(const shape_page *p, const voltages *result)
+{
+    if (!is_limited(result))
+        fputs("–", p->file);
+    else if (result->limit[0] == -result->limit[1])
+        put(p->file, "±\xc2\xa0%q", result->limit[1], p->voltage.unit);
     else
-        fputs("&ndash;", file);
-    fputs("</td><td>", file);
-    html_alike(file, result->volt, page->volt.most, page->volt.unit);
-    fprintf(file, "</td><td>%s%d%s</td><td>", result->beyond ? "<b>" : "", result->beyond,
-            result->beyond ? "</b>" : "");
-    html_rough(file, result->volts->optimality);
-    fputs("</td></tr>\n", file);
+        put(p->file, "%n to %q", result->limit[0], result->limit[1], p->voltage.unit);
 }
 
-static void write_table(const page *page)
+static void write_name(const shape_page *p, const voltages *result)
+{
+    put(p->file, "%t", result->name);
+    if (!is_limited(result))
+        return;
+    fputs(", ", p->file);
+    write_limits(p, result);
+}
+
+/* The first result within limits, or of all where none has limits. */
+static const result *main_result(const shape_page *p)
+{
+    for (int k = 0; k < p->results; k++)
+        if (is_limited(p->result[k].v))
+            return &p->result[k];
+    return p->result;
+}
+
+/* The main result, and what the best without limits would leave. */
+static void write_verdict(const shape_page *p)
+{
+    const voltages *best = main_result(p)->v, *open = NULL;
+    for (int k = 0; k < p->results; k++) {
+        const voltages *result = p->result[k].v;
+        if (!is_limited(result) && (!open || result->error < open->error))
+            open = result;
+    }
+    put(p->file, "<p class=\"verdict\"><b>Relative RMS error %p</b>: ", best->error);
+    write_name(p, best);
+    put(p->file, ", limit active at %d of %d amplifiers.", best->active_limits, p->d->amplifiers);
+    if (is_limited(best) && open)
+        put(p->file, " Unconstrained, %p would remain.", open->error);
+    fputs("</p>\n", p->file);
+}
+
+static void write_row(const shape_page *p, const result *result, double worst_error)
+{
+    const char *unit = p->voltage.unit;
+    put(p->file, "<tr><th scope=\"row\">%t</th><td>", result->v->name);
+    write_limits(p, result->v);
+    put(p->file,
+        "</td><td>%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i>"
+        "</span></td>",
+        result->v->error, fmin(100 * result->v->error / worst_error, 100));
+    put(p->file, is_limited(result->v) ? "<td>%d of %d</td>" : "<td>–</td>",
+        result->v->active_limits, p->d->amplifiers);
+    put(p->file, result->beyond ? "<td>%a</td><td><b>%d</b></td>" : "<td>%a</td><td>%d</td>",
+        result->voltage, p->voltage.most, unit, result->beyond);
+    put(p->file, "<td>%r</td></tr>\n", result->v->optimality);
+}
+
+static void write_table(const shape_page *p)
 {
     double worst = 0;
-    for (int k = 0; k < page->results; k++)
-        worst = fmax(worst, page->result[k].volts->error);
-    html_table_begin(
-        page->file,
-        "Shape error: root of the weighted squares of the misfit over those of the target. KKT: largest violated "
-        "optimality condition, relative.",
-        "<th scope=\"col\">Volts</th><th scope=\"col\">Limits</th><th scope=\"col\">Shape error</th>"
-        "<th scope=\"col\">Largest misfit</th><th scope=\"col\">At a limit</th><th scope=\"col\">Largest volt</th>"
-        "<th scope=\"col\">Beyond the<br>scene&rsquo;s limits</th><th scope=\"col\">KKT</th>");
-    for (int k = 0; k < page->results; k++)
-        write_row(page, &page->result[k], worst);
-    html_table_end(page->file);
+    for (int k = 0; k < p->results; k++)
+        worst = fmax(worst, p->result[k].v->error);
+    put_table(
+        p->file,
+        "Relative RMS error: root of the weighted squares of the misfit over those "
+        "of what is wanted (target less the shape without voltages). Clipped least squares: "
+        "voltages without limits, cut to the limits. Regularised, then clipped: the same with the "
+        "one parameter that leaves the smallest error, chosen knowing the answer. KKT violation: "
+        "largest violated optimality condition, relative.",
+        "Voltages|Limits|Relative RMS error|Limit active|Largest voltage|Beyond the<br>scene’s "
+        "limits|KKT violation");
+    for (int k = 0; k < p->results; k++)
+        write_row(p, &p->result[k], worst);
+    put_table_end(p->file);
 }
 
-/* ---- pictures of one set ---------------------------------------------- */
-
-static int draw_reached(const page *page, const result *result)
+/* Limits narrower than the table says, rows that no error counts, free functions. */
+static void write_notes(const shape_page *p)
 {
-    fputs("<figure>\n", page->file);
-    const int failed = parts_shape(page->file, &page->view, page->d, result->vector, result->wanted,
-                                   result->misfit, page->factor, &page->misfit);
-    fputs("<figcaption>Reached shape and <b>target</b> as lines, ", page->file);
-    parts_magnified(page->file, &page->d->mesh, page->factor);
-    fputs(". Misfit on one scale for all sets:", page->file);
-    draw_legend(page->file, &page->misfit);
-    fputs("</figcaption></figure>\n", page->file);
+    const design *design = p->d;
+    const voltages *result = main_result(p)->v;
+    if (result->narrowed + result->held > 0)
+        put(p->file,
+            "<p>Of %d amplifiers, with narrower limits than the table says (own limits, "
+            "field_limit): %d; held: %d.</p>\n",
+            design->amplifiers, result->narrowed, result->held);
+    if (result->fixed_off > 0)
+        put(p->file,
+            "<p>%d of %d target rows lie on constrained dof and cannot move, %d of them "
+            "away from the target; the error does not count them, with them it would be %p.</p>\n",
+            design->fixed_rows, design->targets, result->fixed_off, result->error_all);
+    for (int k = 0; k < design->free_functions; k++)
+        put(p->file, "%s%t%s", k ? ", " : "<p>Free functions, taken out of target, RMS and error: ",
+            design->scene->target.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
+}
+
+/*
+ * Weighted root mean square and peak to valley of a field less another. x, y [targets], y or NULL
+ */
+typedef struct optics {
+    double rms, valley;
+} optics;
+static optics optics_of(const design *design, const double *x, const double *y)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, weight = 0;
+    for (int t = 0; t < design->targets; t++) {
+        const double value = y ? x[t] - y[t] : x[t];
+        low = fmin(low, value);
+        high = fmax(high, value);
+        weight += design->weight[t] * design->weight[t];
+    }
+    return (optics){sqrt(design_squares(design, x, y) / weight), high - low};
+}
+
+static void write_optics(const shape_page *p)
+{
+    const optics target = optics_of(p->d, p->d->target, NULL);
+    const char *unit = p->misfit.unit;
+    put_table(p->file,
+              "Shapes in the direction of the target. RMS: about zero, with the weights "
+              "of the target, over its rows that can move. PV: peak to valley.",
+              "Shape|RMS|PV|Misfit, RMS|Misfit, PV");
+    put_row(p->file, "Target|%q|%q||", target.rms, unit, target.valley, unit);
+    for (int k = 0; k < p->results; k++) {
+        const voltages *result = p->result[k].v;
+        const optics shape = optics_of(p->d, result->shape, NULL);
+        const optics misfit = optics_of(p->d, result->shape, result->aligned_target);
+        put_row(p->file, "%t|%q|%q|%q|%q", result->name, shape.rms, unit, shape.valley, unit,
+                misfit.rms, unit, misfit.valley, unit);
+    }
+    put_table_end(p->file);
+}
+
+/* ---- pictures of one result ------------------------------------------- */
+
+static int draw_reached(const shape_page *p, const result *result)
+{
+    fputs("<figure>\n", p->file);
+    const int failed =
+        page_shape_draw(p->file, &result->shape, &p->view, p->d, p->factor, &p->misfit);
+    fputs("<figcaption>Reached shape and <b>target</b> as lines, ", p->file);
+    page_magnified(p->file, &p->d->mesh, p->factor);
+    fputs(". Misfit on one scale for all results:", p->file);
+    draw_legend(p->file, &p->misfit);
+    fputs("</figcaption></figure>\n", p->file);
     return failed;
 }
 
-static void draw_misfit(const page *page, const result *result)
+static int draw_misfit(const shape_page *p, const result *result)
 {
-    const draw_scale own = {1, result->worst, page->misfit.unit};
-    fputs("<figure>\n", page->file);
-    plane_map(page->file, &page->d->mesh, result->misfit, &own,
-              "Misfit, reached minus target, over theta1 and theta2");
-    fputs("<figcaption>Misfit, reached minus target: largest <b>", page->file);
-    html_alike(page->file, result->worst, result->worst, own.unit);
-    fputs("</b>", page->file);
-    if (page->target > 0) {
-        fputs(" (", page->file);
-        html_percent(page->file, result->worst / page->target);
-        fputs(" of the largest target)", page->file);
-    }
-    fputs(", rms ", page->file);
-    html_alike(page->file, result->rms, result->worst, own.unit);
-    fputs(page->d->targets < page->d->mesh.nodes ? "; grey where nothing is wanted" : "",
-          page->file);
-    fputs(". Scale of this set:", page->file);
-    draw_legend(page->file, &own);
-    fputs("</figcaption></figure>\n", page->file);
+    const draw_scale own = {true, result->shape.worst, p->misfit.unit};
+    const optics misfit = optics_of(p->d, result->v->shape, result->v->aligned_target);
+    fputs("<figure>\n", p->file);
+    const int failed =
+        shell_map(p->file, &p->d->mesh, result->shape.misfit, &own, "Misfit, reached minus target");
+    put(p->file,
+        "<figcaption>Misfit, reached minus target: largest <b>%q</b>, RMS %q, PV %q%s. "
+        "Scale of this result:",
+        result->shape.worst, own.unit, misfit.rms, own.unit, misfit.valley, own.unit,
+        p->d->targets < p->d->mesh.nodes ? "; grey where there is no target" : "");
+    draw_legend(p->file, &own);
+    fputs("</figcaption></figure>\n", p->file);
+    return failed;
 }
 
 /* Names of the actuators of a plan. */
-static void write_plan(const page *page, int which)
+static void write_plan(const shape_page *p, int which)
 {
-    const char *comma = "";
-    for (int k = 0; k < page->d->scene->actuators; k++)
-        if (page->plan[k] == which) {
-            fputs(comma, page->file);
-            html_text(page->file, page->d->scene->actuator[k].name);
+    const char *comma = "<h3>";
+    for (int k = 0; k < p->d->scene->actuators; k++)
+        if (p->plan[k] == which) {
+            put(p->file, "%s%t", comma, p->d->scene->actuator[k].name);
             comma = ", ";
         }
+    fputs("</h3>\n", p->file);
 }
 
-static void draw_volts(const page *page, const result *result)
+static void draw_voltages(const shape_page *p, const result *result)
 {
-    const scene *scene = page->d->scene;
-    fputs("<figure>\n", page->file);
-    for (int which = 0; which < page->plans; which++) {
-        if (page->plans > 1) {
-            fputs("<h3>", page->file);
-            write_plan(page, which);
-            fputs("</h3>\n", page->file);
-        }
-        plane_volts(page->file, &page->d->mesh, page->plan, which, result->volts->volt,
-                    result->outline, &page->volt,
-                    "Volts of the amplifiers, written in their patches where there is room");
+    const scene *scene = p->d->scene;
+    fputs("<figure>\n", p->file);
+    for (int which = 0; which < p->plans; which++) {
+        if (p->plans > 1)
+            write_plan(p, which);
+        shell_voltages(p->file, &p->d->mesh, p->plan, which, result->v->voltage, result->mark,
+                       &p->voltage);
     }
-    fputs("<figcaption>Volts in their patches: largest <b>", page->file);
-    html_quantity(page->file, result->volt, page->volt.unit);
-    fputs("</b>", page->file);
+    put(p->file, "<figcaption>Voltages in their patches: largest <b>%q</b>", result->voltage,
+        p->voltage.unit);
     for (int k = 0; k < scene->actuators; k++)
-        if (page->plan[k] < 0) {
-            fputs(", ", page->file);
-            html_text(page->file, scene->actuator[k].name);
-            fputc(' ', page->file);
-            html_quantity(page->file, result->volts->volt[scene->actuator[k].first],
-                          scene->unit_temperature);
-        }
-    fputs(". One scale for all sets:", page->file);
-    draw_legend(page->file, &page->volt);
-    fputs("</figcaption></figure>\n", page->file);
+        if (p->plan[k] < 0)
+            put(p->file, ", %t %q", scene->actuator[k].name,
+                result->v->voltage[scene->actuator[k].first], scene->unit_temperature);
+    fputs(". One scale for all results:", p->file);
+    draw_legend(p->file, &p->voltage);
+    fputs("</figcaption></figure>\n", p->file);
 }
 
-static int draw_set(const page *page, const result *result)
+static int draw_result(const shape_page *p, const result *result)
 {
-    fputs("<article class=\"set\">\n<h3>", page->file);
-    write_name(page, result->volts);
-    fputs(" &mdash; shape error ", page->file);
-    html_percent(page->file, result->volts->error);
-    fputs("</h3>\n<div class=\"row\">\n", page->file);
-    const int failed = draw_reached(page, result);
-    draw_misfit(page, result);
-    draw_volts(page, result);
-    fputs("</div>\n</article>\n", page->file);
+    fputs("<article class=\"set\">\n<h3>", p->file);
+    write_name(p, result->v);
+    put(p->file, " — relative RMS error %p</h3>\n<div class=\"row\">\n", result->v->error);
+    int failed = draw_reached(p, result);
+    failed |= draw_misfit(p, result);
+    draw_voltages(p, result);
+    fputs("</div>\n</article>\n", p->file);
     return failed;
 }
 
 /* ---- page ------------------------------------------------------------- */
 
-static int page_fill(page *page, const voltages *voltages)
+static page_set result_set(const void *context, int set)
 {
-    page->plan = calloc((size_t)page->d->scene->actuators + 1, sizeof *page->plan);
-    page->result = calloc((size_t)page->results + 1, sizeof *page->result);
-    if (!page->plan || !page->result)
-        return -1;
-    page->plans = plane_plans(page->d->scene, page->plan);
-    for (int k = 0; k < page->results; k++) {
-        if (result_fill(page->a, &voltages[k], &page->result[k]) < 0)
-            return -1;
-        page->residual = k ? fmax(page->residual, voltages[k].residual) : voltages[k].residual;
-    }
-    page_scales(page);
-    return 0;
+    const shape_page *p = context;
+    return (page_set){p->result[set].v->name, p->result[set].v->voltage};
 }
 
-static int page_write(const page *page)
+static int write_page(const report_job *job, const shape_page *p, const modes *modes)
 {
     int failed = 0;
-    html_begin(page->file, page->d->scene->name);
-    parts_head(page->file, page->a, "Volts for a wanted shape", page->residual,
-               page->a->nonlinear ? -1 : page->a->model.info.error_estimate);
-    write_verdict(page);
-    fputs("<section>\n<h2>Sets of volts</h2>\n", page->file);
-    write_table(page);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", page->file);
-    parts_keys(page->file,
-               "<span><i class=\"key stop\"></i> amplifier at its limit</span>"
-               "<span><i class=\"key over\"></i> beyond the scene&rsquo;s limits</span>");
-    for (int k = 0; k < page->results; k++)
-        failed |= draw_set(page, &page->result[k]);
-    fputs("</section>\n", page->file);
-    modes_section(page->file, page->d->scene, page->modes);
-    fputs("<section>\n<h2>Structure</h2>\n<div class=\"row two\">\n", page->file);
-    parts_layers(page->file, page->d->scene);
-    parts_conditions(page->file, page->d);
-    fputs("</div>\n</section>\n", page->file);
-    html_end(page->file);
+    page_begin(job, p->a, "Voltages for a wanted shape", p->residual);
+    write_verdict(p);
+    fputs("<section>\n<h2>Voltages</h2>\n", p->file);
+    write_table(p);
+    write_notes(p);
+    write_optics(p);
+    page_voltages(p->file, p->d, p->results, result_set, p);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
+    page_keys(p->file, "<span><i class=\"key stop\"></i>limit active</span><span><i class=\"key "
+                       "over\"></i>beyond the scene’s limits</span>");
+    for (int k = 0; k < p->results; k++)
+        failed |= draw_result(p, &p->result[k]);
+    fputs("</section>\n", p->file);
+    page_modes(p->file, p->d->scene, modes);
+    fputs("<section>\n<h2>Structure</h2>\n", p->file);
+    page_conditions(p->file, p->d);
+    page_layers(p->file, p->d->scene);
+    fputs("</section>\n", p->file);
+    page_end(job);
     return failed;
 }
 
-int report_shape(FILE *file, analysis *analysis, const voltages *voltages, int count,
+/* The reached shape and the voltages of the main result. */
+static int write_picture(const report_job *job, const shape_page *p)
+{
+    const double width = 760, height = fmax(p->view.height, 330) + 44;
+    const result *result = main_result(p);
+    const draw_scale own = {true, result->shape.worst, p->misfit.unit};
+    char title[160];
+    snprintf(title, sizeof title,
+             "%.60s: relative RMS error %.3g %%. Colour: misfit, lines: "
+             "target",
+             result->v->name, 100 * result->v->error);
+    picture_begin(job, p->d->scene, title, width, height);
+    put(p->file, "<svg width=\"420\" height=\"%f\">", p->view.height);
+    const int failed = page_shape_draw(p->file, &result->shape, &p->view, p->d, p->factor, &own);
+    put(p->file, "</svg>\n<svg x=\"436\" width=\"320\" height=\"350\">");
+    shell_voltages(p->file, &p->d->mesh, p->plan, 0, result->v->voltage, result->mark, &p->voltage);
+    fputs("</svg>\n", p->file);
+    draw_legend_at(p->file, &own, 0, height - 32);
+    draw_legend_at(p->file, &p->voltage, 430, height - 32);
+    picture_end(job, width, height);
+    return failed;
+}
+
+static int fill_page(shape_page *p, const voltages *voltages)
+{
+    p->plan = calloc((size_t)p->d->scene->actuators + 1, sizeof *p->plan);
+    p->result = calloc((size_t)p->results + 1, sizeof *p->result);
+    if (!p->plan || !p->result)
+        return -1;
+    p->plans = shell_plans(p->d->scene, p->plan);
+    for (int k = 0; k < p->results; k++)
+        if (fill_result(p->d, &voltages[k], &p->result[k]) < 0)
+            return -1;
+    fit_page(p);
+    return 0;
+}
+
+int report_shape(const report_job *job, analysis *analysis, const voltages *voltages, int count,
                  const modes *modes)
 {
-    page page = {
-        .file = file, .a = analysis, .d = &analysis->design, .results = count, .modes = modes};
-    int failed = page_fill(&page, voltages);
+    shape_page p = {.file = job->file, .a = analysis, .d = &analysis->design, .results = count};
+    int failed = fill_page(&p, voltages);
     if (!failed)
-        failed = page_write(&page);
-    for (int k = 0; page.result && k < count; k++)
-        result_free(&page.result[k]);
-    free(page.result);
-    free(page.plan);
-    return failed || ferror(file) ? -1 : 0;
+        failed = job->is_svg ? write_picture(job, &p) : write_page(job, &p, modes);
+    for (int k = 0; p.result && k < count; k++) {
+        page_shape_close(&p.result[k].shape);
+        free(p.result[k].mark);
+    }
+    free(p.result);
+    free(p.plan);
+    return failed || ferror(job->file) ? -1 : 0;
 }

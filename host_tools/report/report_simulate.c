@@ -1,12 +1,11 @@
 /* Page of `pzs simulate` (report_simulate.h). */
 #include "report_simulate.h"
+#include "../simulate/simulate_words.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "report.h"
-#include "report_html.h"
-#include "report_parts.h"
-#include "../cli/words.h"
+#include "report_page.h"
+#include "../text/words.h"
 
 /* ---- record ----------------------------------------------------------- */
 
@@ -33,54 +32,43 @@ void record_tick(simulate_record *record, const simulate_sample *sample)
 {
     const int bin = (int)((double)sample->tick * record->bins / record->ticks);
     record->error[sample->law][bin] = fmax(record->error[sample->law][bin], sample->error);
-    if (sample->law == LAW_CONTROLLER)
-        record->missed[bin] = fmax(record->missed[bin], sample->missed);
-    if (sample->law == LAW_CONTROLLER)
-        memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->volt,
-               (size_t)record->amplifiers * sizeof *record->volt);
+    if (sample->law != LAW_CONTROLLER)
+        return;
+    record->missed[bin] = fmax(record->missed[bin], sample->missed);
+    memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->volt,
+           (size_t)record->amplifiers * sizeof *record->volt);
 }
 
-typedef struct page {
+typedef struct simulate_page {
     FILE *file;
     const simulation *s;
     const simulate_record *r;
     const scene *scene;
-    double *vector, *wanted, *misfit; /* [nodes][3], [nodes][3], [nodes] of the shape being drawn;
-                                         see parts_misfit */
+    const design *d;
+    page_shape shape; /* the one being drawn */
+    double *aim;      /* [targets] of it, as voltages.h has it */
     draw_view view;
-    draw_scale scale;
+    draw_scale misfit;
     double factor;
-} page;
+    draw_axis time;
+} simulate_page;
 
 /* ---- words ------------------------------------------------------------ */
 
-/* Does something not work as it should in a phase: an electrode, a sensor, the controller? */
-static int is_faulty(const simulation *simulation, const simulate_phase *phase)
-{
-    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
-    for (int k = 0; k < simulation->nominal->design.amplifiers; k++)
-        if (!isnan(phase->held[k]))
-            return 1;
-    for (int k = 0; k < simulate->events; k++) {
-        const scene_event *event = &simulate->event[k];
-        const int passes =
-            event->type == EVENT_NAN || event->type == EVENT_FROZEN || event->type == EVENT_LOST;
-        if (passes && event->tick < phase->until && event->tick + event->ticks > phase->from)
-            return 1;
-    }
-    return simulate->fault_chance > 0 && phase->from < simulate->fault_until;
-}
+static const char *const law_name[LAWS] = {"Controller", "Clipped least squares",
+                                           "Regularised, then clipped"};
+/* The laws up to this one are drawn; tables have all. */
+enum { DRAWN = LAW_CLAMP + 1 };
 
-/* The phase that ends farthest above its optimum; of those without faults where only_sound. Returns
- * NULL where there is none. */
-static const simulate_phase *worst_phase(const simulation *simulation, int only_sound,
-                                         double *above)
+/* The phase that ends farthest above its optimum, and by how much. */
+static const simulate_phase *worst_phase(const simulation *simulation, double *above)
 {
     const simulate_phase *worst = NULL;
+    *above = -1;
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
         const double here = phase->course[LAW_CONTROLLER].steady / phase->optimum - 1;
-        if ((only_sound && is_faulty(simulation, phase)) || (worst && !(here > *above)))
+        if (!(here > *above))
             continue;
         worst = phase;
         *above = here;
@@ -88,506 +76,426 @@ static const simulate_phase *worst_phase(const simulation *simulation, int only_
     return worst;
 }
 
-static void write_verdict(const page *page)
+static void write_verdict(const simulate_page *p)
 {
-    double above = 0, sound = 0;
-    const simulate_phase *worst = worst_phase(page->s, 0, &above);
-    fprintf(
-        page->file,
-        "<p class=\"verdict\"><b>%ld volts beyond a limit or the slew</b> in %d ticks; at the end of every phase the shape error is ",
-        page->s->count[LAW_CONTROLLER].beyond, page->scene->simulate.ticks);
-    if (above > 0) {
-        fputs("at most ", page->file);
-        html_percent(page->file, above);
-        fprintf(page->file,
-                " above the optimum for that plant in the same limits (phase from tick %d",
-                worst->from);
-        if (is_faulty(page->s, worst) && worst_phase(page->s, 1, &sound)) {
-            fputs(", ", page->file);
-            html_percent(page->file, fmax(sound, 0));
-            fputs(" in those without faults", page->file);
-        }
-        fputs(").</p>\n", page->file);
-    } else {
-        fputs("no more than the optimum for that plant in the same limits.</p>\n", page->file);
+    double above;
+    char name[SIMULATE_PHASE_TEXT];
+    const simulate_phase *worst = worst_phase(p->s, &above);
+    put(p->file,
+        "<p class=\"verdict\"><b>%d voltages beyond a limit or the step limit</b> in %d "
+        "ticks",
+        (int)p->s->count[LAW_CONTROLLER].beyond, p->r->ticks);
+    if (worst) {
+        simulate_words_phase(p->s, worst, name);
+        put(p->file,
+            "; at the end of a phase the relative RMS error is at most %p above the "
+            "optimum for that plant in the same limits (“%t”, from tick %d)",
+            fmax(above, 0), name, worst->from);
     }
+    fputs(".</p>\n", p->file);
 }
 
-static void write_phase(const page *page, const simulate_phase *phase)
+static void write_phases(const simulate_page *p)
 {
-    const simulate_course *course = phase->course;
-    char name[WORDS_PHASE];
-    words_phase(page->s, phase, name);
-    fprintf(page->file, "<tr><th scope=\"row\">%d</th><td class=\"note\">", phase->from);
-    html_text(page->file, name);
-    fputs("</td><td>", page->file);
-    html_percent(page->file, phase->optimum);
-    fputs("</td><td>", page->file);
-    html_percent(page->file, course[LAW_CONTROLLER].steady);
-    fputs("</td><td>", page->file);
-    html_percent(page->file, course[LAW_CLAMP].steady);
-    fputs("</td><td>", page->file);
-    html_percent(page->file, course[LAW_REGULARISED].steady);
-    fputs("</td><td>", page->file);
-    html_percent(page->file, course[LAW_CONTROLLER].worst);
-    fputs("</td><td>", page->file);
-    if (course->settled < 0)
-        fputs("&ndash;", page->file);
-    else
-        fprintf(page->file, "%d", course->settled);
-    fprintf(page->file, "</td><td>%d</td></tr>\n", course->slew_ticks);
-}
-
-static void write_phases(const page *page)
-{
-    html_table_begin(
-        page->file,
-        "Shape error: root of the weighted squares of the misfit over those of the scene&rsquo;s target. Steady: over the "
-        "last ticks of the phase. Optimum: the best volts for this plant in the same limits. Clipped: least squares without limits, "
-        "cut to limits and slew, same plant and sensors. Regularised: the same with the one parameter that is best for the "
-        "scene&rsquo;s target on the controller&rsquo;s model, chosen knowing the answer. Settled: ticks until the shape stays within 5 % of its way. Slew: ticks the slew "
-        "alone needs.",
-        "<th scope=\"col\">Tick</th><th scope=\"col\" class=\"note\">What happens</th><th scope=\"col\">Optimum</th>"
-        "<th scope=\"col\">Steady</th><th scope=\"col\">Clipped</th><th scope=\"col\">Regularised, clipped</th><th scope=\"col\">Worst</th><th scope=\"col\">Settled</th>"
-        "<th scope=\"col\">Slew</th>");
-    for (int k = 0; k < page->s->phases; k++)
-        write_phase(page, &page->s->phase[k]);
-    html_table_end(page->file);
+    put_table(
+        p->file,
+        "Relative RMS error: root of the weighted squares of the misfit over those "
+        "of the scene’s target. Steady: over the last ticks of the phase. Optimum: the best "
+        "voltages for this plant in the same limits. Clipped: least squares without limits, cut "
+        "to limits and step limit, same plant and sensors. Regularised, clipped: the same with "
+        "the one parameter that is best for the scene’s target on the controller’s model, chosen "
+        "knowing the answer. Settled: ticks until the shape stays "
+        "within 5 % of its change. Step limit: ticks that the step limit alone needs.",
+        "Tick|~Events|Optimum|Steady|Clipped|Regularised,<br/>clipped|Worst|Settled|Step limit");
+    for (int k = 0; k < p->s->phases; k++) {
+        const simulate_phase *phase = &p->s->phase[k];
+        const simulate_course *course = phase->course;
+        char name[SIMULATE_PHASE_TEXT];
+        simulate_words_phase(p->s, phase, name);
+        put_row(p->file, "%d|~%t|%p|%p|%p|%p|%p|%n|%d", phase->from, name, phase->optimum,
+                course[LAW_CONTROLLER].steady, course[LAW_CLAMP].steady,
+                course[LAW_REGULARISED].steady, course[LAW_CONTROLLER].worst,
+                course->settled < 0 ? (double)NAN : course->settled, course->slew_ticks);
+    }
+    put_table_end(p->file);
 }
 
 /* What not every controller does. */
-static void write_extras(const page *page, const simulate_count *count)
+static void write_extras(const simulate_page *p, const simulate_count *count)
 {
-    const device_board *board = page->s->board;
+    const device_board *board = p->s->board;
     char text[SCENE_ERROR];
-    if (page->s->estimates) {
-        estimator_text(&page->s->estimator, page->s->nominal, text);
-        fprintf(page->file, "<p>The shape is estimated. By the influence %s, ",
-                words_influence(page->scene));
-        html_text(page->file, text);
-        fputs(".</p>\n", page->file);
+    if (p->s->estimates) {
+        estimator_text(&p->s->estimator, p->s->nominal, text);
+        put(p->file, "<p>The shape is estimated. By the influence %s, %t.</p>\n",
+            simulate_words_influence(p->scene), text);
     }
-    if (page->scene->simulate.finds)
-        fprintf(
-            page->file,
-            "<p>Electrodes that the controller found not to follow: %ld, the slowest after %d ticks; %ld of them were in good "
-            "order.</p>\n",
-            count->found, count->search, count->wrong);
+    if (p->scene->simulate.finds)
+        put(p->file,
+            "<p>Electrodes detected as faulty: %d, the slowest after %d ticks; %d of "
+            "them were in good order.</p>\n",
+            (int)count->found, count->search, (int)count->wrong);
     if (!board)
         return;
-    fprintf(page->file, "<p>The controller is the firmware of %s, in %s", board->name,
-            board->bits == 32 ? "float" : "double");
+    put(p->file, "<p>The controller is the firmware of %t, in %s", board->name,
+        board->bits == 32 ? "float" : "double");
     if (board->twin)
-        fprintf(page->file,
-                ", under QEMU: %ld of %ld ticks with the bits of the same C on this computer",
-                count->same, simulate_ran(count));
-    fputs(".</p>\n", page->file);
+        put(p->file, ", under QEMU: %d of %d ticks with the bits of the same C on this computer",
+            (int)count->same, (int)simulate_ran(count));
+    fputs(".</p>\n", p->file);
 }
 
-static void write_counts(const page *page)
+static void write_counts(const simulate_page *p)
 {
-    static const char *const name[LAWS] = {"Controller", "Clipped least squares",
-                                           "Regularised, then clipped"};
-    html_table_begin(
-        page->file, "Ticks of all laws",
-        "<th scope=\"col\">Law</th><th scope=\"col\">Volts beyond limit or slew</th>"
-        "<th scope=\"col\">Not finite</th><th scope=\"col\">Lost</th><th scope=\"col\">Held</th><th scope=\"col\">A sensor doubted</th>"
-        "<th scope=\"col\">Out of passes</th><th scope=\"col\">Most passes</th>");
+    put_table(p->file, "Ticks of all laws",
+              "Law|Voltages beyond limit or step limit|Not "
+              "finite|Missed ticks|Held|A sensor rejected|Out of iterations|Most iterations");
     for (int law = 0; law < LAWS; law++) {
-        const simulate_count *count = &page->s->count[law];
-        fprintf(
-            page->file,
-            "<tr><th scope=\"row\">%s</th><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%ld</td><td>%d</td></tr>\n",
-            name[law], count->beyond, count->not_finite, count->lost, count->status[PZS_W_HELD],
-            count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS], count->passes_most);
+        const simulate_count *count = &p->s->count[law];
+        put_row(p->file, "%s|%d|%d|%d|%d|%d|%d|%d", law_name[law], (int)count->beyond,
+                (int)count->not_finite, (int)count->lost, (int)count->status[PZS_W_HELD],
+                (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
+                count->passes_most);
     }
-    html_table_end(page->file);
-    write_extras(page, &page->s->count[LAW_CONTROLLER]);
+    put_table_end(p->file);
+    write_extras(p, &p->s->count[LAW_CONTROLLER]);
+}
+
+/* How the plant differs from the model of the controller. */
+static void write_plant(const simulate_page *p)
+{
+    const scene_simulate *simulate = &p->scene->simulate;
+    const int sensors = p->s->estimates ? p->s->estimator.sensors : p->d->targets;
+    put(p->file, "<p>A %s plant", p->s->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    for (int i = 0; i < p->scene->materials; i++) {
+        const double stiffness = simulate->stiffness ? simulate->stiffness[i] : 1;
+        const double d = simulate->d ? simulate->d[i] : 1;
+        put(p->file, "%s%t stiffness × %n, d × %n", i ? "; " : ": ", p->scene->material[i].name,
+            stiffness, d);
+    }
+    put(p->file, "; hysteresis %n. Sensors: %d, ", simulate->hysteresis, sensors);
+    if (p->s->estimates)
+        put(p->file, "with the noise of their readings");
+    else
+        put(p->file, "noise %q", simulate->noise, p->scene->unit_length);
+    put(p->file,
+        ", delay %d ticks. Amplifiers: steps of %q, dead band %q. The controller’s "
+        "influence matrix is that of the %s. Every shape is an equilibrium.</p>\n",
+        simulate->delay, simulate->step, p->scene->unit_voltage, simulate->dead_band,
+        p->scene->unit_voltage,
+        simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
 /* What vibration would make of the loop, where the densities say it. */
-static void write_certificate(const page *page)
+static void write_certificate(const simulate_page *p)
 {
-    const certificate *certificate = &page->s->nominal->certificate;
+    const certificate *certificate = &p->s->nominal->certificate;
     char text[3 * SCENE_ERROR];
-    certificate_text(certificate, text);
-    if (!certificate->made)
+    if (!certificate->is_made)
         return;
-    fputs("<p><b>Quasi-static plant: no inertia.</b> ", page->file);
-    if (certificate->vibrates)
-        fprintf(page->file, "First natural frequency %.4g Hz. ", certificate_first(certificate));
+    certificate_text(certificate, text);
+    put(p->file, "<p><b>Quasi-static plant: no inertia.</b> ");
+    if (certificate->has_modes)
+        put(p->file, "First natural frequency %q. %t</p>\n", certificate_first(certificate), "Hz",
+            text);
     else
-        fputs("Vibration is not known: ", page->file);
-    html_text(page->file, certificate->vibrates ? text : certificate->why_not);
-    fputs("</p>\n", page->file);
-}
-
-/* The plant as it is, of what the controller believes. */
-static void write_plant(const page *page)
-{
-    const scene_simulate *simulate = &page->scene->simulate;
-    fprintf(page->file, "<p>A %s plant",
-            page->s->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < page->scene->materials; i++) {
-        fputs(i ? "; " : ": ", page->file);
-        html_text(page->file, page->scene->material[i].name);
-        fprintf(page->file, " stiffness &times;&nbsp;%g, d &times;&nbsp;%g",
-                simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
-    }
-    fprintf(page->file, "; hysteresis %g. Sensors: %d, ", simulate->hysteresis,
-            page->s->estimates ? page->s->estimator.sensors : page->s->nominal->design.targets);
-    if (page->s->estimates) {
-        fputs("with the noise of their readings", page->file);
-    } else {
-        fputs("noise ", page->file);
-        html_quantity(page->file, simulate->noise, page->scene->unit_length);
-    }
-    fprintf(page->file, ", delay %d ticks. Amplifiers: steps of ", simulate->delay);
-    html_quantity(page->file, simulate->step, page->scene->unit_voltage);
-    fputs(", dead band ", page->file);
-    html_quantity(page->file, simulate->dead_band, page->scene->unit_voltage);
-    fprintf(page->file,
-            ". The controller&rsquo;s influence is that %s. Every shape is an equilibrium.</p>\n",
-            simulate->at_target ? "at the nonlinear optimum it believes in" : "at rest");
+        put(p->file, "Vibration is not known: %t</p>\n", certificate->reason);
 }
 
 /* ---- over time -------------------------------------------------------- */
 
-static const double left = 64, right = 1150, top = 8;
+enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
-static double x_of(const page *page, double tick)
+static double bin_at(const simulate_page *p, double bin)
 {
-    return left + (right - left) * tick / page->r->ticks;
+    return draw_on(&p->time, bin * p->r->ticks / p->r->bins);
 }
 
-enum {
-    TICK_ROWS = 3,
-    TICK_ROW = 13,
-    TICK_ROOM = 34,
-    END_ROOM = 110,
-    FOOT = TICK_ROWS * TICK_ROW + 6
-};
-
-/* Ticks of the phases in rows below one another, each in the first row that has room; the end of
- * time in the first. */
-static void draw_ticks(const page *page, double bottom)
+/* Frame with the axis of time, and a line where a phase begins. */
+static void draw_time(const simulate_page *p, double bottom)
 {
-    double taken[TICK_ROWS] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (int k = 0; k < page->s->phases; k++) {
-        const double x = x_of(page, page->s->phase[k].from);
-        int row = x > right - END_ROOM;
-        while (row < TICK_ROWS && x < taken[row] + TICK_ROOM)
-            row++;
-        if (row == TICK_ROWS)
-            continue;
-        taken[row] = x;
-        if (row > 0)
-            fprintf(page->file, "<path class=\"grid\" d=\"M%.1f %.1fv%d\"/>", x, bottom,
-                    3 + row * TICK_ROW);
-        fprintf(page->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>\n", x,
-                bottom + 13 + row * TICK_ROW, page->s->phase[k].from);
+    const draw_axis y = {.from = bottom, .to = TOP};
+    put(p->file, "<rect class=\"frame\" x=\"%d\" y=\"%d\" width=\"%d\" height=\"%f\"/>\n", LEFT,
+        TOP, RIGHT - LEFT, bottom - TOP);
+    draw_grid(p->file, &p->time, &y, true);
+    draw_path(p->file, "rest ghost");
+    for (int k = 1; k < p->s->phases; k++)
+        put(p->file, "M%f %dV%f", draw_on(&p->time, p->s->phase[k].from), TOP, bottom);
+    put(p->file, "\"/><text class=\"end\" x=\"%d\" y=\"%f\">tick, of %q in all</text>\n", RIGHT,
+        bottom + 28, p->r->ticks / p->scene->simulate.rate, "s");
+}
+
+/* Widen an axis to a value; nothing for one that is not positive. */
+static void include(draw_axis *axis, double value)
+{
+    axis->low = value > 0 ? fmin(axis->low, value) : axis->low;
+    axis->high = value > 0 ? fmax(axis->high, value) : axis->high;
+}
+
+/* Axis around all errors, six decades at most. */
+static draw_axis error_axis(const simulate_page *p)
+{
+    draw_axis axis = {HUGE_VAL, 0, BOTTOM, TOP, true, "%p", {1, ""}};
+    for (int i = 0; i < p->r->bins; i++) {
+        for (int law = 0; law < DRAWN; law++)
+            include(&axis, p->r->error[law][i]);
+        if (p->s->estimates)
+            include(&axis, p->r->missed[i]);
     }
-    fprintf(page->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">tick %d, ", right,
-            bottom + 13, page->r->ticks);
-    html_quantity(page->file, page->r->ticks / page->scene->simulate.rate, "s");
-    fputs("</text>\n", page->file);
-}
-
-/* Verticals at the phases, their ticks below. */
-static void draw_phases(const page *page, double bottom)
-{
-    fputs("<path class=\"grid\" d=\"", page->file);
-    for (int k = 1; k < page->s->phases; k++)
-        fprintf(page->file, "M%.1f %.1fV%.1f", x_of(page, page->s->phase[k].from), top, bottom);
-    fprintf(page->file,
-            "\"/>\n<rect class=\"frame\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n",
-            left, top, right - left, bottom - top);
-    draw_ticks(page, bottom);
-}
-
-typedef struct log_axis {
-    double low, high, bottom;
-} log_axis;
-
-static double y_of(const log_axis *axis, double value)
-{
-    const double share = log(fmax(value, axis->low) / axis->low) / log(axis->high / axis->low);
-    return axis->bottom - (axis->bottom - top) * fmin(share, 1);
-}
-
-/* Whole steps of 1, 2, 5 around all errors. */
-static log_axis axis_of(const page *page, double bottom)
-{
-    static const double step[3] = {1, 2, 5};
-    log_axis axis = {HUGE_VAL, 0, bottom};
-    for (int law = 0; law < LAWS; law++)
-        for (int i = 0; i < page->r->bins; i++) {
-            axis.low =
-                fmin(axis.low, page->r->error[law][i] > 0 ? page->r->error[law][i] : HUGE_VAL);
-            axis.high = fmax(axis.high, page->r->error[law][i]);
-        }
-    for (int i = 0; i < page->r->bins && page->s->estimates; i++)
-        axis.low = fmin(axis.low, page->r->missed[i] > 0 ? page->r->missed[i] : HUGE_VAL);
-    for (int k = 0; k < page->s->phases; k++)
-        axis.low =
-            fmin(axis.low, page->s->phase[k].optimum > 0 ? page->s->phase[k].optimum : axis.low);
-    axis.low = fmax(isfinite(axis.low) ? axis.low : 1, 1e-6 * axis.high);
-    double below = pow(10, floor(log10(axis.low)));
-    for (int i = 1; i < 3; i++)
-        below = step[i] * pow(10, floor(log10(axis.low))) <= axis.low
-                    ? step[i] * pow(10, floor(log10(axis.low)))
-                    : below;
-    axis.low = below;
-    axis.high = fmax(axis.high, 2 * axis.low);
+    for (int k = 0; k < p->s->phases; k++)
+        include(&axis, p->s->phase[k].optimum);
+    axis.high = axis.high > 0 ? axis.high : 1;
+    axis.low = 0.8 * fmin(fmax(axis.low, 1e-6 * axis.high), axis.high / 2);
     return axis;
 }
 
-static void draw_levels(const page *page, const log_axis *axis)
-{
-    static const double step[3] = {1, 2, 5};
-    for (double ten = pow(10, floor(log10(axis->low))); ten <= axis->high; ten *= 10)
-        for (int i = 0; i < 3; i++) {
-            const double y = y_of(axis, step[i] * ten);
-            if (step[i] * ten < axis->low * (1 - 1e-9) || step[i] * ten > axis->high)
-                continue;
-            fprintf(
-                page->file,
-                "<path class=\"grid\" d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">",
-                left, y, right, left - 6, y + 4);
-            html_percent(page->file, step[i] * ten);
-            fputs("</text>\n", page->file);
-        }
-}
-
 /* value [bins] in: an error over time */
-static void draw_curve(const page *page, const log_axis *axis, const char *style, double width,
+static void draw_curve(const simulate_page *p, const draw_axis *axis, const char *style,
                        const double *value)
 {
-    fprintf(page->file, "<path class=\"%s\" style=\"stroke-width:%.1f\" d=\"", style, width);
-    for (int i = 0; i < page->r->bins; i++)
-        fprintf(page->file, "%c%.1f %.1f", i ? 'L' : 'M',
-                x_of(page, (i + 0.5) * page->r->ticks / page->r->bins), y_of(axis, value[i]));
-    fputs("\"/>\n", page->file);
+    bool is_drawing = false;
+    draw_path(p->file, style);
+    for (int i = 0; i < p->r->bins; i++) {
+        const double at[2] = {bin_at(p, i + 0.5), draw_on(axis, value[i])};
+        draw_step(p->file, &is_drawing, at);
+    }
+    draw_path_end(p->file);
 }
 
-static void draw_errors(const page *page)
+static void draw_errors(const simulate_page *p)
 {
-    const log_axis axis = axis_of(page, 250);
-    static const char *const style[LAWS] = {"wire", "rest", ""};
-    fputs("<figure>\n", page->file);
-    draw_begin_chart(
-        page->file, 1160, axis.bottom + FOOT,
-        "Shape error over time of the controller and of clipped least squares, with the optimum of each phase");
-    draw_levels(page, &axis);
-    draw_phases(page, axis.bottom);
-    for (int law = LAW_CLAMP; law >= 0; law--)
-        draw_curve(page, &axis, style[law], 1.6, page->r->error[law]);
-    if (page->s->estimates)
-        draw_curve(page, &axis, "wire", 0.7, page->r->missed);
-    fputs("<path class=\"outline\" d=\"", page->file);
-    for (int k = 0; k < page->s->phases; k++)
-        fprintf(page->file, "M%.1f %.1fH%.1f", x_of(page, page->s->phase[k].from),
-                y_of(&axis, page->s->phase[k].optimum), x_of(page, page->s->phase[k].until));
-    fputs("\"/>\n", page->file);
-    draw_end_chart(page->file);
-    fputs(
-        "<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span><span><i class=\"key gone\"></i>clipped</span>"
-        "<span><i class=\"key dash\"></i>optimum of the plant</span></span> Shape error, logarithmic",
-        page->file);
-    if (page->s->estimates)
-        fputs("; thin: what the estimate is off by", page->file);
-    if (page->r->ticks > page->r->bins)
-        fprintf(page->file, "; the largest of every %d ticks",
-                (page->r->ticks + page->r->bins - 1) / page->r->bins);
-    fputs(".</figcaption></figure>\n", page->file);
+    const draw_axis axis = error_axis(p);
+    draw_grid(p->file, &p->time, &axis, false);
+    draw_time(p, BOTTOM);
+    draw_curve(p, &axis, "rest bold", p->r->error[LAW_CLAMP]);
+    draw_curve(p, &axis, "wire bold", p->r->error[LAW_CONTROLLER]);
+    if (p->s->estimates)
+        draw_curve(p, &axis, "wire", p->r->missed);
+    draw_path(p->file, "outline");
+    for (int k = 0; k < p->s->phases; k++) {
+        const double y = draw_on(&axis, p->s->phase[k].optimum);
+        const double from[2] = {draw_on(&p->time, p->s->phase[k].from), y};
+        const double to[2] = {draw_on(&p->time, p->s->phase[k].until), y};
+        draw_line(p->file, from, to);
+    }
+    draw_path_end(p->file);
 }
 
-/* One amplifier: runs of one colour, then a line where it is at a limit. */
-static void draw_row(const page *page, int amplifier, const draw_scale *scale, double y,
+static void write_errors(const simulate_page *p)
+{
+    fputs("<figure>\n", p->file);
+    draw_begin(p->file, DRAW_CHART, RIGHT + 10, BOTTOM + FOOT, "Relative RMS error over time",
+               "Of the controller and of clipped least squares, with the optimum of each phase");
+    draw_errors(p);
+    draw_end(p->file, DRAW_CHART);
+    put(p->file,
+        "<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span>"
+        "<span><i class=\"key gone\"></i>clipped</span><span><i class=\"key dash\"></i>optimum of "
+        "the plant</span></span> Relative RMS error, logarithmic%s",
+        p->s->estimates ? "; thin: error of the estimate" : "");
+    if (p->r->ticks > p->r->bins)
+        put(p->file, "; the largest of every %d ticks",
+            (p->r->ticks + p->r->bins - 1) / p->r->bins);
+    fputs(".</figcaption></figure>\n", p->file);
+}
+
+/* What is drawn of an amplifier in a bin: the level of its colour, or whether it is at a limit. */
+static int bin_state(const simulate_page *p, int amplifier, const draw_scale *scale, int bin)
+{
+    const double voltage = p->r->volt[bin * p->r->amplifiers + amplifier];
+    if (scale)
+        return draw_level(scale, voltage);
+    return voltage <= p->r->lower[amplifier] || voltage >= p->r->upper[amplifier];
+}
+
+/* One amplifier: bars of one colour where there is a scale, else lines where it is at a limit. */
+static void draw_row(const simulate_page *p, int amplifier, const draw_scale *scale, double y,
                      double height)
 {
-    const simulate_record *record = page->r;
-    const double *voltage = record->volt + amplifier;
-    for (int i = 0, end; i < record->bins; i = end) {
-        const int level = draw_level(scale, voltage[i * record->amplifiers]);
-        for (end = i + 1;
-             end < record->bins && draw_level(scale, voltage[end * record->amplifiers]) == level;)
+    for (int i = 0, end; i < p->r->bins; i = end) {
+        const int state = bin_state(p, amplifier, scale, i);
+        for (end = i + 1; end < p->r->bins && bin_state(p, amplifier, scale, end) == state;)
             end++;
-        const double from = x_of(page, (double)i * record->ticks / record->bins),
-                     to = x_of(page, (double)end * record->ticks / record->bins);
-        draw_path(page->file, scale, level);
-        fprintf(page->file, "M%.1f %.1fH%.1fv%.1fH%.1fz\"/>", from, y, to, height, from);
+        if (!scale && !state)
+            continue;
+        draw_path(p->file, scale ? draw_class(scale, state) : "at");
+        if (scale)
+            put(p->file, "M%f %fH%fv%fH%fz\"/>", bin_at(p, i), y, bin_at(p, end), height,
+                bin_at(p, i));
+        else
+            put(p->file, "M%f %fH%f\"/>", bin_at(p, i), y + height / 2, bin_at(p, end));
     }
-    fputs("<path class=\"frame\" style=\"stroke:var(--ink)\" d=\"", page->file);
-    for (int i = 0, end; i < record->bins; i = end) {
-        const int at = voltage[i * record->amplifiers] <= record->lower[amplifier] ||
-                       voltage[i * record->amplifiers] >= record->upper[amplifier];
-        for (end = i + 1; end < record->bins &&
-                          at == (voltage[end * record->amplifiers] <= record->lower[amplifier] ||
-                                 voltage[end * record->amplifiers] >= record->upper[amplifier]);)
-            end++;
-        if (at)
-            fprintf(page->file, "M%.1f %.1fH%.1f",
-                    x_of(page, (double)i * record->ticks / record->bins), y + height / 2,
-                    x_of(page, (double)end * record->ticks / record->bins));
-    }
-    fputs("\"/>\n", page->file);
 }
 
-static void draw_volts(const page *page)
+static void write_voltages(const simulate_page *p)
 {
-    const double height = fmax(4, fmin(14, 420.0 / page->r->amplifiers)),
-                 bottom = top + height * page->r->amplifiers;
-    draw_scale scale = {1, 0, page->scene->unit_voltage};
-    for (int i = 0; i < page->r->bins * page->r->amplifiers; i++)
-        scale.most = fmax(scale.most, fabs(page->r->volt[i]));
-    fputs("<figure>\n", page->file);
-    draw_begin_chart(page->file, 1160, bottom + FOOT,
-                     "Volts of every amplifier over time, with a line where one is at a limit");
-    fputs("<g class=\"flat\">\n", page->file);
-    for (int k = 0; k < page->r->amplifiers; k++)
-        draw_row(page, k, &scale, top + height * k, height);
-    fputs("</g>\n", page->file);
-    for (int k = 0; k < page->r->amplifiers && height >= 10; k++) {
-        char name[SCENE_LABEL];
-        scene_amplifier_name(page->scene, k, name);
-        fprintf(page->file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", left - 6,
-                top + height * (k + 0.8));
-        html_text(page->file, name);
-        fputs("</text>\n", page->file);
+    const int rows = p->r->amplifiers;
+    const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
+    draw_scale scale = {true, 0, p->scene->unit_voltage};
+    for (int i = 0; i < p->r->bins * rows; i++)
+        scale.most = fmax(scale.most, fabs(p->r->volt[i]));
+    fputs("<figure>\n", p->file);
+    draw_begin(p->file, DRAW_CHART, RIGHT + 10, bottom + FOOT,
+               "Voltages of the amplifiers over time",
+               "A row for each amplifier, with a line where a limit is active");
+    fputs("<g class=\"flat\">\n", p->file);
+    for (int k = 0; k < rows; k++) {
+        draw_row(p, k, &scale, TOP + height * k, height);
+        draw_row(p, k, NULL, TOP + height * k, height);
     }
-    draw_phases(page, bottom);
-    draw_end_chart(page->file);
-    fputs(
-        "<figcaption>Volts of the amplifiers under the controller, a row each; the line within marks those at a limit.",
-        page->file);
-    draw_legend(page->file, &scale);
-    fputs("</figcaption></figure>\n", page->file);
+    fputs("</g>\n", p->file);
+    for (int k = 0; k < rows; k++) {
+        char name[SCENE_LABEL];
+        scene_amplifier_name(p->scene, k, name);
+        put(p->file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text>\n",
+            fmin(height, 11), LEFT - 6, TOP + height * (k + 0.8), name);
+    }
+    draw_time(p, bottom);
+    draw_end(p->file, DRAW_CHART);
+    fputs("<figcaption>Voltages of the amplifiers under the controller, a row each; the line "
+          "within marks active limits.",
+          p->file);
+    draw_legend(p->file, &scale);
+    fputs("</figcaption></figure>\n", p->file);
 }
 
 /* ---- shapes ----------------------------------------------------------- */
 
-/* Displacement, misfit and wanted shape of one end into the page's arrays. */
-static void take_shape(const page *page, const simulate_phase *phase, simulate_law law)
+/* Take the shape at the end of a phase under a law. */
+static void take_shape(simulate_page *p, int k, int law)
 {
-    const design *design = &page->s->nominal->design;
-    const simulate_course *course = &phase->course[law];
-    report_displacement(&design->mesh, course->u, page->vector);
-    parts_misfit(design, course->shape, phase->target, page->vector, page->misfit, page->wanted);
-}
-
-static int draw_shape(const page *page, const simulate_phase *phase, simulate_law law)
-{
-    take_shape(page, phase, law);
-    fprintf(page->file, "<figure><h3>%s ",
-            law == LAW_CONTROLLER ? "Controller" : "Clipped least squares");
-    html_percent(page->file, phase->course[law].steady);
-    fputs("</h3>\n", page->file);
-    const int failed = parts_shape(page->file, &page->view, &page->s->nominal->design, page->vector,
-                                   page->wanted, page->misfit, page->factor, &page->scale);
-    fputs("</figure>\n", page->file);
-    return failed;
-}
-
-/* Is this the end of conditions that the phase after it changes? Sensor faults leave the shape as
- * it is. */
-static int is_worth_seeing(const simulation *simulation, int k)
-{
-    return k + 1 == simulation->phases ||
-           fabs(simulation->phase[k].optimum - simulation->phase[k + 1].optimum) >
-               0.02 * simulation->phase[k].optimum;
+    const simulate_phase *phase = &p->s->phase[k];
+    const double *shape = phase->course[law].shape;
+    (void)design_misfit(p->d, shape, phase->target, p->aim);
+    for (int t = 0; t < p->d->targets; t++)
+        p->aim[t] = shape[t] - p->aim[t];
+    page_shape_fill(&p->shape, p->d, phase->course[law].u, shape, p->aim);
 }
 
 /* Scales and view that all shapes share. */
-static void prepare_shapes(page *page)
+static void fit_shapes(simulate_page *p)
 {
-    const mesh *mesh = &page->s->nominal->design.mesh;
     double most = 0;
-    draw_view_begin(&page->view, mesh);
-    for (int pass = 0; pass < 2; pass++) {
-        for (int k = 0; k < page->s->phases; k++)
-            for (int law = 0; law <= LAW_CLAMP; law++) {
-                take_shape(page, &page->s->phase[k], (simulate_law)law);
-                for (int n = 0; n < mesh->nodes; n++) {
-                    page->scale.most =
-                        fmax(page->scale.most, isnan(page->misfit[n]) ? 0 : fabs(page->misfit[n]));
-                    most = fmax(most, sqrt(draw_dot3(page->vector + 3 * n, page->vector + 3 * n)));
-                }
-                if (pass == 1)
-                    parts_include(&page->view, mesh, page->vector, page->factor);
-            }
-        page->factor = parts_magnification(mesh, most, 0.3);
+    p->misfit = (draw_scale){true, 0, p->scene->unit_length};
+    draw_view_begin(&p->view, &p->d->mesh);
+    for (int k = 0; k < DRAWN * p->s->phases; k++) {
+        take_shape(p, k / DRAWN, k % DRAWN);
+        p->misfit.most = fmax(p->misfit.most, p->shape.worst);
+        most = fmax(most, page_largest(&p->d->mesh, p->shape.vector));
     }
-    page->scale.is_signed = 1;
-    page->scale.unit = page->scene->unit_length;
-    draw_view_fit(&page->view, 420, 320);
+    p->factor = draw_magnification(&p->d->mesh, most, 0.3);
+    for (int k = 0; k < DRAWN * p->s->phases; k++) {
+        take_shape(p, k / DRAWN, k % DRAWN);
+        draw_view_mesh(&p->view, &p->d->mesh, p->shape.vector, p->factor);
+    }
+    draw_view_fit(&p->view, 420, 320);
 }
 
-static int draw_shapes(const page *page)
+/*
+ * Is this the end of conditions that the phase after it changes? Sensor faults leave the shape as
+ * it is.
+ */
+static bool is_worth_seeing(const simulation *simulation, int k)
+{
+    const double optimum = simulation->phase[k].optimum;
+    return k + 1 == simulation->phases ||
+           fabs(optimum - simulation->phase[k + 1].optimum) > 0.02 * optimum;
+}
+
+static int draw_phase(simulate_page *p, int k)
 {
     int failed = 0;
-    parts_keys(page->file, "");
-    for (int k = 0; k < page->s->phases; k++) {
-        char name[WORDS_PHASE];
-        if (!is_worth_seeing(page->s, k))
-            continue;
-        words_phase(page->s, &page->s->phase[k], name);
-        fprintf(page->file, "<article class=\"set\">\n<h3>Tick %d: end of &ldquo;",
-                page->s->phase[k].until - 1);
-        html_text(page->file, name);
-        fputs("&rdquo;</h3>\n<div class=\"row two\">\n", page->file);
-        for (int law = 0; law <= LAW_CLAMP; law++)
-            failed |= draw_shape(page, &page->s->phase[k], (simulate_law)law);
-        fputs("</div>\n</article>\n", page->file);
+    char name[SIMULATE_PHASE_TEXT];
+    simulate_words_phase(p->s, &p->s->phase[k], name);
+    put(p->file,
+        "<article class=\"set\">\n<h3>Tick %d: end of “%t”</h3>\n<div class=\"row two\">"
+        "\n",
+        p->s->phase[k].until - 1, name);
+    for (int law = 0; law < DRAWN; law++) {
+        take_shape(p, k, law);
+        put(p->file, "<figure><h3>%s %p</h3>\n", law_name[law], p->s->phase[k].course[law].steady);
+        failed |= page_shape_draw(p->file, &p->shape, &p->view, p->d, p->factor, &p->misfit);
+        fputs("</figure>\n", p->file);
     }
-    fputs("<p class=\"soft\">Misfit, reached minus target, on one scale; ", page->file);
-    parts_magnified(page->file, &page->s->nominal->design.mesh, page->factor);
-    fputs(".</p>\n", page->file);
-    draw_legend(page->file, &page->scale);
+    fputs("</div>\n</article>\n", p->file);
+    return failed;
+}
+
+static int write_shapes(simulate_page *p)
+{
+    int failed = 0;
+    fit_shapes(p);
+    page_keys(p->file, "");
+    for (int k = 0; k < p->s->phases; k++)
+        if (is_worth_seeing(p->s, k))
+            failed |= draw_phase(p, k);
+    fputs("<p class=\"soft\">Misfit, reached minus target, on one scale; ", p->file);
+    page_magnified(p->file, &p->d->mesh, p->factor);
+    fputs(".</p>\n", p->file);
+    draw_legend(p->file, &p->misfit);
     return failed;
 }
 
 /* ---- page ------------------------------------------------------------- */
 
-static int write_page(page *page)
+static page_set last_voltages(const void *context, int k)
 {
-    const analysis *analysis = page->s->nominal;
-    html_begin(page->file, page->scene->name);
-    parts_head(page->file, analysis, "The controller in closed loop", analysis->model.info.residual,
-               analysis->model.info.error_estimate);
-    write_verdict(page);
-    fputs("<section>\n<h2>Over time</h2>\n", page->file);
-    write_plant(page);
-    write_certificate(page);
-    draw_errors(page);
-    draw_volts(page);
-    fputs("</section>\n<section>\n<h2>Phases</h2>\n", page->file);
-    write_phases(page);
-    write_counts(page);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", page->file);
-    prepare_shapes(page);
-    const int failed = draw_shapes(page);
-    fputs(
-        "</section>\n<section>\n<h2>Structure the controller believes in</h2>\n<div class=\"row two\">\n",
-        page->file);
-    parts_layers(page->file, page->scene);
-    parts_conditions(page->file, &analysis->design);
-    fputs("</div>\n</section>\n", page->file);
-    html_end(page->file);
+    const simulate_page *p = context;
+    return (page_set){"At the last tick",
+                      p->s->phase[p->s->phases - 1 - k].course[LAW_CONTROLLER].volt};
+}
+
+static int write_page(const report_job *job, simulate_page *p)
+{
+    page_begin(job, p->s->nominal, "The controller in closed loop",
+               p->s->nominal->model.info.residual);
+    write_verdict(p);
+    fputs("<section>\n<h2>Over time</h2>\n", p->file);
+    write_plant(p);
+    write_certificate(p);
+    write_errors(p);
+    write_voltages(p);
+    page_voltages(p->file, p->d, 1, last_voltages, p);
+    fputs("</section>\n<section>\n<h2>Phases</h2>\n", p->file);
+    write_phases(p);
+    write_counts(p);
+    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
+    const int failed = write_shapes(p);
+    fputs("</section>\n<section>\n<h2>Structure of the controller’s model</h2>\n", p->file);
+    page_conditions(p->file, p->d);
+    page_layers(p->file, p->d->scene);
+    fputs("</section>\n", p->file);
+    page_end(job);
     return failed;
 }
 
-int report_simulate(FILE *file, const simulation *simulation, const simulate_record *record)
+static int write_picture(const report_job *job, const simulate_page *p)
 {
-    const size_t nodes = (size_t)simulation->nominal->design.mesh.nodes;
-    page page = {
-        .file = file, .s = simulation, .r = record, .scene = simulation->nominal->design.scene};
-    page.vector = calloc(3 * nodes, sizeof *page.vector);
-    page.wanted = calloc(3 * nodes, sizeof *page.wanted);
-    page.misfit = calloc(nodes, sizeof *page.misfit);
-    const int failed = !page.vector || !page.wanted || !page.misfit || write_page(&page);
-    free(page.vector);
-    free(page.wanted);
-    free(page.misfit);
-    return failed || ferror(file) ? -1 : 0;
+    picture_begin(job, p->scene,
+                  "relative RMS error over time: controller bold, clipped grey, "
+                  "optimum of the plant dashed",
+                  RIGHT, BOTTOM + FOOT);
+    draw_errors(p);
+    picture_end(job, RIGHT, BOTTOM + FOOT);
+    return 0;
+}
+
+int report_simulate(const report_job *job, const simulation *simulation,
+                    const simulate_record *record)
+{
+    const design *design = &simulation->nominal->design;
+    simulate_page p = {.file = job->file,
+                       .s = simulation,
+                       .r = record,
+                       .scene = design->scene,
+                       .d = design,
+                       .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}}};
+    int failed = page_shape_open(&p.shape, &design->mesh);
+    p.aim = calloc((size_t)design->targets + 1, sizeof *p.aim);
+    failed |= p.aim ? 0 : -1;
+    if (!failed)
+        failed = job->is_svg ? write_picture(job, &p) : write_page(job, &p);
+    page_shape_close(&p.shape);
+    free(p.aim);
+    return failed || ferror(job->file) ? -1 : 0;
 }

@@ -1,9 +1,11 @@
-/* Page of `pzs simulate`: errors, volts and active limits over time, shapes at the end of each
- * phase. */
+/*
+ * Page of `pzs simulate`: errors, voltages and active limits over time, shapes at the end of each
+ * phase.
+ */
 #ifndef REPORT_SIMULATE_H
 #define REPORT_SIMULATE_H
 
-#include <stdio.h>
+#include "report.h"
 #include "../simulate/simulate.h"
 
 enum { RECORD_BINS = 800 };
@@ -12,8 +14,7 @@ enum { RECORD_BINS = 800 };
 typedef struct simulate_record {
     int bins, ticks, amplifiers;
     double error[LAWS][RECORD_BINS]; /* the largest of the bin */
-    double missed[RECORD_BINS]; /* the same of the estimate under the controller; 0 where there is
-                                   none */
+    double missed[RECORD_BINS]; /* the same of the controller's estimate; 0 where there is none */
     double *volt;          /* [RECORD_BINS][amplifiers] the last of the bin, under the controller */
     double *lower, *upper; /* [amplifiers] of the controller, for the bins at a limit */
 } simulate_record;
@@ -23,6 +24,7 @@ void record_close(simulate_record *record);
 void record_tick(simulate_record *record, const simulate_sample *sample);
 
 /* Returns 0, or -1 when memory runs out or the file cannot be written. */
-int report_simulate(FILE *file, const simulation *simulation, const simulate_record *record);
+int report_simulate(const report_job *job, const simulation *simulation,
+                    const simulate_record *record);
 
 #endif

@@ -48,9 +48,10 @@ typedef struct instruction {
 } instruction;
 
 struct expr {
+    const char *text;
     int length, constant;
     instruction code[];
-};
+}; /* text: behind the code */
 
 typedef struct word {
     const char *text;
@@ -302,7 +303,8 @@ expr *expr_compile(const char *text, int *column, const char **error)
         *error = parser.error;
         return NULL;
     }
-    expression = malloc(sizeof *expression + (size_t)parser.length * sizeof *expression->code);
+    expression = malloc(sizeof *expression + (size_t)parser.length * sizeof *expression->code +
+                        strlen(text) + 1);
     if (!expression) {
         *column = 1;
         *error = "out of memory";
@@ -311,7 +313,13 @@ expr *expr_compile(const char *text, int *column, const char **error)
     expression->length = parser.length;
     expression->constant = parser.constant;
     memcpy(expression->code, parser.code, (size_t)parser.length * sizeof *expression->code);
+    expression->text = strcpy((char *)(expression->code + parser.length), text);
     return expression;
+}
+
+const char *expr_text(const expr *expression)
+{
+    return expression->text;
 }
 
 static double variable(operation op, const expr_point *at)

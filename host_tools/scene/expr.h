@@ -23,6 +23,9 @@ expr *expr_compile(const char *text, int *column, const char **error);
 /* Value at a point; not finite where the expression has none (1/0, sqrt(-1)): the caller checks. */
 double expr_value(const expr *expression, const expr_point *at);
 
+/* The text that it was compiled from. */
+const char *expr_text(const expr *expression);
+
 /* Does it use none of x y z theta1 theta2? */
 int expr_is_constant(const expr *expression);
 

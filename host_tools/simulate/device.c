@@ -11,8 +11,8 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include "../cli/interrupt.h"
-#include "../cli/shipped.h"
+#include "../system/interrupt.h"
+#include "../system/shipped.h"
 
 enum { TICK, HOLD, RELEASE, KNOW }; /* orders */
 enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };

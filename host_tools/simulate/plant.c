@@ -82,7 +82,7 @@ int plant_open(plant *plant, const scene *nominal, char *error)
         return -1;
     }
     if (plant->analysis.nonlinear)
-        memcpy(plant->full, plant->analysis.path.full,
+        memcpy(plant->full, plant->analysis.equilibrium.full_input,
                (size_t)design->structure.input.count * sizeof *plant->full);
     if (warms(&plant->scene.simulate))
         plant->temperature = design->amplifiers + design->loads - 1;
@@ -155,7 +155,7 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
 static int reach(plant *plant, char *error)
 {
     analysis *analysis = &plant->analysis;
-    pzs_solver *run = &analysis->path.run;
+    pzs_solver *run = &analysis->equilibrium.solver;
     const size_t bytes = analysis->design.structure.input.count * sizeof *plant->amount;
     if (plant->moved && memcmp(plant->amount, plant->reached, bytes) == 0)
         return 0;
@@ -177,7 +177,8 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
     }
     if (reach(plant, error) < 0)
         return -1;
-    design_shape(&plant->analysis.design, plant->analysis.path.run.info.displacement, shape);
+    design_shape(&plant->analysis.design, plant->analysis.equilibrium.solver.info.displacement,
+                 shape);
     return 0;
 }
 
@@ -186,7 +187,7 @@ static pzs_status look(plant *plant)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->nonlinear)
-        pzs_observe(&analysis->design.structure, analysis->path.run.info.displacement,
+        pzs_observe(&analysis->design.structure, analysis->equilibrium.solver.info.displacement,
                     plant->value);
     else
         sum_columns(plant, analysis->design.structure.output.count, plant->value);
@@ -208,8 +209,8 @@ int plant_displacement(plant *plant, double *u, char *error)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->nonlinear) {
-        memcpy(u, analysis->path.run.info.displacement,
-               (size_t)analysis->design.mesh.dof * sizeof *u);
+        memcpy(u, analysis->equilibrium.solver.info.displacement,
+               (size_t)analysis->design.mesh.free_dof * sizeof *u);
         return 0;
     }
     const pzs_status status = pzs_solve(&analysis->model, plant->amount, u);
@@ -253,7 +254,7 @@ int plant_optimum(plant *plant, const double *target, const double *held, voltag
             design->lower[k] = design->upper[k] = held[k];
     want(plant, target);
     if (analysis->nonlinear)
-        memcpy(analysis->path.full, plant->amount,
+        memcpy(analysis->equilibrium.full_input, plant->amount,
                design->structure.input.count * sizeof *plant->amount);
     const int failed =
         voltages_optimum(analysis, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
@@ -261,5 +262,5 @@ int plant_optimum(plant *plant, const double *target, const double *held, voltag
     memcpy(design->upper, limit + n, n * sizeof *limit);
     free(limit);
     plant->moved = 0;
-    return failed ? -1 : plant_shape(plant, best->volt, shape, error);
+    return failed ? -1 : plant_shape(plant, best->voltage, shape, error);
 }

@@ -31,7 +31,7 @@ static int course_room(simulate_course *course, const design *design)
 {
     course->volt = calloc((size_t)design->amplifiers, sizeof *course->volt);
     course->shape = calloc((size_t)design->targets, sizeof *course->shape);
-    course->u = calloc((size_t)design->mesh.dof, sizeof *course->u);
+    course->u = calloc((size_t)design->mesh.free_dof, sizeof *course->u);
     return course->volt && course->shape && course->u;
 }
 
@@ -105,7 +105,7 @@ int simulate_tables(analysis *nominal, char *error)
     nominal->nonlinear = 1;
     int failed =
         voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
-    if (!failed && pzs_influence_at(&nominal->path.run, nominal->influence) != PZS_OK)
+    if (!failed && pzs_influence_at(&nominal->equilibrium.solver, nominal->influence) != PZS_OK)
         failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
     double *column = calloc((size_t)design->targets, sizeof *column);
     if (!failed && !column)
@@ -171,22 +171,22 @@ static int equip(simulation *simulation, char *error)
 static int regularise(simulation *simulation, char *error)
 {
     const design *design = &simulation->nominal->design;
-    clipped c;
+    clipped clipped;
     double *voltage = calloc((size_t)design->amplifiers, sizeof *voltage);
     int failed =
-        clipped_open(&c, design, design->lower, design->upper, design->wanted) < 0 || !voltage
+        clipped_open(&clipped, design, design->lower, design->upper, design->wanted) < 0 || !voltage
             ? no_memory(simulation->nominal, error)
             : 0;
     const pzs_status status =
-        failed ? PZS_OK : clipped_tune(&c, voltage, &simulation->regularisation);
+        failed ? PZS_OK : clipped_tune(&clipped, voltage, &simulation->regularisation);
     if (status != PZS_OK)
         failed = scene_fault(design->scene, design->scene->limits.at, error, "%s",
                              pzs_status_text(status));
     simulation->regularised = design->problem;
-    simulation->regularised.regularisation += simulation->regularisation * c.scale;
+    simulation->regularised.regularisation += simulation->regularisation * clipped.scale;
     simulation->regularised.crc = 0;
     simulation->regularised.crc = pzs_problem_crc(&simulation->regularised);
-    clipped_close(&c);
+    clipped_close(&clipped);
     free(voltage);
     return failed;
 }
@@ -330,7 +330,7 @@ static void finish_course(course_log *f, const loop *loop, simulate_course *cour
             f->mean[i] += f->last[(k % LAST) * design->targets + i] / count;
     }
     for (int k = 0; k < design->amplifiers; k++)
-        slew = fmax(slew, fabs(loop->given[k] - f->before[k]) / design->slew[k]);
+        slew = fmax(slew, fabs(loop->given[k] - f->before[k]) / design->step_limit[k]);
     course->steady = sqrt(squares);
     course->missed = sqrt(missed);
     course->settled = settled_after(f, design);

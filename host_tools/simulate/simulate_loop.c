@@ -251,7 +251,7 @@ static double slewed(double from, double to, double slew)
 /* An electrode whose failure the controller was told of jumps to where it is held. */
 static double slew_of(const loop *loop, int amplifier)
 {
-    return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->slew[amplifier];
+    return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->step_limit[amplifier];
 }
 
 /* ---- laws: step blocks of the simulation -------------------------------- */
@@ -278,16 +278,21 @@ static pzs_status clamp(void *self, pzs_loop_signals *signals)
 {
     loop *loop = loop_of(signals);
     const design *design = loop->design;
+    const pzs_control_info *info = &signals->control->info;
+    (void)self;
     for (int i = 0; i < design->targets; i++) {
         const double measured = signals->measured[i];
         loop->disturbance[i] =
             isfinite(measured) ? measured - loop->predicted[i] : loop->disturbance[i];
         loop->wish[i] = signals->wanted[i] - loop->disturbance[i];
     }
-    const pzs_status status = pzs_clipped(self, loop->wish, loop->next);
-    for (int k = 0; status == PZS_OK && k < design->amplifiers; k++)
-        loop->command[k] = slewed(loop->command[k], loop->next[k], slew_of(loop, k));
-    return status;
+    if (!unconstrained_solve(&loop->solver, loop->wish, loop->next))
+        return PZS_E_NONFINITE;
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double clipped = fmin(fmax(loop->next[k], info->lower[k]), info->upper[k]);
+        loop->command[k] = slewed(loop->command[k], clipped, slew_of(loop, k));
+    }
+    return PZS_OK;
 }
 
 static const pzs_block_type clamp_block = {"clamp", PZS_PHASE_STEP, law_bytes, law_init, clamp};
@@ -598,6 +603,9 @@ int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
     if (!take_memory(loop))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
     const pzs_status status = open_controller(loop);
+    if (status == PZS_OK && law != LAW_CONTROLLER &&
+        !unconstrained_open(&loop->solver, &loop->tables.problem))
+        return scene_fault(scene, scene->simulate.at, error, "out of memory");
     const pzs_block_type *block = loop->controller.info.block;
     if (status != PZS_OK)
         return scene_fault(scene, scene->limits.at, error, "%s: %s",
@@ -612,6 +620,7 @@ void loop_close(loop *loop)
     free(loop->electrode);
     free(loop->state);
     free(loop->work);
+    unconstrained_close(&loop->solver);
     sense_close(loop);
     device_stop(&loop->board);
     device_stop(&loop->twin);

@@ -3,6 +3,7 @@
 #ifndef SIMULATE_LOOP_H
 #define SIMULATE_LOOP_H
 
+#include "../model/unconstrained.h"
 #include "simulate.h"
 
 enum { PLAYS = 4 };
@@ -45,6 +46,7 @@ typedef struct loop {
     simulate_law law;
     pzs_block block[PZS_BLOCK_LIMIT]; /* of the law */
     law_tables tables;                /* of its step block, where that is none of the library */
+    unconstrained solver;             /* of LAW_CLAMP and LAW_REGULARISED */
     pzs_loop controller;              /* the library's, in double */
     device board, twin;               /* in place of its step, where the simulation has a board */
     char *message;                    /* [SCENE_ERROR] of a board that does not answer */

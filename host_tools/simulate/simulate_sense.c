@@ -174,7 +174,7 @@ void sense_missed(loop *loop)
     for (int i = 0; i < design->targets; i++) {
         double left = loop->shape[i] - loop->controller.info.measured[i];
         for (int k = 0; k < design->loads && simulation->feeds; k++)
-            left -= simulation->estimator.known[i * design->loads + k] * loop->known[k];
+            left -= simulation->estimator.shape_per_load[i * design->loads + k] * loop->known[k];
         loop->wish[i] = isnan(left) ? 0 : left;
     }
     loop->missed = sqrt(design_squares(design, loop->wish, NULL)) / simulation->reference;

@@ -1,6 +1,6 @@
 /*
  * Arrays of generated C tables (emit.h). Numbers have 17 significant digits and are rounded once,
- * by the device's compiler, to its own real; the checksum is therefore given for both precisions.
+ * by the device's compiler, to its pzs_real; a table therefore has a checksum for either precision.
  */
 #include "emit.h"
 #include <math.h>
@@ -35,13 +35,13 @@ void emit_real(FILE *file, double x)
 {
     if (isinf(x))
         fprintf(file, "%sHUGE_VAL", x < 0 ? "-" : "");
-    else if (x == 0 && signbit(x)) /* -0 would be the integer 0 */
+    else if (x == 0 && signbit(x)) /* -0 without a decimal point would be the integer 0 */
         fputs("-0.0", file);
     else
         fprintf(file, "%.17g", x);
 }
 
-/* Values of an initialiser, `columns` a line. */
+/* Values of an initialiser, `columns` in each line. */
 static void list_reals(FILE *file, const double *x, size_t n, size_t columns)
 {
     for (size_t i = 0; i < n; i++) {
@@ -60,12 +60,13 @@ void emit_reals(emitter *emitter, const char *name, const double *x, size_t n, c
     emit_count_reals(emitter, x, n);
 }
 
-/* Largest float not above x, or not below it. */
+/* Largest float that is not above x, or smallest float that is not below x. */
 static double float_inside(double x, int upper)
 {
     const float nearest = (float)x;
+    const float inwards = upper ? -HUGE_VALF : HUGE_VALF;
     const int outside = upper ? (double)nearest > x : (double)nearest < x;
-    return (double)(outside ? nextafterf(nearest, upper ? -HUGE_VALF : HUGE_VALF) : nearest);
+    return (double)(outside ? nextafterf(nearest, inwards) : nearest);
 }
 
 void emit_limits(emitter *emitter, const char *name, const double *x, size_t n, int upper,
@@ -127,7 +128,8 @@ const double *emit_nested(FILE *file, const double *x, const int *length, int de
             emit_real(file, *x++);
             fputs(")", file);
         }
-        fputs(i + 1 < length[0] ? depth > 2 ? ",\n     " : ", " : "", file);
+        if (i + 1 < length[0])
+            fputs(depth > 2 ? ",\n     " : ", ", file);
     }
     fputs("}", file);
     return x;

@@ -1,9 +1,9 @@
-/* The blocks around the control step that a scene asks for (loop_blocks.h). */
+/* Blocks of the control tick that a scene needs (loop_blocks.h). */
 #include "loop_blocks.h"
 #include <ctype.h>
 #include <string.h>
 
-/* ---- what a scene asks for -------------------------------------------- */
+/* ---- conditions -------------------------------------------------------- */
 
 int loop_estimates(const scene *scene)
 {
@@ -33,76 +33,82 @@ static int finds(const scene *scene)
 
 /* ---- tables for the host ---------------------------------------------- */
 
-static const void *known_tables(loop_blocks *l)
+static const void *known_tables(loop_blocks *blocks)
 {
-    const int few = loop_estimates(l->design->scene);
-    l->known.shape = &l->estimator->known_tables;
-    l->known.readings = few ? &l->estimator->shown_tables : NULL;
-    return &l->known;
+    const int few = loop_estimates(blocks->design->scene);
+    blocks->known_loads.shape = &blocks->estimator->shape_table;
+    blocks->known_loads.readings = few ? &blocks->estimator->reading_table : NULL;
+    return &blocks->known_loads;
 }
 
-static const void *estimator_tables(loop_blocks *l)
+static const void *estimator_tables(loop_blocks *blocks)
 {
-    return &l->estimator->tables;
+    return &blocks->estimator->tables;
 }
 
-static const void *problem_tables(loop_blocks *l)
+static const void *problem_tables(loop_blocks *blocks)
 {
-    return &l->design->problem;
+    return &blocks->design->problem;
 }
 
-static const void *amplifier_tables(loop_blocks *l)
+static const void *amplifier_tables(loop_blocks *blocks)
 {
-    l->amplifier.step = l->design->scene->simulate.step;
-    l->amplifier.dead_band = l->design->scene->simulate.dead_band;
-    return &l->amplifier;
+    blocks->amplifier.step = blocks->design->scene->simulate.step;
+    blocks->amplifier.dead_band = blocks->design->scene->simulate.dead_band;
+    return &blocks->amplifier;
 }
 
-static const void *detection_tables(loop_blocks *l)
+static const void *detection_tables(loop_blocks *blocks)
 {
-    l->detection.delay = (uint16_t)l->design->scene->simulate.delay;
-    return &l->detection;
+    blocks->detection.delay = (uint16_t)blocks->design->scene->simulate.delay;
+    return &blocks->detection;
 }
 
 /* ---- tables as source ------------------------------------------------- */
 
-static void write_known(const emitter *emitter, const loop_blocks *l)
+static void write_known(const emitter *emitter, const loop_blocks *blocks)
 {
-    fprintf(emitter->file, "static const pzs_known_loads %s_known_loads = {&%s_known, ",
+    fprintf(emitter->file,
+            "/* feed-forward tables of shape and readings */\n"
+            "static const pzs_known_loads %s_known_loads = {&%s_shape_feed_forward, ",
             emitter->prefix, emitter->prefix);
-    if (l->known.readings)
-        fprintf(emitter->file, "&%s_shown};\n", emitter->prefix);
+    if (blocks->known_loads.readings)
+        fprintf(emitter->file, "&%s_reading_feed_forward};\n", emitter->prefix);
     else
         fputs("NULL};\n", emitter->file);
 }
 
-static void write_amplifier(const emitter *emitter, const loop_blocks *l)
+static void write_amplifier(const emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file,
-            "/* step and dead band of the amplifiers (V) */\n"
+            "/* converter step and dead band of the amplifiers (V) */\n"
             "static const pzs_amplifier %s_amplifier = {PZS_R(%.17g), PZS_R(%.17g)};\n",
-            emitter->prefix, l->amplifier.step, l->amplifier.dead_band);
+            emitter->prefix, blocks->amplifier.step, blocks->amplifier.dead_band);
 }
 
-static void write_detection(const emitter *emitter, const loop_blocks *l)
+static void write_detection(const emitter *emitter, const loop_blocks *blocks)
 {
-    fprintf(emitter->file,
-            "/* delay of the measurements (ticks); amplitude (V), 0: the default */\n"
-            "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
-            emitter->prefix, l->detection.delay, l->detection.amplitude);
+    fprintf(
+        emitter->file,
+        "/* delay of the measurements (ticks), amplitude of the test signal (V; 0: default) */\n"
+        "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
+        emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
 }
 
 /* ---- the table -------------------------------------------------------- */
 
-/* A kind of block. Its tables are PREFIX_tables in a header; bytes is the macro of its memory,
- * after the prefix of the macros that stand as %. */
+/*
+ * Types of blocks. The tables of a block are PREFIX_ and `tables_name` in a header; `bytes` is the
+ * macro of its memory without PZS_, with % for the prefix in capitals.
+ */
 static const struct {
     const pzs_block_type *type;
     int (*is_present)(const scene *s);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: written with its arrays */
+    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: the tables are written with
+                                                              their arrays */
     const char *type_name, *tables_name, *bytes;
-} kinds[] = {
+} block_types[] = {
     {&pzs_feed_forward_block, loop_feeds, known_tables, write_known, "feed_forward", "known_loads",
      "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
     {&pzs_estimator_block, loop_estimates, estimator_tables, NULL, "estimator", "estimator",
@@ -114,21 +120,22 @@ static const struct {
     {&pzs_fault_detector_block, finds, detection_tables, write_detection, "fault_detector",
      "fault_detection", "FAULT_DETECTOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS, %_DELAY)"},
 };
-enum { KINDS = sizeof kinds / sizeof *kinds };
+enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
-void loop_blocks_fill(loop_blocks *l, const design *design, const estimator *estimator)
+void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator)
 {
-    memset(l, 0, sizeof *l);
-    l->design = design;
-    l->estimator = estimator;
-    for (int k = 0; k < KINDS; k++)
-        if (kinds[k].is_present(design->scene))
-            l->block[l->count++] = (pzs_block){kinds[k].type, kinds[k].tables(l)};
+    memset(blocks, 0, sizeof *blocks);
+    blocks->design = design;
+    blocks->estimator = estimator;
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(design->scene))
+            blocks->block[blocks->count++] =
+                (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
 }
 
 /* ---- source ----------------------------------------------------------- */
 
-/* A macro's text, the prefix in capitals for each %. */
+/* Write the text of a macro with the prefix in capitals for each %. */
 static void write_macro(const emitter *emitter, const char *text)
 {
     for (; *text; text++) {
@@ -139,44 +146,48 @@ static void write_macro(const emitter *emitter, const char *text)
     }
 }
 
-static void write_bytes(const emitter *emitter, const loop_blocks *l)
+static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file, "#define %s_LOOP_BYTES \\\n    (PZS_LOOP_BYTES(%s_BLOCKS, %s_INPUTS)",
             emitter->upper, emitter->upper, emitter->upper);
-    for (int k = 0; k < KINDS; k++) {
-        if (!kinds[k].is_present(l->design->scene))
+    for (int k = 0; k < BLOCK_TYPES; k++) {
+        if (!block_types[k].is_present(blocks->design->scene))
             continue;
         fputs(" + \\\n     PZS_", emitter->file);
-        write_macro(emitter, kinds[k].bytes);
+        write_macro(emitter, block_types[k].bytes);
     }
     fputs(")\n\n", emitter->file);
 }
 
-void loop_blocks_write(emitter *emitter, const loop_blocks *l)
+void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 {
-    const scene *scene = l->design->scene;
-    for (int k = 0; k < KINDS; k++)
-        if (kinds[k].write && kinds[k].is_present(scene))
-            kinds[k].write(emitter, l);
-    const int readings = loop_estimates(scene) ? l->estimator->sensors : l->design->targets;
-    fprintf(emitter->file,
-            "/* blocks of the control tick, in its order: those of `pzs simulate` */\n"
-            "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
-            "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
-            emitter->upper, l->count, emitter->upper, readings, emitter->upper,
-            scene->simulate.delay, emitter->prefix, emitter->upper);
-    for (int k = 0; k < KINDS; k++)
-        if (kinds[k].is_present(scene))
-            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", kinds[k].type_name,
-                    emitter->prefix, kinds[k].tables_name);
+    const scene *scene = blocks->design->scene;
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].write && block_types[k].is_present(scene))
+            block_types[k].write(emitter, blocks);
+    const int readings =
+        loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
+    fprintf(
+        emitter->file,
+        "/* blocks of the control tick in the order in which they run; `pzs simulate` runs the same list */\n"
+        "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
+        "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
+        emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
+        scene->simulate.delay, emitter->prefix, emitter->upper);
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(scene))
+            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", block_types[k].type_name,
+                    emitter->prefix, block_types[k].tables_name);
     fputs("};\n", emitter->file);
-    write_bytes(emitter, l);
+    write_bytes(emitter, blocks);
 }
 
 /* ---- names ------------------------------------------------------------ */
 
-/* PREFIX_KIND_name = index. A name that is no C identifier gets its index behind it, so that two
- * names stay two. */
+/*
+ * Write PREFIX_KIND_name = index. A name that is not a C identifier gets its index as a suffix, so
+ * that different names stay different.
+ */
 static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {
     int changed = 0;
@@ -194,7 +205,8 @@ static void write_index(const emitter *emitter, const char *kind, const char *na
 static void write_amplifiers(const emitter *emitter, const design *design)
 {
     char name[SCENE_LABEL];
-    fputs("/* indices of the amplifiers: info.voltage, pzs_hold */\nenum {\n", emitter->file);
+    fputs("/* index of each amplifier in info.voltage and for pzs_hold */\nenum {\n",
+          emitter->file);
     for (int k = 0; k < design->amplifiers; k++) {
         scene_amplifier_name(design->scene, k, name);
         write_index(emitter, "INPUT", name, k);
@@ -202,7 +214,10 @@ static void write_amplifiers(const emitter *emitter, const design *design)
     fputs("};\n", emitter->file);
 }
 
-/* Readings of an estimator: NAME, or NAME_1, NAME_2 ... where an output has several. */
+/*
+ * Indices of the estimator's readings: NAME, or NAME_1, NAME_2 ... where an output has several
+ * values.
+ */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
@@ -210,7 +225,7 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
     int index = 0;
     if (!loop_estimates(scene))
         return;
-    fputs("/* indices of the readings */\nenum {\n", emitter->file);
+    fputs("/* index of each reading of the sensors */\nenum {\n", emitter->file);
     for (int r = 0; r < scene->estimate.readings; r++) {
         const scene_output *output = &scene->output[scene->estimate.reading[r].output];
         const int count = analysis_outputs(analysis, scene->estimate.reading[r].output);
@@ -250,7 +265,7 @@ void loop_names_write(emitter *emitter, const analysis *analysis)
     if (design->scene->simulate.given) {
         fprintf(emitter->file, "#define %s_TICK_RATE PZS_R(", emitter->upper);
         emit_real(emitter->file, design->scene->simulate.rate);
-        fputs(") /* ticks a second */\n", emitter->file);
+        fputs(") /* ticks per second */\n", emitter->file);
     }
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);

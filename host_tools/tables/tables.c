@@ -7,8 +7,9 @@
 #include "../../lib/model/model.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/model/shell.h"
+#include "../text/words.h"
 #include "loop_blocks.h"
-#include "tables_path.h"
+#include "tables_nonlinear.h"
 
 const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonlinear"};
 
@@ -16,9 +17,10 @@ const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonl
 
 static void write_elements(emitter *emitter, const mesh *mesh)
 {
-    fprintf(emitter->file,
-            "/* nodes of each element */\nstatic const uint16_t %s_element[%d][4] = {",
-            emitter->prefix, mesh->elements);
+    fprintf(
+        emitter->file,
+        "/* nodes of each element, corners (-,-), (+,-), (+,+), (-,+) */\nstatic const uint16_t %s_element[%d][4] = {",
+        emitter->prefix, mesh->elements);
     for (int e = 0; e < mesh->elements; e++)
         fprintf(emitter->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ",
                 mesh->element[e][0], mesh->element[e][1], mesh->element[e][2], mesh->element[e][3]);
@@ -26,17 +28,17 @@ static void write_elements(emitter *emitter, const mesh *mesh)
     emit_count_bytes(emitter, mesh->element, (size_t)mesh->elements * sizeof *mesh->element);
 }
 
-/* Corner tables of every kind, member by member in the order of pzs_element_type. */
-static void write_kinds(emitter *emitter, const mesh *mesh)
+/* Corner tables of every element type, member by member in the order of pzs_element_type. */
+static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
     static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
     fprintf(
         emitter->file,
-        "/* corner tables of each element kind */\nstatic const pzs_element_type %s_kind[%d] = {",
-        emitter->prefix, mesh->kinds);
-    for (int k = 0; k < mesh->kinds; k++) {
-        const pzs_element_type *type = &mesh->kind[k];
+        "/* corner tables of each element type */\nstatic const pzs_element_type %s_element_types[%d] = {",
+        emitter->prefix, mesh->types);
+    for (int k = 0; k < mesh->types; k++) {
+        const pzs_element_type *type = &mesh->type[k];
         fputs("{\n    ", emitter->file);
         emit_nested(emitter->file, &type->s[0][0][0][0], coupling, 4);
         fputs(",\n    ", emitter->file);
@@ -68,9 +70,9 @@ static void write_rows(emitter *emitter, const char *name, const pzs_rows *rows,
     snprintf(array, sizeof array, "%s_start", name);
     emit_longs(emitter, array, rows->start, count + 1u);
     snprintf(array, sizeof array, "%s_dof", name);
-    emit_shorts(emitter, array, rows->dof, terms, "free unknowns");
+    emit_shorts(emitter, array, rows->dof, terms, "free dof of each entry");
     snprintf(array, sizeof array, "%s_value", name);
-    emit_reals(emitter, array, rows->value, terms, "their weights");
+    emit_reals(emitter, array, rows->value, terms, "weight of each entry");
 }
 
 static void name_rows(const emitter *emitter, const char *name, uint16_t count)
@@ -82,21 +84,21 @@ static void name_rows(const emitter *emitter, const char *name, uint16_t count)
                 emitter->prefix, name, emitter->prefix, name, emitter->prefix, name);
 }
 
-/* Padded entries of the factor for a tile of rows, the rule of linalg.h. */
+/* Number of entries of the padded factor for a tile of rows, by the rule of linalg.h. */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
     size_t entries = 0;
-    for (int row = 0; row < mesh->dof; row += tile) {
+    for (int row = 0; row < mesh->free_dof; row += tile) {
         int left = row;
-        for (int i = row; i < mesh->dof && i < row + tile; i++)
-            if (mesh->first[i] < left)
-                left = mesh->first[i];
+        for (int i = row; i < mesh->free_dof && i < row + tile; i++)
+            if (mesh->first_column[i] < left)
+                left = mesh->first_column[i];
         entries += (size_t)(row + tile - left / tile * tile) * (size_t)tile;
     }
     return entries;
 }
 
-/* The structure with its control part only: amplifiers as inputs, target nodes as outputs. */
+/* The structure with the inputs and outputs of the controller only: amplifiers and target nodes. */
 static pzs_structure controlled(const analysis *analysis)
 {
     pzs_structure structure = analysis->design.structure;
@@ -111,35 +113,35 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     const mesh *mesh = &analysis->design.mesh;
     const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
     const pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
-    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->unknowns);
+    const size_t packed = SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
     const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
                                 structure.dof_per_node, structure.free_dof};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_elements(emitter, mesh);
-    emit_shorts(emitter, "element_kind", mesh->element_kind, (size_t)mesh->elements,
-                "kind of each element");
-    emit_shorts(emitter, "node_dof", mesh->node_dof, (size_t)mesh->nodes * mesh->unknowns,
-                "free unknown of each nodal unknown, or PZS_CONSTRAINED");
-    emit_shorts(emitter, "first", mesh->first, (size_t)mesh->dof,
-                "first column of each row of the factor");
-    emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->kinds * packed,
-               "element matrices, packed lower triangles (N/m, N)");
-    write_kinds(emitter, mesh);
+    emit_shorts(emitter, "element_type", mesh->element_type, (size_t)mesh->elements,
+                "element type of each element");
+    emit_shorts(emitter, "node_dof", mesh->node_dof, (size_t)mesh->nodes * mesh->dof_per_node,
+                "free dof of each dof of each node, or PZS_CONSTRAINED");
+    emit_shorts(emitter, "first_column", mesh->first_column, (size_t)mesh->free_dof,
+                "first column of each row of the stiffness factor");
+    emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->types * packed,
+               "stiffness matrix of each element type, packed lower triangle (N/m, N)");
+    write_element_types(emitter, mesh);
     write_rows(emitter, "input", &structure.input, structure.input.count,
-               whole ? "force per unit of each amplifier, load and extra input"
-                     : "force per volt of each amplifier");
+               whole ? "nodal forces per unit of each amplifier, load and extra input"
+                     : "nodal forces per volt of each amplifier");
     write_rows(emitter, "output", &structure.output, structure.output.count,
-               whole ? "displacement of each target node and output"
-                     : "displacement of each target node");
+               whole ? "weights of the free dof in each target node's displacement and each output"
+                     : "weights of the free dof in each target node's displacement");
     fprintf(emitter->file,
-            "#define %s_DOF %d\n"
+            "#define %s_FREE_DOF %d\n"
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
-            emitter->upper, mesh->dof, emitter->upper, mesh->dof, padded_entries(mesh, 4),
+            emitter->upper, mesh->free_dof, emitter->upper, mesh->free_dof, padded_entries(mesh, 4),
             padded_entries(mesh, 8), padded_entries(mesh, 16));
     emit_begin(emitter, "structure", "structure", structure.scene, structure.crc);
     fprintf(
         emitter->file,
-        " %u, %u, %u, %u, %u,\n    %s_element, %s_element_kind, %s_node_dof, %s_first, %s_stiffness, %s_kind,\n",
+        " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, %s_stiffness, %s_element_types,\n",
         structure.nodes, structure.elements, structure.types, structure.dof_per_node,
         structure.free_dof, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
         emitter->prefix, emitter->prefix);
@@ -150,8 +152,10 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 
 /* ---- electrodes ------------------------------------------------------- */
 
-/* Nothing where the scene has no sensors and asks for no charge. The workspaces: at rest, and at a
- * shape. */
+/*
+ * Electrodes, and the sizes of their workspaces in the reference state and at an equilibrium;
+ * nothing where the scene has no sensors and asks for no charge.
+ */
 static void write_electrodes(emitter *emitter, const analysis *analysis)
 {
     const pzs_electrodes *tables = &analysis->design.electrodes;
@@ -161,17 +165,20 @@ static void write_electrodes(emitter *emitter, const analysis *analysis)
                    open = pzs_electrode_open_count(tables);
     emitter->crc32 = GUARD_CRC_START;
     emit_shorts(emitter, "electrode_input", tables->input, tables->count,
-                "input whose amount is the volts of each electrode");
-    fprintf(emitter->file, "static const uint8_t %s_electrode_open[%u] = {", emitter->prefix,
-            tables->count);
+                "input whose value is the voltage of each electrode");
+    fprintf(emitter->file,
+            "/* 1 where the electrode is open, 0 where its voltage is prescribed */\n"
+            "static const uint8_t %s_electrode_open[%u] = {",
+            emitter->prefix, tables->count);
     for (int k = 0; k < tables->count; k++)
         fprintf(emitter->file, "%u,%s", tables->open[k], k % 16 == 15 ? "\n    " : " ");
     fputs("};\n", emitter->file);
     emit_count_bytes(emitter, tables->open, tables->count);
     emit_longs(emitter, "electrode_start", tables->direct.start, tables->count + 1u);
     emit_shorts(emitter, "electrode_dof", tables->direct.dof, entries,
-                "inputs that draw charge while the shell is held");
-    emit_reals(emitter, "electrode_value", tables->direct.value, entries, "how much (C/V, C/K)");
+                "inputs that draw charge to each electrode while the shell does not deform");
+    emit_reals(emitter, "electrode_value", tables->direct.value, entries,
+               "charge per unit of these inputs (C/V, C/K)");
     fprintf(emitter->file,
             "#define %s_ELECTRODES %u\n#define %s_ELECTRIC_BYTES PZS_ELECTRIC_BYTES(%u, %u, %u)\n"
             "#define %s_CIRCUIT_BYTES PZS_CIRCUIT_BYTES(%u, %u)\n",
@@ -191,10 +198,19 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 {
     write_structure(emitter, analysis, TABLES_NONLINEAR);
     write_electrodes(emitter, analysis);
-    return tables_path(emitter, analysis);
+    return tables_nonlinear(emitter, analysis);
 }
 
 /* ---- voltage problem -------------------------------------------------- */
+
+/* PREFIX_name, or NULL where the array is not written. text out */
+static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
+{
+    if (is_written)
+        snprintf(text, 128, "%.100s_%s", emitter->prefix, name);
+    else
+        snprintf(text, 128, "NULL");
+}
 
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
 {
@@ -211,38 +227,45 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     if (influence) {
         emit_reals(emitter, "influence", problem.influence, m * n,
                    design->free_functions > 0
-                       ? "displacement of target node (row) per volt (column), "
-                         "free functions of the target taken out"
-                       : "displacement of target node (row) per volt (column)");
+                       ? "influence: displacement of each target node (row) per volt of each "
+                         "amplifier (column), without the free functions of the target"
+                       : "influence: displacement of each target node (row) per volt of each "
+                         "amplifier (column)");
         if (problem.hessian)
-            emit_reals(emitter, "hessian", problem.hessian, n * n, "B'W^2 B");
+            emit_reals(emitter, "hessian", problem.hessian, n * n,
+                       "B'W^2 B of the influence B and the weights W");
     }
-    emit_reals(emitter, "weight", design->weight, m, "W");
-    emit_limits(emitter, "lower", design->lower, n, 0, "voltage limits (V)");
-    emit_limits(emitter, "upper", design->upper, n, 1, "(V)");
-    emit_limits(emitter, "slew", design->slew, n, 1, "most change a step (V)");
-    emit_reals(emitter, "prefer", design->prefer, n, "voltages preferred by the effort term (V)");
+    emit_reals(emitter, "weight", design->weight, m, "weight of each target node");
+    emit_limits(emitter, "lower", design->lower, n, 0, "lowest voltage of each amplifier (V)");
+    emit_limits(emitter, "upper", design->upper, n, 1, "highest voltage of each amplifier (V)");
+    emit_limits(emitter, "step_limit", design->step_limit, n, 1,
+                "largest change of each voltage in one step (V)");
+    emit_reals(emitter, "reference_voltage", design->reference_voltage, n,
+               "voltage to which the regularisation draws each amplifier (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
+    char influence_name[128], hessian_name[128];
+    name_or_null(emitter, influence, "influence", influence_name);
+    name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(
         emitter->file,
-        " %zu, %zu,\n    %s%s, %s%s, %s_weight, %s_lower, %s_upper, %s_slew, %s_prefer, PZS_R(%.17g),\n};\n\n",
-        n, m, influence ? emitter->prefix : "NULL", influence ? "_influence" : "",
-        problem.hessian ? emitter->prefix : "NULL", problem.hessian ? "_hessian" : "",
-        emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-        problem.regularisation);
+        " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, %s_reference_voltage, PZS_R(%.17g),\n};\n\n",
+        n, m, influence_name, hessian_name, emitter->prefix, emitter->prefix, emitter->prefix,
+        emitter->prefix, emitter->prefix, problem.regularisation);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, m,
-                   "displacement wanted of each target node, under the loads");
+                   "target displacement of each target node, the effect of the loads included");
     else
         emit_reals(emitter, "target", design->wanted, m,
-                   "displacement of each target node that the volts must make");
+                   "displacement of each target node that the voltages must cause");
 }
 
 /* ---- memory of the device --------------------------------------------- */
 
-/* Workspace and stack of an image in bytes, by the macros a firmware uses; `real` is what pzs_real
- * is there. */
+/*
+ * Workspace and stack of an image in bytes, by the macros that a firmware uses; `real` is the type
+ * of pzs_real on the device.
+ */
 #define NEED(real, k)                                                                              \
     {                                                                                              \
         typedef real pzs_real;                                                                     \
@@ -251,7 +274,7 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
         if (image != TABLES_CONTROL)                                                               \
             need.work[k] +=                                                                        \
                 PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE));     \
-        if (image == TABLES_LINEAR && controlled) /* the influence matrix made there */            \
+        if (image == TABLES_LINEAR && controlled) /* influence matrix computed on the device */    \
             need.work[k] +=                                                                        \
                 sizeof(pzs_real) * (size_t)design->amplifiers * (size_t)design->targets;           \
         if (image == TABLES_NONLINEAR)                                                             \
@@ -280,54 +303,58 @@ tables_memory tables_need(const analysis *analysis, tables_image image)
     return need;
 }
 
-/* ---- beside the controller -------------------------------------------- */
+/* ---- estimator, feed-forward, blocks ---------------------------------- */
 
-/* Gains of the estimator. */
+/* Tables of the estimator. */
 static void write_estimator(emitter *emitter, const estimator *estimator)
 {
     const pzs_estimator *tables = &estimator->tables;
     const uint16_t counts[3] = {tables->inputs, tables->outputs, tables->sensors};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     emit_reals(emitter, "direct", estimator->direct, (size_t)tables->sensors * tables->inputs,
-               "what sensors (rows) show per volt (columns)");
-    emit_reals(emitter, "gain", estimator->gain, (size_t)tables->outputs * tables->sensors,
-               "shape (rows) per what sensors (columns) show besides");
+               "change of each reading (row) per volt of each amplifier (column)");
+    emit_reals(
+        emitter, "gain", estimator->gain, (size_t)tables->outputs * tables->sensors,
+        "gain of the estimate of each target node (row) for the part of each reading (column) "
+        "that the voltages do not explain");
     fprintf(emitter->file, "#define %s_SENSORS %u\n", emitter->upper, tables->sensors);
     emit_begin(emitter, "estimator", "estimator", tables->scene, tables->crc);
     fprintf(emitter->file, " %u, %u, %u, %s_direct, %s_gain,\n};\n\n", tables->inputs,
             tables->outputs, tables->sensors, emitter->prefix, emitter->prefix);
 }
 
-/* The shape, or what the sensors show, under each load of the scene, to be fed forward. */
-static void write_known(emitter *emitter, const char *name, const pzs_feed_forward_table *table,
-                        const char *meaning)
+/* Feed-forward table: the shape, or the readings of the sensors, under each load of the scene. */
+static void write_feed_forward(emitter *emitter, const char *what,
+                               const pzs_feed_forward_table *table, const char *meaning)
 {
-    char array[64];
+    char array[64], whole[64];
     const uint16_t counts[2] = {table->inputs, table->outputs};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    snprintf(array, sizeof array, "%s_per_load", name);
+    snprintf(array, sizeof array, "%s_per_load", what);
     emit_reals(emitter, array, table->sensitivity, (size_t)table->outputs * table->inputs, meaning);
-    emit_begin(emitter, "feed_forward_table", name, table->scene, table->crc);
+    snprintf(whole, sizeof whole, "%s_feed_forward", what);
+    emit_begin(emitter, "feed_forward_table", whole, table->scene, table->crc);
     fprintf(emitter->file, " %u, %u, %s_%s,\n};\n\n", table->inputs, table->outputs,
             emitter->prefix, array);
 }
 
-static int write_beside(emitter *emitter, const analysis *analysis)
+static int write_blocks(emitter *emitter, const analysis *analysis)
 {
     estimator estimator;
     loop_blocks blocks;
     char error[SCENE_ERROR];
     if (estimator_open(&estimator, analysis, error) < 0)
         return -1;
-    if (estimator.known_tables.inputs > 0) {
+    if (estimator.shape_table.inputs > 0) {
         fprintf(emitter->file, "#define %s_LOADS %u\n", emitter->upper,
-                estimator.known_tables.inputs);
-        write_known(emitter, "known", &estimator.known_tables,
-                    "displacement of target node (row) per load (column), 1: as the scene says");
+                estimator.shape_table.inputs);
+        write_feed_forward(
+            emitter, "shape", &estimator.shape_table,
+            "displacement of each target node (row) under each load of the scene (column)");
     }
-    if (estimator.known_tables.inputs > 0 && estimator.sensors > 0)
-        write_known(emitter, "shown", &estimator.shown_tables,
-                    "what sensors (rows) show per load (column)");
+    if (estimator.shape_table.inputs > 0 && estimator.sensors > 0)
+        write_feed_forward(emitter, "reading", &estimator.reading_table,
+                           "change of each reading (row) under each load of the scene (column)");
     if (estimator.sensors > 0)
         write_estimator(emitter, &estimator);
     loop_blocks_fill(&blocks, &analysis->design, &estimator);
@@ -342,21 +369,25 @@ static int write_beside(emitter *emitter, const analysis *analysis)
 static void write_head(const emitter *emitter, const analysis *analysis, const char *image)
 {
     const scene *scene = analysis->design.scene;
+    char units[4 * SCENE_NAME] = "Any consistent units.";
+    if (!words_unitless(scene))
+        snprintf(units, sizeof units, "Lengths in %s, forces in %s, voltages in %s.",
+                 scene->unit_length, scene->unit_force, scene->unit_voltage);
     fprintf(
         emitter->file,
-        "/*\n * Tables of scene %s, %s image. Made by `pzs tables`; do not edit.\n * %s\n"
-        " * Lengths in %s, forces in %s, volts in %s.\n */\n"
+        "/*\n * Tables of scene %s, %s image. Generated by `pzs tables`; do not edit.\n * %s\n"
+        " * %s\n */\n"
         "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
-        "#if PZS_TABLE_FORMAT != %u\n#error \"these tables were made for another version of the library: run `pzs tables` again\"\n#endif\n"
-        "/* a program that needs one precision defines this as 32 or 64 before it includes the tables */\n"
+        "#if PZS_TABLE_FORMAT != %u\n#error \"these tables are of another format than the library reads: run this library's `pzs tables` again\"\n#endif\n"
+        "/* A program that needs one precision defines this macro as 32 or 64 before it includes the tables. */\n"
         "#if defined(%s_REAL_BITS) && %s_REAL_BITS != PZS_REAL_BITS\n"
         "#error \"the program needs another precision: compile it and the library with its -DPZS_REAL_BITS\"\n#endif\n\n",
-        scene->name, image, scene->about ? scene->about : "", scene->unit_length, scene->unit_force,
-        scene->unit_voltage, emitter->upper, emitter->upper, PZS_TABLE_FORMAT, emitter->upper,
-        emitter->upper);
+        scene->name, image, scene->about ? scene->about : "", units, emitter->upper, emitter->upper,
+        PZS_TABLE_FORMAT, emitter->upper, emitter->upper);
 }
 
-/* What vibration makes of the control loop, in the words of the certificate. */
+/* Stability of the control loop under vibration, as a comment, and PREFIX_QUASI_STATIC where it is
+ * unstable. */
 static void write_certificate(const emitter *emitter, const certificate *certificate)
 {
     char text[3 * SCENE_ERROR];
@@ -372,22 +403,22 @@ static void write_certificate(const emitter *emitter, const certificate *certifi
     fputs("\n", emitter->file);
 }
 
-/* What a nonlinear image asks of its compilation. */
+/* Preprocessor checks that a nonlinear image is compiled with options it can run with. */
 static void write_demands(const emitter *emitter, const analysis *analysis)
 {
     fputs(
-        "#if !PZS_NONLINEAR\n#error \"a nonlinear image: compile library and firmware with -DPZS_NONLINEAR=1\"\n#endif\n",
+        "#if !PZS_NONLINEAR\n#error \"nonlinear image: compile library and firmware with -DPZS_NONLINEAR=1\"\n#endif\n",
         emitter->file);
-    if (!tables_fit_float(analysis))
+    if (!tables_allow_float(analysis))
         fprintf(
             emitter->file,
-            "#if PZS_REAL_BITS == 32\n#error \"condition %.1e: above %.0e the nonlinear path needs double, -DPZS_REAL_BITS=64\"\n"
+            "#if PZS_REAL_BITS == 32\n#error \"condition %.1e: above %.0e the equilibrium solver needs double, -DPZS_REAL_BITS=64\"\n"
             "#endif\n",
             analysis->model.info.condition, TABLES_FLOAT_CONDITION);
     fputs("\n", emitter->file);
 }
 
-int tables_fit_float(const analysis *analysis)
+int tables_allow_float(const analysis *analysis)
 {
     return analysis->model.info.condition < TABLES_FLOAT_CONDITION;
 }
@@ -420,13 +451,13 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
         if (analysis->design.electrodes.count > 0)
             fprintf(
                 file,
-                "/* columns of the influence made on the device; the first %s_INPUTS are the amplifiers' */\n#define %s_ALL_INPUTS %u\n",
+                "/* columns of the influence matrix computed on the device; the first %s_INPUTS are amplifiers */\n#define %s_ALL_INPUTS %u\n",
                 emitter.upper, emitter.upper, analysis->design.structure.input.count);
         fputs("\n", file);
     }
     if (controlled) {
         write_problem(&emitter, analysis, image);
-        status = status == 0 ? write_beside(&emitter, analysis) : status;
+        status = status == 0 ? write_blocks(&emitter, analysis) : status;
     }
     fputs("#endif\n", file);
     *size = (tables_size){emitter.reals, emitter.bytes};

@@ -1,4 +1,4 @@
-/* Generated C tables: the arrays of a design as const data for a firmware. */
+/* Writes generated C tables: the arrays of a design as const data for a firmware. */
 #ifndef TABLES_H
 #define TABLES_H
 
@@ -13,19 +13,21 @@ typedef enum tables_image {
 } tables_image;
 extern const char *const tables_image_name[TABLES_IMAGES];
 
-/* The nonlinear path has no refinement: float carries it while the scaled stiffness is conditioned
- * better than this. */
+/*
+ * Largest condition of the scaled stiffness for an equilibrium solver in float, which has no
+ * iterative refinement.
+ */
 #define TABLES_FLOAT_CONDITION 1e7
-int tables_fit_float(const analysis *analysis);
+int tables_allow_float(const analysis *analysis);
 
-/* What tables take: numbers and bytes besides in flash. */
+/* Size of tables in flash: number of reals, and bytes of other data. */
 typedef struct tables_size {
     size_t reals, bytes;
 } tables_size;
 
 /*
- * Bytes of workspace and of stack that an image asks for on a device, in float and in double. The
- * stack is the library's own, held to by `make test`.
+ * Bytes of workspace and of stack that an image needs on a device, in float [0] and in double [1].
+ * The stack is that of the library alone, which `make test` verifies.
  */
 typedef struct tables_memory {
     size_t work[2], stack[2];
@@ -33,11 +35,14 @@ typedef struct tables_memory {
 tables_memory tables_need(const analysis *analysis, tables_image image);
 
 /*
- * Write the tables of an image as a C header.
- *   a       in  after analysis_influence; a nonlinear image: after analysis_solve, and where the
- * scene has a target after analysis_influence (without one there is no voltage problem in the
- * tables) prefix  in  of every name, a C identifier size    out The same scene gives the same
- * bytes: no dates, no paths. Returns 0, or -1 when writing failed.
+ * Write the tables of an image as a C header. The same scene gives the same bytes, because the
+ * header contains no dates and no paths.
+ *   analysis  in   after analysis_influence; for a nonlinear image after analysis_solve, and after
+ *                  analysis_influence where the scene has a target (without a target the tables
+ *                  contain no voltage problem)
+ *   prefix    in   start of every name, a C identifier
+ *   size      out  size of the tables
+ * Returns 0, or -1 when writing failed.
  */
 int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
                  tables_size *size);

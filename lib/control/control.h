@@ -16,12 +16,4 @@ void pzs_control_predict(pzs_control *control);
  * the new voltages. */
 void pzs_control_moved(pzs_control *control);
 
-/*
- * For comparison on the host: the unconstrained optimum for an error, and the same clamped to the
- * limits. Steps after it may differ in their last bits. voltage [inputs] out (V) Errors: ARGUMENT,
- * STAGE, NONFINITE.
- */
-pzs_status pzs_unlimited(pzs_control *control, const pzs_real *error, pzs_real *voltage);
-pzs_status pzs_clipped(pzs_control *control, const pzs_real *error, pzs_real *voltage);
-
 #endif

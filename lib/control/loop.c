@@ -181,10 +181,15 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
         return PZS_E_ARGUMENT;
     if (loop->state.stage != READY)
         return PZS_E_STAGE;
-    const size_t step = find_step(loop->state.blocks, loop->state.count);
-    const pzs_status status = pzs_control_start(loop->info.control, voltage);
-    if (status != PZS_OK)
-        return finish(loop, status, loop->state.blocks[step].type, loop->info.control->info.where);
+    if (voltage == NULL)
+        return finish(loop, PZS_E_ARGUMENT, NULL, -1);
+    const uint16_t inputs = problem_of(loop)->inputs;
+    const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
+    if (bad >= 0)
+        return finish(loop, PZS_E_NONFINITE, NULL, bad);
+    for (uint16_t j = 0; j < inputs; j++) /* also those that a test signal holds */
+        (void)pzs_release(loop->info.control, j);
+    (void)pzs_control_start(loop->info.control, voltage);
     return init_others(loop);
 }
 

@@ -88,7 +88,7 @@ static double error_of(const ladder *l, const double end[2])
 /* Equilibrium from rest, with the plain Newton method or as the scene says. */
 static void solve(const ladder *l, analysis *analysis, int plain, run *r)
 {
-    pzs_solver *solver = &analysis->path.run;
+    pzs_solver *solver = &analysis->equilibrium.solver;
     double time[RUNS], *y = calloc(analysis->design.structure.output.count + 1u, sizeof *y);
     if (!y)
         exit(1);
@@ -97,7 +97,7 @@ static void solve(const ladder *l, analysis *analysis, int plain, run *r)
     for (int k = 0; k < RUNS; k++) {
         pzs_solver_reset(solver);
         const double begin = processor_time();
-        r->status = pzs_equilibrium(solver, analysis->path.full);
+        r->status = pzs_equilibrium(solver, analysis->equilibrium.full_input);
         time[k] = 1e-3 * (processor_time() - begin);
     }
     pzs_observe(&analysis->design.structure, solver->info.displacement, y);

@@ -20,7 +20,7 @@
 
 enum { TICKS = 600, PERIOD = 120, LOADED = 200, FIRST_SENSOR = DEMO_OUTPUTS - DEMO_SENSORS };
 
-static const pzs_known_loads known_loads = {&demo_known, &demo_shown};
+static const pzs_known_loads known_loads = {&demo_shape_feed_forward, &demo_reading_feed_forward};
 static const pzs_amplifier amplifier = {STEP, 0};
 static const pzs_fault_detection detection = {0, 0};
 #if BLOCKS == 1
@@ -56,7 +56,7 @@ static void act(int tick)
 {
     load[0] = tick < LOADED ? 0 : 1;
     for (int i = 0; i < DEMO_OUTPUTS; i++) {
-        measured[i] = load[0] * demo_known_per_load[i];
+        measured[i] = load[0] * demo_shape_per_load[i];
         for (int j = 0; j < DEMO_INPUTS; j++)
             measured[i] +=
                 PZS_R(0.9) * demo_influence[i * DEMO_INPUTS + j] * control.info.voltage[j];
@@ -79,8 +79,8 @@ static pzs_status by_hand(void)
 {
     memcpy(asked, wanted, sizeof asked);
     memcpy(readings, sensed, sizeof readings);
-    (void)pzs_feed_forward(&demo_shown, load, readings);
-    (void)pzs_feed_forward(&demo_known, load, asked);
+    (void)pzs_feed_forward(&demo_reading_feed_forward, load, readings);
+    (void)pzs_feed_forward(&demo_shape_feed_forward, load, asked);
     pzs_status worst = pzs_estimate_tick(&estimate, readings, shape);
     const pzs_status ticked = pzs_tick(&control, asked, shape);
     const pzs_status rounded = pzs_quantise(&control, given, STEP, 0);

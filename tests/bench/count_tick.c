@@ -72,7 +72,7 @@ static void act(const pzs_control *control, int tick)
         voltage[j] = tick >= DEAD && (j == ONE || j == OTHER) ? 0 : GAIN * control->info.voltage[j];
     for (int i = 0; i < DEMO_OUTPUTS; i++) {
         const pzs_real place = (pzs_real)(2 * i + 1 - DEMO_OUTPUTS) / DEMO_OUTPUTS;
-        measured[i] = tick < LOADED ? 0 : demo_known_per_load[i] + PZS_R(1e-6) * place * place;
+        measured[i] = tick < LOADED ? 0 : demo_shape_per_load[i] + PZS_R(1e-6) * place * place;
         for (int j = 0; j < DEMO_INPUTS; j++)
             measured[i] += demo_influence[i * DEMO_INPUTS + j] * voltage[j];
         wanted[i] = wave(tick) * demo_target[i];
@@ -95,8 +95,8 @@ static pzs_status run(pzs_control *control, pzs_fault_detector *detector, pzs_es
     at[ESTIMATE] = board_count();
     pzs_status worst = pzs_estimate_tick(estimate, sensed, shape);
     at[FEED] = board_count();
-    (void)pzs_feed_forward(&demo_known, &load, measured);
-    (void)pzs_feed_forward(&demo_known, &load, wanted);
+    (void)pzs_feed_forward(&demo_shape_feed_forward, &load, measured);
+    (void)pzs_feed_forward(&demo_shape_feed_forward, &load, wanted);
     at[TICK] = board_count();
     const pzs_status ticked = pzs_tick(control, wanted, measured);
     at[QUANTISE] = board_count();

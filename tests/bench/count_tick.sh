@@ -13,7 +13,7 @@ n=0
 
 "$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.slew=20 \
     --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' \
-    --level control --prefix demo -o "$dir/count_tick.h" >/dev/null || { echo 'not ok 1 - tables'; exit 1; }
+    --image control --prefix demo -o "$dir/count_tick.h" >/dev/null || { echo 'not ok 1 - tables'; exit 1; }
 
 # row NAME BITS LEVEL MACHINE SCRIPT PROCESSOR...
 row() {

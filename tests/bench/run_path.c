@@ -26,7 +26,7 @@ int main(int count, char **argument)
         return 1;
     }
     const double begin = processor_time();
-    pzs_equilibrium(&analysis.path.run, analysis.path.full);
+    pzs_equilibrium(&analysis.equilibrium.solver, analysis.equilibrium.full_input);
     const double end = processor_time();
     printf("elements %u unknowns %u seconds %.9f\n", (unsigned)analysis.design.structure.elements,
            (unsigned)analysis.model.state.stiffness.n, 1e-6 * (end - begin));

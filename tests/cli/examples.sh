@@ -1,12 +1,13 @@
 #!/bin/sh
-# Every example of `pzs --help`, of the help of each command and of README.md runs: the commands and the C program are taken
-# from the texts, so that a new example is tested as soon as it is written.
+# Every example of `pzs --help`, of the help of each command, of README.md and of the guide (host_tools/README.md) runs. The
+# commands and programs are taken from the texts, so that a new example is tested as soon as it is written.
 #   EXAMPLE_SECONDS  time limit of one example
 set -u
 cd "$(dirname "$0")/../.."
 B=${B:-build}
 PZS=${PZS:-$B/pzs}
 seconds=${EXAMPLE_SECONDS:-300}
+guide=host_tools/README.md
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 n=0
@@ -33,12 +34,24 @@ help_examples() {
     awk '/^Examples?:/ {on = 1; next} /^[^ ]/ {on = 0} on && /^  pzs /' "$dir/help" | sed 's/^  //'
 }
 
-# Shell commands of the README: indented lines without their comments, and words between back quotes. A command that is
-# only mentioned by its name has to have a help.
-readme_commands() {
-    awk '/^```/ {code = !code; next} !code' README.md >"$dir/prose"
-    sed -n 's/^    \(\(build\/[a-z]*\|make\) .*\)/\1/p' "$dir/prose" | sed 's/  *#.*//'
-    grep -o '`\(build/\|make \|pzs \)[^`]*`' "$dir/prose" | tr -d '`' | sed 's/^\(build\/\)\{0,1\}pzs \([a-z]*\)$/pzs help \2/'
+# Indented lines of a text that are shell commands, without their comments, in the order of the text.
+shell_lines() {
+    awk '/^```/ {code = !code; next} !code' "$1" |
+        sed -n 's/^    \(\(build\/[a-z]*\|make\|gcc\|g++\|cp\|sh\|\.\/[a-z-]*\)\( .*\)\{0,1\}\)$/\1/p' | sed 's/  *# .*//'
+}
+
+# Commands of a text between back quotes. One that is only mentioned by its name has to have a help.
+quoted_commands() {
+    awk '/^```/ {code = !code; next} !code' "$1" |
+        grep -o '`\(build/\|make \|pzs \|sh tests/\)[^`]*`' | tr -d '`' | sed 's/^\(build\/\)\{0,1\}pzs \([a-z]*\)$/pzs help \2/'
+}
+
+# named_blocks TEXT FOLDER: each block of code below a line <!-- file: NAME --> becomes that file.
+named_blocks() {
+    awk -v folder="$2" '
+        /^<!-- file: / {name = $3; next}
+        /^```/ {file = file == "" && name != "" ? folder "/" name : ""; name = ""; next}
+        file != "" {print > file}' "$1"
 }
 
 # Programs that a firmware under QEMU needs.
@@ -46,52 +59,118 @@ has_qemu() {
     command -v qemu-system-arm >/dev/null 2>&1 && command -v arm-none-eabi-gcc >/dev/null 2>&1
 }
 
-# run_example COMMAND: in a folder of its own, where build/pzs and pzs are the program and my.yaml is a scene
+# run_example FOLDER COMMAND: in a folder where build/pzs and pzs are the program
 run_example() {
-    case $1 in
-    *--device\ netduinoplus2*|*--device\ mps2*)
+    case $2 in
+    *--device\ netduinoplus2*|*--device\ mps2*|make\ -C*)
         if ! has_qemu; then
             n=$((n + 1))
-            echo "ok $n - $1 # SKIP no QEMU or no compiler for it"
+            echo "ok $n - $2 # SKIP no QEMU or no compiler for it"
             return
         fi ;;
     esac
-    (cd "$dir/here" && PATH="$dir/here/build:$PATH" timeout "$seconds" sh -c "$1") >"$dir/said" 2>&1 </dev/null
-    check "$1" $?
+    (unset PZS B; cd "$1" && PATH="$1/build:$PATH" timeout "$seconds" sh -c "$2") >"$dir/said" 2>&1 </dev/null
+    check "$2" $?
 }
 
-# The programs and make targets that the README names exist.
+# The programs, scripts and make targets that the texts name exist.
 run_other() {
     case $1 in
     make\ *) "${MAKE:-make}" -n B="$B" ${1#make } >"$dir/said" 2>&1 ;;
-    *) program=${1%% *}
-       "${MAKE:-make}" -n B="$B" "$B/${program#build/}" >"$dir/said" 2>&1 ;;
+    sh\ *) file=${1#sh }
+       [ -f "${file%% *}" ] ;;
+    *) built=${1%% *}
+       "${MAKE:-make}" -n B="$B" "$B/${built#build/}" >"$dir/said" 2>&1 ;;
     esac
-    check "make knows: $1" $?
+    check "exists: $1" $?
 }
 
-mkdir -p "$dir/here/build"
 case $PZS in
-/*) ln -s "$PZS" "$dir/here/build/pzs" ;;
-*) ln -s "$PWD/$PZS" "$dir/here/build/pzs" ;;
+/*) program=$PZS ;;
+*) program=$PWD/$PZS ;;
+esac
+mkdir -p "$dir/here/build" "$dir/guide/build"
+ln -s "$program" "$dir/here/build/pzs"
+ln -s "$program" "$dir/guide/build/pzs"
+for folder in include lib firmware_demo; do
+    ln -s "$PWD/$folder" "$dir/guide/$folder"
+done
+case $B in
+/*) ln -s "$B/32" "$dir/guide/build/32" ;;
+*) ln -s "$PWD/$B/32" "$dir/guide/build/32" ;;
 esac
 cp host_tools/scenes/plate-50-patches.yaml "$dir/here/my.yaml"
 
+# ---- help and README.md ---------------------------------------------------
+
+named_blocks README.md "$dir/here"
 help_examples >"$dir/helped"
-readme_commands >"$dir/readme"
+{
+    shell_lines README.md
+    quoted_commands README.md
+    for scene in "$dir"/here/[!m]*.yaml; do
+        printf 'pzs %s\n' "check ${scene##*/}" "shape ${scene##*/}"
+    done
+} >"$dir/readme"
 [ "$(wc -l <"$dir/helped")" -ge 6 ]; check 'the help has examples' $?
 [ "$(grep -c 'pzs ' "$dir/readme")" -ge 6 ]; check 'README.md has examples' $?
+[ "$(wc -l <README.md)" -le 150 ]; check 'README.md has at most 150 lines' $?
 sed 's/^build\///' "$dir/helped" "$dir/readme" | grep '^pzs ' | sort -u >"$dir/commands"
 while read -r command; do
-    run_example "$command"
+    run_example "$dir/here" "$command"
 done <"$dir/commands"
-grep '^make \|^build/test/' "$dir/readme" | sort -u >"$dir/others"
+
+# ---- the guide: its lines in their order, in one folder ------------------
+
+named_blocks "$guide" "$dir/guide"
+shell_lines "$guide" | grep -v '^make [^-]' >"$dir/guided"
+[ "$(wc -l <"$dir/guided")" -ge 20 ]; check 'the guide has examples' $?
+while read -r command; do
+    # What was run above is not run again.
+    grep -qxF -- "${command#build/}" "$dir/commands" && ! echo "$command" | grep -q '>\| -o ' && continue
+    run_example "$dir/guide" "$command"
+done <"$dir/guided"
+
+# ---- programs and targets that any README names --------------------------
+
+{
+    grep '^make \|^sh \|^build/test/' "$dir/readme"
+    shell_lines "$guide" | grep '^make [^-]'
+    quoted_commands "$guide"
+    for text in tests/bench/README.md CONTRIBUTING.md; do
+        [ ! -f "$text" ] || { shell_lines "$text"; quoted_commands "$text"; }
+    done
+} | grep '^make [^-]\|^sh \|^build/test/' | sort -u >"$dir/others"
 while read -r command; do
     run_other "$command"
 done <"$dir/others"
+# Commands of pzs in other texts: the command and its scene exist.
+for text in "$guide" tests/bench/README.md CONTRIBUTING.md; do
+    [ ! -f "$text" ] || quoted_commands "$text"
+done | sed 's/^build\///' | grep '^pzs ' | sort -u >"$dir/mentioned"
+while read -r command; do
+    # shellcheck disable=SC2086
+    set -- $command
+    case $2 in
+    check|solve|shape|modes|tables|simulate) "$program" check "$3" >"$dir/said" 2>&1 ;;
+    help) "$program" help "${3:-}" >"$dir/said" 2>&1 || "$program" help >"$dir/said" 2>&1 ;;
+    *) "$program" help "$2" >"$dir/said" 2>&1 ;;
+    esac
+    check "exists: $command" $?
+done <"$dir/mentioned"
+# Links between the texts.
+for text in README.md CHANGELOG.md CONTRIBUTING.md "$guide" tests/bench/README.md lib/model/THEORY.md; do
+    [ -f "$text" ] || continue
+    grep -o '](\([^)#:]*\)[^):]*)' "$text" | sed 's/](\([^)#]*\).*/\1/' | while read -r link; do
+        [ -e "$(dirname "$text")/$link" ] || echo "$text: $link"
+    done
+done >"$dir/said"
+[ ! -s "$dir/said" ]; check 'links between the texts' $?
 
-# The C programs of the README, each with the tables that the comment behind its #include names. They stay inside the limits.
-awk -v dir="$dir" '/^```c/ {file = dir "/example" ++k ".c"; next} /^```/ {file = ""} file {print > file}' README.md
+# ---- the C program of README.md --------------------------------------------
+
+# Each with the tables that the comment behind its #include names. They stay inside the limits.
+awk -v dir="$dir" '/^```c$/ {file = dir "/example" ++k ".c"; next} /^```/ {file = ""} file {print > file}' README.md
 cat >"$dir/io.c" <<'EOT'
 #include <math.h>
 #include <stdlib.h>
@@ -101,7 +180,7 @@ void read_target(pzs_real *wanted);
 void read_sensors(pzs_real *measured);
 void write_amplifiers(const pzs_real *voltage);
 void read_target(pzs_real *wanted) { for (int i = 0; i < PLATE_OUTPUTS; i++) wanted[i] = plate_target[i]; }
-void read_sensors(pzs_real *measured) { for (int i = 0; i < PLATE_OUTPUTS; i++) measured[i] = i % 7 ? 0 : (pzs_real)NAN; }
+void read_sensors(pzs_real *measured) { for (int i = 0; i < PLATE_READINGS; i++) measured[i] = i % 7 ? 0 : (pzs_real)NAN; }
 void write_amplifiers(const pzs_real *voltage)
 {
     for (int k = 0; k < PLATE_INPUTS; k++)
@@ -114,7 +193,7 @@ for example in "$dir"/example*.c; do
     (cd "$dir" && PATH="$dir/here/build:$PATH" sh -c "${tables:-false}") >"$dir/said" 2>&1
     check "tables of the README's C program: $tables" $?
     [ "$(wc -l <"$example")" -le 30 ] &&
-        ${CC:-gcc} -std=c99 -Wall -Wextra -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$example" "$dir/io.c" lib/*.c -lm -o "$dir/example" >"$dir/said" 2>&1 &&
+        ${CC:-gcc} -std=c99 -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=32 "$example" "$dir/io.c" lib/*/*.c -lm -o "$dir/example" >"$dir/said" 2>&1 &&
         "$dir/example"
     check "the README's C program, under 30 lines, compiles and runs" $?
 done

@@ -10,7 +10,7 @@ cat >"$scratch/program.c" <<'EOT'
 #include <stdio.h>
 #include <string.h>
 #include "t.h"
-static pzs_real model_work[T_MODEL_BYTES / sizeof(pzs_real) + 1], path_work[T_PATH_BYTES / sizeof(pzs_real) + 1];
+static pzs_real model_work[T_MODEL_BYTES / sizeof(pzs_real) + 1], solver_work[T_SOLVER_BYTES / sizeof(pzs_real) + 1];
 static pzs_real output[T_ALL_OUTPUTS];
 #if T_FOLLOWERS > 0
 static pzs_follower_load load[T_FOLLOWERS];
@@ -24,41 +24,41 @@ static pzs_real circuit_work[T_CIRCUIT_BYTES / sizeof(pzs_real) + 1];
 static pzs_circuit circuit;
 #endif
 
-static pzs_status options(pzs_solver *path)
+static pzs_status options(pzs_solver *solver)
 {
     pzs_status status = PZS_OK;
 #if T_FOLLOWERS > 0
-    for (int k = 0; k < T_FOLLOWERS && status == PZS_OK; k++) status = pzs_attach_follower(path, &load[k], &t_follower[k]);
+    for (int k = 0; k < T_FOLLOWERS && status == PZS_OK; k++) status = pzs_attach_follower(solver, &load[k], &t_follower[k]);
 #endif
 #ifdef T_CONTACT_BYTES
-    if (status == PZS_OK) status = pzs_attach_contact(path, &contact, &t_contact_face, &t_body, contact_work, sizeof contact_work);
-    contact.stiffness = T_CONTACT_STIFFNESS;
+    if (status == PZS_OK) status = pzs_attach_contact(solver, &contact, &t_contact_face, &t_body, contact_work, sizeof contact_work);
+    contact.settings.stiffness = T_CONTACT_STIFFNESS;
 #endif
 #ifdef T_ELECTRODES
-    if (status == PZS_OK) status = pzs_attach_circuit(path, &circuit, &t_electrodes, circuit_work, sizeof circuit_work);
+    if (status == PZS_OK) status = pzs_attach_circuit(solver, &circuit, &t_electrodes, circuit_work, sizeof circuit_work);
 #endif
-    (void)path;
+    (void)solver;
     return status;
 }
 
 int main(void)
 {
     pzs_model model;
-    pzs_solver path;
+    pzs_solver solver;
     pzs_status status = pzs_model_init(&model, &t_structure, model_work, sizeof model_work);
-    if (status == PZS_OK) status = pzs_solver_init(&path, &model, &t_nonlinear, path_work, sizeof path_work);
-    if (status == PZS_OK) status = options(&path);
+    if (status == PZS_OK) status = pzs_solver_init(&solver, &model, &t_nonlinear, solver_work, sizeof solver_work);
+    if (status == PZS_OK) status = options(&solver);
     if (status != PZS_OK) return printf("init: %s\n", pzs_status_text(status)), 1;
 #ifdef ATTACH_ONLY
     return 0;
 #endif
-    path.steps = T_STEPS;
-    path.mixed = T_MIXED;
-    path.change = T_CHANGE;
-    path.systems_allowed = T_SYSTEMS;
-    status = pzs_equilibrium(&path, t_full);
+    solver.settings.load_steps = T_LOAD_STEPS;
+    solver.settings.extrapolated_iterations = T_EXTRAPOLATED_ITERATIONS;
+    solver.settings.tolerance = T_TOLERANCE;
+    solver.settings.solve_limit = T_SOLVE_LIMIT;
+    status = pzs_equilibrium(&solver, t_full_input);
     if (PZS_IS_ERROR(status)) return printf("equilibrium: %s\n", pzs_status_text(status)), 1;
-    pzs_observe(&t_structure, path.u, output);
+    pzs_observe(&t_structure, solver.info.displacement, output);
     for (int i = 0; i < T_ALL_OUTPUTS; i++) printf("%.17g\n", (double)output[i]);
     return memcmp(output, t_reached, sizeof output) != 0;
 }
@@ -74,14 +74,14 @@ compile() {
 same() {
     name=$1
     shift
-    "$PZS" tables "$@" --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && compile 64 &&
+    "$PZS" tables "$@" --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && compile 64 &&
         "$scratch/program" >"$scratch/found"
     tap $? "$name: the equilibrium of pzs, bit for bit"
 }
 
 # attached ARRAY SCENE: an option's tables are accepted in both precisions, and refused with a number of ARRAY changed.
 attached() {
-    "$PZS" tables "$2" --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" || return 1
+    "$PZS" tables "$2" --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" || return 1
     for bits in 64 32; do
         compile $bits -DATTACH_ONLY && "$scratch/program" >"$scratch/found" || return 1
     done
@@ -90,7 +90,7 @@ attached() {
     for bits in 64 32; do
         compile $bits -DATTACH_ONLY || return 1
         "$scratch/program" >"$scratch/found"
-        grep -q 'init: tables damaged' "$scratch/found" || return 1
+        grep -q 'init: tables do not match their checksum' "$scratch/found" || return 1
     done
 }
 
@@ -113,7 +113,7 @@ compile 32 && { "$scratch/program" >"$scratch/found"; off=$(off_solved); } && aw
     grep -q 'float or double' "$scratch/told"
 tap $? "dead loads in float: off by $off"
 same 'actuation' roll-up
-! compile 32 && grep -q 'the nonlinear path needs double' "$scratch/found" && grep -q 'refused in float' "$scratch/told"
+! compile 32 && grep -q 'the equilibrium solver needs double' "$scratch/found" && grep -q 'refused in float' "$scratch/told"
 tap $? 'roll-up: above the rule, refused in float'
 same 'follower load' ring-follower
 same 'contact' ring-contact
@@ -123,11 +123,11 @@ for table in 'follower_pressure_0 torus-pressure' 'contact_area torus-contact'; 
     tap $? "$table: accepted in either precision, refused where damaged"
 done
 same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
-"$PZS" tables annular-plate --level nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
-    grep -q 'the nonlinear path needs double' "$scratch/found"
+"$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
+    grep -q 'the equilibrium solver needs double' "$scratch/found"
 tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
 
-"$PZS" tables scordelis-lo --level nonlinear -o "$scratch/t.h" 2>"$scratch/found"
+"$PZS" tables scordelis-lo --image nonlinear -o "$scratch/t.h" 2>"$scratch/found"
 [ $? -eq 2 ] && grep -q 'kinematics: nonlinear' "$scratch/found"
 tap $? 'a scene of linear kinematics is refused'
 

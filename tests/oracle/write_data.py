@@ -14,7 +14,7 @@ import textdata
 from shellref import (IMPROVED, PUBLISHED, SURFACES, Element, GivenSection, Section,
                       face_map, isotropic, ply, rigid_motion, strain_map)
 
-DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
+DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "data")
 
 ELEMENTS_HELP = """\
 Single shell elements: geometry, plies, stiffness, loads and internal forces.

@@ -16,17 +16,17 @@ static bridge_rows rows_of(const pzs_rows *rows)
     return r;
 }
 
-static void fill_path(bridge *b, const path *p)
+static void fill_path(bridge *b, const equilibrium *equilibrium)
 {
-    const pzs_prescribed_resultants *g = &p->tables.given;
-    b->full = p->full;
+    const pzs_prescribed_resultants *g = &equilibrium->tables.given;
+    b->full = equilibrium->full_input;
     b->given_values = g->values;
     b->given_start = g->start;
     b->given_element = g->element;
     b->given_which = g->which;
     b->given_value = (const double *)g->value;
-    b->change = p->run.settings.tolerance;
-    b->systems = p->run.info.linear_solves;
+    b->change = equilibrium->solver.settings.tolerance;
+    b->systems = equilibrium->solver.info.linear_solves;
 }
 
 static int fill(bridge *b, inside *in, char *error)
@@ -35,29 +35,29 @@ static int fill(bridge *b, inside *in, char *error)
     const mesh *mesh = &design->mesh;
     b->nodes = mesh->nodes;
     b->elements = mesh->elements;
-    b->kinds = mesh->kinds;
-    b->unknowns = (int)mesh->unknowns;
-    b->dof = mesh->dof;
+    b->kinds = mesh->types;
+    b->unknowns = (int)mesh->dof_per_node;
+    b->dof = mesh->free_dof;
     b->element = mesh->element[0];
-    b->element_kind = mesh->element_kind;
+    b->element_kind = mesh->element_type;
     b->node_dof = mesh->node_dof;
-    b->first = mesh->first;
+    b->first = mesh->first_column;
     b->stiffness = mesh->stiffness;
-    b->kind = (const double *)mesh->kind;
-    b->kind_reals = sizeof *mesh->kind / sizeof(double);
+    b->kind = (const double *)mesh->type;
+    b->kind_reals = sizeof *mesh->type / sizeof(double);
     b->input = rows_of(&design->structure.input);
     b->output = rows_of(&design->structure.output);
     b->electrodes = design->electrodes.count;
     b->electrode_input = design->electrodes.input;
     b->pzs_electrode_open = design->electrodes.open;
     b->direct = rows_of(&design->electrodes.direct);
-    b->amount = in->analysis.amount;
+    b->amount = in->analysis.input_value;
     b->amplifiers = design->amplifiers;
     b->targets = design->targets;
-    b->u = calloc((size_t)mesh->dof, sizeof *b->u);
+    b->u = calloc((size_t)mesh->free_dof, sizeof *b->u);
     if (!b->u || analysis_solve(&in->analysis, b->u, error) < 0)
         return -1;
-    fill_path(b, &in->analysis.path);
+    fill_path(b, &in->analysis.equilibrium);
     b->condition = in->analysis.model.info.condition;
     b->error = in->analysis.model.info.error_estimate;
     if (design->targets && analysis_influence(&in->analysis, error) < 0)

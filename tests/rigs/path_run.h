@@ -17,12 +17,12 @@
 
 static inline pzs_solver *path_of(scene_run *r)
 {
-    return &r->analysis.path.run;
+    return &r->analysis.equilibrium.solver;
 }
 
 static inline size_t dof_of(const scene_run *r)
 {
-    return (size_t)r->analysis.design.mesh.dof;
+    return (size_t)r->analysis.design.mesh.free_dof;
 }
 
 static inline double largest(const double *x, size_t n)

@@ -20,7 +20,7 @@ int scene_run_open(scene_run *r, const char *name, const char *changes)
     if (scene_read(&r->scene, path, set, sets, r->error) < 0 ||
         analysis_prepare(&r->analysis, &r->scene, r->error) < 0)
         return -1;
-    r->u = calloc((size_t)r->analysis.design.mesh.dof, sizeof *r->u);
+    r->u = calloc((size_t)r->analysis.design.mesh.free_dof, sizeof *r->u);
     r->output = calloc((size_t)r->analysis.design.structure.output.count + 1, sizeof *r->output);
     snprintf(r->error, sizeof r->error, "out of memory");
     return r->u && r->output ? 0 : -1;

@@ -242,20 +242,20 @@ static inline void assert_bits_count(rig *g, void *data, size_t bytes, attaching
 /* A follower of pressure 1 on every node, driven by input 1; shares of the improved element. */
 static inline void make_follower(rig *g, int load_face, int normal_face, int true_area)
 {
-    pzs_follower *f = &g->follower;
+    pzs_follower *follower = &g->follower;
     for (int n = 0; n < g->nodes; n++)
         g->pressure[n] = 1;
     for (int r = 0; r < 4; r++)
         g->corner_area[0][r] = (pzs_real)(g->step[0] * g->step[1]);
-    f->input = 1;
-    f->load_face = (uint8_t)load_face;
-    f->normal_face = (uint8_t)normal_face;
-    f->true_area = (uint8_t)true_area;
-    f->share[0] = (pzs_real)0.25;
-    f->area = (const pzs_real(*)[4])g->corner_area;
-    f->pressure = g->pressure;
-    f->format = PZS_TABLE_FORMAT;
-    f->crc = pzs_follower_crc(f, &g->structure);
+    follower->input = 1;
+    follower->load_face = (uint8_t)load_face;
+    follower->normal_face = (uint8_t)normal_face;
+    follower->true_area = (uint8_t)true_area;
+    follower->share[0] = (pzs_real)0.25;
+    follower->area = (const pzs_real(*)[4])g->corner_area;
+    follower->pressure = g->pressure;
+    follower->format = PZS_TABLE_FORMAT;
+    follower->crc = pzs_follower_crc(follower, &g->structure);
 }
 
 static inline void attach_follower(rig *g, int load_face, int normal_face, int true_area)

@@ -141,13 +141,14 @@ static int run_mesh(const shell *shell, int mesh, const char *element, int strid
     for (int level = stride; opened && level <= LEVELS; level += stride) {
         double amount[2];
         for (int j = 0; j < r.analysis.design.structure.input.count && j < 2; j++)
-            amount[j] = r.analysis.path.full[j] * level / 10;
+            amount[j] = r.analysis.equilibrium.full_input[j] * level / 10;
         const tally before = *t;
-        run_level(&r.analysis.path.run, amount, (size_t)r.analysis.design.mesh.dof, t);
+        run_level(&r.analysis.equilibrium.solver, amount, (size_t)r.analysis.design.mesh.free_dof,
+                  t);
         if (t->unbalanced + t->unnamed > before.unbalanced + before.unnamed)
             printf("# %s %s %dx%d, load %.1f: residual %.2g, %u systems\n", shell->scene, element,
-                   n[0], n[1], level / 10., r.analysis.path.run.info.residual,
-                   r.analysis.path.run.info.linear_solves);
+                   n[0], n[1], level / 10., r.analysis.equilibrium.solver.info.residual,
+                   r.analysis.equilibrium.solver.info.linear_solves);
     }
     scene_run_close(&r);
     return opened;

@@ -521,7 +521,6 @@ static void errors_are_reported(void **state)
     assert_int_equal(pzs_step(NULL, desk.error), PZS_E_ARGUMENT);
     assert_int_equal(pzs_step(&control, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_tick(&control, NULL, NULL), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_unlimited(&control, desk.error, NULL), PZS_E_ARGUMENT);
     desk.p.format = 99;
     assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_FORMAT);
     desk.p.format = PZS_TABLE_FORMAT;
@@ -630,23 +629,11 @@ static void known_plate(void **state)
     for (unsigned j = 0; j < 25; j++)
         assert_true(fabs((double)desk.c.info.voltage[j] - testdata_values(&d, "box_200")[j]) <
                     PZS_BY_BITS(.5, 1e-3));
-    pzs_real voltage[25], clipped[25], again[25];
-    assert_int_equal(pzs_unlimited(&desk.c, desk.error, voltage), PZS_OK);
-    assert_int_equal(pzs_clipped(&desk.c, desk.error, clipped), PZS_OK);
-    for (unsigned j = 0; j < 25; j++) {
-        assert_true(fabs((double)voltage[j] - testdata_values(&d, "least_squares")[j]) <
-                    PZS_BY_BITS(3, 1e-3));
-        assert_true(fabs((double)(clipped[j] - (voltage[j] < -200  ? -200
-                                                : voltage[j] > 200 ? 200
-                                                                   : voltage[j]))) < 1e-6);
-    }
+    pzs_real clipped[25];
+    for (unsigned j = 0; j < 25; j++)
+        clipped[j] = (pzs_real)fmin(fmax(testdata_values(&d, "least_squares")[j], -200), 200);
     assert_true(objective_at(&desk, clipped) >
                 1.5L * objective_at(&desk, desk.c.info.voltage)); /* clipping is no optimum */
-    memcpy(again, desk.c.info.voltage, sizeof again);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK); /* and the comparison leaves the
-                                                                controller as it was */
-    for (unsigned j = 0; j < 25; j++)
-        assert_true(fabs((double)(again[j] - desk.c.info.voltage[j])) < PZS_BY_BITS(.5, 1e-6));
     testdata_free(&d);
     (void)fclose(file);
 }

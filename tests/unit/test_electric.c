@@ -71,12 +71,12 @@ static void test_circuits(void **state)
     double charge[5], amount[16] = {0}, voltage[5];
     for (int k = 0; k < 5; k++) {
         assert_true(fabs(analysis->charge[k]) < 1e-12 * 1e-9 * 300);
-        voltage[k] = analysis->amount[analysis->design.electrodes.input[k]];
+        voltage[k] = analysis->input_value[analysis->design.electrodes.input[k]];
     }
     scene_run_close(&r);
     solve_run(&r, "bimorph-sensor", "sensors.s.circuit=short");
     for (int k = 0; k < 5; k++) {
-        assert_true(r.analysis.amount[r.analysis.design.electrodes.input[k]] == 0);
+        assert_true(r.analysis.input_value[r.analysis.design.electrodes.input[k]] == 0);
         charge[k] = r.analysis.charge[k];
         assert_true(charge[k] < 0);
     }
@@ -142,9 +142,9 @@ static void test_sensor_row(void **state)
         for (int bent = 0; bent < 2; bent++) {
             scene_run r;
             open_run(&r, PLATE, with(elements[e], FOUR "kinematics=nonlinear"));
-            pzs_solver *run = &r.analysis.path.run;
+            pzs_solver *run = &r.analysis.equilibrium.solver;
             const pzs_electrodes *tables = &r.analysis.design.electrodes;
-            const int dof = r.analysis.design.mesh.dof;
+            const int dof = r.analysis.design.mesh.free_dof;
             double *shape = calloc((size_t)dof, sizeof *shape),
                    *step = calloc((size_t)dof, sizeof *step);
             double *force = calloc((size_t)dof, sizeof *force),
@@ -208,8 +208,8 @@ static double electric_energy(const analysis *analysis)
     double sum = 0;
     for (uint32_t k = 0; k < tables->count; k++)
         for (uint32_t i = tables->direct.start[k]; i < tables->direct.start[k + 1]; i++)
-            sum += analysis->amount[tables->input[k]] * tables->direct.value[i] *
-                   analysis->amount[tables->direct.dof[i]] / 2;
+            sum += analysis->input_value[tables->input[k]] * tables->direct.value[i] *
+                   analysis->input_value[tables->direct.dof[i]] / 2;
     return sum;
 }
 
@@ -430,9 +430,9 @@ static void test_open_systems(void **state)
         bend_far(&closed, elements[e], "-0.05", "sensors.s.circuit=short");
         bend_far(&open, elements[e], "-0.05", "");
         bend_far(&stepped, elements[e], "-0.05", "equilibrium.steps=3");
-        assert_int_equal(open.analysis.path.run.info.linear_solves,
-                         closed.analysis.path.run.info.linear_solves);
-        assert_int_equal(stepped.analysis.path.run.info.load_steps, 3);
+        assert_int_equal(open.analysis.equilibrium.solver.info.linear_solves,
+                         closed.analysis.equilibrium.solver.info.linear_solves);
+        assert_int_equal(stepped.analysis.equilibrium.solver.info.load_steps, 3);
         for (int k = 0; k < 5; k++) {
             assert_true(fabs(open.analysis.charge[k]) < 1e-12 * fabs(closed.analysis.charge[k]));
             assert_near("volts", scene_run_value(&stepped, 1 + k), scene_run_value(&open, 1 + k),
@@ -457,7 +457,7 @@ static const double gauss_w[GAUSS] = {0.1012285362903763, 0.2223810344533745, 0.
 static double energy_at(const analysis *analysis)
 {
     const pzs_structure *structure = &analysis->design.structure;
-    const pzs_solver *run = &analysis->path.run;
+    const pzs_solver *run = &analysis->equilibrium.solver;
     double sum = 0;
     for (uint32_t e = 0; e < structure->elements; e++) {
         const pzs_element_type *type = &structure->type[structure->element_type[e]];
@@ -497,8 +497,8 @@ static void test_energy_at_a_shape(void **state)
                *amount = calloc((size_t)inputs, sizeof *amount);
         for (int g = 0; g < GAUSS; g++) {
             amount[load] = (1 + gauss_x[g]) / 2;
-            assert_int_equal(pzs_equilibrium(&analysis->path.run, amount), PZS_OK);
-            assert_int_equal(pzs_influence_at(&analysis->path.run, influence), PZS_OK);
+            assert_int_equal(pzs_equilibrium(&analysis->equilibrium.solver, amount), PZS_OK);
+            assert_int_equal(pzs_influence_at(&analysis->equilibrium.solver, influence), PZS_OK);
             work += gauss_w[g] / 2 * 0.1 * amount[load] * influence[load];
         }
         if (analysis_solve(analysis, r.u, r.error) < 0)

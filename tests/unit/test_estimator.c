@@ -53,7 +53,7 @@ static double column(const rig *r, int disturbance, double *shape, double *readi
     const int input = disturbance < design->loads ? design->amplifiers + disturbance
                                                   : disturbance - design->loads;
     double *amount = calloc(inputs, sizeof *amount),
-           *u = calloc((size_t)design->mesh.dof, sizeof *u),
+           *u = calloc((size_t)design->mesh.free_dof, sizeof *u),
            *y = calloc(design->structure.output.count, sizeof *y);
     assert_true(amount && u && y);
     amount[input] = 1;
@@ -121,8 +121,8 @@ static void test_best(void **state)
         0);
     const double best = mean_square(&r, r.e.gain, &without);
     assert_true(fabs(sqrt(without) / r.e.disturbed - 1) < 1e-9);
-    assert_true(fabs(sqrt(best) / r.e.missed - 1) < 1e-6);
-    assert_true(r.e.worst_missed <= r.e.missed && r.e.missed < 0.5 * r.e.disturbed &&
+    assert_true(fabs(sqrt(best) / r.e.remaining - 1) < 1e-6);
+    assert_true(r.e.worst_remaining <= r.e.remaining && r.e.remaining < 0.5 * r.e.disturbed &&
                 r.e.rank > 10);
     for (int k = 0; k < r.e.sensors; k += 5)
         for (int sign = -1; sign <= 1; sign += 2) {
@@ -145,7 +145,7 @@ static void test_all_measured(void **state)
     const design *design = &r.run.analysis.design;
     double shape[200], reading[200];
     assert_int_equal(r.e.sensors, design->targets);
-    assert_true(r.e.missed < 1e-6 * r.e.disturbed);
+    assert_true(r.e.remaining < 1e-6 * r.e.disturbed);
     for (int j = 0; j < r.e.disturbances; j++) {
         column(&r, j, shape, reading);
         double most = 0, off = 0;
@@ -173,8 +173,8 @@ static void test_cannot_see(void **state)
         -1);
     if (!strstr(
             r.error,
-            "--set estimate: these readings cannot see the shape: 1 sensors tell 1 of 27 disturbances") ||
-        !strstr(r.error, "worst direction missed by 100%, largest at theta1 = "))
+            "--set estimate: these readings do not determine the shape: 1 sensors distinguish 1 of 27 disturbances") ||
+        !strstr(r.error, "worst direction unobserved by 100%, largest at theta1 = "))
         fail_msg("%s", r.error);
     rig_close(&r);
     assert_int_equal(
@@ -205,12 +205,12 @@ static void test_tables(void **state)
             "estimate={readings: [{output: strain, noise: 0.5}, {output: corner, noise: 1e-6}]}"),
         0);
     assert_int_equal(r.e.tables.sensors, 26);
-    assert_int_equal(r.e.known_tables.inputs, 2);
-    assert_int_equal(pzs_feed_forward_check(&r.e.known_tables), PZS_OK);
+    assert_int_equal(r.e.shape_table.inputs, 2);
+    assert_int_equal(pzs_feed_forward_check(&r.e.shape_table), PZS_OK);
     for (int k = 0; k < 2; k++) {
         column(&r, k, shape, reading);
         for (int i = 0; i < 121; i++)
-            assert_true(fabs(r.e.known[i * 2 + k] - shape[i]) < 1e-9 * fabs(shape[120]));
+            assert_true(fabs(r.e.shape_per_load[i * 2 + k] - shape[i]) < 1e-9 * fabs(shape[120]));
     }
     for (int j = 2; j < 27; j++) {
         column(&r, j, shape, reading);

@@ -187,14 +187,14 @@ static void test_spiral(void **state)
     assert_true(fabs(scene_run_value(&r, 0) * 1e6 - 60.67) < 0.06); /* rotations are small yet: the
                                                                        linear displacement to a
                                                                        thousandth */
-    assert_true(r.analysis.path.run.info.load_steps == 1 &&
-                r.analysis.path.run.info.linear_solves <= 6);
+    assert_true(r.analysis.equilibrium.solver.info.load_steps == 1 &&
+                r.analysis.equilibrium.solver.info.linear_solves <= 6);
     scene_run_close(&r);
     solve_run(&r, "spiral", "kinematics=nonlinear;actuators.v.applied=2000");
     assert_true(fabs(scene_run_value(&r, 0) * 1e3 - 1.2280) < 1.3e-4 &&
                 fabs(scene_run_value(&r, 1) * 1e3 + 0.1010) < 5e-5);
-    assert_true(r.analysis.path.run.info.load_steps == 1 &&
-                r.analysis.path.run.info.linear_solves <= 6);
+    assert_true(r.analysis.equilibrium.solver.info.load_steps == 1 &&
+                r.analysis.equilibrium.solver.info.linear_solves <= 6);
     scene_run_close(&r);
     solve_run(&r, "spiral", LOCAL_METRIC);
     assert_true(fabs(scene_run_value(&r, 0) * 1e6 - 113) < 0.5);

@@ -359,14 +359,14 @@ static void every_bit_of_follower_tables_counts(void **state)
 {
     (void)state;
     rig *g = rig_open(2, 1, 1, 0.5, 0.7, 0.1, 0, nothing, 0);
-    pzs_follower *f = &g->follower;
+    pzs_follower *follower = &g->follower;
     make_follower(g, 0, 1, 1);
     count_lean(g);
-    f->crc = pzs_follower_crc(f, &g->structure);
-    assert_bits_count(g, &f->format, 3 * sizeof f->format, attach_load);
-    assert_bits_count(g, &f->input, sizeof f->input, attach_load);
-    assert_bits_count(g, &f->load_face, 3 * sizeof f->load_face, attach_load);
-    assert_bits_count(g, f->share, sizeof f->share, attach_load);
+    follower->crc = pzs_follower_crc(follower, &g->structure);
+    assert_bits_count(g, &follower->format, 3 * sizeof follower->format, attach_load);
+    assert_bits_count(g, &follower->input, sizeof follower->input, attach_load);
+    assert_bits_count(g, &follower->load_face, 3 * sizeof follower->load_face, attach_load);
+    assert_bits_count(g, follower->share, sizeof follower->share, attach_load);
     assert_bits_count(g, g->corner_area, sizeof g->corner_area, attach_load);
     assert_bits_count(g, g->lean, sizeof g->lean, attach_load);
     assert_bits_count(g, g->pressure, (size_t)g->nodes * sizeof *g->pressure, attach_load);

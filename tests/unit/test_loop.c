@@ -80,7 +80,7 @@ static void test_sees_what_gains_see(void **state)
     const size_t inputs = design->structure.input.count;
     double sum = 0, noise = 0;
     for (int i = 0; i < design->targets; i++) {
-        double left = 40 * estimator->known[i];
+        double left = 40 * estimator->shape_per_load[i];
         for (int k = 0; k < estimator->sensors; k++) {
             left -= 40 * estimator->gain[i * estimator->sensors + k] *
                     b.run.analysis.influence[(size_t)design->named_first[k] * inputs +
@@ -177,7 +177,8 @@ static void test_shipped(void **state)
         &b,
         "simulate.ticks=110;simulate.events=[{at: 0, load: 0, amount: 0, known: true}, {at: 40, load: 0, amount: 0.5, known: true}, "
         "{at: 75, load: 0, amount: 1}]");
-    assert_true(b.s.estimator.missed <= b.run.scene.estimate.tolerance * b.s.estimator.disturbed);
+    assert_true(b.s.estimator.remaining <=
+                b.run.scene.estimate.tolerance * b.s.estimator.disturbed);
     optima(&b);
     for (int k = 0; k < 3; k++) {
         const simulate_course *course = &b.s.phase[k].course[LAW_CONTROLLER];

@@ -617,7 +617,9 @@ static void test_start(void **state)
         assert_int_equal(pzs_loop_tick(&r.loop, r.wanted, r.measured), PZS_OK);
     }
     memcpy(voltage, r.loop.info.voltage, sizeof voltage);
+    assert_int_equal(pzs_hold(other.loop.info.control, 3, 1), PZS_OK);
     assert_int_equal(pzs_loop_start(&other.loop, voltage), PZS_OK);
+    assert_true(other.loop.info.control->info.upper[3] >= other.upper[3]); /* released */
     assert_memory_equal(other.loop.info.voltage, voltage, sizeof voltage);
     assert_int_equal(pzs_loop_start(&r.loop, voltage), PZS_OK);
     for (int tick = 6; tick < 20; tick++) {
@@ -635,6 +637,7 @@ static void test_start(void **state)
     voltage[4] = r.loop.info.voltage[4];
     assert_memory_equal(r.loop.info.voltage, voltage, sizeof voltage);
     assert_int_equal(pzs_loop_start(NULL, voltage), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_loop_start(&r.loop, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_loop_tick(NULL, r.wanted, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_loop_tick(&r.loop, NULL, NULL), PZS_E_ARGUMENT);
     rig_close(&r);

@@ -292,8 +292,9 @@ static void test_contact_sag(void **state)
         scene_run r;
         snprintf(changes, sizeof changes, PUBLISHED "mesh.theta1.elements=%d;", elements);
         solve_run(&r, "ring-contact", changes);
-        assert_true(fabs(r.analysis.path.contact.info.sag / (length * length / 8000) - 1) < 5e-3);
-        assert_int_equal(r.analysis.path.contact.info.penetration, 0);
+        assert_true(fabs(r.analysis.equilibrium.contact.info.sag / (length * length / 8000) - 1) <
+                    5e-3);
+        assert_int_equal(r.analysis.equilibrium.contact.info.penetration, 0);
         scene_run_close(&r);
     }
 }
@@ -387,7 +388,7 @@ static void test_auto(void **state)
         solve_run(&r, "tests/rigs/scenes/strip.yaml", cases[i].changes);
         solve_run(&known, "tests/rigs/scenes/strip.yaml", cases[i].known);
         assert_int_equal(r.analysis.nonlinear, cases[i].nonlinear);
-        assert_int_equal(r.analysis.cost > r.scene.tolerance, cases[i].nonlinear);
+        assert_int_equal(r.analysis.linear_error > r.scene.tolerance, cases[i].nonlinear);
         assert_true(apart(r.u, known.u, dof_of(&r)) == 0);
         scene_run_close(&r);
         scene_run_close(&known);
@@ -445,7 +446,7 @@ static void test_given_force_at_rest(void **state)
         snprintf(changes, sizeof changes, "%skinematics=nonlinear", element[k]);
         open_run(&r, "plate-50-patches", changes);
         const pzs_structure *structure = &r.analysis.design.structure;
-        const pzs_prescribed_resultants *g = &r.analysis.path.tables.given;
+        const pzs_prescribed_resultants *g = &r.analysis.equilibrium.tables.given;
         double *f = calloc(structure->free_dof, sizeof *f),
                *column = calloc(structure->free_dof, sizeof *f), zero[SHELL_MAX] = {0};
         for (uint32_t j = 0; j < 25; j++) {
@@ -476,7 +477,7 @@ static void test_given_force_at_rest(void **state)
 static void outputs_beside(scene_run *r, uint32_t j, double d, double *y)
 {
     pzs_solver *solver = path_of(r);
-    double *amount = r->analysis.path.full;
+    double *amount = r->analysis.equilibrium.full_input;
     const double kept = amount[j];
     amount[j] += d;
     const pzs_status status = pzs_equilibrium(solver, amount);
@@ -540,7 +541,9 @@ static void check_influence(const influence_case *c)
            *coarse = calloc(rows, sizeof *coarse), *fine = calloc(rows, sizeof *fine);
     assert_int_equal(pzs_influence_at(path_of(&r), influence), PZS_OK);
     for (uint32_t j = 0; j < (uint32_t)r.analysis.design.sensor_first; j++) {
-        const double d = c->part * (r.analysis.path.full[j] != 0 ? r.analysis.path.full[j] : 1);
+        const double d =
+            c->part *
+            (r.analysis.equilibrium.full_input[j] != 0 ? r.analysis.equilibrium.full_input[j] : 1);
         difference(&r, j, d, coarse);
         difference(&r, j, d / 2, fine);
         const double scale = largest(fine, rows),

@@ -34,7 +34,7 @@ static void test_budget(void **state)
     assert_true(factor > 0 && factor < 1);
     open_run(&whole, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={change: 1e-8}");
     for (uint32_t j = 0; j < whole.analysis.design.structure.input.count; j++)
-        whole.analysis.path.full[j] *= factor;
+        whole.analysis.equilibrium.full_input[j] *= factor;
     assert_int_equal(scene_run_solve(&whole), 0);
     assert_true(apart(short_run.u, whole.u, dof_of(&whole)) < 1e-6);
     scene_run_close(&short_run);
@@ -169,7 +169,7 @@ static void test_limit_point(void **state)
     (void)state;
     scene_run r;
     open_run(&r, "ring-contact", PUBLISHED "equilibrium={change: 1e-6, systems: 800}");
-    r.analysis.path.full[0] = r.analysis.path.full[1] = 2;
+    r.analysis.equilibrium.full_input[0] = r.analysis.equilibrium.full_input[1] = 2;
     assert_int_equal(scene_run_solve(&r), -1);
     assert_int_equal(r.analysis.status, PZS_E_LIMIT);
     assert_true(path_of(&r)->info.load_factor >= 0.5 && path_of(&r)->info.load_factor < 0.56);
@@ -183,7 +183,8 @@ static void test_no_load(void **state)
     (void)state;
     scene_run r;
     open_run(&r, "hemisphere", PUBLISHED MESH(4, 4));
-    memset(r.analysis.path.full, 0, r.analysis.design.structure.input.count * sizeof(double));
+    memset(r.analysis.equilibrium.full_input, 0,
+           r.analysis.design.structure.input.count * sizeof(double));
     assert_int_equal(scene_run_solve(&r), 0);
     assert_int_equal(r.analysis.status, PZS_OK);
     assert_true(largest(r.u, dof_of(&r)) == 0 && path_of(&r)->info.load_factor == 1 &&
@@ -207,8 +208,8 @@ static void test_absurd_loads(void **state)
             scene_run r;
             open_run(&r, scenes[i], mesh[i]);
             for (uint32_t j = 0; j < r.analysis.design.structure.input.count; j++)
-                r.analysis.path.full[j] *= times[k];
-            r.analysis.status = pzs_equilibrium(path_of(&r), r.analysis.path.full);
+                r.analysis.equilibrium.full_input[j] *= times[k];
+            r.analysis.status = pzs_equilibrium(path_of(&r), r.analysis.equilibrium.full_input);
             snprintf(what, sizeof what, "%s times %g", scenes[i], times[k]);
             check_end(&r, what);
             scene_run_close(&r);
@@ -228,7 +229,7 @@ static void test_nan_amounts(void **state)
         assert_int_equal(path_of(&r)->info.where, 1);
         assert_true(apart(path_of(&r)->info.displacement, r.u, dof_of(&r)) == 0);
     }
-    assert_int_equal(pzs_equilibrium(path_of(&r), r.analysis.path.full), PZS_OK);
+    assert_int_equal(pzs_equilibrium(path_of(&r), r.analysis.equilibrium.full_input), PZS_OK);
     assert_true(apart(path_of(&r)->info.displacement, r.u, dof_of(&r)) < 1e-3);
     scene_run_close(&r);
 }

@@ -69,7 +69,7 @@ static double off(const scene_run *r, const testdata *t)
 /* Contact: the same nodes, the same pressures, the same force. */
 static void check_contact(const scene_run *r, const testdata *t, double tolerance)
 {
-    const pzs_contact *contact = &r->analysis.path.contact;
+    const pzs_contact *contact = &r->analysis.equilibrium.contact;
     const double *multiplier = testdata_values(t, "multiplier"),
                  *active = testdata_values(t, "active"), *force = testdata_values(t, "force");
     const int nodes = r->analysis.design.mesh.nodes;

@@ -446,7 +446,7 @@ static void test_pressed_torus(void **state)
     (void)state;
     scene_run r;
     solve_run(&r, "torus-contact", PUBLISHED);
-    const path *p = &r.analysis.path;
+    const equilibrium *p = &r.analysis.equilibrium;
     const mesh *mesh = &r.analysis.design.mesh;
     double peak[2] = {0, 0}, edge = 0; /* pressure, angle; angle */
     for (int n = 0; n < mesh->nodes; n++) {
@@ -501,14 +501,14 @@ static void test_flat_base(void **state)
     double part[8];
     assert_true(r.analysis.design.structure.input.count <= COUNT(part));
     for (int j = 0; j < r.analysis.design.structure.input.count; j++)
-        part[j] = 0.95 * r.analysis.path.full[j];
+        part[j] = 0.95 * r.analysis.equilibrium.full_input[j];
     assert_int_equal(pzs_equilibrium(solver, part), PZS_OK);
-    assert_int_equal(pzs_equilibrium(solver, r.analysis.path.full), PZS_OK);
+    assert_int_equal(pzs_equilibrium(solver, r.analysis.equilibrium.full_input), PZS_OK);
     scene_run_observe(&r, solver->info.displacement);
     assert_true(fabs(scene_run_value(&r, 0) + 197.80) < 6e-3);
     assert_int_equal(solver->info.negative_pivots, 0);
     pzs_solver_reset(solver);
-    const pzs_status status = pzs_equilibrium(solver, r.analysis.path.full);
+    const pzs_status status = pzs_equilibrium(solver, r.analysis.equilibrium.full_input);
     scene_run_observe(&r, solver->info.displacement);
     print_message("flat base in one step: %.2f, %u negative pivots\n", scene_run_value(&r, 0),
                   solver->info.negative_pivots);
@@ -552,7 +552,7 @@ static void test_plate_targets(void **state)
         assert_int_equal(voltages_optimum(&r.analysis, no_limits(), &best, error), 0);
         print_message(
             "%s: linear optimum %.4f, optimum %.4f after %d relinearisations, %d systems\n",
-            t->value, linear.error, best.error, best.relinearised, best.systems);
+            t->value, linear.error, best.error, best.relinearised, best.linear_solves);
         assert_true(fabs(linear.error / t->linear - 1) < t->tolerance);
         assert_true(fabs(best.error / t->reached - 1) < t->tolerance);
         voltages_free(&linear);

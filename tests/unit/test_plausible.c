@@ -201,7 +201,7 @@ static void test_edge_resolution(void **state)
 
 static void scale(const scene_run *r, double factor)
 {
-    for (int i = 0; i < r->analysis.design.mesh.dof; i++)
+    for (int i = 0; i < r->analysis.design.mesh.free_dof; i++)
         r->u[i] *= factor;
 }
 

@@ -113,7 +113,7 @@ static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
 /* Full 10 x 10 of a mode per unit of area. */
 static void unpack_mode(const one *o, int mode, double d[100])
 {
-    const double *entry = o->mesh.kind[0].d[mode];
+    const double *entry = o->mesh.type[0].d[mode];
     for (int i = 0; i < 10; i++)
         for (int j = 0; j <= i; j++)
             d[10 * i + j] = d[10 * j + i] = *entry++ / (o->mesh.place[0].area * mode_weight[mode]);
@@ -131,18 +131,19 @@ static void check_modes(const testdata *t, const one *o)
 
 static void check_columns(const testdata *t, const one *o, int layers)
 {
-    const int n = 4 * (int)o->mesh.unknowns;
+    const int n = 4 * (int)o->mesh.dof_per_node;
     const testdata_array *voltage = testdata_find(t, "volt");
     double h0[10], f[28], reference[28];
     for (int layer = 0; layer < layers; layer++) {
-        laminate_given(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], layer, h0);
-        pzs_shell_prescribed_force(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
+        laminate_unit_resultants(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], layer,
+                                 h0);
+        pzs_shell_prescribed_force(&o->mesh.type[0], o->mesh.dof_per_node, h0, f);
         for (int i = 0; i < n; i++)
             reference[i] = voltage->value[i * layers + layer];
         ASSERT_CLOSE(t->name, "force per volt", f, reference, n, 1e-12);
     }
-    laminate_given(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], -1, h0);
-    pzs_shell_prescribed_force(&o->mesh.kind[0], o->mesh.unknowns, h0, f);
+    laminate_unit_resultants(&o->mesh.laminate, &o->scene.element, &o->mesh.place[0], -1, h0);
+    pzs_shell_prescribed_force(&o->mesh.type[0], o->mesh.dof_per_node, h0, f);
     ASSERT_CLOSE(t->name, "force per kelvin", f, testdata_values(t, "kelvin"), n, 1e-12);
 }
 
@@ -166,12 +167,12 @@ static double energy_at(const pzs_element_type *type, unsigned dof_per_node, con
 /* Internal force, energy and tangent at a displacement. */
 static void check_at_shape(const testdata *t, const one *o)
 {
-    const unsigned dof_per_node = o->mesh.unknowns;
+    const unsigned dof_per_node = o->mesh.dof_per_node;
     const int n = 4 * (int)dof_per_node;
     const double *u = testdata_values(t, "U"),
-                 energy = energy_at(&o->mesh.kind[0], dof_per_node, u);
+                 energy = energy_at(&o->mesh.type[0], dof_per_node, u);
     double f[28], k[SHELL_PACKED(28)];
-    pzs_shell_system(&o->mesh.kind[0], dof_per_node, u, NULL, NULL, f, k);
+    pzs_shell_system(&o->mesh.type[0], dof_per_node, u, NULL, NULL, f, k);
     ASSERT_CLOSE(t->name, "energy", &energy, testdata_values(t, "energy"), 1, 1e-12);
     ASSERT_CLOSE(t->name, "internal force", f, testdata_values(t, "force"), n, 1e-12);
     ASSERT_CLOSE(t->name, "tangent", k, testdata_values(t, "tangent"), SHELL_PACKED(n), 1e-12);
@@ -195,12 +196,12 @@ static void check_witness(const testdata *t, one *o)
         ASSERT_CLOSE(t->name, "node geometry", here, nodes + 6 * r, 6, 1e-14);
     }
     for (int mode = 0; mode < 4; mode++) {
-        double *entry = o->mesh.kind[0].d[mode];
+        double *entry = o->mesh.type[0].d[mode];
         for (int i = 0; i < 10; i++)
             for (int j = 0; j <= i; j++, entry++) /* kept strains are those the dummy material fills
                                                    */
-                *entry = fabs(o->mesh.kind[0].d[mode][i * (i + 1) / 2 + i]) > 0 &&
-                                 fabs(o->mesh.kind[0].d[mode][j * (j + 1) / 2 + j]) > 0
+                *entry = fabs(o->mesh.type[0].d[mode][i * (i + 1) / 2 + i]) > 0 &&
+                                 fabs(o->mesh.type[0].d[mode][j * (j + 1) / 2 + j]) > 0
                              ? d[10 * i + j] * o->mesh.place[0].area * mode_weight[mode]
                              : 0;
     }
@@ -382,8 +383,8 @@ enum { SHAPES = 3 * SAMPLES };
 static void set_warp(one *o)
 {
     unsigned seed = 11;
-    fill(o->mesh.kind[0].warp, 9, 0.5, &seed);
-    pzs_shell_stiffness(&o->mesh.kind[0], o->mesh.unknowns, o->mesh.stiffness);
+    fill(o->mesh.type[0].warp, 9, 0.5, &seed);
+    pzs_shell_stiffness(&o->mesh.type[0], o->mesh.dof_per_node, o->mesh.stiffness);
 }
 
 static unsigned build_shape(one *o, int shape)
@@ -409,10 +410,10 @@ static void test_warp_shares(void **state)
         const unsigned dof_per_node = build_shape(&o, i);
         double u[28], with_warp[4][10], plain[4][10];
         fill(u, 4 * (int)dof_per_node, 0.2, &seed);
-        pzs_shell_strains_at(&o.mesh.kind[0], dof_per_node, u, with_warp);
-        const pzs_element_type type = o.mesh.kind[0];
-        memset(o.mesh.kind[0].warp, 0, sizeof type.warp);
-        pzs_shell_strains_at(&o.mesh.kind[0], dof_per_node, u, plain);
+        pzs_shell_strains_at(&o.mesh.type[0], dof_per_node, u, with_warp);
+        const pzs_element_type type = o.mesh.type[0];
+        memset(o.mesh.type[0].warp, 0, sizeof type.warp);
+        pzs_shell_strains_at(&o.mesh.type[0], dof_per_node, u, plain);
         for (int k = 0; k < 9; k++)
             plain[0][6] += type.warp[k] * plain[row[k][0]][row[k][1]];
         ASSERT_CLOSE(samples[i / 3].surface, "strains with the warp", &with_warp[0][0],
@@ -440,17 +441,17 @@ static void test_warp_is_free_of_directors(void **state)
             memset(u, 0, sizeof u);
             for (int p = 0; p < 4; p++)
                 fill(u + 7 * p + 3, 2, 1e-6, &seed);
-            pzs_shell_strains_at(&o.mesh.kind[0], 7, u, e);
-            memcpy(k, o.mesh.kind[0].warp, sizeof k);
-            memset(o.mesh.kind[0].warp, 0, sizeof k);
-            pzs_shell_strains_at(&o.mesh.kind[0], 7, u, plain);
+            pzs_shell_strains_at(&o.mesh.type[0], 7, u, e);
+            memcpy(k, o.mesh.type[0].warp, sizeof k);
+            memset(o.mesh.type[0].warp, 0, sizeof k);
+            pzs_shell_strains_at(&o.mesh.type[0], 7, u, plain);
             if (fabs(k[0]) > 0) /* what is left is quadratic in u */
                 assert_true(fabs(e[0][6] - plain[0][6]) < 1e-5 * fabs(k[0] * plain[0][7]));
             mesh_free(&o.mesh);
             build(&o, &published, samples[i].surface, samples[i].number, samples[i].cell, layer, 1,
                   -layer[0] / 2);
             for (int j = 0; j < 9; j++)
-                assert_true(o.mesh.kind[0].warp[j] == 0);
+                assert_true(o.mesh.type[0].warp[j] == 0);
             mesh_free(&o.mesh);
         }
 }
@@ -463,7 +464,7 @@ static void test_bad_warp(void **state)
     one o;
     build_sample(&o, &samples[2], &improved);
     for (int i = 0; i < 2; i++) {
-        pzs_element_type type = o.mesh.kind[0];
+        pzs_element_type type = o.mesh.type[0];
         type.g_mean[1][0][0] = bad[i];
         assert_int_equal(warp_fill(&type, 0.3), -1);
         assert_int_equal(warp_fill(&type, 0), 0);
@@ -513,7 +514,7 @@ static void test_tangent_is_derivative(void **state)
         one o;
         unsigned seed = 7;
         const unsigned dof_per_node = build_shape(&o, i);
-        const pzs_element_type *type = &o.mesh.kind[0];
+        const pzs_element_type *type = &o.mesh.type[0];
         const int n = 4 * (int)dof_per_node;
         double u[28], v[28], given[10], derivative[28] = {0}, product[28], f[28],
                                         k[SHELL_PACKED(28)], ignored[SHELL_PACKED(28)];
@@ -544,7 +545,7 @@ static void test_geometric_part(void **state)
         one o;
         unsigned seed = 11;
         const unsigned dof_per_node = build_shape(&o, i);
-        const pzs_element_type *type = &o.mesh.kind[0];
+        const pzs_element_type *type = &o.mesh.type[0];
         const int n = 4 * (int)dof_per_node;
         const double none[SHELL_RESULTANTS] = {0};
         double u[28], v[28], moved[28], resultant[SHELL_RESULTANTS], product[28], f[28], here[28],
@@ -579,7 +580,7 @@ static void test_extrapolation(void **state)
         one o;
         unsigned seed = 5;
         const unsigned dof_per_node = build_shape(&o, i);
-        const pzs_element_type *type = &o.mesh.kind[0];
+        const pzs_element_type *type = &o.mesh.type[0];
         const double zero[28] = {0};
         double u[28], du[28], sum[28], given[10];
         double there[SHELL_RESULTANTS], ahead[SHELL_RESULTANTS], alone[SHELL_RESULTANTS],
@@ -618,12 +619,12 @@ static void test_table_is_tangent_at_zero(void **state)
         const int n = 4 * (int)dof_per_node;
         const double zero[28] = {0};
         double k[SHELL_PACKED(28)], u[28], f[28], product[28];
-        pzs_shell_system(&o.mesh.kind[0], dof_per_node, zero, NULL, NULL, f, k);
+        pzs_shell_system(&o.mesh.type[0], dof_per_node, zero, NULL, NULL, f, k);
         ASSERT_CLOSE(samples[i / 3].surface, "table matrix", o.mesh.stiffness, k, SHELL_PACKED(n),
                      8 * 2.2e-16);
         ASSERT_CLOSE(samples[i / 3].surface, "force at rest", f, zero, n, 0);
         fill(u, n, 1, &seed);
-        pzs_shell_force(&o.mesh.kind[0], dof_per_node, u, f);
+        pzs_shell_force(&o.mesh.type[0], dof_per_node, u, f);
         times(k, u, n, product);
         ASSERT_CLOSE(samples[i / 3].surface, "strain-based force", f, product, n, 28 * 8 * 2.2e-16);
         mesh_free(&o.mesh);
@@ -679,7 +680,7 @@ static void test_rigid_motion_at_a_point(void **state)
             one o;
             double u[28] = {0}, e[4][10];
             build_sample(&o, &samples[i], &published);
-            const pzs_element_type *type = &o.mesh.kind[0];
+            const pzs_element_type *type = &o.mesh.type[0];
             const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
             rigid_node(&o, p, u + 7 * r);
             for (int a = 0; a < 2; a++) { /* choose the neighbour so that the corner sees the exact
@@ -715,9 +716,9 @@ static double rigid_energy(const sample *s, const scene_element *element)
     build_sample(&o, s, element);
     for (int r = 0; r < 4; r++)
         rigid_node(&o, &o.mesh.point[o.mesh.element[0][r]], u + 7 * r);
-    const double energy = energy_at(&o.mesh.kind[0], 7, u);
+    const double energy = energy_at(&o.mesh.type[0], 7, u);
     for (int i = 0; i < 10; i++)
-        scale += o.mesh.kind[0].d[0][i * (i + 3) / 2];
+        scale += o.mesh.type[0].d[0][i * (i + 3) / 2];
     mesh_free(&o.mesh);
     return energy / scale;
 }
@@ -792,7 +793,7 @@ static void test_rigid_motion_without_force(void **state)
         one o;
         double u[24], f[24], k[SHELL_PACKED(24)], scale = 0, largest = 0;
         build_rigid(&o, &samples[i], 1, u);
-        pzs_shell_system(&o.mesh.kind[0], 6, u, NULL, NULL, f, k);
+        pzs_shell_system(&o.mesh.type[0], 6, u, NULL, NULL, f, k);
         for (int r = 0; r < 24; r++) {
             double row = 0;
             for (int c = 0; c < 24; c++)
@@ -823,8 +824,8 @@ static void test_strains_of_a_thin_shell(void **state)
         turn_unknowns(&o, v, u);
         for (int j = 0; j < 24; j++)
             u[j] += rigid[j];
-        pzs_shell_strains_at(&o.mesh.kind[0], 6, u, e);
-        pzs_shell_strains_at(&o.mesh.kind[0], 6, v, reference);
+        pzs_shell_strains_at(&o.mesh.type[0], 6, u, e);
+        pzs_shell_strains_at(&o.mesh.type[0], 6, v, reference);
         for (int s = 0; s < 10; s++) {
             double x[4], y[4];
             for (int m = 0; m < 4; m++) {
@@ -849,7 +850,7 @@ static void test_tangent_of_a_thin_shell(void **state)
             unsigned seed = 17;
             double rigid[24], v[24], u[24], f[24], there[24], expected[24], k[SHELL_PACKED(24)];
             build_rigid(&o, &samples[i], 1e-4, rigid);
-            pzs_element_type *type = &o.mesh.kind[0];
+            pzs_element_type *type = &o.mesh.type[0];
             for (int m = 0; m < 4; m++) {
                 const int kept_here = type->d[m][s * (s + 3) / 2] > 0;
                 memset(type->d[m], 0, sizeof type->d[m]);
@@ -886,9 +887,9 @@ static void test_free_expansion(void **state)
             u[7 * r + 1] = 1e-3 * p->x[1];
             u[7 * r + 5] = 1e-3;
         }
-        laminate_given(&o.mesh.laminate, &o.scene.element, &o.mesh.place[0], -1, h0);
-        pzs_shell_prescribed_force(&o.mesh.kind[0], 7, h0, given);
-        pzs_shell_force(&o.mesh.kind[0], 7, u, force);
+        laminate_unit_resultants(&o.mesh.laminate, &o.scene.element, &o.mesh.place[0], -1, h0);
+        pzs_shell_prescribed_force(&o.mesh.type[0], 7, h0, given);
+        pzs_shell_force(&o.mesh.type[0], 7, u, force);
         ASSERT_CLOSE("plate", "force of free expansion", force, given, 28, 1e-13);
         mesh_free(&o.mesh);
     }

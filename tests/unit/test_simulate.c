@@ -64,8 +64,8 @@ static void look(void *context, const simulate_sample *sample)
         t->not_finite += !isfinite(voltage) + !isfinite(command) + !isfinite(sample->error);
         t->outside += !(voltage >= t->d->lower[k] && voltage <= t->d->upper[k]);
         t->outside += !(command >= t->d->lower[k] && command <= t->d->upper[k]);
-        t->jumps += !(fabs(voltage - t->volt[k]) <= t->d->slew[k]) +
-                    !(fabs(command - t->command[k]) <= t->d->slew[k]);
+        t->jumps += !(fabs(voltage - t->volt[k]) <= t->d->step_limit[k]) +
+                    !(fabs(command - t->command[k]) <= t->d->step_limit[k]);
         t->off_step += fabs(steps - round(steps)) > 8 * DBL_EPSILON * fabs(steps);
         t->volt[k] = voltage;
         t->command[k] = command;

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../host_tools/cli/commands.h"
-#include "../../host_tools/cli/suggest.h"
+#include "../../host_tools/text/suggest.h"
 #include "../rigs/uniform.h"
 
 enum { TRIALS = 20000, LETTERS = 9 };

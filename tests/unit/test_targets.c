@@ -99,13 +99,13 @@ static void test_modes(void **state)
     for (int l = 0; l < 2; l++) {
         const mode_left *left = &modes.left[7 * 2 + l];
         optimum(&alone, limit[l], &result);
-        assert_true(result.error == left->optimum && result.active == left->active &&
+        assert_true(result.error == left->optimum && result.active_limits == left->active_limits &&
                     result.limit[1] == left->limit[1]);
         assert_true(left->limit[1] == (l ? 50 : 20));
         voltages_free(&result);
     }
     optimum(&alone, no_limits(), &result);
-    assert_true(result.error == modes.mode[7].unlimited);
+    assert_true(result.error == modes.mode[7].unconstrained_error);
     voltages_free(&result);
     modes_free(&modes);
     scene_run_close(&alone);
@@ -128,16 +128,17 @@ static void test_mirror(void **state)
     influence_run(&r, "mirror", "");
     assert_int_equal(modes_run(&modes, &r.analysis, &own, 1, r.error), 0);
     for (int k = 0; k < MODES; k++) {
-        assert_true(modes.mode[k].unlimited <= modes.left[k].optimum * (1 + 1e-9) &&
+        assert_true(modes.mode[k].unconstrained_error <= modes.left[k].optimum * (1 + 1e-9) &&
                     modes.left[k].optimum <= modes.left[k].regularised * (1 + 1e-12) &&
                     modes.left[k].regularised <= modes.left[k].clipped);
-        assert_true(modes.mode[k].unlimited < 0.04 && modes.left[k].optimum < 0.16);
-        assert_true((modes.left[k].active > 0) == (modes.mode[k].volt > 50));
+        assert_true(modes.mode[k].unconstrained_error < 0.04 && modes.left[k].optimum < 0.16);
+        assert_true((modes.left[k].active_limits > 0) == (modes.mode[k].largest_voltage > 50));
         clipped = fmax(clipped, modes.left[k].clipped / modes.left[k].optimum);
     }
     for (int i = 0; i < 6; i++) {
         const int k = alike[i];
-        assert_near("no limits", modes.mode[k + 1].unlimited, modes.mode[k].unlimited, 1e-6);
+        assert_near("no limits", modes.mode[k + 1].unconstrained_error,
+                    modes.mode[k].unconstrained_error, 1e-6);
         assert_near("within limits", modes.left[k + 1].optimum, modes.left[k].optimum, 1e-6);
         assert_near("clipped", modes.left[k + 1].clipped, modes.left[k].clipped, 1e-6);
     }
@@ -170,7 +171,7 @@ static void test_hyperboloid(void **state)
             assert_true(fabs(away[k]) > 2.5 && fabs(scene_run_value(&r, k)) < 0.05 * fabs(away[k]));
         assert_true(result.relinearised > 1 && result.residual < 1e-6);
         for (int k = 0; k < 2; k++)
-            assert_true(fabs(result.volt[k]) <= limit[l]);
+            assert_true(fabs(result.voltage[k]) <= limit[l]);
         voltages_free(&result);
     }
     assert_int_equal(voltages_linear(&r.analysis, within(1960), &result, r.error), 0);
@@ -238,7 +239,7 @@ static void test_fixed_rows(void **state)
                     (design->weight[i] == 0));
     optimum(&plain, within(200), &a);
     optimum(&moved, within(200), &b);
-    assert_true(memcmp(a.volt, b.volt, 25 * sizeof *a.volt) == 0 && a.error == b.error);
+    assert_true(memcmp(a.voltage, b.voltage, 25 * sizeof *a.voltage) == 0 && a.error == b.error);
     assert_true(a.fixed_off == 0 && a.error_all == a.error && b.fixed_off == 11);
     const double squares = design_squares(design, design->wanted, NULL), fixed = 11 * 1e-6;
     assert_near("counted", b.error_all,
@@ -272,14 +273,16 @@ static void free_changes_nothing(const char *scene, const char *changes, const c
         optimum(&r[k], within(size), &result[k]);
     }
     const design *design = &r[1].analysis.design;
-    assert_true(largest_difference(result[0].volt, result[1].volt, result[0].volts) < 1e-9 * size);
+    assert_true(largest_difference(result[0].voltage, result[1].voltage, result[0].amplifiers) <
+                1e-9 * size);
     assert_near("error", result[1].error, result[0].error, 1e-11);
     for (int j = 0; j < 4; j++) {
         double dot = 0, of_misfit = 0, of_free = 0;
         for (int i = 0; i < design->targets; i++) {
             const expr_point at = mesh_place(&design->mesh, design->target_node[i]);
             const double f[4] = {1, at.x, at.y, at.x * at.x},
-                         miss = result[1].shape[i] - result[1].aim[i], w = design->weight[i];
+                         miss = result[1].shape[i] - result[1].aligned_target[i],
+                         w = design->weight[i];
             dot += w * w * f[j] * miss;
             of_misfit += pow(w * miss, 2);
             of_free += pow(w * f[j], 2);
@@ -325,7 +328,8 @@ static void test_free_nonlinear(void **state)
         r[k].analysis.nonlinear = 1;
         optimum(&r[k], within(200), &result[k]);
     }
-    assert_true(largest_difference(result[0].volt, result[1].volt, result[0].volts) < 1e-6 * 200);
+    assert_true(largest_difference(result[0].voltage, result[1].voltage, result[0].amplifiers) <
+                1e-6 * 200);
     assert_near("error", result[1].error, result[0].error, 1e-8);
     for (int k = 0; k < 2; k++) {
         voltages_free(&result[k]);
@@ -361,7 +365,7 @@ static void test_free_tick(void **state)
         }
         assert_int_equal(pzs_tick(&control, wanted, measured), PZS_OK);
     }
-    assert_true(largest_difference(control.info.voltage, result.volt, 25) < 1e-8 * 200);
+    assert_true(largest_difference(control.info.voltage, result.voltage, 25) < 1e-8 * 200);
     voltages_free(&result);
     free(wanted);
     free(work);
@@ -377,7 +381,7 @@ static void test_free_target(void **state)
     influence_run(&r, "plate-50-patches", "target.value=3e-3-0.7*x" FREE);
     optimum(&r, within(200), &result);
     for (int k = 0; k < 25; k++)
-        assert_true(result.volt[k] == 0);
+        assert_true(result.voltage[k] == 0);
     assert_true(result.error == 0);
     voltages_free(&result);
     scene_run_close(&r);

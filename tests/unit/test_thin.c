@@ -45,7 +45,7 @@ static void solve_thin(scene_run *r, const char *changes, double h, int n1, int 
 static double compliance(const scene_run *r)
 {
     const mesh *mesh = &r->analysis.design.mesh;
-    const unsigned dof_per_node = mesh->unknowns;
+    const unsigned dof_per_node = mesh->dof_per_node;
     double sum = 0;
     for (int e = 0; e < mesh->elements; e++) {
         double u[SHELL_MAX], f[SHELL_MAX];
@@ -54,7 +54,7 @@ static double compliance(const scene_run *r)
                                                 i % dof_per_node];
             u[i] = dof == PZS_CONSTRAINED ? 0 : r->u[dof];
         }
-        pzs_shell_force(&mesh->kind[mesh->element_kind[e]], dof_per_node, u, f);
+        pzs_shell_force(&mesh->type[mesh->element_type[e]], dof_per_node, u, f);
         for (unsigned i = 0; i < 4 * dof_per_node; i++)
             sum += u[i] * f[i];
     }

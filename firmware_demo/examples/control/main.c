@@ -2,7 +2,7 @@
  * Hold a shape: one call a tick. The three functions in the middle stand for the hardware.
  */
 #define PLATE_REAL_BITS 32 /* this program is for float: another library does not compile */
-#include "board.h"
+#include "../../boards/board.h"
 #include "plate.h"
 
 static pzs_real work[PLATE_LOOP_BYTES / sizeof(pzs_real) + 1];

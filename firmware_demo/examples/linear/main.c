@@ -2,7 +2,7 @@
  * The device assembles and factors the structure, computes its influence matrix, and holds a shape
  * with it. The first element type is 5 % softer than in the scene, as after a year of heat.
  */
-#include "board.h"
+#include "../../boards/board.h"
 #include "plate.h"
 
 static pzs_real model_work[PLATE_MODEL_BYTES / sizeof(pzs_real) + 1];
@@ -14,8 +14,8 @@ static pzs_loop loop;
 /* Returns the first status that is not OK. */
 static pzs_status make_influence(void)
 {
-    static pzs_real stiffness_factor[sizeof plate_kind / sizeof *plate_kind];
-    for (unsigned k = 0; k < sizeof plate_kind / sizeof *plate_kind; k++)
+    static pzs_real stiffness_factor[sizeof plate_element_types / sizeof *plate_element_types];
+    for (unsigned k = 0; k < sizeof plate_element_types / sizeof *plate_element_types; k++)
         stiffness_factor[k] = k == 0 ? PZS_R(0.95) : 1;
     pzs_status status = pzs_model_init(&model, &plate_structure, model_work, sizeof model_work);
     if (status == PZS_OK)

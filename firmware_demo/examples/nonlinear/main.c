@@ -2,11 +2,11 @@
  * A shell at large rotation: the device finds the equilibrium under the loads of the scene, here a
  * hemisphere pulled by four forces. The host found the same outputs in double: dome_reached.
  */
-#include "board.h"
+#include "../../boards/board.h"
 #include "dome.h"
 
 static pzs_real model_work[DOME_MODEL_BYTES / sizeof(pzs_real) + 1] BOARD_LARGE;
-static pzs_real solver_work[DOME_PATH_BYTES / sizeof(pzs_real) + 1] BOARD_LARGE;
+static pzs_real solver_work[DOME_SOLVER_BYTES / sizeof(pzs_real) + 1] BOARD_LARGE;
 static pzs_real output[DOME_ALL_OUTPUTS];
 static pzs_model model;
 static pzs_solver solver;
@@ -44,9 +44,9 @@ int main(void)
     board_start();
     pzs_status status = open();
     if (status == PZS_OK) {
-        solver.settings.load_steps = DOME_STEPS;
-        solver.settings.tolerance = DOME_CHANGE;
-        status = pzs_equilibrium(&solver, dome_full);
+        solver.settings.load_steps = DOME_LOAD_STEPS;
+        solver.settings.tolerance = DOME_TOLERANCE;
+        status = pzs_equilibrium(&solver, dome_full_input);
     }
     if (!PZS_IS_ERROR(status))
         pzs_observe(&dome_structure, solver.info.displacement, output);

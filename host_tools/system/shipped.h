@@ -2,7 +2,7 @@
 #ifndef SHIPPED_H
 #define SHIPPED_H
 
-#include "suggest.h"
+#include "../text/suggest.h"
 
 /* Room for a path. */
 enum { SHIPPED_PATH = 4096 };

@@ -1,0 +1,311 @@
+/* Stability of the control loop of a scene (certificate_make.h). */
+#include "certificate_make.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/model/model.h"
+#include "estimator.h"
+#include "mass.h"
+
+enum {
+    EXACT = 40,        /* matrix squarings for the spectral radius at the scene's rate */
+    QUICK = 16,        /* matrix squarings for the spectral radius at a scanned rate */
+    STATE_LIMIT = 300, /* largest number of states of the loop */
+    DELAY_LIMIT = 100, /* largest delay in ticks */
+    RATE_LIMIT = 2000, /* largest number of scanned rates */
+    PHASES = 8,        /* intervals tried within one period of the first mode */
+    STARTS = 4         /* attempts to find a first stable rate */
+};
+
+static const double two_pi = 6.283185307179586;
+
+/* Scan of the rates: first rate over zeta w1, ratio of neighbours, last rate over the highest
+ * frequency of the loop. */
+static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
+
+/* Smallest regularisation relative to the mean diagonal of B'W^2 B; it keeps the matrix positive
+ * definite where amplifiers have the same effect. */
+static const double least_regularisation = 1e-12;
+
+/* ---- gains ------------------------------------------------------------ */
+
+/*
+ * Cholesky factor of a [n][n] in its lower triangle. Returns whether the matrix is positive
+ * definite.
+ */
+static int cholesky(double *a, size_t n)
+{
+    for (size_t j = 0; j < n; j++) {
+        for (size_t i = j; i < n; i++)
+            for (size_t k = 0; k < j; k++)
+                a[i * n + j] -= a[i * n + k] * a[j * n + k];
+        if (!(a[j * n + j] > 0))
+            return 0;
+        const double pivot = sqrt(a[j * n + j]);
+        for (size_t i = j; i < n; i++)
+            a[i * n + j] /= pivot;
+    }
+    return 1;
+}
+
+/* x = (L L')^-1 x */
+static void cholesky_solve(const double *l, size_t n, double *x)
+{
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < i; k++)
+            x[i] -= l[i * n + k] * x[k];
+        x[i] /= l[i * n + i];
+    }
+    for (size_t i = n; i-- > 0;) {
+        for (size_t k = i + 1; k < n; k++)
+            x[i] -= l[k * n + i] * x[k];
+        x[i] /= l[i * n + i];
+    }
+}
+
+/* Intermediate results of the loop gains g F. */
+typedef struct gains {
+    const analysis *analysis;
+    const vibration *vibration;
+    size_t modes, moving; /* number of amplifiers that are not held */
+    size_t *amplifier;    /* [moving] their numbers */
+    double *factor;       /* [moving][moving] factor of B'W^2 B + regularisation */
+    double *shape;        /* [targets] shape of a mode as the controller measures or estimates it */
+    double *gradient;     /* [moving] right-hand side B'W^2 C, then voltages */
+    double *modal_response; /* [modes][moving] modal coordinates per volt */
+    double *loop;           /* [modes][modes] g F */
+    int assumes_measured;   /* every target node counts as measured */
+} gains;
+
+static size_t list_amplifiers(const design *design, size_t *amplifier)
+{
+    size_t n = 0;
+    for (int k = 0; k < design->amplifiers; k++)
+        if (design->lower[k] < design->upper[k])
+            amplifier[n++] = (size_t)k;
+    return n;
+}
+
+static int factor_hessian(gains *gains)
+{
+    const design *design = &gains->analysis->design;
+    double trace = 0;
+    for (size_t i = 0; i < gains->moving; i++)
+        for (size_t j = 0; j < gains->moving; j++)
+            gains->factor[i * gains->moving + j] =
+                design->hessian[gains->amplifier[i] * (size_t)design->amplifiers +
+                                gains->amplifier[j]];
+    for (size_t i = 0; i < gains->moving; i++)
+        trace += gains->factor[i * gains->moving + i];
+    for (size_t i = 0; i < gains->moving; i++)
+        gains->factor[i * gains->moving + i] +=
+            design->problem.regularisation + least_regularisation * trace / (double)gains->moving;
+    return gains->moving > 0 && cholesky(gains->factor, gains->moving);
+}
+
+/*
+ * Whether every reading of the estimate is a displacement, so that its rows are rows of the
+ * structure.
+ */
+static int reads_displacements(const scene *scene)
+{
+    for (int i = 0; i < scene->estimate.readings; i++)
+        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
+            return 0;
+    return 1;
+}
+
+/* Shape that the estimator computes from the readings under a displacement u [free_dof]. */
+static void estimated_shape(const gains *gains, const estimator *estimator, const double *u)
+{
+    const design *design = &gains->analysis->design;
+    const scene *scene = design->scene;
+    int sensor = 0;
+    memset(gains->shape, 0, (size_t)design->targets * sizeof *gains->shape);
+    for (int i = 0; i < scene->estimate.readings; i++) {
+        const int output = scene->estimate.reading[i].output;
+        for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++) {
+            const double shown = pzs_model_observe_row(&design->structure, u, (uint32_t)row);
+            for (int t = 0; t < design->targets; t++)
+                gains->shape[t] +=
+                    estimator->gain[(size_t)t * (size_t)estimator->sensors + (size_t)sensor] *
+                    shown;
+            sensor++;
+        }
+    }
+}
+
+/* Column of g F for one mode. */
+static void fill_column(gains *gains, const estimator *estimator, size_t mode)
+{
+    const design *design = &gains->analysis->design;
+    const size_t dof = (size_t)design->mesh.free_dof;
+    const double *u = gains->vibration->shape + ((size_t)gains->vibration->rigid + mode) * dof;
+    if (estimator)
+        estimated_shape(gains, estimator, u);
+    else
+        design_shape(design, u, gains->shape);
+    for (size_t j = 0; j < gains->moving; j++) {
+        gains->gradient[j] = 0;
+        for (int t = 0; t < design->targets; t++)
+            gains->gradient[j] +=
+                design->influence[(size_t)t * (size_t)design->amplifiers + gains->amplifier[j]] *
+                design->weight[t] * design->weight[t] * gains->shape[t];
+    }
+    cholesky_solve(gains->factor, gains->moving, gains->gradient);
+    for (size_t i = 0; i < gains->modes; i++) {
+        double sum = 0;
+        for (size_t j = 0; j < gains->moving; j++)
+            sum += gains->modal_response[i * gains->moving + j] * gains->gradient[j];
+        gains->loop[i * gains->modes + mode] = sum;
+    }
+}
+
+static int fill_gains(gains *gains)
+{
+    estimator estimator;
+    char ignored[SCENE_ERROR];
+    const scene *scene = gains->analysis->design.scene;
+    gains->moving = list_amplifiers(&gains->analysis->design, gains->amplifier);
+    if (!factor_hessian(gains))
+        return 0;
+    for (size_t i = 0; i < gains->modes; i++)
+        for (size_t j = 0; j < gains->moving; j++)
+            gains->modal_response[i * gains->moving + j] =
+                vibration_static(gains->vibration, &gains->analysis->design,
+                                 gains->vibration->rigid + (int)i, (int)gains->amplifier[j]);
+    const int wanted = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
+    const int estimates = wanted && reads_displacements(scene) &&
+                          estimator_open(&estimator, gains->analysis, ignored) == 0;
+    gains->assumes_measured = wanted && !estimates;
+    for (size_t mode = 0; mode < gains->modes; mode++)
+        fill_column(gains, estimates ? &estimator : NULL, mode);
+    if (estimates)
+        estimator_close(&estimator);
+    return 1;
+}
+
+/* g F of the lowest modes without rigid motions, to be freed; NULL where it cannot be computed. */
+static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
+                          int *as_measured)
+{
+    const size_t amplifiers = (size_t)analysis->design.amplifiers;
+    gains gains = {.analysis = analysis, .vibration = vibration, .modes = (size_t)modes};
+    gains.amplifier = malloc(amplifiers * sizeof *gains.amplifier);
+    gains.factor = malloc(amplifiers * amplifiers * sizeof *gains.factor);
+    gains.gradient = malloc(amplifiers * sizeof *gains.gradient);
+    gains.shape = malloc((size_t)analysis->design.targets * sizeof *gains.shape);
+    gains.modal_response = malloc(gains.modes * amplifiers * sizeof *gains.modal_response);
+    gains.loop = malloc(gains.modes * gains.modes * sizeof *gains.loop);
+    const int filled = gains.amplifier && gains.factor && gains.gradient && gains.shape &&
+                       gains.modal_response && gains.loop && fill_gains(&gains);
+    free(gains.amplifier);
+    free(gains.factor);
+    free(gains.gradient);
+    free(gains.shape);
+    free(gains.modal_response);
+    *as_measured = gains.assumes_measured;
+    if (filled)
+        return gains.loop;
+    free(gains.loop);
+    return NULL;
+}
+
+/* ---- stability --------------------------------------------------------- */
+
+/* Loop whose spectral radius decides on stability. */
+typedef struct assessed_loop {
+    const double *gain, *square;
+    int modes, delay;
+    double damping;
+} assessed_loop;
+
+/*
+ * Whether the loop is stable at a rate. Where an interval between ticks contains many periods, the
+ * phase of the first mode matters besides its decay; then intervals that are up to one period
+ * longer have to be stable too.
+ */
+static int is_stable(const assessed_loop *loop, double rate)
+{
+    const double period = two_pi / sqrt(loop->square[0]), interval = 1 / rate;
+    const int phases = interval > 4 * period ? PHASES : 1;
+    for (int k = 0; k < phases; k++) {
+        const double longer = interval + period * k / PHASES;
+        if (!(certificate_radius(loop->gain, loop->square, loop->modes, loop->damping, loop->delay,
+                                 longer, QUICK) < 1))
+            return 0;
+    }
+    return 1;
+}
+
+/*
+ * Rate up to which every scanned rate is stable: 0 where the first ones are not, infinite where all
+ * are.
+ */
+static double scan_rates(const assessed_loop *loop)
+{
+    const double end = scan_to * sqrt(loop->square[loop->modes - 1]) / two_pi;
+    double rate = scan_from * loop->damping * sqrt(loop->square[0]), stable = 0;
+    for (int i = 0; i < STARTS && !is_stable(loop, rate); i++)
+        rate /= 4;
+    for (int i = 0; i < RATE_LIMIT && rate < end; i++) {
+        if (!is_stable(loop, rate))
+            return stable;
+        stable = rate;
+        rate *= scan_step;
+    }
+    return rate < end ? stable : HUGE_VAL;
+}
+
+static void assess(certificate *certificate, const analysis *analysis)
+{
+    const scene *scene = analysis->design.scene;
+    const int first = vibration_first(&certificate->vibration), delay = scene->simulate.delay,
+              most = STATE_LIMIT / (delay + 3);
+    const double *square = certificate->vibration.square + first;
+    certificate->modes = certificate->vibration.count - first;
+    certificate->modes = certificate->modes < most ? certificate->modes : most;
+    if (certificate->modes < 1 || analysis->design.problem.inputs == 0)
+        return;
+    if (delay > DELAY_LIMIT) {
+        snprintf(certificate->reason, sizeof certificate->reason,
+                 "delay of %d ticks: at most %d can be assessed", delay, DELAY_LIMIT);
+        return;
+    }
+    double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
+                              &certificate->assumes_measured);
+    if (!loop) {
+        snprintf(certificate->reason, sizeof certificate->reason,
+                 "the voltage problem is singular; add a regularisation, limits.effort");
+        return;
+    }
+    certificate->is_assessed = 1;
+    if (certificate->rate > 0) {
+        certificate->radius =
+            certificate_radius(loop, square, certificate->modes, certificate->damping, delay,
+                               1 / certificate->rate, EXACT);
+        certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
+    }
+    const assessed_loop assessed = {loop, square, certificate->modes, delay, certificate->damping};
+    certificate->stable_rate = scan_rates(&assessed);
+    free(loop);
+}
+
+void certificate_make(certificate *certificate, const analysis *analysis)
+{
+    const scene *scene = analysis->design.scene;
+    if (certificate->is_made)
+        return;
+    memset(certificate, 0, sizeof *certificate);
+    certificate->is_made = 1;
+    certificate->damping = scene->dynamics.damping;
+    certificate->has_own_damping = scene->dynamics.damping_given;
+    certificate->rate = scene->simulate.given ? scene->simulate.rate : 0;
+    certificate->radius = certificate->gain = certificate->stable_rate = (double)NAN;
+    certificate->has_modes =
+        vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,
+                        MASS_LUMPED, certificate->reason) == 0;
+    if (certificate->has_modes)
+        assess(certificate, analysis);
+}

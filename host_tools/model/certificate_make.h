@@ -1,0 +1,16 @@
+/* Computes the certificate of a scene's control loop. */
+#ifndef CERTIFICATE_MAKE_H
+#define CERTIFICATE_MAKE_H
+
+#include "analysis.h"
+
+/*
+ * Compute the modes of the scene and the stability of its control loop in the reference state. A
+ * certificate that is already made is left as it is.
+ *   analysis in  after analysis_influence where the scene has a target, and before simulate_tables
+ * A scene without modes or without a control loop is not an error; members of the certificate say
+ * what is unknown and why.
+ */
+void certificate_make(certificate *certificate, const analysis *analysis);
+
+#endif

@@ -1,0 +1,13 @@
+/* Builds the design of a scene. */
+#ifndef DESIGN_BUILD_H
+#define DESIGN_BUILD_H
+
+#include "design.h"
+
+/*
+ * Build mesh, inputs, outputs, targets and electrodes of a checked scene, which must outlive the
+ * design. Returns 0, or -1 with error filled and nothing to free.
+ */
+int design_build(design *design, const scene *scene, char *error);
+
+#endif

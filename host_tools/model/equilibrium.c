@@ -1,0 +1,495 @@
+/* Equilibrium solver of a scene and its tables (equilibrium.h). */
+#include "equilibrium.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/model/electrode.h"
+#include "../../lib/model/model.h"
+#include "../../lib/nonlinear/nonlinear.h"
+#include "../../lib/model/shell.h"
+
+/* ---- prescribed resultants -------------------------------------------- */
+
+typedef struct resultant_builder {
+    uint32_t *start;
+    uint16_t *element, *which;
+    double (*value)[LAMINATE_STRAINS];
+    size_t entries, room, values, room_values;
+    int is_full; /* memory ran out */
+} resultant_builder;
+
+/* Row of `value` that equals h0; appended where there is none. */
+static size_t row_of_resultants(resultant_builder *builder, const double h0[LAMINATE_STRAINS])
+{
+    for (size_t i = builder->values; i > 0; i--)
+        if (memcmp(builder->value[i - 1], h0, sizeof *builder->value) == 0)
+            return i - 1;
+    if (builder->values == builder->room_values) {
+        builder->room_values = 2 * builder->room_values + 16;
+        builder->value = design_grow(builder->value, builder->room_values, sizeof *builder->value,
+                                     &builder->is_full);
+    }
+    if (!builder->is_full)
+        memcpy(builder->value[builder->values], h0, sizeof *builder->value);
+    return builder->is_full ? 0 : builder->values++;
+}
+
+static void append(resultant_builder *builder, int element, const double h0[LAMINATE_STRAINS])
+{
+    const size_t row = row_of_resultants(builder, h0);
+    if (builder->entries == builder->room) {
+        builder->room = 2 * builder->room + 64;
+        builder->element = design_grow(builder->element, builder->room, sizeof *builder->element,
+                                       &builder->is_full);
+        builder->which =
+            design_grow(builder->which, builder->room, sizeof *builder->which, &builder->is_full);
+    }
+    if (builder->is_full)
+        return;
+    builder->element[builder->entries] = (uint16_t)element;
+    builder->which[builder->entries++] = (uint16_t)row;
+}
+
+/*
+ * Append the entries of one actuator's amplifiers or one sensor's electrodes, of which `first` is
+ * the first input.
+ */
+static void append_actuator(resultant_builder *builder, const mesh *mesh,
+                            const scene_actuator *actuator, int first)
+{
+    double h0[LAMINATE_STRAINS];
+    for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
+        for (int e = 0; e < mesh->elements; e++)
+            if (design_actuation(mesh, actuator, c, e, h0))
+                append(builder, e, h0);
+        builder->start[first + c + 1] = (uint32_t)builder->entries;
+    }
+}
+
+static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *value)
+{
+    const design *design = equilibrium->design;
+    const scene *scene = design->scene;
+    const int inputs = design->structure.input.count;
+    resultant_builder builder;
+    memset(&builder, 0, sizeof builder);
+    builder.start = calloc((size_t)inputs + 1, sizeof *builder.start);
+    if (!builder.start)
+        return PZS_E_WORKSPACE;
+    for (int k = 0; k < scene->actuators; k++)
+        append_actuator(&builder, &design->mesh, &scene->actuator[k], scene->actuator[k].first);
+    for (int k = 0; k < design->sensor_first - design->amplifiers; k++) {
+        double h0[LAMINATE_STRAINS];
+        char error[SCENE_ERROR];
+        if (k < scene->loads && scene->load[k].type == LOAD_TEMPERATURE &&
+            design_load_values(&design->mesh, &scene->load[k], value, error) == 0)
+            for (int e = 0; e < design->mesh.elements; e++) {
+                design_temperature_resultants(&design->mesh, &scene->load[k], e, h0);
+                append(&builder, e, h0);
+            }
+        builder.start[design->amplifiers + k + 1] = (uint32_t)builder.entries;
+    }
+    for (int k = 0; k < scene->sensors; k++)
+        append_actuator(&builder, &design->mesh, &scene->sensor[k],
+                        design->sensor_first + scene->sensor[k].first);
+    equilibrium->tables.given.start = builder.start;
+    equilibrium->tables.given.element = builder.element;
+    equilibrium->tables.given.which = builder.which;
+    equilibrium->tables.given.value = (const double(*)[LAMINATE_STRAINS])builder.value;
+    equilibrium->tables.given.values = (uint16_t)builder.values;
+    return builder.is_full || builder.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
+}
+
+/* ---- follower loads --------------------------------------------------- */
+
+static void set_corner(const mesh *mesh, int element, int r, const pzs_follower *follower,
+                       double *area, double lean[2])
+{
+    const surface_point *point = &mesh->point[mesh->element[element][r]];
+    const double z = mesh->laminate.z[follower->normal_face];
+    double flat[2][2];
+    const double size = design_chords(mesh, element, r,
+                                      follower->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
+    if (follower->true_area)
+        *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
+}
+
+/* Weights of a corner's pressure in the forces on the same, a neighbouring and the opposite corner.
+ */
+static void set_shares(pzs_follower *follower, int is_cartesian)
+{
+    for (int i = 0; i < 3; i++)
+        follower->share[i] = (double)(4 >> i) / 36;
+    if (!is_cartesian)
+        return;
+    follower->share[0] = 0.25;
+    follower->share[1] = follower->share[2] = 0;
+}
+
+static pzs_status build_follower(equilibrium *equilibrium, const scene_load *load, uint16_t input)
+{
+    const mesh *mesh = &equilibrium->design->mesh;
+    pzs_follower *follower = &equilibrium->follower[equilibrium->followers++];
+    double *pressure = calloc((size_t)mesh->nodes, sizeof *pressure);
+    double(*area)[4] = calloc((size_t)mesh->types, sizeof *area), (*lean)[4][2] = NULL;
+    char error[SCENE_ERROR];
+    follower->pressure = pressure;
+    follower->area = (const double(*)[4])area;
+    if (mesh->scene->element.cartesian)
+        lean = calloc((size_t)mesh->types, sizeof *lean);
+    follower->lean = (const double(*)[4][2])lean;
+    if (!pressure || !area || (mesh->scene->element.cartesian && !lean))
+        return PZS_E_WORKSPACE;
+    if (design_load_values(mesh, load, pressure, error) < 0)
+        return PZS_E_NONFINITE;
+    follower->input = input;
+    follower->load_face = 2; /* the middle */
+    if (load->face == FACE_INNER || load->face == FACE_OUTER)
+        follower->load_face = load->face == FACE_OUTER;
+    follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
+    follower->true_area = load->follower == FOLLOWER_PRESSURE;
+    set_shares(follower, mesh->scene->element.cartesian);
+    for (int e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++) {
+            const uint16_t type = mesh->element_type[e];
+            area[type][r] = mesh->place[type].area;
+            if (lean)
+                set_corner(mesh, e, r, follower, &area[type][r], lean[type][r]);
+        }
+    follower->format = PZS_TABLE_FORMAT;
+    follower->scene = equilibrium->design->structure.scene;
+    follower->crc = pzs_follower_crc(follower, &equilibrium->design->structure);
+    return pzs_attach_follower(&equilibrium->solver,
+                               &equilibrium->follower_load[equilibrium->followers - 1], follower);
+}
+
+/* ---- contact ---------------------------------------------------------- */
+
+/*
+ * Distance function of a body given by a formula psi: psi / |grad psi|, by finite differences with
+ * a step of 1e-4 of the mesh size.
+ */
+static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
+                      double hessian[3][3])
+{
+    const expr *psi = body->own;
+    const double step = body->radius * 1e-4;
+    double value[27], slope = 0;
+    for (int i = 0; i < 27; i++) {
+        const expr_point at = {x[0] + step * (i / 9 - 1), x[1] + step * (i / 3 % 3 - 1),
+                               x[2] + step * (i % 3 - 1), 0, 0};
+        value[i] = expr_value(psi, &at);
+    }
+    const double *v = &value[13];
+    const int offset[3] = {9, 3, 1};
+    for (int i = 0; i < 3; i++) {
+        normal[i] = (v[offset[i]] - v[-offset[i]]) / (2 * step);
+        slope += normal[i] * normal[i];
+    }
+    slope = slope > 0 ? sqrt(slope) : 1;
+    for (int i = 0; i < 3; i++) {
+        normal[i] /= slope;
+        for (int j = 0; j < 3; j++)
+            hessian[i][j] = (i == j ? v[offset[i]] - 2 * v[0] + v[-offset[i]]
+                                    : (v[offset[i] + offset[j]] - v[offset[i] - offset[j]] -
+                                       v[offset[j] - offset[i]] + v[-offset[i] - offset[j]]) /
+                                          4) /
+                            (step * step * slope);
+    }
+    return *v / slope;
+}
+
+static void build_body(equilibrium *equilibrium, double size)
+{
+    const scene_body *from = &equilibrium->design->scene->contact.body;
+    pzs_body *body = &equilibrium->body;
+    memcpy(body->point, from->point, sizeof body->point);
+    memcpy(body->axis, from->type == BODY_PLANE ? from->normal : from->axis, sizeof body->axis);
+    body->radius = from->type == BODY_PSI ? size : from->radius;
+    body->own = from->value;
+    switch (from->type) {
+    case BODY_PLANE: body->gap = pzs_gap_plane; break;
+    case BODY_CYLINDER: body->gap = pzs_gap_cylinder; break;
+    case BODY_SPHERE: body->gap = pzs_gap_sphere; break;
+    default: body->gap = psi_gap;
+    }
+    body->crc = pzs_body_crc(body);
+}
+
+static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
+{
+    const mesh *mesh = &equilibrium->design->mesh;
+    const scene_contact *contact = &equilibrium->design->scene->contact;
+    const size_t nodes = (size_t)mesh->nodes, bytes = PZS_CONTACT_BYTES(nodes);
+    double(*place)[3] = calloc(nodes, sizeof *place), (*triad)[3][3] = calloc(nodes, sizeof *triad);
+    double *area = calloc(nodes, sizeof *area), low[3], high[3];
+    equilibrium->contact_face.place = (const double(*)[3])place;
+    equilibrium->contact_face.triad = (const double(*)[3][3])triad;
+    equilibrium->contact_face.area = area;
+    equilibrium->contact_work = malloc(bytes);
+    equilibrium->contact_bytes = bytes;
+    if (!place || !triad || !area || !equilibrium->contact_work)
+        return PZS_E_WORKSPACE;
+    equilibrium->contact_face.face = contact->face == FACE_OUTER;
+    equilibrium->contact_face.input = input;
+    memcpy(equilibrium->contact_face.motion, contact->move,
+           sizeof equilibrium->contact_face.motion);
+    design_node_areas(mesh, area);
+    for (size_t n = 0; n < nodes; n++)
+        for (int i = 0; i < 3; i++) {
+            place[n][i] = mesh->point[n].x[i] +
+                          mesh->laminate.z[equilibrium->contact_face.face] * mesh->point[n].e[2][i];
+            memcpy(triad[n][i], mesh->point[n].e[i], sizeof triad[n][i]);
+            low[i] = n ? fmin(low[i], place[n][i]) : place[n][i];
+            high[i] = n ? fmax(high[i], place[n][i]) : place[n][i];
+        }
+    for (int i = 0; i < 3; i++)
+        equilibrium->contact_face.size = fmax(equilibrium->contact_face.size, high[i] - low[i]);
+    build_body(equilibrium, equilibrium->contact_face.size);
+    equilibrium->contact_face.format = PZS_TABLE_FORMAT;
+    equilibrium->contact_face.scene = equilibrium->design->structure.scene;
+    equilibrium->contact_face.crc =
+        pzs_contact_crc(&equilibrium->contact_face, &equilibrium->design->structure);
+    const pzs_status status =
+        pzs_attach_contact(&equilibrium->solver, &equilibrium->contact, &equilibrium->contact_face,
+                           &equilibrium->body, equilibrium->contact_work, bytes);
+    equilibrium->contact.settings.stiffness = contact->stiffness;
+    return status;
+}
+
+double equilibrium_contact_output(const equilibrium *equilibrium, const scene_output *output,
+                                  int node)
+{
+    switch (output->contact) {
+    case CONTACT_X:
+    case CONTACT_Y:
+    case CONTACT_Z: return equilibrium->contact.info.force[output->contact - CONTACT_X];
+    case CONTACT_NODES: return equilibrium->contact.info.nodes;
+    case CONTACT_PRESSURE: return equilibrium->contact.info.pressure[node];
+    case CONTACT_NONE: break;
+    }
+    return (double)NAN;
+}
+
+/* Advice against a penetration. */
+static const char *penetration_cure(const pzs_contact *contact, pzs_status status)
+{
+    if (status == PZS_W_BEHIND)
+        return "the shell has passed through itself, or both of its faces would touch";
+    if (contact->info.side != contact->state.face->face)
+        return "it comes from behind: let contact.face be the face that it meets, or move the body";
+    if (contact->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
+        return "refine the mesh there, or enlarge the body";
+    if (contact->info.penetration == PZS_PENETRATION_PASSED)
+        return "raise equilibrium.steps, or refine the mesh there";
+    return "the node is held or faces away: start the body clear of the shell";
+}
+
+void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status status, char *text)
+{
+    const mesh *mesh = &equilibrium->design->mesh;
+    const pzs_contact *contact = &equilibrium->contact;
+    const char *face = contact->info.side ? "outer" : "inner";
+    char unit[SCENE_NAME + 1];
+    const uint16_t *corner = mesh->element[contact->info.element];
+    const double *low = mesh->theta[corner[0]], *high = mesh->theta[corner[2]];
+    char what[SCENE_NAME + 128];
+    const char *length_unit = equilibrium->design->scene->unit_length;
+    snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
+    if (contact->info.penetration == PZS_PENETRATION_PASSED)
+        snprintf(what, sizeof what, "it passes through the %s face in one load step", face);
+    else if (contact->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
+        snprintf(what, sizeof what, "between the nodes, %.3g%s deep in the %s face",
+                 contact->info.depth, unit, face);
+    else
+        snprintf(what, sizeof what, "%.3g%s deep at node %u of the %s face", contact->info.depth,
+                 unit, contact->info.node, face);
+    const int length = snprintf(text, SCENE_ERROR,
+                                "element %u (theta1 = %.4g to %.4g, theta2 = %.4g to %.4g), "
+                                "at (%.4g, %.4g, %.4g): %s; %s",
+                                contact->info.element, low[0], high[0], low[1], high[1],
+                                contact->info.spot[0], contact->info.spot[1], contact->info.spot[2],
+                                what, penetration_cure(contact, status));
+    if (length >= SCENE_ERROR)
+        memcpy(&text[SCENE_ERROR - 4], "...", 4);
+}
+
+/* ---- saved states ----------------------------------------------------- */
+
+enum { PIECES = 6 };
+
+typedef struct piece {
+    void *at;
+    size_t bytes;
+} piece;
+
+static void list_pieces(const equilibrium *p, piece piece[PIECES])
+{
+    equilibrium *q = (equilibrium *)p;
+    piece[0].at = &q->solver, piece[0].bytes = sizeof q->solver;
+    piece[1].at = &q->contact, piece[1].bytes = sizeof q->contact;
+    piece[2].at = &q->circuit, piece[2].bytes = sizeof q->circuit;
+    piece[3].at = q->work, piece[3].bytes = q->work_bytes;
+    piece[4].at = q->contact_work, piece[4].bytes = q->contact_bytes;
+    piece[5].at = q->circuit_work, piece[5].bytes = q->circuit_bytes;
+}
+
+size_t equilibrium_state_bytes(const equilibrium *equilibrium)
+{
+    piece piece[PIECES];
+    size_t all = 0;
+    list_pieces(equilibrium, piece);
+    for (int i = 0; i < PIECES; i++)
+        all += piece[i].bytes;
+    return all;
+}
+
+void equilibrium_save(const equilibrium *equilibrium, void *state)
+{
+    piece piece[PIECES];
+    unsigned char *to = state;
+    list_pieces(equilibrium, piece);
+    for (int i = 0; i < PIECES; to += piece[i++].bytes)
+        if (piece[i].bytes > 0)
+            memcpy(to, piece[i].at, piece[i].bytes);
+}
+
+/*
+ * The model keeps its factor, which is of another shape; the next equilibrium computes the factor
+ * of its own shape.
+ */
+void equilibrium_restore(equilibrium *equilibrium, const void *state)
+{
+    piece piece[PIECES];
+    const unsigned char *from = state;
+    list_pieces(equilibrium, piece);
+    for (int i = 0; i < PIECES; from += piece[i++].bytes)
+        if (piece[i].bytes > 0)
+            memcpy(piece[i].at, from, piece[i].bytes);
+    equilibrium->solver.state.model->state.stage = STAGE_READY;
+}
+
+/* ---- open ------------------------------------------------------------- */
+
+/*
+ * Input values at full load: loads and applied voltages. The value of a follower load is that of
+ * its extra input.
+ */
+static void set_full(equilibrium *equilibrium)
+{
+    const design *design = equilibrium->design;
+    design_applied(design, equilibrium->full_input);
+    for (int k = 0; k < design->loads; k++)
+        equilibrium->full_input[design->amplifiers + k] =
+            design->scene->load[k].follower == FOLLOWER_NONE;
+    for (int k = design->amplifiers + design->loads; k < design->sensor_first; k++)
+        equilibrium->full_input[k] = 1;
+}
+
+static pzs_status start(equilibrium *equilibrium, pzs_model *model)
+{
+    const design *design = equilibrium->design;
+    const pzs_structure *structure = &design->structure;
+    const size_t bytes =
+        PZS_SOLVER_BYTES(structure->free_dof, structure->elements, structure->input.count);
+    int input = design->amplifiers + design->loads;
+    equilibrium->full_input =
+        calloc((size_t)structure->input.count + 1, sizeof *equilibrium->full_input);
+    equilibrium->follower = calloc((size_t)design->loads + 1, sizeof *equilibrium->follower);
+    equilibrium->follower_load =
+        calloc((size_t)design->loads + 1, sizeof *equilibrium->follower_load);
+    equilibrium->work = malloc(bytes);
+    equilibrium->work_bytes = bytes;
+    double *value = calloc((size_t)structure->nodes, sizeof *value);
+    pzs_status status = equilibrium->full_input && equilibrium->follower &&
+                                equilibrium->follower_load && equilibrium->work && value
+                            ? build_prescribed_resultants(equilibrium, value)
+                            : PZS_E_WORKSPACE;
+    free(value);
+    equilibrium->tables.format = PZS_TABLE_FORMAT;
+    equilibrium->tables.scene = structure->scene;
+    for (int k = 0; k < design->loads; k++)
+        input += design->scene->load[k].follower != FOLLOWER_NONE;
+    equilibrium->tables.prescribed.count = (uint16_t)design->mesh.prescribed_count;
+    equilibrium->tables.prescribed.input = (uint16_t)input;
+    equilibrium->tables.prescribed.dof = design->mesh.prescribed_dof;
+    equilibrium->tables.prescribed.value = design->mesh.prescribed_value;
+    equilibrium->tables.crc =
+        status == PZS_OK ? pzs_nonlinear_crc(&equilibrium->tables, structure) : 0;
+    return status == PZS_OK ? pzs_solver_init(&equilibrium->solver, model, &equilibrium->tables,
+                                              equilibrium->work, bytes)
+                            : status;
+}
+
+static pzs_status build_circuit(equilibrium *equilibrium)
+{
+    const design *design = equilibrium->design;
+    const uint32_t open = pzs_electrode_open_count(&design->electrodes);
+    const size_t bytes = PZS_CIRCUIT_BYTES(design->electrodes.count, open);
+    if (open == 0)
+        return PZS_OK;
+    equilibrium->circuit_work = malloc(bytes);
+    equilibrium->circuit_bytes = bytes;
+    return equilibrium->circuit_work
+               ? pzs_attach_circuit(&equilibrium->solver, &equilibrium->circuit,
+                                    &design->electrodes, equilibrium->circuit_work, bytes)
+               : PZS_E_WORKSPACE;
+}
+
+static pzs_status attach(equilibrium *equilibrium)
+{
+    const design *design = equilibrium->design;
+    int input = design->amplifiers + design->loads;
+    pzs_status status = build_circuit(equilibrium);
+    for (int k = 0; k < design->loads && status == PZS_OK; k++)
+        if (design->scene->load[k].follower != FOLLOWER_NONE)
+            status = build_follower(equilibrium, &design->scene->load[k], (uint16_t)input++);
+    input += design->mesh.prescribed_count > 0;
+    return status == PZS_OK && design->scene->contact.given
+               ? build_contact(equilibrium, (uint16_t)input)
+               : status;
+}
+
+pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_model *model)
+{
+    memset(equilibrium, 0, sizeof *equilibrium);
+    equilibrium->design = design;
+    pzs_status status = start(equilibrium, model);
+    if (status == PZS_OK)
+        status = attach(equilibrium);
+    if (status != PZS_OK) {
+        equilibrium_close(equilibrium);
+        return status;
+    }
+    const scene_equilibrium *choice = &design->scene->equilibrium;
+    set_full(equilibrium);
+    equilibrium->solver.settings.load_steps = (uint16_t)choice->steps;
+    equilibrium->solver.settings.tolerance = choice->change;
+    equilibrium->solver.settings.extrapolated_iterations = (uint16_t)choice->mixed;
+    equilibrium->solver.settings.solve_limit = (uint32_t)choice->systems;
+    return PZS_OK;
+}
+
+void equilibrium_close(equilibrium *equilibrium)
+{
+    design_release(equilibrium->tables.given.start);
+    design_release(equilibrium->tables.given.element);
+    design_release(equilibrium->tables.given.which);
+    design_release(equilibrium->tables.given.value);
+    for (int k = 0; k < equilibrium->followers; k++) {
+        design_release(equilibrium->follower[k].pressure);
+        design_release(equilibrium->follower[k].area);
+        design_release(equilibrium->follower[k].lean);
+    }
+    design_release(equilibrium->contact_face.place);
+    design_release(equilibrium->contact_face.triad);
+    design_release(equilibrium->contact_face.area);
+    free(equilibrium->follower);
+    free(equilibrium->follower_load);
+    free(equilibrium->full_input);
+    free(equilibrium->work);
+    free(equilibrium->contact_work);
+    free(equilibrium->circuit_work);
+    memset(equilibrium, 0, sizeof *equilibrium);
+}

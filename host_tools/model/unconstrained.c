@@ -1,0 +1,159 @@
+/* Weighted least squares without voltage limits (unconstrained.h). */
+#include "unconstrained.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Solutions for the remaining gradient: the first solution and its refinements. */
+enum { SOLUTIONS = 3 };
+
+/* B'W^2 B, each pair of columns once. */
+static void form_normal_matrix(unconstrained *solver)
+{
+    const pzs_problem *problem = solver->problem;
+    const size_t n = problem->inputs;
+    for (size_t i = 0; i < problem->outputs; i++) {
+        const double square = problem->weight[i] * problem->weight[i];
+        const double *row = problem->influence + i * n;
+        for (size_t j = 0; j < n; j++)
+            for (size_t k = 0; k <= j; k++)
+                solver->normal[j * n + k] += square * row[j] * row[k];
+    }
+}
+
+bool unconstrained_open(unconstrained *solver, const pzs_problem *problem)
+{
+    const size_t n = problem->inputs;
+    *solver = (unconstrained){.problem = problem};
+    solver->normal = calloc(n * n, sizeof *solver->normal);
+    solver->factor = calloc(n * n, sizeof *solver->factor);
+    solver->remaining = calloc(n, sizeof *solver->remaining);
+    solver->gradient = calloc(n, sizeof *solver->gradient);
+    solver->pivot = calloc(n, sizeof *solver->pivot);
+    if (!solver->normal || !solver->factor || !solver->remaining || !solver->gradient ||
+        !solver->pivot)
+        return false;
+    form_normal_matrix(solver);
+    unconstrained_factor(solver, problem->regularisation);
+    return true;
+}
+
+void unconstrained_close(unconstrained *solver)
+{
+    free(solver->normal);
+    free(solver->factor);
+    free(solver->remaining);
+    free(solver->gradient);
+    free(solver->pivot);
+    memset(solver, 0, sizeof *solver);
+}
+
+/* Diagonal entry of the regularised normal matrix. */
+static double diagonal(const unconstrained *solver, size_t k)
+{
+    return solver->normal[k * solver->problem->inputs + k] + solver->regularisation;
+}
+
+/*
+ * Input that depends least on the inputs eliminated so far, by the remaining share of its diagonal
+ * entry; the number of inputs where that share is rounding error for all of them.
+ */
+static size_t next_pivot(const unconstrained *solver)
+{
+    const size_t n = solver->problem->inputs;
+    double largest = 4 * (double)n * DBL_EPSILON;
+    size_t next = n;
+    for (size_t k = 0; k < n; k++) {
+        const double share = solver->remaining[k] / diagonal(solver, k);
+        if (share > largest) {
+            largest = share;
+            next = k;
+        }
+    }
+    return next;
+}
+
+/* Column `step` of the factor, with input `pivot` as its pivot. */
+static void eliminate(unconstrained *solver, size_t pivot, size_t step)
+{
+    const size_t n = solver->problem->inputs;
+    double *own = solver->factor + pivot * n;
+    own[step] = sqrt(solver->remaining[pivot]);
+    solver->remaining[pivot] = 0;
+    for (size_t j = 0; j < n; j++) {
+        double *row = solver->factor + j * n;
+        if (!(solver->remaining[j] > 0))
+            continue;
+        double sum = solver->normal[j > pivot ? j * n + pivot : pivot * n + j];
+        for (size_t t = 0; t < step; t++)
+            sum -= row[t] * own[t];
+        row[step] = sum / own[step];
+        solver->remaining[j] -= row[step] * row[step];
+    }
+}
+
+void unconstrained_factor(unconstrained *solver, double regularisation)
+{
+    const size_t n = solver->problem->inputs;
+    solver->regularisation = regularisation;
+    solver->rank = 0;
+    memset(solver->factor, 0, n * n * sizeof *solver->factor);
+    for (size_t k = 0; k < n; k++)
+        solver->remaining[k] = diagonal(solver, k);
+    for (size_t k = next_pivot(solver); k < n; k = next_pivot(solver)) {
+        eliminate(solver, k, (size_t)solver->rank);
+        solver->pivot[solver->rank++] = (uint16_t)k;
+    }
+}
+
+/* gradient = B'W^2 (e - B v) + r (v0 - v) */
+static void renew_gradient(unconstrained *solver, const double *error, const double *voltage)
+{
+    const pzs_problem *problem = solver->problem;
+    const size_t n = problem->inputs;
+    for (size_t k = 0; k < n; k++)
+        solver->gradient[k] = solver->regularisation * (problem->reference_voltage[k] - voltage[k]);
+    for (size_t i = 0; i < problem->outputs; i++) {
+        const double *row = problem->influence + i * n;
+        double misfit = error[i];
+        for (size_t k = 0; k < n; k++)
+            misfit -= row[k] * voltage[k];
+        for (size_t k = 0; k < n; k++)
+            solver->gradient[k] += problem->weight[i] * problem->weight[i] * row[k] * misfit;
+    }
+}
+
+/* Add the solution for the gradient to the voltages. Overwrites the pivots' entries of gradient. */
+static void add_solution(unconstrained *solver, double *voltage)
+{
+    const size_t n = solver->problem->inputs, rank = (size_t)solver->rank;
+    const uint16_t *pivot = solver->pivot;
+    double *x = solver->gradient;
+    for (size_t s = 0; s < rank; s++) {
+        const double *row = solver->factor + pivot[s] * n;
+        for (size_t t = 0; t < s; t++)
+            x[pivot[s]] -= row[t] * x[pivot[t]];
+        x[pivot[s]] /= row[s];
+    }
+    for (size_t s = rank; s-- > 0;) {
+        for (size_t t = s + 1; t < rank; t++)
+            x[pivot[s]] -= solver->factor[pivot[t] * n + s] * x[pivot[t]];
+        x[pivot[s]] /= solver->factor[pivot[s] * n + s];
+        voltage[pivot[s]] += x[pivot[s]];
+    }
+}
+
+bool unconstrained_solve(unconstrained *solver, const double *error, double *voltage)
+{
+    const size_t n = solver->problem->inputs;
+    bool is_finite = true;
+    memset(voltage, 0, n * sizeof *voltage);
+    for (int k = 0; k < SOLUTIONS; k++) {
+        renew_gradient(solver, error, voltage);
+        add_solution(solver, voltage);
+    }
+    for (size_t k = 0; k < n; k++)
+        is_finite = is_finite && isfinite(voltage[k]);
+    return is_finite;
+}

@@ -1,0 +1,233 @@
+/* Text of the report pages (report_put.h). */
+#include "report_put.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- text ------------------------------------------------------------- */
+
+/* Bytes of the UTF-8 character at text; 0 where it is none. */
+static int character_bytes(const unsigned char *text)
+{
+    static const unsigned char lead[5] = {0, 0, 0xc2, 0xe0, 0xf0};
+    int bytes = 4;
+    while (bytes > 1 && *text < lead[bytes])
+        bytes--;
+    for (int i = 1; i < bytes; i++)
+        if ((text[i] & 0xc0) != 0x80)
+            return 0;
+    return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
+}
+
+/* The one place where text of users is escaped. Control characters are left out. */
+static void put_text(FILE *file, const char *text)
+{
+    static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
+                                          ['"'] = "&quot;", ['\''] = "&#39;", ['\n'] = " "};
+    while (*text) {
+        const unsigned char first = (unsigned char)*text;
+        const int bytes = character_bytes((const unsigned char *)text);
+        if (first < sizeof escaped / sizeof *escaped && escaped[first])
+            fputs(escaped[first], file);
+        else if (bytes == 0)
+            fputc('?', file);
+        else if (first >= ' ' && first != 127)
+            fwrite(text, 1, (size_t)bytes, file);
+        text += bytes > 0 ? bytes : 1;
+    }
+}
+
+/* ---- numbers ---------------------------------------------------------- */
+
+static const char *const raised[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+
+static void put_raised(FILE *file, const char *digits)
+{
+    for (; *digits; digits++)
+        fputs(*digits == '-' ? "⁻" : raised[*digits - '0'], file);
+}
+
+/* Power of ten of a number rounded to that many digits. */
+static int power_of(double value, int digits)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.*e", digits - 1, fabs(value));
+    return atoi(strchr(text, 'e') + 1);
+}
+
+/* A size that many decimals long, without zeros at their end, and its sign. */
+static void put_decimals(FILE *file, double size, int decimals, bool is_negative)
+{
+    char text[64];
+    int length = snprintf(text, sizeof text, "%.*f", decimals, size);
+    while (decimals > 0 && text[length - 1] == '0')
+        text[--length] = '\0';
+    if (text[length - 1] == '.')
+        text[length - 1] = '\0';
+    put(file, is_negative && strtod(text, NULL) > 0 ? "−%s" : "%s", text);
+}
+
+/* A number as the largest of its column is written: plain, or with its power of ten. */
+static void put_number(FILE *file, double value, double most, int digits)
+{
+    if (!isfinite(value)) {
+        put(file, isnan(value) ? "–" : "%s∞", value < 0 ? "−" : "");
+        return;
+    }
+    const int power = isfinite(most) ? power_of(most, digits) : 0;
+    const bool is_plain = power >= -3 && power <= digits;
+    const double size = is_plain ? fabs(value) : fabs(value) / pow(10, power);
+    const int first = is_plain ? power : 0, least = first - 3;
+    int own = size > 0 ? power_of(size, digits) : first;
+    own = own < least ? least : own;
+    put_decimals(file, size, own < digits - 1 ? digits - 1 - own : 0, value < 0);
+    if (!is_plain) {
+        char text[16];
+        snprintf(text, sizeof text, "%d", power);
+        fputs("×10", file);
+        put_raised(file, text);
+    }
+}
+
+/* ---- quantities ------------------------------------------------------- */
+
+put_unit put_unit_of(double most, const char *unit)
+{
+    static const struct {
+        const char *name, *written;
+        double metres;
+    } length[] = {{"m", "m", 1},      {"mm", "mm", 1e-3}, {"um", "µm", 1e-6}, {"nm", "nm", 1e-9},
+                  {"µm", "µm", 1e-6}, {"cm", "cm", 1e-2}, {"dm", "dm", 1e-1}, {"km", "km", 1e3}};
+    enum { READABLE = 4, LENGTHS = sizeof length / sizeof *length };
+    int known = 0, best = 0;
+    while (known < LENGTHS && strcmp(unit, length[known].name) != 0)
+        known++;
+    if (known == LENGTHS || !(fabs(most) > 0) || !isfinite(most))
+        return (put_unit){1, unit};
+    const double metres = fabs(most) * length[known].metres * (1 + 1e-9);
+    while (best < READABLE - 1 && metres < length[best].metres)
+        best++;
+    return (put_unit){length[known].metres / length[best].metres, length[best].written};
+}
+
+/* A space that does not break, and the unit with its digits raised. */
+static void put_unit_name(FILE *file, const char *unit)
+{
+    fputs(*unit ? "\xc2\xa0" : "", file);
+    while (*unit) {
+        char run[64];
+        const bool is_power = *unit >= '0' && *unit <= '9';
+        const size_t length = is_power ? 1 : strcspn(unit, "0123456789");
+        snprintf(run, sizeof run, "%.*s", (int)length, unit);
+        (is_power ? put_raised : put_text)(file, run);
+        unit += length;
+    }
+}
+
+static void put_quantity(FILE *file, double value, double most, const char *name)
+{
+    const put_unit unit = put_unit_of(most, name);
+    put_number(file, value * unit.factor, most * unit.factor, 4);
+    if (!isnan(value))
+        put_unit_name(file, unit.name);
+}
+
+/* ---- formats ---------------------------------------------------------- */
+
+static void put_value(FILE *file, char directive, double value, va_list *more)
+{
+    double most = value;
+    if (directive == 'a')
+        most = va_arg(*more, double);
+    if (directive == 'a' || directive == 'q')
+        put_quantity(file, value, most, va_arg(*more, const char *));
+    else if (directive == 'f')
+        fprintf(file, "%.1f", isfinite(value) ? value : 0);
+    else if (directive == 'n')
+        put_number(file, value, value, 4);
+    else if (directive == 'r')
+        put_number(file, value, value, 2);
+    else
+        put_number(file, 100 * value, 100 * value, 3);
+    if (directive == 'p' && !isnan(value))
+        fputs("\xc2\xa0%", file);
+}
+
+static void put_directive(FILE *file, char directive, va_list *more)
+{
+    switch (directive) {
+    case 't': put_text(file, va_arg(*more, const char *)); break;
+    case 's': fputs(va_arg(*more, const char *), file); break;
+    case 'd': fprintf(file, "%d", va_arg(*more, int)); break;
+    case 'u': put_unit_name(file, va_arg(*more, const char *)); break;
+    case '%': fputc('%', file); break;
+    default: put_value(file, directive, va_arg(*more, double), more);
+    }
+}
+
+/* The tag that opens a cell with its alignment. Returns what follows in the format. */
+static const char *open_cell(FILE *file, const char *tag, const char *at)
+{
+    static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};
+    const int aligned = *at == '~' ? 2 : *at == '<';
+    fprintf(file, "<%s%s>", tag, style[aligned]);
+    return at + (aligned > 0);
+}
+
+/* cell: tag of the cells that '|' separates, or NULL */
+static void put_format(FILE *file, const char *format, const char *cell, va_list *more)
+{
+    while (*format) {
+        const char c = *format++;
+        if (c == '%') {
+            put_directive(file, *format++, more);
+        } else if (c == '|' && cell) {
+            fprintf(file, "</%s>", cell);
+            cell = "td";
+            format = open_cell(file, cell, format);
+        } else {
+            fputc(c, file);
+        }
+    }
+}
+
+void put(FILE *file, const char *format, ...)
+{
+    va_list more;
+    va_start(more, format);
+    put_format(file, format, NULL, &more);
+    va_end(more);
+}
+
+void put_row(FILE *file, const char *format, ...)
+{
+    va_list more;
+    fputs("<tr><th scope=\"row\">", file);
+    va_start(more, format);
+    put_format(file, format, "th", &more);
+    va_end(more);
+    fputs("</td></tr>\n", file);
+}
+
+/* ---- tables ----------------------------------------------------------- */
+
+void put_table(FILE *file, const char *caption, const char *head)
+{
+    put(file,
+        "<figure class=\"table\"><figcaption>%s</figcaption><div class=\"wide\" "
+        "tabindex=\"0\"><table><thead><tr>",
+        caption);
+    while (*head) {
+        head = open_cell(file, "th scope=\"col\"", head);
+        const size_t length = strcspn(head, "|");
+        fprintf(file, "%.*s</th>", (int)length, head);
+        head += length + (head[length] == '|');
+    }
+    fputs("</tr></thead><tbody>\n", file);
+}
+
+void put_table_end(FILE *file)
+{
+    fputs("</tbody></table></div></figure>\n", file);
+}

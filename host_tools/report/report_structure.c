@@ -1,0 +1,233 @@
+/*
+ * The structure in words (report_page.h): layers, materials, supports, loads, contact, actuators,
+ * target.
+ */
+#include <math.h>
+#include <string.h>
+#include "report_page.h"
+#include "../text/words.h"
+
+static const char *const component_word[] = {"u₁", "u₂", "u₃", "x", "y", "z"};
+static const char *const face_word[] = {"middle", "inner face", "outer face", "mean of the faces"};
+static const char *const end_cell = "</td></tr>\n";
+
+/* Begin a row of one name and one cell of words. */
+static void begin_row(FILE *file, const char *kind, const char *name)
+{
+    put(file, "<tr><th scope=\"row\">%s%t</th><td class=\"note\">", kind, name);
+}
+
+static void write_where(FILE *file, const scene *scene, const scene_where *where)
+{
+    static const char *const edge[] = {"", "edge θ₁−", "edge θ₁+", "edge θ₂−", "edge θ₂+"};
+    static const char *const set[] = {"", "all nodes", "", "nodes of a rectangle"};
+    char unit[2][WORDS_UNIT];
+    for (int a = 0; a < 2; a++)
+        words_unit(scene, words_of_theta(scene, a), unit[a]);
+    if (where->type == WHERE_POINT)
+        put(file, "point θ₁ = %q, θ₂ = %q", where->theta[0], unit[0], where->theta[1], unit[1]);
+    else
+        fputs(where->type == WHERE_EDGE ? edge[where->edge] : set[where->type], file);
+}
+
+static void write_layers(FILE *file, const scene *scene)
+{
+    double most = 0;
+    for (int k = 0; k < scene->layers; k++)
+        most = fmax(most, scene->layer[k].thickness);
+    put_table(file, "Layers from the inner face to the outer face",
+              "Layer|<Material|Thickness|Angle|<Where");
+    for (int k = 0; k < scene->layers; k++) {
+        const scene_layer *layer = &scene->layer[k];
+        put_row(file, "%d %t|<%t|%a|%n°|<%s", k + 1, layer->name,
+                scene->material[layer->material].name, layer->thickness, most, scene->unit_length,
+                layer->angle, layer->patched ? "in patches" : "everywhere");
+    }
+    put_table_end(file);
+}
+
+/*
+ * Constants of the materials, the piezoelectric ones by strain or by stress per field as they
+ * were given.
+ */
+static void write_materials(FILE *file, const scene *scene)
+{
+    char unit[WORDS_UNIT];
+    words_unit(scene, QUANTITY_PRESSURE, unit);
+    put_table(file, "Materials", "Material|E₁|E₂|ν₁₂|G₁₂|d₃₁|e₃₁");
+    for (int k = 0; k < scene->materials; k++) {
+        const scene_material *material = &scene->material[k];
+        const double d31 = material->has_d ? material->d31 : (double)NAN;
+        const double e31 = material->has_e ? material->piezo_e[0] : (double)NAN;
+        put_row(file, "%t|%q|%q|%n|%q|%n|%n", material->name, material->e[0], unit, material->e[1],
+                unit, material->nu12, material->g12, unit, d31, e31);
+    }
+    put_table_end(file);
+}
+
+/* The dof that a support constrains: both means and differences of a component as one word. */
+static void write_support(FILE *file, const scene *scene, const scene_support *support,
+                          unsigned dof_per_node)
+{
+    static const struct {
+        unsigned bits;
+        const char *word;
+    } held[] = {{0x09, "u₁"},
+                {0x12, "u₂"},
+                {0x64, "u₃"},
+                {0x01, "u₁ mean"},
+                {0x02, "u₂ mean"},
+                {0x04, "u₃ mean"},
+                {0x08, "u₁ difference"},
+                {0x10, "u₂ difference"},
+                {0x20, "u₃ difference"},
+                {0x40, "u₃ middle"}};
+    const unsigned all = (1u << dof_per_node) - 1;
+    unsigned left = support->fix & all;
+    const char *comma = ": ";
+    begin_row(file, "Support", "");
+    write_where(file, scene, &support->where);
+    if (left == all) {
+        put(file, ": clamped%s", end_cell);
+        return;
+    }
+    for (size_t k = 0; k < sizeof held / sizeof *held; k++) {
+        const unsigned bits = held[k].bits & all;
+        if (bits == 0 || (left & bits) != bits)
+            continue;
+        put(file, "%s%s", comma, held[k].word);
+        left &= ~bits;
+        comma = ", ";
+    }
+    put(file, " constrained%s", end_cell);
+}
+
+/* The value of a load at its nodes: one number, or its range. */
+static void write_value(FILE *file, const mesh *mesh, const scene_load *load)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    char unit[WORDS_UNIT];
+    for (int n = 0; n < mesh->nodes; n++) {
+        const expr_point at = mesh_place(mesh, n);
+        if (load->type == LOAD_POINT &&
+            n != mesh_node(mesh, load->where.node[0], load->where.node[1]))
+            continue;
+        low = fmin(low, expr_value(load->value, &at));
+        high = fmax(high, expr_value(load->value, &at));
+    }
+    put(file, low < high ? "%n to %n" : "%n", low, high);
+    put(file, "%u", words_unit(mesh->scene, words_of_load(load), unit));
+}
+
+static void write_load(FILE *file, const mesh *mesh, const scene_load *load)
+{
+    static const char *const type[] = {"point", "line", "face", "weight", "temperature"};
+    static const char *const follows[] = {"", " of the undeformed face; turns with the surface",
+                                          " of the deformed face; turns with the surface"};
+    const bool is_on_nodes = load->type == LOAD_POINT || load->type == LOAD_LINE;
+    begin_row(file, "Load: ", type[load->type]);
+    write_value(file, mesh, load);
+    if (load->type == LOAD_FACE && load->follower != FOLLOWER_NONE)
+        put(file, " along the normal, per area%s", follows[load->follower]);
+    else if (load->type != LOAD_TEMPERATURE)
+        put(file, "%s along %s", load->type == LOAD_WEIGHT ? " as gravity" : "",
+            component_word[load->component]);
+    if (is_on_nodes) {
+        fputs(", ", file);
+        write_where(file, mesh->scene, &load->where);
+    }
+    if (is_on_nodes || load->type == LOAD_FACE)
+        put(file, ", %s", face_word[load->face]);
+    fputs(end_cell, file);
+}
+
+static void write_vector(FILE *file, const char *what, const double x[3], const char *unit)
+{
+    put(file, "%s(%n, %n, %n)%u", what, x[0], x[1], x[2], unit);
+}
+
+/* The rigid body that the shell may touch. */
+static void write_contact(FILE *file, const scene *scene)
+{
+    static const char *const name[] = {"plane", "cylinder", "sphere", "body ψ(x, y, z) &lt; 0"};
+    static const char *const place[] = {" through ", " around ", " around "};
+    const scene_body *body = &scene->contact.body;
+    begin_row(file, "Contact", "");
+    put(file, "%s on a rigid %s", face_word[scene->contact.face], name[body->type]);
+    if (body->type != BODY_PSI)
+        write_vector(file, place[body->type], body->point, scene->unit_length);
+    if (body->type == BODY_PLANE)
+        write_vector(file, ", normal ", body->normal, "");
+    if (body->type == BODY_CYLINDER)
+        write_vector(file, ", along ", body->axis, "");
+    if (body->type == BODY_CYLINDER || body->type == BODY_SPHERE)
+        put(file, ", radius %q", body->radius, scene->unit_length);
+    if (scene->contact.move[0] != 0 || scene->contact.move[1] != 0 || scene->contact.move[2] != 0)
+        write_vector(file, "; moved by ", scene->contact.move, scene->unit_length);
+    fputs(end_cell, file);
+}
+
+static void write_actuator(FILE *file, const scene *scene, const scene_actuator *actuator)
+{
+    const int count = actuator->grid[0] * actuator->grid[1];
+    const char *unit = actuator->is_temperature ? scene->unit_temperature : scene->unit_voltage;
+    begin_row(file, "Actuator: ", actuator->name);
+    if (actuator->is_temperature)
+        fputs("temperature of the whole", file);
+    else
+        put(file, "%d amplifier%s on patches ", count, count == 1 ? "" : "s");
+    for (int k = 0; k < actuator->drives; k++)
+        put(file, "%s%t × %n", k ? ", " : "", scene->patches[actuator->drive[k].patches].name,
+            actuator->drive[k].factor);
+    if (actuator->applied != 0)
+        put(file, "; applied %q", actuator->applied, unit);
+    fputs(end_cell, file);
+}
+
+void page_conditions(FILE *file, const design *design)
+{
+    const scene *scene = design->scene;
+    put_table(file, "Supports, loads and actuators", "");
+    for (int k = 0; k < scene->supports; k++)
+        write_support(file, scene, &scene->support[k], design->mesh.dof_per_node);
+    for (int k = 0; k < scene->loads; k++)
+        write_load(file, &design->mesh, &scene->load[k]);
+    if (scene->contact.given)
+        write_contact(file, scene);
+    for (int k = 0; k < scene->actuators; k++)
+        write_actuator(file, scene, &scene->actuator[k]);
+    put_table_end(file);
+}
+
+void page_layers(FILE *file, const scene *scene)
+{
+    fputs("<div class=\"row uneven\">\n", file);
+    write_layers(file, scene);
+    write_materials(file, scene);
+    fputs("</div>\n", file);
+}
+
+void page_voltages(FILE *file, const design *design, int count, page_voltage_set *set,
+                   const void *context)
+{
+    if (design->amplifiers == 0)
+        return;
+    fputs("<details><summary>Voltages by amplifier</summary>\n", file);
+    put_table(file, "", "");
+    for (int k = -1; k < design->amplifiers; k++) {
+        char name[SCENE_LABEL] = "Amplifier";
+        if (k >= 0)
+            scene_amplifier_name(design->scene, k, name);
+        put(file, "<tr><th scope=\"row\">%t</th>", name);
+        for (int i = 0; i < count; i++) {
+            const page_set one = set(context, i);
+            if (k < 0)
+                put(file, "<th scope=\"col\">%t</th>", one.name);
+            else
+                put(file, "<td>%q</td>", one.voltage[k], design->scene->unit_voltage);
+        }
+        fputs("</tr>\n", file);
+    }
+    put_table_end(file);
+    fputs("</details>\n", file);
+}

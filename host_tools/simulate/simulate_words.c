@@ -1,0 +1,106 @@
+/* Texts on a simulation (simulate_words.h). */
+#include "simulate_words.h"
+#include <stdio.h>
+#include <string.h>
+#include "../text/words.h"
+
+const char *simulate_words_influence(const scene *scene)
+{
+    return scene->simulate.at_target ? "at the target" : "at rest";
+}
+
+/* Kind of a load in words. */
+static const char *name_of_load(const scene_load *load)
+{
+    static const char *const word[] = {"point force", "line force", "pressure", "weight",
+                                       "temperature load"};
+    const bool is_along = load->type == LOAD_FACE && load->component != COMPONENT_U3;
+    return is_along ? "face load" : word[load->type];
+}
+
+/* The value of a load after an event: a number with its unit where the load is uniform, else the
+ * factor of what the scene says. */
+static void name_value(const scene *scene, const scene_event *event, char *text, size_t room)
+{
+    const scene_load *load = &scene->load[event->load];
+    const expr_point anywhere = {0, 0, 0, 0, 0};
+    const bool is_uniform =
+        expr_is_constant(load->value) && !load->outer && load->type != LOAD_WEIGHT;
+    char unit[WORDS_UNIT];
+    words_unit(scene, words_of_load(load), unit);
+    if (event->amount == 0)
+        snprintf(text, room, "off");
+    else if (is_uniform)
+        snprintf(text, room, "%g%s%s", event->amount * expr_value(load->value, &anywhere),
+                 *unit ? " " : "", unit);
+    else
+        snprintf(text, room, "x %g", event->amount);
+}
+
+/* A load and its value after an event, with the load's number where there are several. */
+static void name_load(const scene *scene, const scene_event *event, char *text, size_t room)
+{
+    char value[2 * WORDS_UNIT], number[24] = "";
+    name_value(scene, event, value, sizeof value);
+    if (scene->loads > 1)
+        snprintf(number, sizeof number, " (load %d)", event->load);
+    snprintf(text, room, "%s%s %s%s", name_of_load(&scene->load[event->load]), number, value,
+             event->known ? ", known" : "");
+}
+
+static void name_electrodes(const scene *scene, const scene_event *event, const char *word,
+                            char *text, size_t room)
+{
+    char name[SCENE_LABEL] = "";
+    if (event->amplifiers > 0)
+        scene_amplifier_name(scene, event->amplifier[0], name);
+    if (event->amplifiers > 1)
+        snprintf(text, room, "%.60s and %d more %s", name, event->amplifiers - 1, word);
+    else
+        snprintf(text, room, "%.60s %s", name, word);
+}
+
+static void name_event(const scene *scene, const scene_event *event, char *text, size_t room)
+{
+    char unit[WORDS_UNIT];
+    switch (event->type) {
+    case EVENT_TARGET: snprintf(text, room, "target x %g", event->amount); break;
+    case EVENT_VALUE: snprintf(text, room, "another target"); break;
+    case EVENT_LOAD: name_load(scene, event, text, room); break;
+    case EVENT_TEMPERATURE:
+        snprintf(text, room, "temperature %g %s", event->amount,
+                 words_unit(scene, QUANTITY_TEMPERATURE, unit));
+        break;
+    case EVENT_NAN:
+    case EVENT_FROZEN:
+        snprintf(text, room, "%g%% of the sensors %s, %d ticks", 100 * event->amount,
+                 event->type == EVENT_NAN ? "NaN" : "frozen", event->ticks);
+        break;
+    case EVENT_LOST: snprintf(text, room, "%d ticks lost", event->ticks); break;
+    case EVENT_DEAD: name_electrodes(scene, event, "dead", text, room); break;
+    case EVENT_STUCK: name_electrodes(scene, event, "stuck", text, room); break;
+    default: name_electrodes(scene, event, "alive", text, room);
+    }
+}
+
+void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,
+                          char text[SIMULATE_PHASE_TEXT])
+{
+    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
+    const bool ends_faults = simulate->fault_chance > 0 && phase->from == simulate->fault_until;
+    const char *begin = "";
+    size_t n = 0;
+    if (phase->from == 0)
+        begin = "start";
+    else if (ends_faults)
+        begin = "random faults end";
+    snprintf(text, SIMULATE_PHASE_TEXT, "%s", begin);
+    for (int k = phase->first; k < phase->first + phase->events && n + 70 < SIMULATE_PHASE_TEXT;
+         k++) {
+        if (k > phase->first)
+            n += (size_t)snprintf(text + n, SIMULATE_PHASE_TEXT - n, ", ");
+        name_event(simulation->nominal->design.scene, &simulate->event[k], text + n,
+                   SIMULATE_PHASE_TEXT - n);
+        n += strlen(text + n);
+    }
+}

@@ -1,0 +1,15 @@
+#!/bin/sh
+# Layout: every C source is as clang-format lays it out (.clang-format), and no line of a source exceeds 100 columns.
+: "${CLANG_FORMAT:=clang-format}"
+. tests/gates/common.sh
+files=$(git ls-files '*.c' '*.h')
+if tap_needs "$CLANG_FORMAT" 'layout'; then
+    # shellcheck disable=SC2086
+    "$CLANG_FORMAT" --dry-run -Werror $files >"$scratch/found" 2>&1
+    tap $? 'layout of clang-format (else: make format)'
+fi
+# shellcheck disable=SC2086
+awk 'length($0) > 100 { print FILENAME ":" FNR ": " length($0) " columns" }' $files >"$scratch/found"
+[ ! -s "$scratch/found" ]
+tap $? 'lines of at most 100 columns'
+tap_end

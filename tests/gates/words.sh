@@ -1,0 +1,24 @@
+#!/bin/sh
+# One language: words that were replaced do not come back in the comments and identifiers of lib/, include/ and host_tools/.
+# tests/gates/retired_words.txt has a line for each: the retired word (an awk regular expression on a whole word), then
+# what to write instead.
+. tests/gates/common.sh
+git ls-files 'lib/*.[ch]' 'include/*.h' 'host_tools/*.[ch]' >"$scratch/files"
+xargs awk -v list=tests/gates/retired_words.txt '
+    BEGIN {
+        while ((getline line <list) > 0) {
+            if (line ~ /^#/ || line == "") continue
+            split(line, part, /  +/)
+            word[++words] = "(^|[^A-Za-z0-9])" part[1] "([^A-Za-z0-9]|$)"
+            use[words] = part[2]
+        }
+    }
+    {
+        text = tolower($0)
+        gsub(/_/, " ", text)
+        for (i = 1; i <= words; i++)
+            if (text ~ word[i]) print FILENAME ":" FNR ": write \"" use[i] "\": " $0
+    }' <"$scratch/files" >"$scratch/found"
+[ ! -s "$scratch/found" ]
+tap $? "no retired word ($(grep -c '^[^#]' tests/gates/retired_words.txt) words)"
+tap_end
