@@ -17,7 +17,7 @@
                           */
 
 static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
-static pzs_real path_work[REALS(DEMO_PATH_BYTES)] BOARD_LARGE;
+static pzs_real path_work[REALS(DEMO_SOLVER_BYTES)] BOARD_LARGE;
 static pzs_real output[DEMO_ALL_OUTPUTS];
 
 static pzs_real size(pzs_real x)
@@ -51,7 +51,7 @@ int main(void)
     const int failed = drill_path(&image);
     pzs_status status = demo_open_path(&model, &solver, &image);
     if (!PZS_IS_ERROR(status))
-        status = demo_equilibrium("loads", &solver, demo_full);
+        status = demo_equilibrium("loads", &solver, demo_full_input);
     if (PZS_IS_ERROR(status)) {
         print_text("FAILED:");
         print_count("status", status);
