@@ -16,7 +16,7 @@ LIB := $(sort $(wildcard lib/*/*.c))
 HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
+.PHONY: all example-table install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
     san format clean help
 all: $(B)/pzs
 
@@ -164,7 +164,7 @@ $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run
 	$(CC) $^ -lyaml -lm -o $@
 
 format:
-	clang-format -i $$(git ls-files "*.c" "*.h")
+	clang-format -i $$(git ls-files "*.c" "*.h" ":!host_tools/tables/example.h")
 
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
@@ -198,6 +198,12 @@ check-long: setup-test
 	@echo 'long checks passed'
 
 # ---- data made by programs of this project -------------------------------
+
+# The one generated header that is committed, for readers: four amplifiers on a mesh of 2 x 2 elements.
+EXAMPLE := plate-50-patches --set mesh.theta1.elements=2 --set mesh.theta2.elements=2 --set patches.0.grid=[2,2] \
+    --set patches.1.grid=[2,2] --set compare=[] --prefix example
+example-table: $(B)/pzs
+	$(B)/pzs tables $(EXAMPLE) -o host_tools/tables/example.h >/dev/null
 
 measured: $(B)/pzs
 	B=$(B) sh tests/bench/measured.sh --write

@@ -289,7 +289,8 @@ static int add_type(mesh *mesh, pzs_element_type *type, const laminate_place *pl
     if (laminate_modes(&mesh->laminate, &scene->element, place, type->d) < 0)
         return scene_fault(
             scene, scene->at_layers, error,
-            "no layer is present outside the patches, so the stiffness is 0 there; add a layer without patches");
+            "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
+            "without patches");
     if (warp_fill(type, warp_share(mesh, place)) < 0)
         return scene_fault(scene, scene->at_surface, error,
                            "an element of %g x %g is degenerate; use other mesh lines",
@@ -333,7 +334,8 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
     if (!isfinite(value))
         return scene_fault(
             mesh->scene, support->at, error,
-            "the value of the support is not a finite number at theta1 = %g, theta2 = %g; correct its formula",
+            "the value of the support is not a finite number at theta1 = %g, theta2 = %g; "
+            "correct its formula",
             at.theta1, at.theta2);
     for (unsigned i = 0; i < mesh->dof_per_node; i++) {
         const size_t u = (size_t)node * mesh->dof_per_node + i;
@@ -346,7 +348,8 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
         if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
             return scene_fault(
                 mesh->scene, support->at, error,
-                "at theta1 = %g, theta2 = %g another support prescribes %g and this one %g; remove one",
+                "at theta1 = %g, theta2 = %g another support prescribes %g and this one %g; "
+                "remove one",
                 at.theta1, at.theta2, before, wanted);
         if (moved && !fixed)
             values[u] = value;

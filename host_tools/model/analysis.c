@@ -36,7 +36,8 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
                     analysis->model.info.where)
                     return scene_fault(
                         scene, scene->at_surface, error,
-                        "%s: %s at node theta1 = %g, theta2 = %g; add supports that stop every rigid motion",
+                        "%s: %s at node theta1 = %g, theta2 = %g; add supports that stop every "
+                        "rigid motion",
                         pzs_status_text(status), unknown_name[i], mesh->theta[n][0],
                         mesh->theta[n][1]);
     if (status == PZS_E_CONDITION)
@@ -96,9 +97,9 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
                                        : PZS_E_WORKSPACE;
     if (status == PZS_OK && analysis->design.mesh.prescribed_count > 0 &&
         scene->kinematics == KINEMATICS_LINEAR) {
-        scene_fault(
-            scene, scene->support[0].at, error,
-            "kinematics: linear cannot prescribe the value of a support; set kinematics: nonlinear");
+        scene_fault(scene, scene->support[0].at, error,
+                    "kinematics: linear cannot prescribe the value of a support; set kinematics: "
+                    "nonlinear");
         analysis_free(analysis);
         return -1;
     }

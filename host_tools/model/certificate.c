@@ -86,7 +86,7 @@ void certificate_free(certificate *certificate)
     memset(certificate, 0, sizeof *certificate);
 }
 
-int certificate_refuses(const certificate *certificate)
+bool certificate_refuses(const certificate *certificate)
 {
     return certificate->is_assessed && certificate->rate > 0 && !(certificate->radius < 1);
 }

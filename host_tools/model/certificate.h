@@ -12,21 +12,22 @@
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H
 
+#include <stdbool.h>
 #include "vibration.h"
 
 typedef struct certificate {
-    int is_made;   /* whether certificate_make has run */
-    int has_modes; /* whether the modes are known, as they are where all densities are given */
+    bool is_made;   /* whether certificate_make has run */
+    bool has_modes; /* whether the modes are known, as they are where all densities are given */
     char reason[SCENE_ERROR]; /* why the modes are unknown or the loop was not assessed, and what to
                                  do */
     vibration vibration;
-    int is_assessed; /* whether the members below are known: there are a target and amplifiers */
-    int assumes_measured; /* assessed as if every target node were measured, because some readings
+    bool is_assessed; /* whether the members below are known: there are a target and amplifiers */
+    bool assumes_measured; /* assessed as if every target node were measured, because some readings
                              are of electrodes */
-    int modes;            /* number of modes in the loop */
-    double damping;       /* damping ratio of every mode */
-    int has_own_damping;  /* whether the scene gives the damping ratio; else it is an assumption */
-    double rate;          /* ticks per second of the scene; 0: the scene gives none */
+    int modes;             /* number of modes in the loop */
+    double damping;        /* damping ratio of every mode */
+    bool has_own_damping;  /* whether the scene gives the damping ratio; else it is an assumption */
+    double rate;           /* ticks per second of the scene; 0: the scene gives none */
     double radius; /* spectral radius at that rate: growth of vibration per tick; NAN without a rate
                     */
     double gain;   /* 2 zeta w1 T: about the largest stable step gain; NAN without a rate */
@@ -37,7 +38,7 @@ typedef struct certificate {
 void certificate_free(certificate *certificate);
 
 /* Whether the loop is known to be unstable at the scene's rate. */
-int certificate_refuses(const certificate *certificate);
+bool certificate_refuses(const certificate *certificate);
 
 /* First natural frequency without rigid motions; NAN where there is none. */
 double certificate_first(const certificate *certificate);

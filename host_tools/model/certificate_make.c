@@ -34,19 +34,19 @@ static const double least_regularisation = 1e-12;
  * Cholesky factor of a [n][n] in its lower triangle. Returns whether the matrix is positive
  * definite.
  */
-static int cholesky(double *a, size_t n)
+static bool cholesky(double *a, size_t n)
 {
     for (size_t j = 0; j < n; j++) {
         for (size_t i = j; i < n; i++)
             for (size_t k = 0; k < j; k++)
                 a[i * n + j] -= a[i * n + k] * a[j * n + k];
         if (!(a[j * n + j] > 0))
-            return 0;
+            return false;
         const double pivot = sqrt(a[j * n + j]);
         for (size_t i = j; i < n; i++)
             a[i * n + j] /= pivot;
     }
-    return 1;
+    return true;
 }
 
 /* x = (L L')^-1 x */
@@ -75,7 +75,7 @@ typedef struct gains {
     double *gradient;     /* [moving] right-hand side B'W^2 C, then voltages */
     double *modal_response; /* [modes][moving] modal coordinates per volt */
     double *loop;           /* [modes][modes] g F */
-    int assumes_measured;   /* every target node counts as measured */
+    bool assumes_measured;  /* every target node counts as measured */
 } gains;
 
 static size_t list_amplifiers(const design *design, size_t *amplifier)
@@ -87,7 +87,7 @@ static size_t list_amplifiers(const design *design, size_t *amplifier)
     return n;
 }
 
-static int factor_hessian(gains *gains)
+static bool factor_hessian(gains *gains)
 {
     const design *design = &gains->analysis->design;
     double trace = 0;
@@ -108,12 +108,12 @@ static int factor_hessian(gains *gains)
  * Whether every reading of the estimate is a displacement, so that its rows are rows of the
  * structure.
  */
-static int reads_displacements(const scene *scene)
+static bool reads_displacements(const scene *scene)
 {
     for (int i = 0; i < scene->estimate.readings; i++)
         if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
-            return 0;
-    return 1;
+            return false;
+    return true;
 }
 
 /* Shape that the estimator computes from the readings under a displacement u [free_dof]. */
@@ -162,14 +162,14 @@ static void fill_column(gains *gains, const estimator *estimator, size_t mode)
     }
 }
 
-static int fill_gains(gains *gains)
+static bool fill_gains(gains *gains)
 {
     estimator estimator;
     char ignored[SCENE_ERROR];
     const scene *scene = gains->analysis->design.scene;
     gains->moving = list_amplifiers(&gains->analysis->design, gains->amplifier);
     if (!factor_hessian(gains))
-        return 0;
+        return false;
     for (size_t i = 0; i < gains->modes; i++)
         for (size_t j = 0; j < gains->moving; j++)
             gains->modal_response[i * gains->moving + j] =
@@ -183,12 +183,12 @@ static int fill_gains(gains *gains)
         fill_column(gains, estimates ? &estimator : NULL, mode);
     if (estimates)
         estimator_close(&estimator);
-    return 1;
+    return true;
 }
 
 /* g F of the lowest modes without rigid motions, to be freed; NULL where it cannot be computed. */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
-                          int *as_measured)
+                          bool *assumes_measured)
 {
     const size_t amplifiers = (size_t)analysis->design.amplifiers;
     gains gains = {.analysis = analysis, .vibration = vibration, .modes = (size_t)modes};
@@ -205,7 +205,7 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
     free(gains.gradient);
     free(gains.shape);
     free(gains.modal_response);
-    *as_measured = gains.assumes_measured;
+    *assumes_measured = gains.assumes_measured;
     if (filled)
         return gains.loop;
     free(gains.loop);
@@ -226,7 +226,7 @@ typedef struct assessed_loop {
  * phase of the first mode matters besides its decay; then intervals that are up to one period
  * longer have to be stable too.
  */
-static int is_stable(const assessed_loop *loop, double rate)
+static bool is_stable(const assessed_loop *loop, double rate)
 {
     const double period = two_pi / sqrt(loop->square[0]), interval = 1 / rate;
     const int phases = interval > 4 * period ? PHASES : 1;
@@ -234,9 +234,9 @@ static int is_stable(const assessed_loop *loop, double rate)
         const double longer = interval + period * k / PHASES;
         if (!(certificate_radius(loop->gain, loop->square, loop->modes, loop->damping, loop->delay,
                                  longer, QUICK) < 1))
-            return 0;
+            return false;
     }
-    return 1;
+    return true;
 }
 
 /*
@@ -280,7 +280,7 @@ static void assess(certificate *certificate, const analysis *analysis)
                  "the voltage problem is singular; add a regularisation, limits.effort");
         return;
     }
-    certificate->is_assessed = 1;
+    certificate->is_assessed = true;
     if (certificate->rate > 0) {
         certificate->radius =
             certificate_radius(loop, square, certificate->modes, certificate->damping, delay,
@@ -298,7 +298,7 @@ void certificate_make(certificate *certificate, const analysis *analysis)
     if (certificate->is_made)
         return;
     memset(certificate, 0, sizeof *certificate);
-    certificate->is_made = 1;
+    certificate->is_made = true;
     certificate->damping = scene->dynamics.damping;
     certificate->has_own_damping = scene->dynamics.damping_given;
     certificate->rate = scene->simulate.given ? scene->simulate.rate : 0;

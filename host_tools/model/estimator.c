@@ -370,7 +370,8 @@ static int check_observability(const estimator *estimator, const analysis *analy
     if (!(estimator->disturbed > 0))
         return scene_fault(
             analysis->design.scene, settings->at, error,
-            "nothing disturbs the shape: the standard deviations of all loads and voltages are 0; give a load, or a voltage deviation above 0");
+            "nothing disturbs the shape: the standard deviations of all loads and voltages are "
+            "0; give a load, or a voltage deviation above 0");
     if (!(estimator->remaining > settings->tolerance * estimator->disturbed))
         return 0;
     estimator_text(estimator, analysis, text);
@@ -453,7 +454,8 @@ void estimator_text(const estimator *estimator, const analysis *analysis, char t
     const double *theta = mesh->theta[analysis->design.target_node[estimator->worst_target]];
     snprintf(
         text, SCENE_ERROR,
-        "%d sensors distinguish %d of %d disturbances from noise (condition %.1e) and leave %.1f%% of the shape "
+        "%d sensors distinguish %d of %d disturbances from noise (condition %.1e) and leave "
+        "%.1f%% of the shape "
         "unobserved; worst direction unobserved by %.0f%%, largest at theta1 = %g, theta2 = %g",
         estimator->sensors, estimator->rank, estimator->disturbances, estimator->condition,
         100 * estimator->remaining / estimator->disturbed,

@@ -167,13 +167,13 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
             block_types[k].write(emitter, blocks);
     const int readings =
         loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
-    fprintf(
-        emitter->file,
-        "/* blocks of the control tick in the order in which they run; `pzs simulate` runs the same list */\n"
-        "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
-        "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
-        emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
-        scene->simulate.delay, emitter->prefix, emitter->upper);
+    fprintf(emitter->file,
+            "/* blocks of the control tick in the order in which they run; `pzs simulate` runs the "
+            "same list */\n"
+            "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
+            "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
+            emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
+            scene->simulate.delay, emitter->prefix, emitter->upper);
     for (int k = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(scene))
             fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", block_types[k].type_name,

@@ -17,10 +17,10 @@ const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonl
 
 static void write_elements(emitter *emitter, const mesh *mesh)
 {
-    fprintf(
-        emitter->file,
-        "/* nodes of each element, corners (-,-), (+,-), (+,+), (-,+) */\nstatic const uint16_t %s_element[%d][4] = {",
-        emitter->prefix, mesh->elements);
+    fprintf(emitter->file,
+            "/* nodes of each element, corners (-,-), (+,-), (+,+), (-,+) */\n"
+            "static const uint16_t %s_element[%d][4] = {",
+            emitter->prefix, mesh->elements);
     for (int e = 0; e < mesh->elements; e++)
         fprintf(emitter->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ",
                 mesh->element[e][0], mesh->element[e][1], mesh->element[e][2], mesh->element[e][3]);
@@ -33,10 +33,10 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
     static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
-    fprintf(
-        emitter->file,
-        "/* corner tables of each element type */\nstatic const pzs_element_type %s_element_types[%d] = {",
-        emitter->prefix, mesh->types);
+    fprintf(emitter->file,
+            "/* corner tables of each element type */\n"
+            "static const pzs_element_type %s_element_types[%d] = {",
+            emitter->prefix, mesh->types);
     for (int k = 0; k < mesh->types; k++) {
         const pzs_element_type *type = &mesh->type[k];
         fputs("{\n    ", emitter->file);
@@ -139,12 +139,12 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
             emitter->upper, mesh->free_dof, emitter->upper, mesh->free_dof, padded_entries(mesh, 4),
             padded_entries(mesh, 8), padded_entries(mesh, 16));
     emit_begin(emitter, "structure", "structure", structure.scene, structure.crc);
-    fprintf(
-        emitter->file,
-        " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, %s_stiffness, %s_element_types,\n",
-        structure.nodes, structure.elements, structure.types, structure.dof_per_node,
-        structure.free_dof, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-        emitter->prefix, emitter->prefix);
+    fprintf(emitter->file,
+            " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, "
+            "%s_stiffness, %s_element_types,\n",
+            structure.nodes, structure.elements, structure.types, structure.dof_per_node,
+            structure.free_dof, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
+            emitter->prefix, emitter->prefix);
     name_rows(emitter, "input", structure.input.count);
     name_rows(emitter, "output", structure.output.count);
     fputs("};\n\n", emitter->file);
@@ -185,11 +185,11 @@ static void write_electrodes(emitter *emitter, const analysis *analysis)
             emitter->upper, tables->count, emitter->upper, tables->count, (unsigned)open,
             analysis->design.structure.input.count, emitter->upper, tables->count, (unsigned)open);
     emit_begin(emitter, "electrodes", "electrodes", tables->scene, tables->crc);
-    fprintf(
-        emitter->file,
-        " %u, %s_electrode_input, %s_electrode_open,\n    {%u, %s_electrode_start, %s_electrode_dof, %s_electrode_value},\n};\n\n",
-        tables->count, emitter->prefix, emitter->prefix, tables->count, emitter->prefix,
-        emitter->prefix, emitter->prefix);
+    fprintf(emitter->file,
+            " %u, %s_electrode_input, %s_electrode_open,\n"
+            "    {%u, %s_electrode_start, %s_electrode_dof, %s_electrode_value},\n};\n\n",
+            tables->count, emitter->prefix, emitter->prefix, tables->count, emitter->prefix,
+            emitter->prefix, emitter->prefix);
 }
 
 /* ---- nonlinear image -------------------------------------------------- */
@@ -247,11 +247,11 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     name_or_null(emitter, influence, "influence", influence_name);
     name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
-    fprintf(
-        emitter->file,
-        " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, %s_reference_voltage, PZS_R(%.17g),\n};\n\n",
-        n, m, influence_name, hessian_name, emitter->prefix, emitter->prefix, emitter->prefix,
-        emitter->prefix, emitter->prefix, problem.regularisation);
+    fprintf(emitter->file,
+            " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
+            "%s_reference_voltage, PZS_R(%.17g),\n};\n\n",
+            n, m, influence_name, hessian_name, emitter->prefix, emitter->prefix, emitter->prefix,
+            emitter->prefix, emitter->prefix, problem.regularisation);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, m,
                    "target displacement of each target node, the effect of the loads included");
@@ -373,17 +373,19 @@ static void write_head(const emitter *emitter, const analysis *analysis, const c
     if (!words_unitless(scene))
         snprintf(units, sizeof units, "Lengths in %s, forces in %s, voltages in %s.",
                  scene->unit_length, scene->unit_force, scene->unit_voltage);
-    fprintf(
-        emitter->file,
-        "/*\n * Tables of scene %s, %s image. Generated by `pzs tables`; do not edit.\n * %s\n"
-        " * %s\n */\n"
-        "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
-        "#if PZS_TABLE_FORMAT != %u\n#error \"these tables are of another format than the library reads: run this library's `pzs tables` again\"\n#endif\n"
-        "/* A program that needs one precision defines this macro as 32 or 64 before it includes the tables. */\n"
-        "#if defined(%s_REAL_BITS) && %s_REAL_BITS != PZS_REAL_BITS\n"
-        "#error \"the program needs another precision: compile it and the library with its -DPZS_REAL_BITS\"\n#endif\n\n",
-        scene->name, image, scene->about ? scene->about : "", units, emitter->upper, emitter->upper,
-        PZS_TABLE_FORMAT, emitter->upper, emitter->upper);
+    fprintf(emitter->file,
+            "/*\n * Tables of scene %s, %s image. Generated by `pzs tables`; do not edit.\n * %s\n"
+            " * %s\n */\n"
+            "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
+            "#if PZS_TABLE_FORMAT != %u\n#error \"these tables are of another format than the "
+            "library reads: run this library's `pzs tables` again\"\n#endif\n"
+            "/* A program that needs one precision defines this macro as 32 or 64 before it "
+            "includes the tables. */\n"
+            "#if defined(%s_REAL_BITS) && %s_REAL_BITS != PZS_REAL_BITS\n"
+            "#error \"the program needs another precision: compile it and the library with its "
+            "-DPZS_REAL_BITS\"\n#endif\n\n",
+            scene->name, image, scene->about ? scene->about : "", units, emitter->upper,
+            emitter->upper, PZS_TABLE_FORMAT, emitter->upper, emitter->upper);
 }
 
 /* Stability of the control loop under vibration, as a comment, and PREFIX_QUASI_STATIC where it is
@@ -406,15 +408,15 @@ static void write_certificate(const emitter *emitter, const certificate *certifi
 /* Preprocessor checks that a nonlinear image is compiled with options it can run with. */
 static void write_demands(const emitter *emitter, const analysis *analysis)
 {
-    fputs(
-        "#if !PZS_NONLINEAR\n#error \"nonlinear image: compile library and firmware with -DPZS_NONLINEAR=1\"\n#endif\n",
-        emitter->file);
+    fputs("#if !PZS_NONLINEAR\n#error \"nonlinear image: compile library and firmware with "
+          "-DPZS_NONLINEAR=1\"\n#endif\n",
+          emitter->file);
     if (!tables_allow_float(analysis))
-        fprintf(
-            emitter->file,
-            "#if PZS_REAL_BITS == 32\n#error \"condition %.1e: above %.0e the equilibrium solver needs double, -DPZS_REAL_BITS=64\"\n"
-            "#endif\n",
-            analysis->model.info.condition, TABLES_FLOAT_CONDITION);
+        fprintf(emitter->file,
+                "#if PZS_REAL_BITS == 32\n#error \"condition %.1e: above %.0e the equilibrium "
+                "solver needs double, -DPZS_REAL_BITS=64\"\n"
+                "#endif\n",
+                analysis->model.info.condition, TABLES_FLOAT_CONDITION);
     fputs("\n", emitter->file);
 }
 
@@ -437,11 +439,11 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
     if (controlled)
         write_certificate(&emitter, &analysis->certificate);
     if (controlled)
-        fprintf(
-            file,
-            "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
-            emitter.upper, analysis->design.amplifiers, emitter.upper, analysis->design.targets,
-            emitter.upper, analysis->design.amplifiers, analysis->design.targets);
+        fprintf(file,
+                "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n"
+                "#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
+                emitter.upper, analysis->design.amplifiers, emitter.upper, analysis->design.targets,
+                emitter.upper, analysis->design.amplifiers, analysis->design.targets);
     if (image == TABLES_NONLINEAR) {
         status = write_nonlinear(&emitter, analysis);
     } else if (image == TABLES_LINEAR) {
@@ -449,10 +451,10 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
         write_electrodes(&emitter, analysis);
         fprintf(file, "#define %s_LINEAR 1\n", emitter.upper);
         if (analysis->design.electrodes.count > 0)
-            fprintf(
-                file,
-                "/* columns of the influence matrix computed on the device; the first %s_INPUTS are amplifiers */\n#define %s_ALL_INPUTS %u\n",
-                emitter.upper, emitter.upper, analysis->design.structure.input.count);
+            fprintf(file,
+                    "/* columns of the influence matrix computed on the device; the first "
+                    "%s_INPUTS are amplifiers */\n#define %s_ALL_INPUTS %u\n",
+                    emitter.upper, emitter.upper, analysis->design.structure.input.count);
         fputs("\n", file);
     }
     if (controlled) {

@@ -31,11 +31,11 @@ static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint
     }
     emit_begin(emitter, "nonlinear", "nonlinear", tables->scene, tables->crc);
     if (entries > 0)
-        fprintf(
-            emitter->file,
-            "\n    {%u, %s_resultant_start, %s_resultant_element, %s_resultant_row, %s_resultant_value},\n",
-            tables->given.values, emitter->prefix, emitter->prefix, emitter->prefix,
-            emitter->prefix);
+        fprintf(emitter->file,
+                "\n    {%u, %s_resultant_start, %s_resultant_element, %s_resultant_row, "
+                "%s_resultant_value},\n",
+                tables->given.values, emitter->prefix, emitter->prefix, emitter->prefix,
+                emitter->prefix);
     else
         fputs("\n    {0, NULL, NULL, NULL, NULL},\n", emitter->file);
     if (tables->prescribed.count > 0)
@@ -127,20 +127,20 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
                 "position of the contact face at each node, undeformed");
     emit_blocks(emitter, "contact_triad", **face->triad, nodes, matrix, 2, "triad at each node");
     emit_reals(emitter, "contact_area", face->area, nodes, "area of the contact face at each node");
-    fprintf(
-        emitter->file,
-        "static const pzs_contact_face %s_contact_face = {\n    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, ",
-        emitter->prefix, face->format, (unsigned)face->scene, (unsigned)~emitter->crc32,
-        (unsigned)face->crc, face->face, face->input);
+    fprintf(emitter->file,
+            "static const pzs_contact_face %s_contact_face = {\n"
+            "    %uu, 0x%08xu, PZS_BY_BITS(0x%08xu, 0x%08xu), %u, %u, ",
+            emitter->prefix, face->format, (unsigned)face->scene, (unsigned)~emitter->crc32,
+            (unsigned)face->crc, face->face, face->input);
     emit_vector(emitter, face->motion);
     fprintf(emitter->file,
             ", PZS_R(%.17g), %s_contact_place, %s_contact_triad, %s_contact_area,\n};\n",
             face->size, emitter->prefix, emitter->prefix, emitter->prefix);
     if (contact->body.type == BODY_PSI)
-        fprintf(
-            emitter->file,
-            "#ifndef %s_GAP\n#error \"the scene gives the body by a formula: define %s_GAP as its distance function (pzs_body.gap)\"\n#endif\n",
-            emitter->upper, emitter->upper);
+        fprintf(emitter->file,
+                "#ifndef %s_GAP\n#error \"the scene gives the body by a formula: define %s_GAP as "
+                "its distance function (pzs_body.gap)\"\n#endif\n",
+                emitter->upper, emitter->upper);
     fprintf(emitter->file, "static const pzs_body %s_body = {\n    ", emitter->prefix);
     if (contact->body.type == BODY_PSI)
         fprintf(emitter->file, "%s_GAP, ", emitter->upper);
@@ -166,16 +166,18 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
     double *reached = calloc((size_t)structure->output.count + 1, sizeof *reached);
     if (!reached)
         return -1;
-    fprintf(
-        emitter->file,
-        "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n#define %s_SOLVER_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n"
-        "/* settings of the equilibrium solver (pzs_solver_settings), as the scene has them */\n#define %s_LOAD_STEPS %u\n#define %s_EXTRAPOLATED_ITERATIONS %u\n#define %s_SOLVE_LIMIT %u\n"
-        "#define %s_TOLERANCE PZS_R(%.17g)\n\n",
-        emitter->upper, structure->input.count, emitter->upper, structure->output.count,
-        emitter->upper, structure->free_dof, structure->elements, structure->input.count,
-        emitter->upper, run->settings.load_steps, emitter->upper,
-        run->settings.extrapolated_iterations, emitter->upper, (unsigned)run->settings.solve_limit,
-        emitter->upper, run->settings.tolerance);
+    fprintf(emitter->file,
+            "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n"
+            "#define %s_SOLVER_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n"
+            "/* settings of the equilibrium solver (pzs_solver_settings), as the scene has them "
+            "*/\n#define %s_LOAD_STEPS %u\n#define %s_EXTRAPOLATED_ITERATIONS %u\n"
+            "#define %s_SOLVE_LIMIT %u\n"
+            "#define %s_TOLERANCE PZS_R(%.17g)\n\n",
+            emitter->upper, structure->input.count, emitter->upper, structure->output.count,
+            emitter->upper, structure->free_dof, structure->elements, structure->input.count,
+            emitter->upper, run->settings.load_steps, emitter->upper,
+            run->settings.extrapolated_iterations, emitter->upper,
+            (unsigned)run->settings.solve_limit, emitter->upper, run->settings.tolerance);
     emit_reals(emitter, "full_input", analysis->equilibrium.full_input, structure->input.count,
                "input values of the scene: applied voltages, loads, extra inputs");
     pzs_observe(structure, run->info.displacement, reached);

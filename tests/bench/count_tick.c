@@ -104,7 +104,7 @@ static pzs_status run(pzs_control *control, pzs_fault_detector *detector, pzs_es
     at[QUANTISE] = board_count();
     const pzs_status rounded = pzs_quantise(control, given, STEP, 0);
     at[WATCH] = board_count();
-    const pzs_status watched = pzs_fault_detector_tick(watch, measured);
+    const pzs_status watched = pzs_fault_detector_tick(detector, measured);
     at[PARTS] = board_count();
     for (int k = 0; k < PARTS; k++)
         add(&part[k], board_instructions(at[k], at[k + 1]));
@@ -126,7 +126,7 @@ int main(void)
     board_start();
     worst = pzs_control_init(&control, &demo_problem, NULL, control_work, sizeof control_work);
     if (worst == PZS_OK)
-        worst = pzs_fault_detector_init(&watch, &control, 0, watch_work, sizeof watch_work);
+        worst = pzs_fault_detector_init(&detector, &control, 0, watch_work, sizeof watch_work);
     if (worst == PZS_OK)
         worst = pzs_estimate_init(&estimate, &control, &demo_estimator, estimate_work,
                                   sizeof estimate_work);

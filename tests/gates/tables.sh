@@ -132,4 +132,8 @@ tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
 [ $? -eq 2 ] && grep -q 'kinematics: nonlinear' "$scratch/found"
 tap $? 'a scene of linear kinematics is refused'
 
+# The committed example is what the program writes today.
+"${MAKE:-make}" --no-print-directory -s -n example-table | sed 's|-o [^ ]*|-o '"$scratch/example.h"'|' >"$scratch/command"
+sh "$scratch/command" >"$scratch/found" 2>&1 && diff "$scratch/example.h" host_tools/tables/example.h >"$scratch/found"
+tap $? 'host_tools/tables/example.h is what pzs writes (else: make example-table)'
 tap_end

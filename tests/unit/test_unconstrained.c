@@ -96,7 +96,7 @@ static void test_dependent_columns(void **state)
 static void test_bad_numbers(void **state)
 {
     (void)state;
-    static const double bad[] = {NAN, HUGE_VAL, -HUGE_VAL};
+    static const double bad[] = {(double)NAN, HUGE_VAL, -HUGE_VAL};
     const pzs_problem problem = full_rank();
     unconstrained solver;
     double voltage[INPUTS], spoilt[OUTPUTS] = {0};
