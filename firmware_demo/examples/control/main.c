@@ -1,7 +1,7 @@
 /* Hold a shape: one call a tick. The three functions in the middle stand for the hardware.
  * SPDX-License-Identifier: BSD-2-Clause */
 #define PLATE_REAL_BITS 32 /* this program is for float: another library does not compile */
-#include "../../boards/board.h"
+#include "board.h"
 #include "plate.h"
 
 static pzs_real work[PLATE_LOOP_BYTES / sizeof(pzs_real) + 1];

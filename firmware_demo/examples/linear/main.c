@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
-#include "../../boards/board.h"
+#include "board.h"
 #include "plate.h"
 
 static pzs_real model_work[PLATE_MODEL_BYTES / sizeof(pzs_real) + 1];

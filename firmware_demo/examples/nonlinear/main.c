@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
-#include "../../boards/board.h"
+#include "board.h"
 #include "dome.h"
 
 static pzs_real model_work[DOME_MODEL_BYTES / sizeof(pzs_real) + 1] BOARD_LARGE;
