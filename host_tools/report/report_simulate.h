@@ -6,7 +6,7 @@
 #define REPORT_SIMULATE_H
 
 #include "report.h"
-#include "../simulate/simulate.h"
+#include "../simulate/simulation.h"
 
 enum { RECORD_BINS = 800 };
 

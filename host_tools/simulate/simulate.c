@@ -1,5 +1,5 @@
 /* The closed loop (simulate.h). */
-#include "simulate.h"
+#include "simulation.h"
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>

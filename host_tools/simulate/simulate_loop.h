@@ -4,7 +4,7 @@
 #define SIMULATE_LOOP_H
 
 #include "../model/unconstrained.h"
-#include "simulate.h"
+#include "simulation.h"
 
 enum { PLAYS = 4 };
 

@@ -2,7 +2,7 @@
 #ifndef SIMULATE_WORDS_H
 #define SIMULATE_WORDS_H
 
-#include "simulate.h"
+#include "simulation.h"
 
 /* Characters of a phase's text, the terminating zero included. */
 enum { SIMULATE_PHASE_TEXT = 160 };

@@ -11,8 +11,8 @@
  * step limit; and the same with the regularisation parameter that is the best one for the scene's
  * target and limits on the controller's own model.
  */
-#ifndef SIMULATE_H
-#define SIMULATE_H
+#ifndef SIMULATION_H
+#define SIMULATION_H
 
 #include "device.h"
 #include "../model/estimator.h"
