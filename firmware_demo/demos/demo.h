@@ -3,9 +3,9 @@
  *
  *   demo_control.c or demo_linear.c   what an image brings: tables, memory, influence
  *   main.c                            the control loop and its report
- *   demo_loads.c or demo_reshape.c    a nonlinear image: large rotation under loads, or under volts
- *   demo_path.c                       what these two have in common
- *   drill.c                           faults that must end in a status, not in a crash
+ *   demo_loads.c or demo_reshape.c    a nonlinear image: large rotation under loads, or under
+ * voltages demo_path.c                       what these two have in common drill.c faults that must
+ * end in a status, not in a crash
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

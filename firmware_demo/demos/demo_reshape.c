@@ -1,7 +1,7 @@
 /*
- * A nonlinear image: volts for a shape at large rotation. The linear optimum misses the target by
- * what rotation does to it; one voltage step with the influence at the shape reached takes most of
- * that back. Two lines for each equilibrium, then the shape errors. The exit code is 0 when
+ * A nonlinear image: voltages for a shape at large rotation. The linear optimum misses the target
+ * by what rotation does to it; one voltage step with the influence at the shape reached takes most
+ * of that back. Two lines for each equilibrium, then the shape errors. The exit code is 0 when
  * everything went as it must.
  *
  * SPDX-License-Identifier: BSD-2-Clause
@@ -18,15 +18,16 @@ static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
 static pzs_real path_work[REALS(DEMO_SOLVER_BYTES)] BOARD_LARGE;
 static pzs_real control_work[REALS(DEMO_CONTROL_BYTES)] BOARD_LARGE;
 static pzs_real influence[DEMO_ALL_OUTPUTS * DEMO_ALL_INPUTS] BOARD_LARGE;
-static pzs_real amount[DEMO_ALL_INPUTS]; /* volts, then the scene's loads */
+static pzs_real amount[DEMO_ALL_INPUTS]; /* voltages, then the scene's loads */
 static pzs_real output[DEMO_ALL_OUTPUTS], error[DEMO_OUTPUTS];
 
 typedef struct reshape_log {
-    pzs_real missed[2];  /* |W (reached - target)| / |W target| under the volts of either influence
-                          */
-    pzs_real optimality; /* KKT violation of the last step */
-    uint32_t active, passes;          /* of the last step */
-    uint32_t outside;                 /* volts outside their limits */
+    pzs_real missed[2];      /* |W (reached - target)| / |W target| under the voltages of either
+                              * influence
+                              */
+    pzs_real optimality;     /* KKT violation of the last step */
+    uint32_t active, passes; /* of the last step */
+    uint32_t outside;        /* voltages outside their limits */
     uint32_t at_rest, at_shape, step; /* instructions of either influence, of the last step */
 } reshape_log;
 
@@ -62,8 +63,8 @@ static pzs_status influence_at_shape(pzs_solver *solver, reshape_log *log)
     return status;
 }
 
-/* Volts into amount: the optimum for influence and error, by as many steps as the pass budget asks
- * for. */
+/* Voltages into amount: the optimum for influence and error, by as many steps as the pass budget
+ * asks for. */
 static pzs_status choose_volts(pzs_control *control, reshape_log *log)
 {
     const uint32_t start = board_count();
@@ -109,8 +110,8 @@ static pzs_status reach(const char *name, pzs_solver *solver, pzs_real *missed)
     return status;
 }
 
-/* What the volts must do beyond the shape reached, as if they began at zero: wanted - reached + B
- * v. */
+/* What the voltages must do beyond the shape reached, as if they began at zero: wanted - reached +
+ * B v. */
 static void error_at_shape(void)
 {
     for (int i = 0; i < DEMO_OUTPUTS; i++) {
@@ -159,9 +160,9 @@ static void report(const reshape_log *log, pzs_status status)
     print_real("error_relinearised", log->missed[1]);
     print_real("kkt", log->optimality);
     print_count("active", log->active);
-    print_count("passes", log->passes);
+    print_count("iterations", log->passes);
     print_count("outside", log->outside);
-    print_hex("volts", ~pzs_guard_crc(GUARD_CRC_START, amount, sizeof amount));
+    print_hex("voltages", ~pzs_guard_crc(GUARD_CRC_START, amount, sizeof amount));
     print_text("\ncost influence");
     print_count("at_rest", log->at_rest);
     print_count("at_shape", log->at_shape);

@@ -1,5 +1,5 @@
 /*
- * The fault drill: each fault must come back as its status, with the volts inside their limits.
+ * The fault drill: each fault must come back as its status, with the voltages inside their limits.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -169,7 +169,7 @@ static int drill_target(pzs_control *control, const demo_image *image)
         status == PZS_W_HELD && control->info.voltage[0] == voltage && inside(control), status);
 }
 
-/* All electrodes dead: their volts stay where they are held, and the loop goes on. */
+/* All electrodes dead: their voltages stay where they are held, and the loop goes on. */
 static int drill_dead(pzs_control *control, const demo_image *image)
 {
     pzs_status status = PZS_OK;

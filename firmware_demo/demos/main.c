@@ -20,9 +20,9 @@ enum { TICKS = 200, PERIOD = 80, WARM_TICKS = 100 };
 typedef struct loop_log {
     pzs_status worst;         /* largest status of any tick */
     uint32_t warnings;        /* ticks that ended with a warning */
-    uint32_t outside;         /* volts seen outside their limits */
+    uint32_t outside;         /* voltages seen outside their limits */
     uint32_t active;          /* most inputs at a limit at once */
-    uint32_t crc;             /* of the bits of all volts of all ticks */
+    uint32_t crc;             /* of the bits of all voltages of all ticks */
     uint32_t total, most;     /* instructions of all ticks, of the longest */
     uint32_t warm, warm_most; /* the same of the ticks of a slowly moving target */
 } loop_log;
@@ -47,7 +47,7 @@ static pzs_real largest(const pzs_real *x, int n)
     return most;
 }
 
-/* measured [outputs] out (m): the plant's answer to the volts, and a bump over the outputs. */
+/* measured [outputs] out (m): the plant's answer to the voltages, and a bump over the outputs. */
 static void measure(const demo_image *image, const pzs_real *voltage, pzs_real bump)
 {
     const int inputs = image->problem->inputs, outputs = image->problem->outputs;
@@ -77,7 +77,7 @@ static uint32_t count_outside(const pzs_problem *problem, const pzs_real *voltag
     return outside;
 }
 
-/* One tick, its volts checked and logged. Returns the instructions it took. */
+/* One tick, its voltages checked and logged. Returns the instructions it took. */
 static uint32_t timed_tick(pzs_control *control, const demo_image *image, loop_log *log)
 {
     const uint32_t start = board_count();
@@ -156,8 +156,8 @@ static void report(pzs_control *control, const demo_image *image, const loop_log
     print_count("active", log->active);
     print_count("outside", log->outside);
     print_real("error", last_error(control, image));
-    print_hex("volts", log->crc);
-    print_count("passes", control->info.iterations_most);
+    print_hex("voltages", log->crc);
+    print_count("iterations", control->info.iterations_most);
     print_text("\ncost tick");
     print_count("mean", log->total / TICKS);
     print_count("worst", log->most);

@@ -210,8 +210,8 @@ static int shape_before(shape_run *run, char *error)
 
 /*
  * Optima without limits and within each limit, on a nonlinear structure the linear optimum beside,
- * least squares clipped, and regularised before with the best parameter, then the scene's volts to
- * compare.
+ * least squares clipped, and regularised before with the best parameter, then the scene's voltages
+ * to compare.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
@@ -221,27 +221,27 @@ static int shape_results(shape_run *run, const options *options, char *error)
     const common_limits *limit = options->limits ? options->limit : &own;
     const int limits = options->limits ? options->limits : 1;
     const size_t most = 1 + 4 * (size_t)limits + (size_t)scene->compares;
-    run->volts = calloc(most, sizeof *run->volts);
-    if (!run->volts)
+    run->results = calloc(most, sizeof *run->results);
+    if (!run->results)
         return scene_fault(scene, scene->limits.at, error,
                            "%zu sets of voltages do not fit into memory", most);
     progress_stage("voltages");
     if (shape_before(run, error) < 0 ||
-        voltages_optimum(analysis, none, &run->volts[run->count++], error) < 0)
+        voltages_optimum(analysis, none, &run->results[run->count++], error) < 0)
         return -1;
     for (int i = 0; i < limits; i++) {
         progress_count(i, limits);
-        if (voltages_optimum(analysis, limit[i], &run->volts[run->count++], error) < 0 ||
+        if (voltages_optimum(analysis, limit[i], &run->results[run->count++], error) < 0 ||
             (analysis->nonlinear &&
-             voltages_linear(analysis, limit[i], &run->volts[run->count++], error) < 0) ||
-            voltages_clipped(analysis, limit[i], &run->volts[run->count++], error) < 0 ||
-            voltages_regularised(analysis, limit[i], &run->volts[run->count++], error) < 0)
+             voltages_linear(analysis, limit[i], &run->results[run->count++], error) < 0) ||
+            voltages_clipped(analysis, limit[i], &run->results[run->count++], error) < 0 ||
+            voltages_regularised(analysis, limit[i], &run->results[run->count++], error) < 0)
             return -1;
     }
     run->compared = run->count;
     for (int i = 0; i < scene->compares; i++)
         if (voltages_given(analysis, scene->compare[i].name, scene->compare[i].value,
-                           &run->volts[run->count++], error) < 0)
+                           &run->results[run->count++], error) < 0)
             return -1;
     progress_stage("modes of the target");
     return modes_run(&run->modes, analysis, limit, limits, error);
@@ -250,7 +250,7 @@ static int shape_results(shape_run *run, const options *options, char *error)
 static int write_shape(const report_job *job, const void *result)
 {
     const shape_run *run = result;
-    return report_shape(job, run->analysis, run->volts, run->count, &run->modes);
+    return report_shape(job, run->analysis, run->results, run->count, &run->modes);
 }
 
 static int command_shape(const options *options, analysis *analysis)
@@ -263,21 +263,21 @@ static int command_shape(const options *options, analysis *analysis)
     analysis->nonlinear = analysis->design.scene->kinematics != KINEMATICS_LINEAR;
     progress_stage("influence matrix");
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
-        const voltages *best = &run.volts[1];
+        const voltages *best = &run.results[1];
         plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
         plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
                          best->name);
         progress_stop();
         (options->as_json ? print_shape_json : print_shape)(&run);
-        status = options->vtu ? write_vtu(analysis, run.volts[1].u, options->vtu) : 0;
+        status = options->vtu ? write_vtu(analysis, run.results[1].u, options->vtu) : 0;
         if (status == 0)
             status = write_reports(options, write_shape, &run);
     } else {
         status = complain(error, failed_code(analysis));
     }
     for (int i = 0; i < run.count; i++)
-        voltages_free(&run.volts[i]);
-    free(run.volts);
+        voltages_free(&run.results[i]);
+    free(run.results);
     voltages_free(&run.before);
     modes_free(&run.modes);
     return status;

@@ -322,8 +322,8 @@ static double rounded_volt(double voltage)
     return fabs(voltage) < 0.005 ? 0 : voltage;
 }
 
-/* Volts of each actuator as its grid lies on the surface: theta1 down, theta2 across. */
-static void print_volts(const scene *scene, const voltages *result)
+/* Voltages of each actuator as its grid lies on the surface: theta1 down, theta2 across. */
+static void print_voltages(const scene *scene, const voltages *result)
 {
     printf("\n  %s, voltages:\n", result->name);
     for (int k = 0; k < scene->actuators; k++) {
@@ -347,11 +347,11 @@ static void print_volts(const scene *scene, const voltages *result)
     }
 }
 
-/* What the volts of the linear model cost on the nonlinear structure: the error that the smaller
+/* What the voltages of the linear model cost on the nonlinear structure: the error that the smaller
  * image adds. */
 static double cost_of_linear(const shape_run *run)
 {
-    return run->volts[2].error - run->volts[1].error;
+    return run->results[2].error - run->results[1].error;
 }
 
 static const char *image_needed(const shape_run *run)
@@ -361,7 +361,7 @@ static const char *image_needed(const shape_run *run)
 
 static void print_choice(const shape_run *run)
 {
-    const voltages *best = &run->volts[1];
+    const voltages *best = &run->results[1];
     const double tolerance = run->analysis->design.scene->tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n",
            best->relinearised, best->relinearised == 1 ? "" : "s", best->linear_solves);
@@ -384,7 +384,7 @@ static double reached(const analysis *analysis, int k, const voltages *result)
                                  (uint32_t)analysis->design.named_first[k]);
 }
 
-/* The displacements of single nodes that the scene asks for, under each set of volts. */
+/* The displacements of single nodes that the scene asks for, under each set of voltages. */
 static void print_reached(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
@@ -398,7 +398,7 @@ static void print_reached(const shape_run *run)
         printf(" %13.13s", scene->output[k].name);
     }
     for (int i = -1; columns > 0 && i < run->count; i++) {
-        const voltages *result = i < 0 ? &run->before : &run->volts[i];
+        const voltages *result = i < 0 ? &run->before : &run->results[i];
         printf("\n  %-27s", result->name);
         for (int k = 0; k < scene->outputs; k++)
             if (is_single(analysis, k))
@@ -465,7 +465,7 @@ void print_shape(const shape_run *run)
     printf("  %-26s %-16s %12s %7s %12s %10s\n", "voltages", "limits (V)", "shape error", "active",
            "largest (V)", "KKT");
     for (int i = 0; i < run->count; i++) {
-        const voltages *result = &run->volts[i];
+        const voltages *result = &run->results[i];
         char limits[32];
         limit_text(result, limits);
         if (isnan(result->error))
@@ -481,17 +481,17 @@ void print_shape(const shape_run *run)
     }
     puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, "
          "chosen knowing the answer");
-    print_narrower(&run->volts[1], design->amplifiers);
-    print_target_rows(design, &run->volts[1]);
+    print_narrower(&run->results[1], design->amplifiers);
+    print_target_rows(design, &run->results[1]);
     print_reached(run);
     double *value = calloc((size_t)design->structure.output.count + 1, sizeof *value);
     if (value)
-        print_reached_nodes(analysis, &run->volts[1], value);
+        print_reached_nodes(analysis, &run->results[1], value);
     free(value);
-    print_volts(design->scene, &run->volts[1]);
+    print_voltages(design->scene, &run->results[1]);
     for (int i = run->compared; i < run->count; i++)
-        print_volts(design->scene, &run->volts[i]);
-    const voltages *best = &run->volts[1];
+        print_voltages(design->scene, &run->results[i]);
+    const voltages *best = &run->results[1];
     char limits[32];
     limit_text(best, limits);
     if (analysis->nonlinear)
@@ -524,13 +524,13 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_number(json, "shape_error_all_rows", result->error_all);
     json_number(json, "fixed_rows_off", result->fixed_off);
     json_number(json, "active", result->active_limits);
-    json_number(json, "passes", result->iterations);
+    json_number(json, "iterations", result->iterations);
     json_number(json, "kkt", result->optimality);
     if (result->regularisation > 0)
         json_number(json, "regularisation", result->regularisation);
     json_number(json, "relinearised", result->relinearised);
     json_number(json, "systems", result->linear_solves);
-    json_open(json, "volts", '{');
+    json_open(json, "voltages", '{');
     for (int k = 0; k < result->amplifiers; k++) {
         scene_amplifier_name(scene, k, name);
         json_number(json, name, result->voltage[k]);
@@ -539,7 +539,7 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_reached(json, analysis, result);
 }
 
-/* The optimum within the first limits at the top, then every set of volts. */
+/* The optimum within the first limits at the top, then every set of voltages. */
 void print_shape_json(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
@@ -557,14 +557,14 @@ void print_shape_json(const shape_run *run)
         json_string(&json, "image", image_needed(run));
     }
     json_number(&json, "shape_error_before", run->before.error);
-    json_number(&json, "clipped_error", run->volts[analysis->nonlinear ? 3 : 2].error);
-    json_number(&json, "regularised_error", run->volts[analysis->nonlinear ? 4 : 3].error);
-    json_voltages(&json, analysis, &run->volts[1]);
+    json_number(&json, "clipped_error", run->results[analysis->nonlinear ? 3 : 2].error);
+    json_number(&json, "regularised_error", run->results[analysis->nonlinear ? 4 : 3].error);
+    json_voltages(&json, analysis, &run->results[1]);
     json_open(&json, "results", '[');
     for (int i = 0; i < run->count; i++) {
         json_open(&json, NULL, '{');
-        json_string(&json, "name", run->volts[i].name);
-        json_voltages(&json, analysis, &run->volts[i]);
+        json_string(&json, "name", run->results[i].name);
+        json_voltages(&json, analysis, &run->results[i]);
         json_close(&json, '}');
     }
     json_close(&json, ']');

@@ -9,10 +9,10 @@
 /* What `pzs shape` found. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *volts; /* [count] optimum without limits; then per limit the optimum, on a nonlinear
+    voltages *results; /* [count] optimum without limits; then per limit the optimum, on a nonlinear
                         structure that of the linear model, clipped least squares, and those
                         regularised before; then those of the scene */
-    voltages before; /* the scene without any volts */
+    voltages before;   /* the scene without any voltages */
     int count, compared; /* compared: the first of the scene's own */
     modes modes;         /* of the target, where it lists some */
 } shape_run;
@@ -32,12 +32,12 @@ void print_check_json(const analysis *analysis);
 void print_solve(analysis *analysis, const double *value);
 void print_solve_json(analysis *analysis, const double *value);
 
-/* Volts, charge and capacitance of each electrode; how much stiffer open ones make the shell.
+/* Voltages, charge and capacitance of each electrode; how much stiffer open ones make the shell.
  * Nothing without sensors. */
 void print_electrodes(analysis *analysis);
 void print_electrodes_json(json *json, analysis *analysis);
 
-/* Sets of volts and their errors. */
+/* Sets of voltages and their errors. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 

@@ -25,7 +25,7 @@ void print_electrodes(analysis *analysis)
     words_unit(design->scene, QUANTITY_VOLTAGE, unit[0]);
     words_unit(design->scene, QUANTITY_CHARGE, unit[1]);
     for (int k = 0; k < 2; k++)
-        snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", k ? "charge" : "volts",
+        snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", k ? "charge" : "voltages",
                  unit[k]);
     printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", head[0], head[1],
            "capacitance, held", "free");
@@ -55,7 +55,7 @@ void print_electrodes_json(json *json, analysis *analysis)
         const char *circuit = connection(design, k, name);
         json_open(json, name, '{');
         json_string(json, "circuit", circuit);
-        json_number(json, "volts", analysis->input_value[design->electrodes.input[k]]);
+        json_number(json, "voltages", analysis->input_value[design->electrodes.input[k]]);
         json_number(json, "charge", analysis->charge[k]);
         json_number(json, "capacitance_held", analysis_capacitance(analysis, k, 0));
         json_number(json, "capacitance_free", analysis_capacitance(analysis, k, 1));

@@ -28,7 +28,7 @@ void print_modes_json(json *json, const scene *scene, const modes *modes)
         json_open(json, NULL, '{');
         json_string(json, "name", scene->target.mode[k].name);
         json_number(json, "rms", modes->mode[k].size);
-        json_number(json, "unlimited_error", modes->mode[k].unconstrained_error);
+        json_number(json, "unconstrained_error", modes->mode[k].unconstrained_error);
         json_number(json, "largest_volt", modes->mode[k].largest_voltage);
         json_open(json, "limits", '[');
         for (int l = 0; l < modes->limits; l++) {

@@ -25,11 +25,11 @@ static void print_csv_tick(FILE *file, const scene *scene, int estimates,
                            const simulate_sample *sample)
 {
     fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / scene->simulate.rate,
-            sample->error, sample->active, sample->passes, (int)sample->status, sample->lost);
+            sample->error, sample->active, sample->iterations, (int)sample->status, sample->lost);
     if (estimates)
         fprintf(file, ",%.17g", sample->missed);
     for (int k = 0; k < scene->amplifiers; k++)
-        fprintf(file, ",%.17g", sample->volt[k]);
+        fprintf(file, ",%.17g", sample->voltage[k]);
     fputc('\n', file);
 }
 
@@ -102,7 +102,7 @@ static void print_settled(const simulate_phase *phase)
         printf("%9s", "-");
     else
         printf("%9d", course->settled);
-    printf(" %6d", course->slew_ticks);
+    printf(" %6d", course->step_limit_ticks);
 }
 
 static void print_phases(const simulation *simulation)
@@ -121,9 +121,9 @@ static void print_phases(const simulation *simulation)
         putchar('\n');
     }
     puts(
-        "\n  errors of the shape over the scene's target; settled: ticks until within 5% of the way; slew: ticks the slew alone needs");
+        "\n  errors of the shape over the scene's target; settled: ticks until within 5% of the way; step limit: ticks the step limit alone needs");
     puts(
-        "  clipped: least squares without limits, cut to limits and slew; regularised: the same with the\n"
+        "  clipped: least squares without limits, cut to limits and step limit; regularised: the same with the\n"
         "  one parameter that is best for the scene's target on the controller's model, chosen knowing\n"
         "  the answer");
 }
@@ -133,13 +133,13 @@ static void print_count(const simulation *simulation, simulate_law law)
     const simulate_count *count = &simulation->count[law];
     const long run = simulate_ran(count);
     printf(
-        "  %-11s %ld volts beyond a limit or the slew, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
+        "  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
         "%ld out of passes\n",
-        law_name[law], count->beyond, count->not_finite, run, count->lost,
+        law_name[law], count->beyond, count->not_finite, run, count->missed,
         count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
     if (law == LAW_CONTROLLER)
-        printf("  %-10s passes of the optimiser: %.2f a tick, %d at most of %d\n", "",
-               run ? (double)count->passes / (double)run : 0, count->passes_most,
+        printf("  %-10s iterations of the optimiser: %.2f a tick, %d at most of %d\n", "",
+               run ? (double)count->iterations / (double)run : 0, count->iterations_most,
                PZS_STEP_ITERATIONS);
 }
 
@@ -211,8 +211,8 @@ static void json_course(json *json, const simulation *simulation, const simulate
     if (simulation->estimates)
         json_number(json, "missed", course->missed);
     json_number(json, "settled", course->settled);
-    json_number(json, "slew_ticks", course->slew_ticks);
-    json_numbers(json, "volts", course->volt, simulation->nominal->design.amplifiers);
+    json_number(json, "step_limit_ticks", course->step_limit_ticks);
+    json_numbers(json, "voltages", course->voltage, simulation->nominal->design.amplifiers);
     json_close(json, '}');
 }
 
@@ -236,15 +236,15 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
     json_number(json, "beyond", (double)count->beyond);
     json_number(json, "not_finite", (double)count->not_finite);
     json_number(json, "ran", (double)simulate_ran(count));
-    json_number(json, "lost", (double)count->lost);
+    json_number(json, "missed", (double)count->missed);
     json_number(json, "held", (double)count->status[PZS_W_HELD]);
-    json_number(json, "doubted", (double)count->status[PZS_W_SENSOR]);
-    json_number(json, "out_of_passes", (double)count->status[PZS_W_ITERATIONS]);
+    json_number(json, "rejected", (double)count->status[PZS_W_SENSOR]);
+    json_number(json, "out_of_iterations", (double)count->status[PZS_W_ITERATIONS]);
     json_number(json, "found", (double)count->found);
     json_number(json, "found_wrong", (double)count->wrong);
     json_number(json, "found_ticks", count->search);
-    json_number(json, "passes", (double)count->passes);
-    json_number(json, "passes_most", count->passes_most);
+    json_number(json, "iterations", (double)count->iterations);
+    json_number(json, "iterations_most", count->iterations_most);
     json_close(json, '}');
 }
 

@@ -35,7 +35,7 @@ void record_tick(simulate_record *record, const simulate_sample *sample)
     if (sample->law != LAW_CONTROLLER)
         return;
     record->missed[bin] = fmax(record->missed[bin], sample->missed);
-    memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->volt,
+    memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->voltage,
            (size_t)record->amplifiers * sizeof *record->volt);
 }
 
@@ -115,7 +115,7 @@ static void write_phases(const simulate_page *p)
         put_row(p->file, "%d|~%t|%p|%p|%p|%p|%p|%n|%d", phase->from, name, phase->optimum,
                 course[LAW_CONTROLLER].steady, course[LAW_CLAMP].steady,
                 course[LAW_REGULARISED].steady, course[LAW_CONTROLLER].worst,
-                course->settled < 0 ? (double)NAN : course->settled, course->slew_ticks);
+                course->settled < 0 ? (double)NAN : course->settled, course->step_limit_ticks);
     }
     put_table_end(p->file);
 }
@@ -153,9 +153,9 @@ static void write_counts(const simulate_page *p)
     for (int law = 0; law < LAWS; law++) {
         const simulate_count *count = &p->s->count[law];
         put_row(p->file, "%s|%d|%d|%d|%d|%d|%d|%d", law_name[law], (int)count->beyond,
-                (int)count->not_finite, (int)count->lost, (int)count->status[PZS_W_HELD],
+                (int)count->not_finite, (int)count->missed, (int)count->status[PZS_W_HELD],
                 (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
-                count->passes_most);
+                count->iterations_most);
     }
     put_table_end(p->file);
     write_extras(p, &p->s->count[LAW_CONTROLLER]);
@@ -442,7 +442,7 @@ static page_set last_voltages(const void *context, int k)
 {
     const simulate_page *p = context;
     return (page_set){"At the last tick",
-                      p->s->phase[p->s->phases - 1 - k].course[LAW_CONTROLLER].volt};
+                      p->s->phase[p->s->phases - 1 - k].course[LAW_CONTROLLER].voltage};
 }
 
 static int write_page(const report_job *job, simulate_page *p)

@@ -230,7 +230,7 @@ typedef enum scene_contact_output {
     CONTACT_PRESSURE
 } scene_contact_output;
 
-/* Of electrodes: volts, or the charge of the side towards +e3. */
+/* Of electrodes: voltages, or the charge of the side towards +e3. */
 typedef enum scene_electric_output {
     ELECTRIC_NONE,
     ELECTRIC_VOLTAGE,
@@ -355,7 +355,7 @@ typedef struct scene_simulate {
                       rest */
     scene_kinematics kinematics; /* of the plant: linear or nonlinear */
     double *stiffness, *d;       /* [materials] factors that the controller does not know */
-    double hysteresis;           /* width of the largest loop over the range of the volts */
+    double hysteresis;           /* width of the largest loop over the range of the voltages */
     scene_sight sight;
     double noise; /* of measured shapes, standard deviation; an estimate's readings have their own
                    */

@@ -57,7 +57,7 @@ static int read_plant(reader *reader, int node, void *to, const void *rule)
 {
     static const range loop = {
         0, 0.3, 0,
-        "must lie between 0 and 0.3; it is the width of the loop over the range of volts"};
+        "must lie between 0 and 0.3; it is the width of the loop over the range of voltages"};
     static const field fields[] = {
         {"kinematics", read_plant_kinematics, 0, NULL, 0},
         {"stiffness", read_factors, offsetof(scene_simulate, stiffness), NULL, 0},

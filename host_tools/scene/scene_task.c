@@ -351,7 +351,7 @@ static int read_contact_output(reader *reader, int node, void *to, const void *r
     return 0;
 }
 
-/* Volts or charge of the electrodes of a sensor or an actuator. */
+/* Voltages or charge of the electrodes of a sensor or an actuator. */
 static int read_electric_output(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;

@@ -182,7 +182,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
     return 0;
 }
 
-/* All rows, and volts and charges of electrodes where there are some. */
+/* All rows, and voltages and charges of electrodes where there are some. */
 static pzs_status look(plant *plant)
 {
     analysis *analysis = &plant->analysis;
@@ -219,7 +219,7 @@ int plant_displacement(plant *plant, double *u, char *error)
 
 /* ---- optimum ---------------------------------------------------------- */
 
-/* What the volts must do by the linear structure: the target less what the loads do there. */
+/* What the voltages must do by the linear structure: the target less what the loads do there. */
 static void want(plant *plant, const double *target)
 {
     design *design = &plant->analysis.design;

@@ -10,7 +10,7 @@
 typedef struct plant {
     scene scene; /* its own copy */
     analysis analysis;
-    double *amount;  /* [inputs] volts, loads, temperature, body: of the shape asked for */
+    double *amount;  /* [inputs] voltages, loads, temperature, body: of the shape asked for */
     double *reached; /* [inputs] of the shape reached last */
     double *full;    /* [inputs] loads and moving supports as the scene says */
     double *value;   /* [output rows] of the last shape */
@@ -34,7 +34,7 @@ void plant_warm(plant *plant, double kelvin);
 void plant_rest(plant *plant);
 
 /*
- * Shape under volts: the equilibrium from the last shape, or the linear sum.
+ * Shape under voltages: the equilibrium from the last shape, or the linear sum.
  *   volt [amplifiers] in, shape [targets] out
  */
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
@@ -47,9 +47,9 @@ int plant_readings(plant *plant, double *reading, char *error);
 int plant_displacement(plant *plant, double *u, char *error);
 
 /*
- * The best volts for a target on this structure under the loads and temperature in force, slew left
- * out. target [targets] in held   [amplifiers] in  volts of electrodes that cannot be chosen, NAN
- * for the others best   out  voltages_free it shape  [targets] out  under them
+ * The best voltages for a target on this structure under the loads and temperature in force, step
+ * limit left out. target [targets] in held   [amplifiers] in  voltages of electrodes that cannot be
+ * chosen, NAN for the others best   out  voltages_free it shape  [targets] out  under them
  */
 int plant_optimum(plant *plant, const double *target, const double *held, voltages *best,
                   double *shape, char *error);

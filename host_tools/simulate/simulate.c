@@ -29,10 +29,10 @@ static int no_memory(const analysis *nominal, char *error)
 
 static int course_room(simulate_course *course, const design *design)
 {
-    course->volt = calloc((size_t)design->amplifiers, sizeof *course->volt);
+    course->voltage = calloc((size_t)design->amplifiers, sizeof *course->voltage);
     course->shape = calloc((size_t)design->targets, sizeof *course->shape);
     course->u = calloc((size_t)design->mesh.free_dof, sizeof *course->u);
-    return course->volt && course->shape && course->u;
+    return course->voltage && course->shape && course->u;
 }
 
 /* A phase from its tick to the end. Returns whether memory was there. */
@@ -79,7 +79,7 @@ static int lay_out_phases(simulation *simulation)
     return good && quiet >= 0 ? phase_begin(simulation, quiet, simulate->events) : good;
 }
 
-/* Volts and charges of electrodes have no influence at a shape. */
+/* Voltages and charges of electrodes have no influence at a shape. */
 static int check_readings(const design *design, char *error)
 {
     const scene_estimate *estimate = &design->scene->estimate;
@@ -120,14 +120,14 @@ int simulate_tables(analysis *nominal, char *error)
     return failed ? -1 : 0;
 }
 
-/* Loops are measured by the range of the volts. */
+/* Loops are measured by the range of the voltages. */
 static int check_range(const design *design, char *error)
 {
     for (int k = 0; k < design->amplifiers; k++)
         if (!isfinite(design->upper[k] - design->lower[k]) &&
             design->scene->simulate.hysteresis > 0)
             return scene_fault(design->scene, design->scene->simulate.at, error,
-                               "hysteresis is a part of the range of the volts; add "
+                               "hysteresis is a part of the range of the voltages; add "
                                "limits: {voltage: [lowest, highest]}");
     return 0;
 }
@@ -236,7 +236,7 @@ void simulate_close(simulation *simulation)
 {
     for (int k = 0; k < simulation->phases; k++) {
         for (int law = 0; law < LAWS; law++) {
-            free(simulation->phase[k].course[law].volt);
+            free(simulation->phase[k].course[law].voltage);
             free(simulation->phase[k].course[law].shape);
             free(simulation->phase[k].course[law].u);
         }
@@ -259,7 +259,7 @@ typedef struct course_log {
     double *last;   /* [LAST][targets] at its end, */
     double *mean;   /* [targets] the mean of those */
     double error[LAST], missed[LAST];
-    double *before; /* [amplifiers] volts before the phase */
+    double *before; /* [amplifiers] voltages before the phase */
     int ticks;
 } course_log;
 
@@ -334,8 +334,8 @@ static void finish_course(course_log *f, const loop *loop, simulate_course *cour
     course->steady = sqrt(squares);
     course->missed = sqrt(missed);
     course->settled = settled_after(f, design);
-    course->slew_ticks = (int)fmin(ceil(slew), 1e9);
-    memcpy(course->volt, loop->given, (size_t)design->amplifiers * sizeof *course->volt);
+    course->step_limit_ticks = (int)fmin(ceil(slew), 1e9);
+    memcpy(course->voltage, loop->given, (size_t)design->amplifiers * sizeof *course->voltage);
     memcpy(course->shape, loop->shape, (size_t)design->targets * sizeof *course->shape);
     memcpy(f->before, loop->given, (size_t)design->amplifiers * sizeof *f->before);
     f->ticks = 0;
@@ -361,9 +361,9 @@ static void tell(const loop *loop, simulate_law law, int tick, simulate_watch *w
                                     .error = loop->error,
                                     .missed = loop->missed,
                                     .command = loop->command,
-                                    .volt = loop->given,
+                                    .voltage = loop->given,
                                     .active = loop_active(loop),
-                                    .passes = loop->passes,
+                                    .iterations = loop->iterations,
                                     .status = loop->status,
                                     .lost = loop->is_lost};
     if (watch)
@@ -374,15 +374,16 @@ static void count_tick(const loop *loop, simulate_count *count)
 {
     count->beyond += loop->beyond;
     count->not_finite += loop->not_finite;
-    count->lost += loop->is_lost;
+    count->missed += loop->is_lost;
     if (loop->is_lost)
         return;
     count->same += loop->same;
     count->found += loop->found;
     count->wrong += loop->wrong;
     count->search = loop->search > count->search ? loop->search : count->search;
-    count->passes += loop->passes;
-    count->passes_most = loop->passes > count->passes_most ? loop->passes : count->passes_most;
+    count->iterations += loop->iterations;
+    count->iterations_most =
+        loop->iterations > count->iterations_most ? loop->iterations : count->iterations_most;
     count->status[loop->status <= PZS_W_UNSTABLE ? loop->status : 0]++;
 }
 

@@ -231,15 +231,15 @@ static void drive(loop *loop)
     }
 }
 
-/* ---- slew ------------------------------------------------------------- */
+/* ---- step limit ------------------------------------------------------------- */
 
-/* Does the slew allow this change, to the last bit? */
+/* Does the step limit allow this change, to the last bit? */
 static int may_move(double from, double to, double slew)
 {
     return to - from <= slew && from - to <= slew;
 }
 
-/* The nearest volt to `to` that the slew allows. */
+/* The nearest volt to `to` that the step limit allows. */
 static double slewed(double from, double to, double slew)
 {
     to = fmin(fmax(to, from - slew), from + slew);
@@ -308,13 +308,13 @@ static int ask_board(loop *loop, char *error)
         device_know(&loop->twin, now, loop->coming, loads);
     }
     const int status = device_tick(&loop->board, loop->wanted, loop->sensed, loop->command,
-                                   loop->state, &loop->passes, error);
+                                   loop->state, &loop->iterations, error);
     int passes = 0, same = -1;
     if (status < 0 || !loop->twin.board)
         return status;
     same = device_tick(&loop->twin, loop->wanted, loop->sensed, loop->next, loop->twin_state,
                        &passes, error);
-    loop->same = same == status && passes == loop->passes &&
+    loop->same = same == status && passes == loop->iterations &&
                  memcmp(loop->next, loop->command, n * sizeof *loop->next) == 0 &&
                  memcmp(loop->twin_state, loop->state, n) == 0;
     return same < 0 ? -1 : status;
@@ -382,7 +382,7 @@ static void learn(loop *loop, int tick)
     }
 }
 
-/* A controller that others give its volts: what they are. */
+/* A controller that others give its voltages: what they are. */
 static void follow(loop *loop)
 {
     pzs_control *control = loop->controller.info.control;
@@ -395,7 +395,7 @@ static void follow(loop *loop)
 static void take_command(loop *loop)
 {
     const size_t n = (size_t)loop->design->amplifiers;
-    loop->passes = loop->controller.info.control->info.iterations;
+    loop->iterations = loop->controller.info.control->info.iterations;
     memcpy(loop->command, loop->controller.info.voltage, n * sizeof *loop->command);
     if (loop->controller.info.electrode)
         memcpy(loop->state, loop->controller.info.electrode, n);
@@ -448,7 +448,8 @@ static double converted(double voltage, double step)
     return step > 0 ? step * floor(voltage / step + 0.5) : voltage;
 }
 
-/* An amplifier obeys limits and slew by itself, gives whole steps, and leaves small changes be. */
+/* An amplifier obeys limits and step limit by itself, gives whole steps, and leaves small changes
+ * be. */
 static void amplify(loop *loop)
 {
     const design *design = loop->design;
@@ -468,7 +469,8 @@ static void amplify(loop *loop)
     }
 }
 
-/* Volts beyond limits, or beyond the slew from those before, in the arithmetic of who chose them.
+/* Voltages beyond limits, or beyond the step limit from those before, in the arithmetic of who
+ * chose them.
  */
 static int beyond(const loop *loop, const double *voltage, const double *before, int bits)
 {
@@ -576,7 +578,7 @@ static void start(loop *loop)
     plant_rest(&loop->simulation->plant);
 }
 
-/* Board and twin with their volts of the start. */
+/* Board and twin with their voltages of the start. */
 static int start_board(loop *loop, char *error)
 {
     const simulation *simulation = loop->simulation;

@@ -12,9 +12,9 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
 
 /*
  * An electrode between its amplifier and the ceramic.
- * Hysteresis (Prandtl-Ishlinskii): a share of the volts passes plays of half widths 1/8, 2/8, 3/8,
- * 4/8 of the half range A of the volts. A full cycle's loop is `hysteresis` times the range wide;
- * no volt is off by more than hysteresis A.
+ * Hysteresis (Prandtl-Ishlinskii): a share of the voltages passes plays of half widths 1/8, 2/8,
+ * 3/8, 4/8 of the half range A of the voltages. A full cycle's loop is `hysteresis` times the range
+ * wide; no volt is off by more than hysteresis A.
  */
 typedef struct electrode {
     electrode_fault fault;
@@ -86,15 +86,15 @@ typedef struct loop {
     void *work;                  /* of the controller */
     double error;                /* of the last shape */
     pzs_status status;           /* of the last tick */
-    int passes;
+    int iterations;
     int same;                 /* board and twin agree in every bit */
     int found, wrong, search; /* electrodes found in the last tick; those of them that had no fault;
                                  longest search, ticks */
     int is_lost, beyond, not_finite; /* of the last tick */
 } loop;
 
-/* Start: plant at rest, volts as the controller's. Returns 0, or -1 with error filled; close it in
- * either case. */
+/* Start: plant at rest, voltages as the controller's. Returns 0, or -1 with error filled; close it
+ * in either case. */
 int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error);
 void loop_close(loop *loop);
 
@@ -102,7 +102,7 @@ void loop_close(loop *loop);
  * refuses. */
 int loop_tick(loop *loop, int tick, char *error);
 
-/* Volts given that are at a limit. */
+/* Voltages given that are at a limit. */
 int loop_active(const loop *loop);
 
 /* ---- simulate_sense.c: what the controller gets to know --------------- */
@@ -125,9 +125,9 @@ void sense_missed(loop *loop);
 const double *sense_known(const loop *loop, int tick);
 
 /*
- * An electrode is held from a tick on: what late readings show since then was made with the volts
- * it is held at, whatever its amplifier was told. Otherwise its leaving would count as a motion
- * that the readings are yet to show.
+ * An electrode is held from a tick on: what late readings show since then was made with the
+ * voltages it is held at, whatever its amplifier was told. Otherwise its leaving would count as a
+ * motion that the readings are yet to show.
  */
 void sense_taken_out(loop *loop, int amplifier, int since, int tick);
 

@@ -78,7 +78,7 @@ static void multiply(const loop *loop, double *y, const double *table, int rows,
     }
 }
 
-/* What the model says that the sensors show under some volts. */
+/* What the model says that the sensors show under some voltages. */
 static void expect(const loop *loop, double *reading, const double *voltage)
 {
     const simulation *simulation = loop->simulation;
@@ -108,7 +108,7 @@ void sense_taken_out(loop *loop, int amplifier, int since, int tick)
                 loop->command[amplifier];
 }
 
-/* The plant's readings, volts and known loads of a tick, for when they are late. */
+/* The plant's readings, voltages and known loads of a tick, for when they are late. */
 static int keep(loop *loop, int tick, char *error)
 {
     const design *design = loop->design;

@@ -3,7 +3,7 @@
  * not quite know, sensors and amplifiers with their faults, and the scene's schedule. Quasi-static,
  * one shape a tick:
  *
- *   events, shape under the volts of the tick before, measurement, controller, amplifiers
+ *   events, shape under the voltages of the tick before, measurement, controller, amplifiers
  *
  * The controller is the library's own here, or a firmware with the same tables on a board
  * (simulate_device). The same scene gives the same bits in every run. Beside the controller the
@@ -29,9 +29,9 @@ typedef struct simulate_sample {
     int tick;
     double error;  /* of the shape at its start: |W (shape - wanted)| / |W target of the scene| */
     double missed; /* |W (shape - what the controller takes it for)| / the same */
-    const double *command; /* [amplifiers] volts asked for */
-    const double *volt;    /* [amplifiers] volts that the amplifiers give */
-    int active, passes;    /* volts at a limit; passes of the optimiser */
+    const double *command;  /* [amplifiers] voltages asked for */
+    const double *voltage;  /* [amplifiers] voltages that the amplifiers give */
+    int active, iterations; /* voltages at a limit; iterations of the optimiser */
     pzs_status status;
     int lost; /* the controller did not run */
 } simulate_sample;
@@ -45,32 +45,33 @@ typedef struct simulate_course {
     double missed; /* root mean square over the last ticks of what the controller does not see */
     int settled;   /* ticks until the shape stays within 5 % of its way to the last one; -1: it does
                       not */
-    int slew_ticks; /* what the slew alone needs from the volts before to those at the end */
-    double *volt;   /* [amplifiers] at the end */
-    double *shape;  /* [targets] */
-    double *u;      /* [dof] */
+    int step_limit_ticks; /* what the step limit alone needs from the voltages before to those at
+                             the end */
+    double *voltage;      /* [amplifiers] at the end */
+    double *shape;        /* [targets] */
+    double *u;            /* [dof] */
 } simulate_course;
 
 /* From one tick with events to the next. */
 typedef struct simulate_phase {
     int from, until;
     int first, events; /* of the scene, that begin it */
-    double optimum;    /* error of the best volts for this plant in the same limits; NAN before
+    double optimum;    /* error of the best voltages for this plant in the same limits; NAN before
                           simulate_optima */
     simulate_course course[LAWS];
     double *target; /* [targets] conditions at its end: wanted, */
     double *amount; /* [loads] amounts of the plant's loads, its temperature the last, */
-    double *held;   /* [amplifiers] volts of electrodes that do not follow, else NAN */
+    double *held;   /* [amplifiers] voltages of electrodes that do not follow, else NAN */
 } simulate_phase;
 
 /* Counts over all ticks. */
 typedef struct simulate_count {
-    long beyond;     /* volts beyond limit or slew, commanded or given */
-    long not_finite; /* volts */
-    long passes;     /* of all ticks */
-    int passes_most;
+    long beyond;     /* voltages beyond limit or step limit, commanded or given */
+    long not_finite; /* voltages */
+    long iterations; /* of all ticks */
+    int iterations_most;
     long status[PZS_W_UNSTABLE + 1]; /* ticks that ended with each */
-    long lost;
+    long missed;
     long found, wrong; /* electrodes the controller found; those of them that had no fault */
     int search;        /* ticks of the longest search */
     long same;         /* ticks in which the device and its twin gave the same bits */

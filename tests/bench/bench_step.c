@@ -12,10 +12,10 @@
  * e, pzs_product_sum_rows of lib/core/product.c, included here), then solve; DAQP has its factor of
  * H beforehand and keeps its working set; of its two ways to start (with and without a look at the
  * unlimited optimum) the faster counts, in each column. Our side is one translation unit, DAQP a
- * static library; no slew is in force. Each frame is timed in TURNS circles, both sides in turn;
- * its time is the median. Shown are the mean and the worst over the frames, from the error to
- * volts, and of the solver alone. Answers that differ, or a step that does not end, fail.  --json:
- * one object a row.
+ * static library; no step limit is in force. Each frame is timed in TURNS circles, both sides in
+ * turn; its time is the median. Shown are the mean and the worst over the frames, from the error to
+ * voltages, and of the solver alone. Answers that differ, or a step that does not end, fail.
+ * --json: one object a row.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

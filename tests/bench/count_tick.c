@@ -154,9 +154,9 @@ int main(void)
     print_count("watch", WATCH_MOST);
     print_count("passes_allowed", PZS_STEP_ITERATIONS);
     print_text("\nbits");
-    print_hex("volts", ~crc);
+    print_hex("voltages", ~crc);
     print_count("found", detector.info.found);
-    print_count("passes", control.info.iterations_most);
+    print_count("iterations", control.info.iterations_most);
     print_count("status", worst);
     print_text("\n");
     return PZS_IS_ERROR(worst) || detector.info.found != 2;

@@ -63,7 +63,7 @@ static void look(void *context, const simulate_sample *sample)
 {
     tally *t = context;
     for (int k = 0; k < t->d->amplifiers; k++) {
-        const double voltage = sample->volt[k], command = sample->command[k],
+        const double voltage = sample->voltage[k], command = sample->command[k],
                      steps = t->step > 0 ? voltage / t->step : 0;
         t->not_finite += !isfinite(voltage) + !isfinite(command) + !isfinite(sample->error);
         t->outside += !(voltage >= t->d->lower[k] && voltage <= t->d->upper[k]);
@@ -74,7 +74,8 @@ static void look(void *context, const simulate_sample *sample)
         t->volt[k] = voltage;
         t->command[k] = command;
     }
-    t->crc = pzs_guard_crc(t->crc, sample->volt, (size_t)t->d->amplifiers * sizeof *sample->volt);
+    t->crc =
+        pzs_guard_crc(t->crc, sample->voltage, (size_t)t->d->amplifiers * sizeof *sample->voltage);
 }
 
 static void run(bench *b, simulate_law law, tally *t)
@@ -177,7 +178,7 @@ static void test_inside_limits(void **state)
         assert_int_equal(b.s.count[law].beyond + b.s.count[law].not_finite, 0);
         assert_true(t.jumps <= 4); /* the two dead electrodes, told: command and amplifier jump to 0
                                       V */
-        assert_int_equal(b.s.count[law].lost, 20);
+        assert_int_equal(b.s.count[law].missed, 20);
     }
     assert_int_equal(b.s.count[LAW_CONTROLLER].status[PZS_W_HELD], 10);
     assert_true(b.s.count[LAW_CONTROLLER].status[PZS_W_SENSOR] >= 30);
@@ -269,7 +270,8 @@ static void random_faults(const char *first)
     assert_int_equal(t.outside + t.not_finite, 0);
     assert_int_equal(count->beyond + count->not_finite, 0);
     assert_int_equal(count->status[PZS_W_ITERATIONS], 0);
-    assert_true(count->lost > FAULT_TICKS / 100 && count->status[PZS_W_HELD] > FAULT_TICKS / 100 &&
+    assert_true(count->missed > FAULT_TICKS / 100 &&
+                count->status[PZS_W_HELD] > FAULT_TICKS / 100 &&
                 count->status[PZS_W_SENSOR] > FAULT_TICKS / 20);
     assert_int_equal(b.s.phases, 2);
     if (!(fabs(course(&b, 1)->steady / steady - 1) < 1e-9))
@@ -356,11 +358,11 @@ static void hold_shape(const char *influence, double over[2])
     assert_int_equal(t.outside + t.jumps + t.not_finite, 0);
     for (int k = 0; k < 2; k++)
         over[k] = course(&b, k)->steady / b.s.phase[k].optimum;
-    assert_in_range(course(&b, 1)->settled, 1, course(&b, 1)->slew_ticks + 10);
+    assert_in_range(course(&b, 1)->settled, 1, course(&b, 1)->step_limit_ticks + 10);
     print_message(
         "influence at %s: %.3f and %.3f %% above the optimum of the plant, load step gone after %d ticks (slew alone %d)\n",
         influence, 100 * (over[0] - 1), 100 * (over[1] - 1), course(&b, 1)->settled,
-        course(&b, 1)->slew_ticks);
+        course(&b, 1)->step_limit_ticks);
     close_bench(&b);
 }
 
