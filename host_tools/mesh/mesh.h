@@ -9,7 +9,7 @@
 
 #include "laminate.h"
 #include "pzs.h"
-#include "surface.h"
+#include "../scene/surface.h"
 
 typedef struct mesh {
     const scene *scene;

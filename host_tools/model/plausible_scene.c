@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "../scene/scene_units.h"
-#include "../mesh/surface.h"
+#include "../scene/surface.h"
 
 static const double quarter = 1.5707963267948966; /* turn, in radians */
 

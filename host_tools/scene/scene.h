@@ -9,23 +9,12 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "expr.h"
-#include "../mesh/spline.h"
+#include "scene_error.h"
+#include "spline.h"
 
-/* Room for a name, for one with _i_j behind it, for a message; most nodes of a mesh; most free
- * functions of a target. */
-enum {
-    SCENE_NAME = 64,
-    SCENE_LABEL = SCENE_NAME + 24,
-    SCENE_ERROR = 400,
-    SCENE_NODES = 60000,
-    SCENE_FREE = 16
-};
-
-/* Where a thing was said, for messages that come later than reading: line and column from 1.
- * Line -(k+1) is the change set[k], line 0 the file as a whole. */
-typedef struct scene_at {
-    int line, column;
-} scene_at;
+/* Bytes of a name and of a name with _i_j behind it; most nodes of a mesh; most free functions of a
+ * target. */
+enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
 typedef enum scene_surface_type {
     SURFACE_PLATE,

@@ -4,7 +4,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "../mesh/surface.h"
+#include "surface.h"
 
 /* Relative to the span of the mesh: a coordinate this near a mesh line lies on it. */
 static const double on_line = 1e-9;

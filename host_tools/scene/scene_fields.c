@@ -113,16 +113,6 @@ int read_map(reader *reader, int node, const field *fields, void *to)
     return 0;
 }
 
-const char *node_text(const reader *reader, int node)
-{
-    return reader->t->node[node].text;
-}
-
-scene_at node_at(const reader *reader, int node)
-{
-    return reader->t->node[node].at;
-}
-
 static int compile(reader *reader, int node, expr **expression)
 {
     char converted[SCENE_UNITS_TEXT];
@@ -317,13 +307,4 @@ void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *coun
         return tree_fault(reader->t, node, "out of memory"), NULL;
     *count = n;
     return items;
-}
-
-int find_named(const void *items, int count, size_t size, const char *name)
-{
-    int i;
-    for (i = 0; i < count; i++)
-        if (strcmp((const char *)items + (size_t)i * size, name) == 0)
-            return i;
-    return -1;
 }

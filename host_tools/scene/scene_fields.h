@@ -3,12 +3,7 @@
 #ifndef SCENE_FIELDS_H
 #define SCENE_FIELDS_H
 
-#include "yaml_tree.h"
-
-typedef struct reader {
-    tree *t;
-    scene *s;
-} reader;
+#include "scene_reader.h"
 
 /* Read a node into *to; 0, or -1 with the tree's error filled. */
 typedef int field_read(reader *r, int node, void *to, const void *rule);
@@ -47,18 +42,13 @@ field_read read_choice; /* int; rule: choices */
 field_read read_flag;   /* int; true false on off yes no */
 field_read read_expr;   /* expr *, allocated */
 
+/* Fault unless a node is of this kind; returns 0 or -1. */
 int require_kind(reader *reader, int node, tree_kind kind);
 
 /* Zeroed items for a list or mapping node of moderate length; NULL on a fault. *count is 0 for an
  * empty one. */
 void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *count);
 
-/* Index of a name among count items [size bytes] whose first member is their name; -1: none has it.
- */
-int find_named(const void *items, int count, size_t size, const char *name);
-
 int check_name(reader *reader, const char *name, scene_at at, char *to);
-const char *node_text(const reader *reader, int node);
-scene_at node_at(const reader *reader, int node);
 
 #endif

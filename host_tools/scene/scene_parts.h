@@ -25,7 +25,6 @@ field_read read_dynamics;
 
 /* scene_simulate.c: what the controller has to live with. */
 field_read read_simulate;
-void free_simulate(scene_simulate *simulate);
 
 /* scene_place.c: places (`to` is a scene_where), faces and directions. */
 field_read read_edge, read_point, read_at;

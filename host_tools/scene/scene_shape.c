@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../mesh/surface.h"
+#include "surface.h"
 
 /* ---- surface ---- */
 

@@ -366,15 +366,3 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
                       "'influence: target' needs the nonlinear structure; write "
                       "kinematics: nonlinear");
 }
-
-void free_simulate(scene_simulate *simulate)
-{
-    int i;
-    for (i = 0; i < simulate->events; i++) {
-        free(simulate->event[i].amplifier);
-        expr_free(simulate->event[i].value);
-    }
-    free(simulate->event);
-    free(simulate->stiffness);
-    free(simulate->d);
-}

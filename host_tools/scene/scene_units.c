@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
-#include "../mesh/surface.h"
+#include "surface.h"
 
 /* ---- dimensions ------------------------------------------------------- */
 

@@ -6,7 +6,7 @@
 #ifndef SCENE_UNITS_H
 #define SCENE_UNITS_H
 
-#include "scene_fields.h"
+#include "scene_reader.h"
 #include "units.h"
 
 enum { SCENE_UNITS_TEXT = UNITS_NUMBER + 8 };

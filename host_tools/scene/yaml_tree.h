@@ -8,7 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "scene.h"
+#include "scene_error.h"
 
 enum {
     TREE_BYTES = 4 << 20,

@@ -2,7 +2,7 @@
 #ifndef SURFACE_H
 #define SURFACE_H
 
-#include "../scene/scene.h"
+#include "scene.h"
 
 typedef struct surface_point {
     double x[3];    /* position */

@@ -1,0 +1,23 @@
+/* The functions of scene_reader.h: text, place and name of nodes and items. */
+#include "scene_reader.h"
+
+#include <string.h>
+
+const char *node_text(const reader *reader, int node)
+{
+    return reader->t->node[node].text;
+}
+
+scene_at node_at(const reader *reader, int node)
+{
+    return reader->t->node[node].at;
+}
+
+int find_named(const void *items, int count, size_t size, const char *name)
+{
+    int i;
+    for (i = 0; i < count; i++)
+        if (strcmp((const char *)items + (size_t)i * size, name) == 0)
+            return i;
+    return -1;
+}
