@@ -49,14 +49,14 @@ int main(void)
     const int failed = drill_path(&image);
     pzs_status status = demo_open_path(&model, &solver, &image);
     if (!PZS_IS_ERROR(status))
-        status = demo_equilibrium("loads", &path, demo_full);
+        status = demo_equilibrium("loads", &solver, demo_full);
     if (PZS_IS_ERROR(status)) {
         print_text("FAILED:");
         print_count("status", status);
         print_text("\n");
         return 1;
     }
-    pzs_observe(&demo_structure, path.info.displacement, output);
+    pzs_observe(&demo_structure, solver.info.displacement, output);
     const pzs_real difference = report();
     print_text("result");
     print_hex("scene", demo_structure.scene);

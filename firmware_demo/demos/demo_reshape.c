@@ -54,7 +54,7 @@ static pzs_status influence_at_rest(pzs_model *model, reshape_log *log)
 static pzs_status influence_at_shape(pzs_solver *solver, reshape_log *log)
 {
     const uint32_t start = board_count();
-    const pzs_status status = pzs_influence_at(path, influence);
+    const pzs_status status = pzs_influence_at(solver, influence);
     log->at_shape = board_instructions(start, board_count());
     keep_control_part();
     return status;
@@ -101,8 +101,8 @@ static pzs_real shape_error(void)
 /* Equilibrium under amount, into output. */
 static pzs_status reach(const char *name, pzs_solver *solver, pzs_real *missed)
 {
-    const pzs_status status = demo_equilibrium(name, path, amount);
-    pzs_observe(&demo_structure, path->info.displacement, output);
+    const pzs_status status = demo_equilibrium(name, solver, amount);
+    pzs_observe(&demo_structure, solver->info.displacement, output);
     *missed = shape_error();
     return status;
 }
