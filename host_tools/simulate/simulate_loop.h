@@ -3,7 +3,7 @@
 #ifndef SIMULATE_LOOP_H
 #define SIMULATE_LOOP_H
 
-#include "simulate.h"
+#include "simulate_types.h"
 
 enum { PLAYS = 4 };
 

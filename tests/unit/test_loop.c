@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../rigs/scene_assert.h"
+#include "../../host_tools/simulate/simulate.h"
 #include "../../host_tools/simulate/simulate_loop.h"
 
 /* A linear plant that is the model's own. */

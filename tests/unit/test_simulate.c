@@ -13,6 +13,7 @@
 #include <string.h>
 #include "../../lib/core/guard.h"
 #include "../rigs/scene_assert.h"
+#include "../../host_tools/simulate/simulate.h"
 #include "../../host_tools/simulate/simulate_loop.h"
 
 #ifndef FAULT_TICKS
