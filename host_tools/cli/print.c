@@ -524,13 +524,13 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_number(json, "shape_error_all_rows", result->error_all);
     json_number(json, "fixed_rows_off", result->fixed_off);
     json_number(json, "active", result->active);
-    json_number(json, "passes", result->passes);
+    json_number(json, "iterations", result->passes);
     json_number(json, "kkt", result->optimality);
     if (result->regularisation > 0)
         json_number(json, "regularisation", result->regularisation);
     json_number(json, "relinearised", result->relinearised);
     json_number(json, "systems", result->systems);
-    json_open(json, "volts", '{');
+    json_open(json, "voltages", '{');
     for (int k = 0; k < result->volts; k++) {
         scene_amplifier_name(scene, k, name);
         json_number(json, name, result->volt[k]);

@@ -55,7 +55,7 @@ void print_electrodes_json(json *json, analysis *analysis)
         const char *circuit = connection(design, k, name);
         json_open(json, name, '{');
         json_string(json, "circuit", circuit);
-        json_number(json, "volts", analysis->amount[design->electrodes.input[k]]);
+        json_number(json, "voltage", analysis->amount[design->electrodes.input[k]]);
         json_number(json, "charge", analysis->charge[k]);
         json_number(json, "capacitance_held", analysis_capacitance(analysis, k, 0));
         json_number(json, "capacitance_free", analysis_capacitance(analysis, k, 1));

@@ -211,7 +211,7 @@ static void json_course(json *json, const simulation *simulation, const simulate
         json_number(json, "missed", course->missed);
     json_number(json, "settled", course->settled);
     json_number(json, "slew_ticks", course->slew_ticks);
-    json_numbers(json, "volts", course->volt, simulation->nominal->design.amplifiers);
+    json_numbers(json, "voltages", course->volt, simulation->nominal->design.amplifiers);
     json_close(json, '}');
 }
 
@@ -237,13 +237,13 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
     json_number(json, "ran", (double)simulate_ran(count));
     json_number(json, "lost", (double)count->lost);
     json_number(json, "held", (double)count->status[PZS_W_HELD]);
-    json_number(json, "doubted", (double)count->status[PZS_W_SENSOR]);
-    json_number(json, "out_of_passes", (double)count->status[PZS_W_ITERATIONS]);
+    json_number(json, "rejected", (double)count->status[PZS_W_SENSOR]);
+    json_number(json, "out_of_iterations", (double)count->status[PZS_W_ITERATIONS]);
     json_number(json, "found", (double)count->found);
     json_number(json, "found_wrong", (double)count->wrong);
     json_number(json, "found_ticks", count->search);
-    json_number(json, "passes", (double)count->passes);
-    json_number(json, "passes_most", count->passes_most);
+    json_number(json, "iterations", (double)count->passes);
+    json_number(json, "iterations_most", count->passes_most);
     json_close(json, '}');
 }
 

@@ -120,7 +120,7 @@ for limit in inf -inf 0 1e999 junk '' 5,-5 1,2,3 1, ,1 1,inf nan,1; do
     run 2 shape plate-50-patches --limit "$limit" && says "--limit"; check "bad limit '$limit'" $?
 done
 run 0 shape plate-50-patches --limit -50,300 --limit 400 --set materials.G1195.field_limit=1.2e6 --set 'limits.each=[{actuator: v_1_1, hold: 0}, {actuator: v_1_2, voltage: [-10, 10]}]' --json &&
-    json "all(r['volts']['v_1_1']==0 for r in j['results'][:7]) and all(abs(r['volts']['v_1_2'])<=10 for r in j['results'][1:7]) and all(-50<=v<=300 for r in j['results'][1:4] for v in r['volts'].values()) and all(abs(v)<=300.0001 for r in j['results'][4:7] for v in r['volts'].values())"
+    json "all(r['voltages']['v_1_1']==0 for r in j['results'][:7]) and all(abs(r['voltages']['v_1_2'])<=10 for r in j['results'][1:7]) and all(-50<=v<=300 for r in j['results'][1:4] for v in r['voltages'].values()) and all(abs(v)<=300.0001 for r in j['results'][4:7] for v in r['voltages'].values())"
 check 'the narrowest limit wins: held, own, field, --limit' $?
 run 2 shape plate-50-patches --limit 30,90 --set 'limits.each=[{actuator: v_2_3, voltage: [-80, 20]}]' && says 'v_2_3 has no voltage left'; check 'limits that do not overlap name the amplifier' $?
 run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-4' && grep -q '11 of 121 target rows lie on constrained dof and cannot move, 11 of them' "$dir/out" && grep -q 'with them it would be 10.645%' "$dir/out"
@@ -153,12 +153,12 @@ check 'errors of the solver are called so, and the discretisation error is said 
 run 0 check plate-50-patches && grep -q '^  control  *[0-9]' "$dir/out" && grep -q '^  linear  *[0-9]' "$dir/out"; check 'check tells what each image needs' $?
 run 0 check plate-50-patches --json && json "j['images']['control']['flash']['double']==8*(121*25+25*25+2*121+4*25) and j['images']['linear']['ram']['double']>2*j['images']['linear']['ram']['float']-4000"; check 'check --json' $?
 run 0 shape plate-50-patches --limit 200 --limit 100 --json && json "abs(j['results'][0]['shape_error']-.05538)<1e-5"; check 'shape without limits .05538' $?
-json "not [k for k in '$common volts shape_error shape_error_before clipped_error active kkt'.split() if k not in j] and len(j['volts'])==25 and j['shape_error']==j['results'][1]['shape_error'] and j['clipped_error']==j['results'][2]['shape_error'] and abs(j['shape_error_before']-1)<1e-12"; check 'keys of shape --json' $?
+json "not [k for k in '$common voltages shape_error shape_error_before clipped_error active kkt'.split() if k not in j] and len(j['voltages'])==25 and j['shape_error']==j['results'][1]['shape_error'] and j['clipped_error']==j['results'][2]['shape_error'] and abs(j['shape_error_before']-1)<1e-12"; check 'keys of shape --json' $?
 json "abs(j['results'][1]['shape_error']-.08975)<1e-5 and j['results'][1]['active']==6"; check 'shape within 200 V .08975, 6 active' $?
 json "abs(j['results'][2]['shape_error']-.520)<5e-4"; check 'clipped .520' $?
 json "abs(j['regularised_error']-.15939)<1e-5 and j['results'][3]['shape_error']==j['regularised_error'] and j['results'][3]['name']=='regularised, then clipped' and 1e-3<j['results'][3]['regularisation']<1e-2"; check 'regularised with the best parameter, then clipped .159' $?
 json "abs(j['results'][4]['shape_error']-.36114)<1e-5"; check 'shape within 100 V .36114' $?
-json "max(abs(v) for v in j['results'][1]['volts'].values())<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
+json "max(abs(v) for v in j['results'][1]['voltages'].values())<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
 json "[r for r in j['results'] if r['name']=='published'][0]['shape_error'] > .0705"; check 'published voltages beside' $?
 run 0 shape mirror --set mesh.theta1.elements=10 --set mesh.theta2.elements=16 --limit 30 --limit 100 --json && json "len(j['modes'])==14 and all(m['unlimited_error']<=l['shape_error']*(1+1e-9)<=l['regularised_error']*(1+1e-8)<=l['clipped_error']*(1+2e-8) for m in j['modes'] for l in m['limits']) and [l['limits'][1] for l in j['modes'][0]['limits']]==[30,100]"; check 'modes of shape --json' $?
 run 0 shape mirror --report "$dir/m.html" && grep -q 'Z11 spherical .* 3.962% .* 187.753%' "$dir/out" && grep -q 'Mode by mode' "$dir/m.html"; check 'modes as a table and a picture' $?
@@ -183,7 +183,7 @@ run 0 solve ring-contact --set "$several" --report "$dir/several.html" && [ "$(a
 check 'the same as a table with the coordinates of the nodes, in text and in the report' $?
 run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}, {name: Q, charge: s}]' --json && json "
     [e['electrode'] for e in j['output_places']['V']] == list(j['electrodes']) and len(j['outputs']['V']) == len(j['outputs']['Q']) == 5 and
-    [e['value'] for e in j['output_places']['V']] == j['outputs']['V'] == [e['volts'] for e in j['electrodes'].values()]" &&
+    [e['value'] for e in j['output_places']['V']] == j['outputs']['V'] == [e['voltage'] for e in j['electrodes'].values()]" &&
     run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}]' && [ "$(grep -c '^    s_[1-5]_1  *[0-9.e+]*$' "$dir/out")" -eq 5 ]
 check 'the voltages of several electrodes under their names' $?
 run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: theta1+}' --json && json "
