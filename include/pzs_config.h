@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * All compile-time options of piezoshape, with their defaults. Set an option with -DNAME=value, for
  * the library and the program alike. The names of the init functions contain the precision, so a

@@ -10,8 +10,7 @@
 #include DEMO_TABLES
 
 #ifdef DEMO_ALL_INPUTS
-#error                                                                                             \
-    "tables with sensors: their influence has more columns and takes pzs_influence_open; run `pzs tables --image control`"
+#error "tables with sensors need pzs_influence_open; run `pzs tables --image control`"
 #endif
 
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))

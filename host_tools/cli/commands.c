@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The tables of commands and options (commands.h). */
 #include "commands.h"
 #include <string.h>
@@ -17,14 +18,14 @@ static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500"
                                      "host-32",       "host-64",    NULL};
 
 const command_entry command_table[COMMANDS] = {
-    [COMMAND_LIST] =
-        {"list",
-         "",
-         ARGUMENT_NONE,
-         NULL,
-         "the scenes shipped, a line each",
-         "Name and purpose of each shipped scene. A name of this list is accepted wherever a command takes a SCENE.",
-         {"pzs list", NULL}},
+    [COMMAND_LIST] = {"list",
+                      "",
+                      ARGUMENT_NONE,
+                      NULL,
+                      "the scenes shipped, a line each",
+                      "Name and purpose of each shipped scene. A name of this list is accepted "
+                      "wherever a command takes a SCENE.",
+                      {"pzs list", NULL}},
     [COMMAND_CHECK] =
         {"check",
          "SCENE",
@@ -43,9 +44,12 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "displacement under the scene's loads and applied voltages",
-         "Displacement under the loads and applied voltages of the scene, and the values of its outputs. An output at several "
-         "nodes is a table with a row for each node, one of several electrodes a row for each electrode. The solver residual "
-         "and the solver error estimate are those of the linear solve; the discretisation error is not in them: solve on a "
+         "Displacement under the loads and applied voltages of the scene, and the values of its "
+         "outputs. An output at several "
+         "nodes is a table with a row for each node, one of several electrodes a row for each "
+         "electrode. The solver residual "
+         "and the solver error estimate are those of the linear solve; the discretisation error is "
+         "not in them: solve on a "
          "second, finer mesh and compare.",
          {"pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8",
           "pzs solve hemisphere --report hemisphere.html --vtu hemisphere.vtu", NULL}},
@@ -103,25 +107,28 @@ const command_entry command_table[COMMANDS] = {
          "said besides.",
          {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
           "pzs simulate plate-few-sensors --device mps2-an386",
-          "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --device netduinoplus2",
+          "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 "
+          "--device netduinoplus2",
           NULL}},
-    [COMMAND_NEW] =
-        {"new",
-         "[plate|mirror|panel]",
-         ARGUMENT_CHOICE,
-         starts,
-         "a commented scene to start from, on standard output",
-         "Writes a commented scene to start from: a plate with patches on both faces (the one without an argument), a "
-         "deformable mirror in polar coordinates, or a curved composite panel under pressure. Scenes from measured influence "
-         "matrices (measured) come with a later release.",
-         {"pzs new mirror > new.yaml", NULL}},
+    [COMMAND_NEW] = {"new",
+                     "[plate|mirror|panel]",
+                     ARGUMENT_CHOICE,
+                     starts,
+                     "a commented scene to start from, on standard output",
+                     "Writes a commented scene to start from: a plate with patches on both faces "
+                     "(the one without an argument), a "
+                     "deformable mirror in polar coordinates, or a curved composite panel under "
+                     "pressure. Scenes from measured influence "
+                     "matrices (measured) come with a later release.",
+                     {"pzs new mirror > new.yaml", NULL}},
     [COMMAND_COMPLETION] =
         {"completion",
          "[SHELL]",
          ARGUMENT_CHOICE,
          shells,
          "completion of these commands for a shell (bash)",
-         "Writes a script that completes commands, options, scenes and files. Without SHELL: for bash. Load it with "
+         "Writes a script that completes commands, options, scenes and files. Without SHELL: for "
+         "bash. Load it with "
          "`. ./pzs.bash`, or install it as share/bash-completion/completions/pzs.",
          {"pzs completion > pzs.bash", NULL}},
     [COMMAND_MAN] = {"man",
@@ -166,19 +173,20 @@ const option_entry option_table[OPTIONS] = {
                     "deformed shape for ParaView; of modes the mode shapes"},
     [OPTION_NUMBER] = {"--number", NULL, "N", ARGUMENT_TEXT, NULL, BIT(COMMAND_MODES),
                        "how many, 1 to 200; default 10"},
-    [OPTION_CSV] =
-        {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
-         "a line a tick: tick, time (s), error of the shape over the scene's target, active (voltages at a limit), passes of "
-         "the optimiser, status (pzs_status of the tick), lost (1: the controller did not run), missed (by the estimate of "
-         "the shape), then the voltages that each amplifier gives"},
-    [OPTION_DEVICE] =
-        {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
-         "the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is the controller; every bit compared with "
-         "the same C here. host-32, host-64: that C alone"},
-    [OPTION_IMAGE] =
-        {"--image", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
-         "control (influence matrix), linear (element matrices) or nonlinear (and the equilibrium solver at large rotation; "
-         "the scene needs kinematics: nonlinear); default control"},
+    [OPTION_CSV] = {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
+                    "a line a tick: tick, time (s), error of the shape over the scene's target, "
+                    "active (voltages at a limit), passes of "
+                    "the optimiser, status (pzs_status of the tick), lost (1: the controller did "
+                    "not run), missed (by the estimate of "
+                    "the shape), then the voltages that each amplifier gives"},
+    [OPTION_DEVICE] = {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
+                       "the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is "
+                       "the controller; every bit compared with "
+                       "the same C here. host-32, host-64: that C alone"},
+    [OPTION_IMAGE] = {"--image", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
+                      "control (influence matrix), linear (element matrices) or nonlinear (and "
+                      "the equilibrium solver at large rotation; "
+                      "the scene needs kinematics: nonlinear); default control"},
     [OPTION_QUASI_STATIC] =
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
          "also where vibration makes the control loop unstable at the scene's rate; the header "
@@ -196,7 +204,8 @@ const char *const command_notes[] = {
     "Compared in shape and simulate. Clipped least squares: voltages without limits, cut to the "
     "limits. Regularised, then clipped: the same with the one parameter that leaves the smallest "
     "error of the linear model, chosen knowing the answer.",
-    "The solver residual and the solver error estimate of `pzs solve` are those of the linear solve. The discretisation "
+    "The solver residual and the solver error estimate of `pzs solve` are those of the linear "
+    "solve. The discretisation "
     "error is not in them: solve on a second, finer mesh and compare.",
     "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.", NULL};
 

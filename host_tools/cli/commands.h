@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The commands and options of pzs as data. The parser (options.c), the help (help.c), the shell
  * completion and the manual page (manual.c) are made from these two tables.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Help (help.h). */
 #include "help.h"
 #include <string.h>

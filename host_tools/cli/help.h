@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Help of pzs from its tables of commands and options. */
 #ifndef HELP_H
 #define HELP_H

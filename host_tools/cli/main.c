@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pzs: host simulation and precomputation. One executable, a function per subcommand. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
@@ -466,7 +467,8 @@ static int judge_loop(analysis *analysis, char *error)
     return scene_fault(
         scene, scene->simulate.at, error,
         "unstable at %g ticks a second: the control step has no vibration model, first "
-        "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; --quasi-static writes "
+        "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; "
+        "--quasi-static writes "
         "the tables all the same",
         certificate->rate, certificate_first(certificate), certificate->radius,
         certificate->stable_rate);
@@ -589,9 +591,9 @@ static int command_new(const options *options)
 {
     const char *text = templates_text(options->word ? options->word : templates_name[0]);
     if (!text)
-        return options_refuse(
-            "scenes from measured influence matrices come with a later release; write plate, mirror or panel, not",
-            options->word);
+        return options_refuse("scenes from measured influence matrices come with a later release; "
+                              "write plate, mirror or panel, not",
+                              options->word);
     return fputs(text, stdout) < 0;
 }
 

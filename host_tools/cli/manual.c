@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The manual page and the shell completion (manual.h). */
 #include "manual.h"
 #include "commands.h"
@@ -101,10 +102,10 @@ void manual_page(FILE *file)
     fputs(".SH NOTES\n", file);
     for (int k = 0; command_notes[k]; k++)
         paragraph(file, command_notes[k]);
-    fputs(
-        ".SH ENVIRONMENT\n.TP\n.B PZS_SCENES\nFolder of the shipped scenes.\n.TP\n.B PZS_SOURCES\nFolder of the sources, for simulate \\-\\-device.\n.TP\n.B TMPDIR\n"
-        "Folder for the firmware that simulate \\-\\-device builds; default /tmp.\n",
-        file);
+    fputs(".SH ENVIRONMENT\n.TP\n.B PZS_SCENES\nFolder of the shipped scenes.\n.TP\n.B "
+          "PZS_SOURCES\nFolder of the sources, for simulate \\-\\-device.\n.TP\n.B TMPDIR\n"
+          "Folder for the firmware that simulate \\-\\-device builds; default /tmp.\n",
+          file);
 }
 
 /* ---- completion ------------------------------------------------------- */
@@ -169,11 +170,12 @@ static void complete_command(FILE *file, command_id command)
 
 void manual_completion(FILE *file)
 {
-    fputs(
-        "# bash completion of pzs, written by `pzs completion`\n_pzs()\n{\n"
-        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options= words= files=\n"
-        "    COMPREPLY=()\n    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        COMPREPLY=($(compgen -W \"",
-        file);
+    fputs("# bash completion of pzs, written by `pzs completion`\n_pzs()\n{\n"
+          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options= "
+          "words= files=\n"
+          "    COMPREPLY=()\n    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        COMPREPLY=($(compgen "
+          "-W \"",
+          file);
     command_names(file);
     fprintf(file, " %s %s\" -- \"$word\"))\n        return\n    fi\n    case $before in\n",
             option_table[OPTION_HELP].name, option_table[OPTION_VERSION].name);
@@ -181,10 +183,11 @@ void manual_completion(FILE *file)
     fputs("    esac\n    case ${COMP_WORDS[1]} in\n", file);
     for (int k = 0; k < COMMANDS; k++)
         complete_command(file, (command_id)k);
-    fputs(
-        "    esac\n    case $word in\n    -*) COMPREPLY=($(compgen -W \"$options\" -- \"$word\")) ;;\n"
-        "    *) COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
-        "       [ -z \"$files\" ] || COMPREPLY+=($(compgen -f -X '!*.yaml' -- \"$word\") $(compgen -d -- \"$word\")) ;;\n"
-        "    esac\n}\ncomplete -o filenames -F _pzs pzs\n",
-        file);
+    fputs("    esac\n    case $word in\n    -*) COMPREPLY=($(compgen -W \"$options\" -- "
+          "\"$word\")) ;;\n"
+          "    *) COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
+          "       [ -z \"$files\" ] || COMPREPLY+=($(compgen -f -X '!*.yaml' -- \"$word\") "
+          "$(compgen -d -- \"$word\")) ;;\n"
+          "    esac\n}\ncomplete -o filenames -F _pzs pzs\n",
+          file);
 }

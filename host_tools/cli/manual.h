@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The manual page and the shell completion of pzs, from its tables of commands and options. */
 #ifndef MANUAL_H
 #define MANUAL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The command line (options.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"

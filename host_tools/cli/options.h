@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The command line of pzs: its words, and the files that it names. */
 #ifndef OPTIONS_H
 #define OPTIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Output files (outfile.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "outfile.h"

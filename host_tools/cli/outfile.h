@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Output files that are whole or not there: written under a temporary name beside their own,
  * renamed at the end, removed when a step fails or a signal ends the program.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Results on standard output (print.h). */
 #include "print.h"
 #include <math.h>
@@ -200,17 +201,17 @@ static void print_path(const analysis *analysis)
     printf("  %u load step%s, %u linear systems, %s (%u negative pivots)\n", run->info.load_steps,
            run->info.load_steps == 1 ? "" : "s", run->info.linear_solves,
            run->info.negative_pivots ? "UNSTABLE" : "stable", run->info.negative_pivots);
-    printf(
-        "  settled to %.0e of the displacement (equilibrium.change), solver residual %.1e of the load\n",
-        run->settings.tolerance, run->info.residual);
+    printf("  settled to %.0e of the displacement (equilibrium.change), solver residual %.1e of "
+           "the load\n",
+           run->settings.tolerance, run->info.residual);
     print_contact(analysis);
 }
 
 /* What the solver's own checks leave out. */
 static void print_discretisation(void)
 {
-    puts(
-        "  discretisation error: not part of these figures; compare with a finer mesh, as --set mesh.theta1.elements=N\n");
+    puts("  discretisation error: not part of these figures; compare with a finer mesh, as --set "
+         "mesh.theta1.elements=N\n");
 }
 
 void print_solve(analysis *analysis, const double *value)
@@ -223,10 +224,10 @@ void print_solve(analysis *analysis, const double *value)
     if (analysis->nonlinear)
         print_path(analysis);
     else
-        printf(
-            "  linear solve: solver residual %.1e, solver error estimate %.1e in the energy norm, %d refinements\n",
-            analysis->model.info.residual, analysis->model.info.error_estimate,
-            analysis->model.info.refinements);
+        printf("  linear solve: solver residual %.1e, solver error estimate %.1e in the energy "
+               "norm, %d refinements\n",
+               analysis->model.info.residual, analysis->model.info.error_estimate,
+               analysis->model.info.refinements);
     print_discretisation();
     for (int k = 0; k < analysis->design.scene->outputs; k++)
         print_output(analysis, k, value);
@@ -365,11 +366,11 @@ static void print_choice(const shape_run *run)
     const double tolerance = run->analysis->design.scene->tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n",
            best->relinearised, best->relinearised == 1 ? "" : "s", best->linear_solves);
-    printf(
-        "the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware %s\n",
-        100 * cost_of_linear(run), 100 * tolerance,
-        strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
-                                                  : "needs the nonlinear image");
+    printf("the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware "
+           "%s\n",
+           100 * cost_of_linear(run), 100 * tolerance,
+           strcmp(image_needed(run), "control") == 0 ? "is served by the control or linear image"
+                                                     : "needs the nonlinear image");
 }
 
 /* Is output k a displacement of one node? */

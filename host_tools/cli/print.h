@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Results as text for people and as JSON for machines, on standard output. */
 #ifndef PRINT_H
 #define PRINT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The electrodes of a scene on standard output (print.h). */
 #include <math.h>
 #include <stdio.h>
@@ -41,9 +42,9 @@ void print_electrodes(analysis *analysis)
     }
     const double ratio = analysis_stiffening(analysis);
     if (isfinite(ratio))
-        printf(
-            "  open electrodes make the loaded shell stiffer than short ones by a factor of %.6f (coupling k2 = %.6f)\n",
-            ratio, 1 - 1 / ratio);
+        printf("  open electrodes make the loaded shell stiffer than short ones by a factor of "
+               "%.6f (coupling k2 = %.6f)\n",
+               ratio, 1 - 1 / ratio);
 }
 
 void print_electrodes_json(json *json, analysis *analysis)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The modes of a target on standard output (print.h). */
 #include <stdio.h>
 #include "print.h"

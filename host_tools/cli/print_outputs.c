@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The named outputs of a scene (print_outputs.h). */
 #include "print_outputs.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The named outputs of a scene on standard output, as text and as JSON. */
 #ifndef PRINT_OUTPUTS_H
 #define PRINT_OUTPUTS_H

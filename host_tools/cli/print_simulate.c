@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* A simulation in words and numbers (print_simulate.h). */
 #include "print_simulate.h"
 #include "print.h"
@@ -120,23 +121,24 @@ static void print_phases(const simulation *simulation)
         print_settled(phase);
         putchar('\n');
     }
-    puts(
-        "\n  errors of the shape over the scene's target; settled: ticks until within 5% of the way; step limit: ticks the step limit alone needs");
-    puts(
-        "  clipped: least squares without limits, cut to limits and step limit; regularised: the same with the\n"
-        "  one parameter that is best for the scene's target on the controller's model, chosen knowing\n"
-        "  the answer");
+    puts("\n  errors of the shape over the scene's target; settled: ticks until within 5% of the "
+         "way; step limit: ticks the step limit alone needs");
+    puts("  clipped: least squares without limits, cut to limits and step limit; regularised: the "
+         "same with the\n"
+         "  one parameter that is best for the scene's target on the controller's model, chosen "
+         "knowing\n"
+         "  the answer");
 }
 
 static void print_count(const simulation *simulation, simulate_law law)
 {
     const simulate_count *count = &simulation->count[law];
     const long run = simulate_ran(count);
-    printf(
-        "  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, %ld lost, %ld held, %ld with a doubted sensor, "
-        "%ld out of passes\n",
-        law_name[law], count->beyond, count->not_finite, run, count->missed,
-        count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
+    printf("  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, "
+           "%ld lost, %ld held, %ld with a doubted sensor, "
+           "%ld out of passes\n",
+           law_name[law], count->beyond, count->not_finite, run, count->missed,
+           count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
     if (law == LAW_CONTROLLER)
         printf("  %-10s iterations of the optimiser: %.2f a tick, %d at most of %d\n", "",
                run ? (double)count->iterations / (double)run : 0, count->iterations_most,
@@ -154,20 +156,20 @@ static void print_estimated(const simulation *simulation)
                         worst->course[LAW_CONTROLLER].missed
                     ? &simulation->phase[k]
                     : worst;
-    printf(
-        "  %-10s %d nodes estimated from %d sensors: off by %.3f%% of the target at the end of the phase from tick %d, less in the "
-        "others\n",
-        "", simulation->nominal->design.targets, simulation->estimator.sensors,
-        100 * worst->course[LAW_CONTROLLER].missed, worst->from);
+    printf("  %-10s %d nodes estimated from %d sensors: off by %.3f%% of the target at the end of "
+           "the phase from tick %d, less in the "
+           "others\n",
+           "", simulation->nominal->design.targets, simulation->estimator.sensors,
+           100 * worst->course[LAW_CONTROLLER].missed, worst->from);
 }
 
 static void print_found(const simulation *simulation)
 {
     const simulate_count *count = &simulation->count[LAW_CONTROLLER];
     if (simulation->nominal->design.scene->simulate.finds)
-        printf(
-            "  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of them in good order\n",
-            "", count->found, count->search, count->wrong);
+        printf("  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of "
+               "them in good order\n",
+               "", count->found, count->search, count->wrong);
 }
 
 static void print_board(const simulation *simulation)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* A simulation while it runs, as text for people, as JSON, and tick by tick as CSV. */
 #ifndef PRINT_SIMULATE_H
 #define PRINT_SIMULATE_H

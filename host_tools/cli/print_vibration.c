@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Natural frequencies on standard output (print_vibration.h). */
 #include "print_vibration.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Natural frequencies and the stability of the control loop on standard output. */
 #ifndef PRINT_VIBRATION_H
 #define PRINT_VIBRATION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Commented scenes to start from, which `pzs new` writes. */
 #ifndef TEMPLATES_H
 #define TEMPLATES_H

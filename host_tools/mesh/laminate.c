@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Stiffness, resultants and charges of a package of plies (laminate.h). */
 #include "laminate.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Mesh of a scene (mesh.h). */
 #include "mesh.h"
 #include <math.h>

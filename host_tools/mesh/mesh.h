@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mesh of a scene: nodes, elements, element types and the numbering of the free dof.
  *

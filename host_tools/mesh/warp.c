@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Share of the warp in the membrane shear of an element (warp.h). */
 #include "warp.h"
 #include <math.h>

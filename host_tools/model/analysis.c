@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* A scene run through the library (analysis.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "analysis.h"

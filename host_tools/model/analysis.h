@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Runs a scene through the library: assembly, factorisation, solution, influence matrix, voltages.
  * The memory is the host's, the code is that of the device.

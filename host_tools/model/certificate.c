@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Spectral radius and text of a control loop's certificate (certificate.h). */
 #include "certificate.h"
 #include <math.h>

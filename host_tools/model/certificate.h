@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Certificate of stability: whether the control step, which takes each shape for an equilibrium, is
  * stable on the same structure with mass.

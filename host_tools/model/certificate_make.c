@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Stability of the control loop of a scene (certificate_make.h). */
 #include "certificate_make.h"
 #include <math.h>

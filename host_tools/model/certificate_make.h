@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Computes the certificate of a scene's control loop. */
 #ifndef CERTIFICATE_MAKE_H
 #define CERTIFICATE_MAKE_H

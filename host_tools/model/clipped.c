@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Clipped least squares, regularised or not (clipped.h). */
 #include "clipped.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Clipped least squares, for comparison with the bounded optimum: least squares without limits,
  * then each voltage clipped to its limits. With Tikhonov regularisation,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Inputs and outputs of a scene as sparse rows (design.h). */
 #include "design.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A scene prepared for the library: its structure, with inputs as columns and outputs as rows, and,
  * once the influence matrix is known, its voltage problem. All arrays are in double.

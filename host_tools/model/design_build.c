@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Design of a scene (design_build.h). */
 #include "design_build.h"
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Builds the design of a scene. */
 #ifndef DESIGN_BUILD_H
 #define DESIGN_BUILD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Voltage problem of a scene (design.h). */
 #include "design.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Rows of the target on constrained dof, and the free functions of the target (design.h). With W
  * the weights and F the free functions at the target nodes, the projector P = I - F (F'W^2 F)^-1

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Eigenvalues of small dense matrices. */
 #ifndef EIGEN_H
 #define EIGEN_H

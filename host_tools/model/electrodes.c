@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Electrodes of a scene (electrodes.h). */
 #include "electrodes.h"
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The electrodes of a scene as the library's table: amplifiers of voltages and sensors, with the
  * charge that each input draws while the shell does not deform.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Equilibrium solver of a scene and its tables (equilibrium.h). */
 #include "equilibrium.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Equilibrium of a scene under nonlinear kinematics: prescribed resultants, prescribed
  * displacements, follower loads and contact as the library's tables, and an equilibrium solver that

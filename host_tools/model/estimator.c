@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Estimation of the shape from a few sensors (estimator.h). */
 #include "estimator.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Gains by which a firmware estimates the shape from a few sensors, and how well these determine
  * the shape.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Mass matrix of a mesh (mass.h). */
 #include "mass.h"
 #include <stdio.h>

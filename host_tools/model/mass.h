@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mass matrix of a mesh: element matrices from the densities of the plies that are present, for the
  * same dof as the stiffness.

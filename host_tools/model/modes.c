@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Modes of a target, one at a time (modes.h). */
 #include "modes.h"
 #include <math.h>

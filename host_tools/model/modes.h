@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Results for each of the shapes that a target lists as modes, taken as the target alone: its error
  * without voltage limits, at the optimum within limits, and for clipped least squares.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Plausibility rules (plausible.h). To add one: a function that measures, a row of the table
  * `rules`. */
 #include "plausible.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Plausibility of a scene and of its results: rules that compare a number with its usual range, or
  * with the range in which the theory holds. A number outside is a warning: the result is valid, but

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Measured numbers of the plausibility rules; shared by the files plausible*.c. */
 #ifndef PLAUSIBLE_PARTS_H
 #define PLAUSIBLE_PARTS_H

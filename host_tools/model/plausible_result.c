@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Plausibility of voltages and displacements (plausible_parts.h). */
 #include "plausible_parts.h"
 

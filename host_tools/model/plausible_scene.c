@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Plausibility of the numbers of a scene (plausible_parts.h). */
 #include "plausible_parts.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Weighted least squares without voltage limits, for comparison with the bounded optimum:
  *

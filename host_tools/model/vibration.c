@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Natural frequencies and mode shapes (vibration.h). */
 #include "vibration.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Natural frequencies and mode shapes of a structure in its reference state with short-circuited
  * electrodes: K x = w^2 M x, the lowest ones, by a band Lanczos method on (K + shift M)^-1 M with

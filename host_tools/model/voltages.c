@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Voltages for a target (voltages.h). */
 #include "voltages.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Voltages for a scene's target: the bounded optimum on the linear or the nonlinear structure, and
  * others for comparison. Each result contains voltages and the shape that they cause on the

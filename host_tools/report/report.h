@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Pictures of a result: an HTML page with SVG drawings, its main picture as an SVG file, and a VTK
  * file for ParaView. Each function returns 0, or -1 when memory runs out, a solve fails or the file

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The rigid body of a contact in a picture (report_shell.h). */
 #include <math.h>
 #include "report_shell.h"

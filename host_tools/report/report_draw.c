@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Drawing layer of the report (report_draw.h). */
 #include "report_draw.h"
 #include <float.h>

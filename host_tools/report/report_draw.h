@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Drawing layer of the report: pictures, lines, colours, axes, a view of space. Pixels, y down. */
 #ifndef REPORT_DRAW_H
 #define REPORT_DRAW_H

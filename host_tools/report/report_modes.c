@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Modes of a target on a page (report_page.h). */
 #include <math.h>
 #include "report_page.h"

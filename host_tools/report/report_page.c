@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Frame of the pages and of stand-alone pictures, shapes and their misfit (report_page.h). */
 #include "report_page.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * What the pages of the report share: their frame, the structure in words, misfits and their
  * picture.

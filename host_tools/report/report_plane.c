@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The parameter plane of a shell: maps and voltages (report_shell.h). */
 #include "report_shell.h"
 #include <math.h>

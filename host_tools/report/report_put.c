@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Text of the report pages (report_put.h). */
 #include "report_put.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Text of the report pages: escaped words, numbers, tables. It is UTF-8 and well-formed XML. */
 #ifndef REPORT_PUT_H
 #define REPORT_PUT_H

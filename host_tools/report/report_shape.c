@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Page of `pzs shape` (report.h). */
 #include <math.h>
 #include <stdlib.h>

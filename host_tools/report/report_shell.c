@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Surface, mesh lines and marks of a shell in a picture (report_shell.h). */
 #include "report_shell.h"
 #include <math.h>

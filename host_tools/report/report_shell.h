@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A shell in a picture, in space or over its parameter plane: coloured surface, mesh lines,
  * marks, voltages.

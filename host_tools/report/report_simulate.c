@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Page of `pzs simulate` (report_simulate.h). */
 #include "report_simulate.h"
 #include "../simulate/simulate_words.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Page of `pzs simulate`: errors, voltages and active limits over time, shapes at the end of each
  * phase.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The structure in words (report_page.h): layers, materials, supports, loads, contact, actuators,
  * target.

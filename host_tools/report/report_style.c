@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Colours and style sheets of the report (report_draw.h): light, dark, pages, single pictures. */
 #include <math.h>
 #include <string.h>

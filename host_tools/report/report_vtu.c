@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Displacements for ParaView (report.h). */
 #include <math.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Expressions of scenes: operator precedence parsing (shunting yard) to reverse Polish code, all
  * stacks bounded. */
 #include "expr.h"
@@ -198,10 +199,9 @@ static int take_word(parser *parser)
         end++;
     w = find_word(start, (size_t)(end - start));
     if (!w)
-        return fault(
-            parser,
-            "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin acos atan sqrt exp log "
-            "abs min max atan2 pow hypot zernike");
+        return fault(parser, "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin "
+                             "acos atan sqrt exp log "
+                             "abs min max atan2 pow hypot zernike");
     parser->at = end;
     if (w->arguments == 0) {
         if (w->op != OP_NUMBER)

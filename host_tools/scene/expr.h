@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Arithmetic expressions of scenes: numbers, x y z theta1 theta2 pi, + - * / ^ ( ), common
  * functions, and zernike(j, rho, phi): Zernike's polynomial of Noll's number j, of root mean square

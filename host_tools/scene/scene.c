@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Scenes (scene.h): release, names of amplifiers and sensors, faults found after reading. */
 #include "scene.h"
 

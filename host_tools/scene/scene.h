@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A scene: everything a user says about a structure, read from YAML and checked.
  * Plain data in the units of the scene, angles of plies in degrees; nothing here is derived.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What no single section of a scene can know: names, poles, thickness, mesh lines, overlaps, what
  * loads need. */
 #include "scene_parts.h"

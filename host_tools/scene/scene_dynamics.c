@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Section of a scene that says what its vibration needs besides densities: dynamics. */
 #include "scene_parts.h"
 

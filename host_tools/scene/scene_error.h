@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Places in a scene file, and the room for one error message about such a place. */
 #ifndef SCENE_ERROR_H
 #define SCENE_ERROR_H

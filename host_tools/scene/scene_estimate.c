@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Section of a scene that says from which outputs the firmware knows the shape: estimate. */
 #include "scene_parts.h"
 
@@ -63,10 +64,10 @@ int read_estimate(reader *reader, int node, void *to, const void *rule)
     scene->estimate.volts = -1;
     scene->estimate.tolerance = 0.5;
     if (!scene->target.given)
-        return tree_fault(
-            reader->t, node,
-            "an estimate needs a target, whose nodes it is for; add target: {u3: middle, at: nodes, "
-            "value: ...}");
+        return tree_fault(reader->t, node,
+                          "an estimate needs a target, whose nodes it is for; add target: {u3: "
+                          "middle, at: nodes, "
+                          "value: ...}");
     if (read_map(reader, node, fields, &scene->estimate) != 0)
         return -1;
     scene->estimate.given = 1;

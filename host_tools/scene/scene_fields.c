@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Reading mappings by tables, and the plain kinds of values. */
 #include "scene_fields.h"
 

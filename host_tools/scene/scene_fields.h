@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Mappings of a scene read by tables: one row a key, with the reader of its value and the value's
  * rule. */
 #ifndef SCENE_FIELDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sections of a scene that say what holds, loads and touches it: supports, loads, contact. */
 #include "scene_parts.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sections of a scene that say what it is made of: element, materials, layers, patches. */
 #include "scene_parts.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The sections of a scene, each read by one function; the whole is checked afterwards. */
 #ifndef SCENE_PARTS_H
 #define SCENE_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Places, faces and directions: the words that supports, loads, contact and outputs share. */
 #include "scene_parts.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Reading of a scene (scene_read of scene.h): the table of its sections and their defaults. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The functions of scene_reader.h: text, place and name of nodes and items. */
 #include "scene_reader.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What every function that reads a part of a scene gets: the tree of the file and the scene read so
  * far. */
 #ifndef SCENE_READER_H

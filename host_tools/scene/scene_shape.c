@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sections of a scene that say what shape it has: surface and mesh. */
 #include "scene_parts.h"
 

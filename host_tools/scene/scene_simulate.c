@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Section of a scene that says what the controller has to live with: plant, sensors, amplifiers,
  * events. */
 #include "scene_parts.h"
@@ -82,9 +83,9 @@ static int read_sight(reader *reader, int node, void *to, const void *rule)
     simulate->sight = (scene_sight)sight;
     if (sight == SIGHT_MEASURED || reader->s->estimate.given)
         return 0;
-    return tree_fault(
-        reader->t, node,
-        "an estimated shape needs readings; add estimate: {readings: [{output: name, noise: 1e-6}]}");
+    return tree_fault(reader->t, node,
+                      "an estimated shape needs readings; add estimate: {readings: [{output: name, "
+                      "noise: 1e-6}]}");
 }
 
 static int read_measurement(reader *reader, int node, void *to, const void *rule)
@@ -270,10 +271,10 @@ static int check_event(reader *reader, int node, const event_text *text)
         return tree_fault(reader->t, node,
                           "'told' belongs to dead and stuck electrodes; remove it");
     if (text->known_given && type == EVENT_TEMPERATURE)
-        return tree_fault(
-            reader->t, node,
-            "a known temperature is a load of the scene; add {temperature: 1} to loads, write its number and "
-            "the kelvin as load and amount");
+        return tree_fault(reader->t, node,
+                          "a known temperature is a load of the scene; add {temperature: 1} to "
+                          "loads, write its number and "
+                          "the kelvin as load and amount");
     if (text->known_given && type != EVENT_LOAD)
         return tree_fault(reader->t, node, "'known' belongs to a load; remove it");
     return 0;
@@ -281,9 +282,9 @@ static int check_event(reader *reader, int node, const event_text *text)
 
 static int read_event(reader *reader, int node, scene_event *event)
 {
-    static const range waits = {
-        0, 1e7, 0,
-        "must be ticks from 0, or found: the controller finds it; leave it out and it is never told"};
+    static const range waits = {0, 1e7, 0,
+                                "must be ticks from 0, or found: the controller finds it; leave it "
+                                "out and it is never told"};
     static const field fields[] = {{"at", read_event_at, 0, NULL, 1},
                                    {"target", read_event_type, 0, &event_types[0], 0},
                                    {"value", read_event_type, 0, &event_types[1], 0},

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sections of a scene that say what drives it and is asked: equilibrium, actuators, sensors,
  * limits, outputs ... */
 #include "scene_parts.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Numbers of a scene that carry units: the dimension of every numeric key, and the conversion to
  * the scene's units. */
 #include "scene_units.h"

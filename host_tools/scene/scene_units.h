@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Numbers of a scene that carry units, as "0.3 mm": what each key measures, and the conversion to
  * the scene's units. Times are in seconds, angles in the unit of their key; the unit of mass

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Cubic splines (spline.h). A coordinate is described by its values y_i and second derivatives m_i
  * at the knots. They minimise sum (p_i - y_i)^2 + lambda integral m^2 under one condition per knot:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Cubic splines of a plane curve over the chord length between its points, interpolating or
  * smoothing. */
 #ifndef SPLINE_H

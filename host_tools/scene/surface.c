@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Reference surfaces (surface.h): plates, cylinders over a plane curve, surfaces of revolution. A1
  * never depends on theta2, so B2 = 0.

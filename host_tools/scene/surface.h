@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Reference surfaces in orthogonal lines of curvature: position, triad, metric, curvatures. */
 #ifndef SURFACE_H
 #define SURFACE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Units of measurement (units.h). */
 #include "units.h"
 

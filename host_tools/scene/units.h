@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Units of measurement: text such as "mm", "N/m2", "C/(m2 K)" or "1/K" to powers of six base units
  * and a power of ten.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* YAML documents as trees: building from libyaml's events, changes from the command line, messages.
  */
 #define _POSIX_C_SOURCE 200809L

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A YAML document as a tree of plain nodes that remember where they were written, and the fault
  * messages that say so. Bounded in size and depth; one document; aliases are copied in.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* A firmware in the loop (device.h). */
 #define _XOPEN_SOURCE 700
 #include "device.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The controller of a simulation as firmware: built from firmware_demo with the tables of the
  * simulation, run by QEMU on a board's processor, or as a program of this computer, with the plant

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The structure of a simulation (plant.h). */
 #include "plant.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The structure as it is, for a simulation: the scene's with other constants, loads of any amount
  * and a temperature. Its controller knows none of that. Quasi-static: each shape is an equilibrium.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The closed loop (simulate.h). */
 #include "simulation.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* One closed loop, tick by tick (simulate_loop.h). */
 #include "simulate_loop.h"
 #include <math.h>

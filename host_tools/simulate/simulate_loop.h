@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* One closed loop of a simulation, tick by tick: schedule, sensors, controller, amplifiers,
  * electrodes. */
 #ifndef SIMULATE_LOOP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What the controller gets to know of a closed loop: sensors, the shape from few of them, known
  * loads (simulate_loop.h). */
 #include "simulate_loop.h"

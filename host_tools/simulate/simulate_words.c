@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Texts on a simulation (simulate_words.h). */
 #include "simulate_words.h"
 #include <stdio.h>

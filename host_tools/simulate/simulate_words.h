@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Texts on a simulation that the report pages and the terminal share. */
 #ifndef SIMULATE_WORDS_H
 #define SIMULATE_WORDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A closed loop on the host: the library's controller with the tables of the scene, a plant it does
  * not quite know, sensors and amplifiers with their faults, and the scene's schedule. Quasi-static,

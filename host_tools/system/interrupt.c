@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Cleaning up on a signal (interrupt.h). The handler calls only what POSIX allows in one. */
 #define _POSIX_C_SOURCE 200809L
 #include "interrupt.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * What a signal that ends the program (SIGINT, SIGTERM, SIGHUP) must not leave behind: temporary
  * files, a temporary folder, a running program. The one place of the host tools with global state,

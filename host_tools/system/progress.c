@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Progress on a terminal (progress.h). The handler of the timer calls only what POSIX allows in
  * one. */
 #define _XOPEN_SOURCE 700

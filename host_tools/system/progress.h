@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * What a long command is doing, on standard error where that is a terminal: from the third second
  * on one line, renewed twice a second by a timer and wiped out before the results. Nothing anywhere

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The scenes that are shipped: their folder, their files, the list of them. */
 #ifndef SHIPPED_H
 #define SHIPPED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Arrays of generated C tables (emit.h). Numbers have 17 significant digits and are rounded once,
  * by the device's compiler, to its pzs_real; a table therefore has a checksum for either precision.

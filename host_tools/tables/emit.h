@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Writes arrays as C source and accumulates their checksum in float and their size. */
 #ifndef EMIT_H
 #define EMIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Blocks of the control tick that a scene needs (loop_blocks.h). */
 #include "loop_blocks.h"
 #include <ctype.h>

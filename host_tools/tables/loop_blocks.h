@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Blocks of the control tick that a scene needs: for the loop on the host, and as C source for a
  * firmware. The table in loop_blocks.c is the only list of block types.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Generated C tables (tables.h). */
 #include "tables.h"
 #include <ctype.h>

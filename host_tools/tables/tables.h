@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Writes generated C tables: the arrays of a design as const data for a firmware. */
 #ifndef TABLES_H
 #define TABLES_H

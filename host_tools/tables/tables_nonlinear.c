@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Nonlinear part of the generated tables (tables_nonlinear.h). */
 #include "tables_nonlinear.h"
 #include <stdlib.h>

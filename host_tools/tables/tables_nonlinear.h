@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tables of the equilibrium solver: prescribed resultants, follower loads, contact, settings, and
  * the equilibrium that the host computed. */
 #ifndef TABLES_NONLINEAR_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* JSON output (json.h). */
 #include "json.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* JSON output: objects, arrays, numbers and strings, commas in the right places. */
 #ifndef JSON_H
 #define JSON_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Suggestions for mistyped words (suggest.h). */
 #include "suggest.h"
 #include <stdio.h>

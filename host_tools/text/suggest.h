@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The name that a mistyped word was most likely meant to be. */
 #ifndef SUGGEST_H
 #define SUGGEST_H

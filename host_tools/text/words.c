@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Units of the numbers of a scene (words.h). */
 #include "words.h"
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Units of the numbers of a scene, for reports, terminal and JSON alike. */
 #ifndef WORDS_H
 #define WORDS_H

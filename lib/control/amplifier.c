@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Amplifiers that give whole converter steps only and do not follow changes inside a dead band.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser (boxls.h): a primal active-set method on one symmetric matrix, the tableau
  * (boxls_tableau.h). F is the free set, A the active set.

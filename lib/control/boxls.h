@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Box-constrained least squares: an active-set method whose every iterate is feasible.
  *

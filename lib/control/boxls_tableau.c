@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The tableau of the voltage optimiser (boxls_tableau.h). */
 #include <string.h>
 #include "boxls_tableau.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The tableau of the voltage optimiser: one symmetric matrix that takes the place of the Hessian H.
  * F is the free set (inputs that may move together), A the active set (inputs that stay):

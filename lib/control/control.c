@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Controller set-up, voltage step and control tick (pzs_control.h).
  *

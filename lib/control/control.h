@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Controller internals shared with the optional blocks of the tick. */
 #ifndef PZS_LIB_CONTROL_H
 #define PZS_LIB_CONTROL_H

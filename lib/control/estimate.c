@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Estimator: the shape from a few sensors and the model,  y = B v + G (s - S v). B v is the shape
  * that the voltages make. G (s - S v) is the most probable shape of the other causes, given the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Checksums of the tables of estimation and feed-forward, for those who make them. */
 #ifndef PZS_LIB_ESTIMATE_H
 #define PZS_LIB_ESTIMATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Fault detector: finds electrodes that do not follow their amplifiers, from the measured shape.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The shape, or the readings, that known loads make: y = K a, subtracted before the controller sees
  * it. Work of a tick: (sensors + outputs) loads multiply-adds.

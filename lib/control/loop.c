@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The control loop: a list of blocks, all laid out in one workspace and run in the order of the
  * list.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What the parts of the voltage optimiser share: how far loops over the entries of its vectors go.
  */
 #ifndef PZS_LIB_OPTIMISER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Checksum of the voltage problem (control.h). */
 #include "control.h"
 #include "../core/guard.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sensor check of measurements against expected values (sensor_check.h). */
 #include "sensor_check.h"
 #include "../core/numbers.h"

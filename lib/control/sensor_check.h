@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sensor check: differences between measurements and the values expected of them. Measurements that
  * are missing or stuck are rejected. */
 #ifndef PZS_LIB_SENSOR_CHECK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The control step, pzs_tick, as a block of the loop. */
 #include "pzs_loop.h"
 

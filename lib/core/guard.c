@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Checksums and tests for finite numbers (guard.h). */
 #include "guard.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Checks of data before use: checksums of tables, finite numbers, size of a workspace. */
 #ifndef PZS_LIB_GUARD_H
 #define PZS_LIB_GUARD_H

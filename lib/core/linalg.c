@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Symmetric linear systems in envelope storage (linalg.h): left-looking L D L', tile by tile. */
 #include "linalg.h"
 #include "unrolled.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Symmetric linear systems in envelope storage: dense, banded and skyline matrices in one form.
  *

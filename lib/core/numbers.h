@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Absolute value, clamping and finiteness of a real number. */
 #ifndef PZS_LIB_NUMBERS_H
 #define PZS_LIB_NUMBERS_H

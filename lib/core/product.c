@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Products of tables and vectors (product.h). */
 #include <string.h>
 #include "product.h"

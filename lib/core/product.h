@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Products of tables and vectors, with the same bits at any vector width. */
 #ifndef PZS_LIB_PRODUCT_H
 #define PZS_LIB_PRODUCT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Texts of the statuses and of the version. */
 #include "pzs_base.h"
 

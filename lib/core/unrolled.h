@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * UNROLLED before a loop of a small, constant count tells the compiler to unroll it, so that its
  * sums stay in registers. It changes only the speed.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Electrodes in the undeformed state (pzs_model.h). The voltage of an open electrode is one more
  * unknown, coupled to the whole shell under it. It is eliminated by a Schur complement on the

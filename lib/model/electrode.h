@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Electrodes in the undeformed state: internals that open electrodes at a deformed shape use too.
  */

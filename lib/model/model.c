@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The linear image: assemble, factor, solve, and the influence matrix (pzs_model.h). */
 #include "model.h"
 #include "../core/guard.h"

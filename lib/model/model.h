@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Internals of the linear model that the electrodes and the nonlinear solver use: assembly,
  * gathering and solving over the free dof of a structure. In all functions `node` lists `count`

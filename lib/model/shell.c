@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The GEX7P4 element: undeformed state and resultants at a displacement (shell.h). */
 #include "shell.h"
 #include "shell_corner.h"

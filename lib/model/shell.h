@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The GEX7P4 element: one table-driven kernel for every formulation.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Constants of the GEX7P4 element that its two files share: shell.c (undeformed state, resultants)
  * and shell_at.c (tangent at a deformed shape). */
 #ifndef PZS_LIB_SHELL_CORNER_H

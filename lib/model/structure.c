@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Checksum of a structure (model.h). */
 #include "model.h"
 #include "../core/guard.h"

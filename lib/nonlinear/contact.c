@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Contact with a rigid convex body (pzs_nonlinear.h): a primal-dual active-set method with a
  * proximal multiplier, inside Newton's method.

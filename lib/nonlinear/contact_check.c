@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Penetration between the nodes and during a load step (contact_check.h). */
 #include "contact_check.h"
 #include "face.h"

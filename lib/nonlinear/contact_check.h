@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Checks of a contact beyond its active set of nodes: points between the nodes, the other face of
  * the shell, and the motion of both faces relative to the body during one load step.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages V are unknowns of the same
  * Newton's method,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Displacement, force and normal of a face of the shell (face.h). */
 #include "face.h"
 #include "../model/model.h"

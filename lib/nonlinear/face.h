@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A face of the shell (0 inner, 1 outer), to which loads and contact apply. It lies at height z =
  * -h/2 or h/2 above the mean of the two faces. The displacement of the face in the triad of a node

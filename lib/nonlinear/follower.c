@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h).
  *

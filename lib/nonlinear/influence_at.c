@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Influence at a deformed shape (pzs_nonlinear.h), by the factored tangent there. Where follower
  * loads make the exact tangent unsymmetric, each column is corrected by generalised conjugate

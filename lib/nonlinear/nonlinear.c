@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Equilibrium at large rotation by Newton's method with independent resultants (pzs_nonlinear.h).
  */

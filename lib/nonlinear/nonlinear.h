@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * How follower loads, contacts and open electrodes take part in the equilibrium solver, and the
  * internals of the solver that they use. An option is a struct that begins with a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tangent of the GEX7P4 element at a deformed shape (shell.h), in closed form.
  *

@@ -91,7 +91,7 @@ int main(void)
                 last = t.ratio;
             }
         }
-    puts(
-        "(error against converged answers of this element family, good to .2 %; scene: reading, mesh, element matrices, first factor)");
+    puts("(error against converged answers of this element family, good to .2 %; scene: reading, "
+         "mesh, element matrices, first factor)");
     return 0;
 }

@@ -183,14 +183,14 @@ static int show(int json, const char *what, const struct size *s, double ours, d
 {
     const double ratio = peer / ours;
 
-    printf(
-        json
-            ? "{\"task\":\"%s\",\"bits\":%d,\"tile\":%d,\"n\":%d,\"half_bandwidth\":%d,\"us\":%.2f,\"peer_us\":%.2f,"
-              "\"ratio\":%.2f,\"target\":%.1f,\"pass\":%s,\"core\":\"%s\",\"difference\":%.1e}\n"
-            : "%-7s %4d %4d %7d %5d %11.2f %11.2f %7.2f %7.1f  %-5s %-9s %.1e\n",
-        what, PZS_REAL_BITS, PZS_TILE, s->n, s->band, ours, peer, ratio, target,
-        ratio >= target ? (json ? "true" : "pass") : (json ? "false" : "FAIL"), r->core,
-        r->difference);
+    printf(json
+               ? "{\"task\":\"%s\",\"bits\":%d,\"tile\":%d,\"n\":%d,\"half_bandwidth\":%d,\"us\":%."
+                 "2f,\"peer_us\":%.2f,"
+                 "\"ratio\":%.2f,\"target\":%.1f,\"pass\":%s,\"core\":\"%s\",\"difference\":%.1e}\n"
+               : "%-7s %4d %4d %7d %5d %11.2f %11.2f %7.2f %7.1f  %-5s %-9s %.1e\n",
+           what, PZS_REAL_BITS, PZS_TILE, s->n, s->band, ours, peer, ratio, target,
+           ratio >= target ? (json ? "true" : "pass") : (json ? "false" : "FAIL"), r->core,
+           r->difference);
     return ratio < target;
 }
 

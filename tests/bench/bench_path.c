@@ -217,8 +217,8 @@ int main(void)
         for (int e = 0; e < 2; e++)
             for (const grid *g = ladders[c].pair; g->n[0]; g++)
                 extrapolated(&ladders[c], elements[e], g);
-    puts(
-        "\nNewton's method with independent resultants against the plain one, which needs load steps; those that do not settle are halved");
+    puts("\nNewton's method with independent resultants against the plain one, which needs load "
+         "steps; those that do not settle are halved");
     for (int c = 0; c < 2; c++)
         for (int e = 0; e < 2; e++)
             for (const grid *g = ladders[c].plain; g->n[0]; g++)

@@ -295,8 +295,10 @@ static void row(int n, int m, int active, int json)
     }
     const char *form =
         json
-            ? "{\"bench\": \"step\", \"n\": %d, \"m\": %d, \"active\": %d, \"us\": %.3f, \"worst_us\": %.3f, "
-              "\"solver_us\": %.3f, \"daqp_us\": %.3f, \"daqp_worst_us\": %.3f, \"daqp_solver_us\": %.3f, "
+            ? "{\"bench\": \"step\", \"n\": %d, \"m\": %d, \"active\": %d, \"us\": %.3f, "
+              "\"worst_us\": %.3f, "
+              "\"solver_us\": %.3f, \"daqp_us\": %.3f, \"daqp_worst_us\": %.3f, "
+              "\"daqp_solver_us\": %.3f, "
               "\"ratio\": %.3f, \"worst_ratio\": %.3f, \"passes_most\": %d, \"difference\": %.1e}\n"
             : "%3d %4d %6d   %6.3f %6.3f %6.3f   %6.3f %6.3f %6.3f   %5.2f %5.2f   %3d %8.1e\n";
     printf(form, n, m, active, mean[0][0], worst[0][0], mean[0][1], mean[1][0], worst[1][0],
@@ -311,8 +313,8 @@ int main(int argc, char **argv)
     const int json = argc > 1 && strcmp(argv[1], "--json") == 0;
 
     if (!json)
-        printf(
-            "microseconds          ours: all  worst solver   DAQP: all worst solver   ratio worst  most passes, difference\n");
+        printf("microseconds          ours: all  worst solver   DAQP: all worst solver   ratio "
+               "worst  most passes, difference\n");
     for (int n = 25; n <= 50; n += 25)
         for (int k = 0; k < 3; k++)
             row(n, n == 25 ? 121 : 242, k == 0 ? 0 : k == 1 ? 5 : 15, json);

@@ -10,7 +10,7 @@ if tap_needs "$CLANG_FORMAT" 'layout'; then
     tap $? 'layout of clang-format (else: make format)'
 fi
 # shellcheck disable=SC2086
-awk 'length($0) > 100 { print FILENAME ":" FNR ": " length($0) " columns" }' $files >"$scratch/found"
+LC_ALL=C.UTF-8 grep -nE '^.{101,}' $files >"$scratch/found"
 [ ! -s "$scratch/found" ]
 tap $? 'lines of at most 100 columns'
 tap_end

@@ -17,7 +17,8 @@
 #define METRIC_OFF "element={kinematics: cartesian, metric: off};"
 /* The upper layer of PLATE alone, with one electrode. */
 #define ONE_LAYER                                                                                  \
-    "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: upper}];"
+    "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: "     \
+    "upper}];"
 
 static const char *const elements[3] = {PUBLISHED, IMPROVED, IMPROVED "unknowns=6;"};
 

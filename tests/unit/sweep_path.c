@@ -73,12 +73,12 @@ static void add(tally *to, const tally *from)
 
 static void print(const char *name, const tally *t)
 {
-    printf(
-        "# %-34s %5ld runs: one step %4ld (%5ld systems, most %2ld), cut %3ld (%5ld), diverged %ld limit %ld budget %ld (%ld); "
-        "unstable %ld, residual %.1e, %.2g roundings\n",
-        name, t->runs, t->one_step, t->systems_one, t->most_one, t->cut, t->systems_cut,
-        t->failed[0], t->failed[1], t->failed[PZS_E_SOLVES - PZS_E_DIVERGED], t->systems_failed,
-        t->unstable, t->residual, t->rounding);
+    printf("# %-34s %5ld runs: one step %4ld (%5ld systems, most %2ld), cut %3ld (%5ld), diverged "
+           "%ld limit %ld budget %ld (%ld); "
+           "unstable %ld, residual %.1e, %.2g roundings\n",
+           name, t->runs, t->one_step, t->systems_one, t->most_one, t->cut, t->systems_cut,
+           t->failed[0], t->failed[1], t->failed[PZS_E_SOLVES - PZS_E_DIVERGED], t->systems_failed,
+           t->unstable, t->residual, t->rounding);
 }
 
 /* What one rounding of the displacement is worth in path->residual. */

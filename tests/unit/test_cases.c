@@ -257,7 +257,8 @@ static void test_patch(void **state)
             changes, sizeof changes,
             "%s;loads=[{line: theta1+, u1: 0.7, on: outer}, {line: theta1+, u1: -0.7, on: inner}, "
             "{line: theta1-, u1: -0.7, on: outer}, {line: theta1-, u1: 0.7, on: inner}];"
-            "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean, u1 difference, u2 difference]}, "
+            "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean, u1 "
+            "difference, u2 difference]}, "
             "{at: {theta1: 1.2, theta2: 0}, fix: [u2 mean]}]",
             elements[e]);
         solve_run(&r, "tests/rigs/scenes/patch.yaml", changes);
@@ -308,7 +309,8 @@ static void shape_of(scene_run *r, const char *changes, voltages *result)
 }
 
 #define FIVE                                                                                       \
-    ";mesh.theta1.elements=40;patches.low.grid=[5, 1];patches.up.grid=[5, 1];actuators.v.drives=[{patches: up, factor: 1}, {patches: low, factor: 1}]"
+    ";mesh.theta1.elements=40;patches.low.grid=[5, 1];patches.up.grid=[5, "                        \
+    "1];actuators.v.drives=[{patches: up, factor: 1}, {patches: low, factor: 1}]"
 
 /* Law: a parabola of unit curvature asks the same voltage, 4 E t^2/(3 e31) across each layer's
  * half, of every electrode. */
@@ -337,12 +339,12 @@ static void test_tip_force(void **state)
     static const double beam[5] = {-1615.4, -1186.3, -884.5, -512.3, -190.4};
     scene_run r;
     voltages result;
-    shape_of(
-        &r,
-        PUBLISHED FIVE
-        ";actuators.v.applied=0;target={u3: middle, at: nodes, value: 0, weight: area}"
-        ";loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.5e-3}, {point: {theta1: 0.1, theta2: 0.005}, u3: 0.5e-3}]",
-        &result);
+    shape_of(&r,
+             PUBLISHED FIVE
+             ";actuators.v.applied=0;target={u3: middle, at: nodes, value: 0, weight: area}"
+             ";loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.5e-3}, {point: {theta1: 0.1, theta2: "
+             "0.005}, u3: 0.5e-3}]",
+             &result);
     for (int k = 0; k < 5; k++)
         assert_true(fabs(2 * result.voltage[k] / beam[k] - 1) < (k < 4 ? 1.2e-3 : 1e-2));
     assert_true(fabs(result.error - 0.00053) < 1e-5);
@@ -641,9 +643,9 @@ static void test_area_weights(void **state)
     (void)state;
     scene_run r;
     double sum = 0;
-    solve_run(
-        &r, "tests/rigs/scenes/free-bimorph.yaml",
-        "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, weight: area}");
+    solve_run(&r, "tests/rigs/scenes/free-bimorph.yaml",
+              "mesh.theta1={points: [0, 0.03, 0.05, 0.1]};target={u3: mean, at: nodes, value: 0, "
+              "weight: area}");
     const design *design = &r.analysis.design;
     for (int i = 0; i < design->targets; i++)
         sum += design->weight[i] * design->weight[i] +

@@ -163,9 +163,9 @@ static void random_problems_are_solved(void **state)
         if (dump != NULL && (long)k < dump_count)
             write_problem(&desk);
     }
-    print_message(
-        "%d problems, %u steps: excess at most %.2Lg of what is allowed, optimality %.1e, %.1f passes a step, at most %u\n",
-        RANDOM_PROBLEMS, steps, worst, kkt, (double)passes / steps, most);
+    print_message("%d problems, %u steps: excess at most %.2Lg of what is allowed, optimality "
+                  "%.1e, %.1f passes a step, at most %u\n",
+                  RANDOM_PROBLEMS, steps, worst, kkt, (double)passes / steps, most);
     assert_true(worst <= 1 && kkt <= KKT_TOLERANCE);
 }
 

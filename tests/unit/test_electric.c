@@ -106,7 +106,8 @@ static void test_circuits(void **state)
 
 #define FOUR                                                                                       \
     "patches=[{name: up, layer: upper, grid: [3, 2]}, {name: low, layer: lower, grid: [3, 2]}];"   \
-    "actuators=[{name: v, drives: [{patches: up, factor: 0.7}]}];sensors.0.drives=[{patches: low, factor: -1.3}];outputs=[];"
+    "actuators=[{name: v, drives: [{patches: up, factor: 0.7}]}];sensors.0.drives=[{patches: "     \
+    "low, factor: -1.3}];outputs=[];"
 
 static double random_part(void)
 {

@@ -17,11 +17,15 @@
 
 /* The plate bent by its upper patches, its lower ones sensors; a pressure, a force at a corner, ten
  * readings of displacement. */
-#define STRAINS                                                                                                                                 \
-    "materials.G1195.permittivity=1.5e-8;actuators.0.drives=[{patches: up}];limits.voltage=[-300, 300];"                                        \
-    "sensors=[{name: s, drives: [{patches: low}]}];loads=[{face: outer, pressure: 20}, {point: {theta1: 0.2, theta2: 0}, z: 0.1}];"             \
-    "outputs=[{name: strain, voltage: s}, {name: tip, u3: middle, edge: theta1+}, {name: corner, u3: middle, at: {theta1: 0.2, theta2: 0.2}}, " \
-    "{name: middle, u3: middle, at: {theta1: 0.2, theta2: 0.1}}, {name: all, u3: middle, at: nodes}];"
+#define STRAINS                                                                                    \
+    "materials.G1195.permittivity=1.5e-8;actuators.0.drives=[{patches: "                           \
+    "up}];limits.voltage=[-300, 300];"                                                             \
+    "sensors=[{name: s, drives: [{patches: low}]}];loads=[{face: outer, pressure: 20}, {point: "   \
+    "{theta1: 0.2, theta2: 0}, z: 0.1}];"                                                          \
+    "outputs=[{name: strain, voltage: s}, {name: tip, u3: middle, edge: theta1+}, {name: corner, " \
+    "u3: middle, at: {theta1: 0.2, theta2: 0.2}}, "                                                \
+    "{name: middle, u3: middle, at: {theta1: 0.2, theta2: 0.1}}, {name: all, u3: middle, at: "     \
+    "nodes}];"
 
 typedef struct rig {
     scene_run run;
@@ -175,9 +179,8 @@ static void test_cannot_see(void **state)
         rig_open(&r,
                  "estimate={readings: [{output: middle, noise: 1e-6}], loads: 0, tolerance: 0.3}"),
         -1);
-    if (!strstr(
-            r.error,
-            "--set estimate: these readings do not determine the shape: 1 sensors distinguish 1 of 27 disturbances") ||
+    if (!strstr(r.error, "--set estimate: these readings do not determine the shape: 1 sensors "
+                         "distinguish 1 of 27 disturbances") ||
         !strstr(r.error, "worst direction unobserved by 100%, largest at theta1 = "))
         fail_msg("%s", r.error);
     rig_close(&r);

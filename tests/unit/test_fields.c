@@ -45,18 +45,22 @@ static double bent_middle(const char *element, double slender, const char *film,
     const int size = 64;
     const double turn = 3.14159265358979324 / 2 / size;
     scene_run r;
-    snprintf(
-        changes, sizeof changes,
-        "%smesh={theta1: {from: 0, to: %.17g, elements: %d}, theta2: {from: 0, to: 0.01, elements: 1}};"
-        "materials={film: %s, "
-        "ply: {E1: 172.5e9, E2: 6.9e9, G12: 3.45e9, G13: 3.45e9, G23: 1.38e9, nu12: 0.25, nu23: 0.25}};"
-        "layers=[{material: ply, thickness: 1e-3, angle: 0}, {material: ply, thickness: 1e-3, angle: 90}, "
-        "{material: ply, thickness: 1e-3, angle: 0}, {name: film, material: film, thickness: %.17g}];"
-        "patches=[{name: film, layer: film, grid: [%d, 1]}];sensors=[];actuators=[{name: v, drives: [{patches: film}]}];"
-        "supports=[{at: nodes, fix: u2}, {edge: theta1-, fix: u3}, {edge: theta1+, fix: u1}];"
-        "loads=[{face: outer, pressure: sin(pi*x/%.17g)}];"
-        "outputs=[{name: w, u3: middle, at: {theta1: %.17g, theta2: 0}}]",
-        element, half, size, film, thickness, size, 2 * half, half);
+    snprintf(changes, sizeof changes,
+             "%smesh={theta1: {from: 0, to: %.17g, elements: %d}, theta2: {from: 0, to: 0.01, "
+             "elements: 1}};"
+             "materials={film: %s, "
+             "ply: {E1: 172.5e9, E2: 6.9e9, G12: 3.45e9, G13: 3.45e9, G23: 1.38e9, nu12: 0.25, "
+             "nu23: 0.25}};"
+             "layers=[{material: ply, thickness: 1e-3, angle: 0}, {material: ply, thickness: 1e-3, "
+             "angle: 90}, "
+             "{material: ply, thickness: 1e-3, angle: 0}, {name: film, material: film, thickness: "
+             "%.17g}];"
+             "patches=[{name: film, layer: film, grid: [%d, 1]}];sensors=[];actuators=[{name: v, "
+             "drives: [{patches: film}]}];"
+             "supports=[{at: nodes, fix: u2}, {edge: theta1-, fix: u3}, {edge: theta1+, fix: u1}];"
+             "loads=[{face: outer, pressure: sin(pi*x/%.17g)}];"
+             "outputs=[{name: w, u3: middle, at: {theta1: %.17g, theta2: 0}}]",
+             element, half, size, film, thickness, size, 2 * half, half);
     open_run(&r, PLATE, changes);
     for (int k = 0; k < size; k++) /* the mean of the sine over the element */
         voltage[k] = by_volt ? 100 * (cos(k * turn) - cos((k + 1) * turn)) / turn : 0;
@@ -143,9 +147,11 @@ static double sector_turn(const char *element, const char *driven, int size, dou
         changes, sizeof changes,
         "%s%ssurface={type: cylinder, radius: 0.05, axial: theta1};"
         "mesh={theta1: {from: 0, to: 0.01, elements: 1}, theta2: {from: 0, to: 2, elements: %d}};"
-        "supports=[{edge: theta2-, fix: [u2, u1 difference]}, {at: {theta1: 0, theta2: 0}, fix: [u1 mean, u3 mean]}, "
+        "supports=[{edge: theta2-, fix: [u2, u1 difference]}, {at: {theta1: 0, theta2: 0}, fix: "
+        "[u1 mean, u3 mean]}, "
         "{at: {theta1: 0.01, theta2: 0}, fix: u3 mean}];"
-        "outputs=[{name: o, u2: outer, edge: theta2+}, {name: i, u2: inner, edge: theta2+}, {name: tip, u3: mean, edge: theta2+}]",
+        "outputs=[{name: o, u2: outer, edge: theta2+}, {name: i, u2: inner, edge: theta2+}, {name: "
+        "tip, u3: mean, edge: theta2+}]",
         element, driven, size);
     solve_run(&r, PLATE, changes);
     const double turn = r.output[0] - r.output[2];
@@ -207,11 +213,13 @@ static void test_spiral(void **state)
 
 /* ---- temperature ------------------------------------------------------ */
 
-#define STEEL                                                                                         \
-    "materials={a: {E: 200e9, nu: 0.3, alpha: 12e-6}, b: {E: 70e9, nu: 0.3, alpha: 23e-6}, "          \
-    "c: {E1: 140e9, E2: 10e9, G12: 5e9, nu12: 0.3, nu23: 0.4, alpha: [1e-6, 25e-6, 30e-6]}};"         \
-    "patches=[];sensors=[];outputs=[{name: w, u3: mean, at: nodes}, {name: x, u1: mean, at: nodes}, " \
-    "{name: y, u2: mean, at: nodes}, {name: upper, u3: outer, at: nodes}, {name: lower, u3: inner, at: nodes}];"
+#define STEEL                                                                                      \
+    "materials={a: {E: 200e9, nu: 0.3, alpha: 12e-6}, b: {E: 70e9, nu: 0.3, alpha: 23e-6}, "       \
+    "c: {E1: 140e9, E2: 10e9, G12: 5e9, nu12: 0.3, nu23: 0.4, alpha: [1e-6, 25e-6, 30e-6]}};"      \
+    "patches=[];sensors=[];outputs=[{name: w, u3: mean, at: nodes}, {name: x, u1: mean, at: "      \
+    "nodes}, "                                                                                     \
+    "{name: y, u2: mean, at: nodes}, {name: upper, u3: outer, at: nodes}, {name: lower, u3: "      \
+    "inner, at: nodes}];"
 
 /* Largest difference of output k at the nodes from its value f(x, y), over the largest value. */
 static double output_error(const scene_run *r, int k, const double f[4])
@@ -304,9 +312,10 @@ static void test_bimetal(void **state)
 static void test_curved_bimetal(void **state)
 {
     (void)state;
-    static const char *const warm =
-        "materials={a: {E: 200e9, nu: 0, alpha: 12e-6}, b: {E: 70e9, nu: 0, alpha: 23e-6}};patches=[];sensors=[];"
-        "layers=[{material: a, thickness: 0.2e-3}, {material: b, thickness: 0.3e-3}];loads=[{temperature: 50}];";
+    static const char *const warm = "materials={a: {E: 200e9, nu: 0, alpha: 12e-6}, b: {E: 70e9, "
+                                    "nu: 0, alpha: 23e-6}};patches=[];sensors=[];"
+                                    "layers=[{material: a, thickness: 0.2e-3}, {material: b, "
+                                    "thickness: 0.3e-3}];loads=[{temperature: 50}];";
     for (int e = 0; e < 3; e++) {
         double turn[3], tip[3];
         for (int i = 0; i < 3; i++)
@@ -326,9 +335,9 @@ static void test_curved_bimetal(void **state)
 static void test_together(void **state)
 {
     (void)state;
-    static const char *const base =
-        "actuators=[{name: v, drives: [{patches: low}], applied: %g}];"
-        "loads=[{temperature: {inner: %g, outer: %g}}, {line: theta1+, u1: %g, on: outer}, {line: theta1-, u1: %g, on: outer}];";
+    static const char *const base = "actuators=[{name: v, drives: [{patches: low}], applied: %g}];"
+                                    "loads=[{temperature: {inner: %g, outer: %g}}, {line: theta1+, "
+                                    "u1: %g, on: outer}, {line: theta1-, u1: %g, on: outer}];";
     static const double part[4][3] = {{50, 0, 0}, {0, 7, 0}, {0, 0, 1e3}, {50, 7, 1e3}};
     for (int e = 0; e < 3; e++) {
         double w[5], voltage[5];

@@ -19,16 +19,19 @@
 
 /* A linear plant that is the model's own. */
 #define EXACT                                                                                      \
-    "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: linear};simulate.sensors={delay: 0};simulate.amplifiers.step=0;"
+    "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: "                       \
+    "linear};simulate.sensors={delay: 0};simulate.amplifiers.step=0;"
 
 /* Limits that do not matter. */
 #define FREE "limits={voltage: [-1e5, 1e5], slew: 1e9, effort: 0};estimate.volts=30;"
 
 /* The plate bent by its upper patches; its lower ones are sensors, two read by volts and the others
  * by charge. */
-#define ELECTRIC                                                                                                     \
-    "materials.G1195.permittivity=1.5e-8;actuators.0.drives=[{patches: up}];patches.1.grid=[1, 2];"                  \
-    "sensors=[{name: s, drives: [{patches: low}]}];outputs=[{name: volts, voltage: s}, {name: charges, charge: v}];" \
+#define ELECTRIC                                                                                   \
+    "materials.G1195.permittivity=1.5e-8;actuators.0.drives=[{patches: up}];patches.1.grid=[1, "   \
+    "2];"                                                                                          \
+    "sensors=[{name: s, drives: [{patches: low}]}];outputs=[{name: volts, voltage: s}, {name: "    \
+    "charges, charge: v}];"                                                                        \
     "estimate={readings: [{output: volts, noise: 1e-3}, {output: charges, noise: 1e-12}]};"
 
 typedef struct bench {
@@ -111,10 +114,9 @@ static void test_all_nodes_estimated(void **state)
 {
     bench b;
     (void)state;
-    open_bench(
-        &b, EXACT
-        "simulate.plant.d=0.8;simulate.sensors.delay=2;simulate.events=[];simulate.ticks=300;outputs=[{name: all, u3: middle, at: nodes}];"
-        "estimate.readings=[{output: all, noise: 1e-9}]");
+    open_bench(&b, EXACT "simulate.plant.d=0.8;simulate.sensors.delay=2;simulate.events=[];"
+                         "simulate.ticks=300;outputs=[{name: all, u3: middle, at: nodes}];"
+                         "estimate.readings=[{output: all, noise: 1e-9}]");
     optima(&b);
     const simulate_phase *phase = &b.s.phase[b.s.phases - 1];
     print_message("every node read: missed %.1e, %.1e above the optimum\n",
@@ -146,11 +148,10 @@ static void test_electrodes_sense(void **state)
     close_bench(&b);
     for (int i = 0; i < 2; i++) {
         open_bench(
-            &b,
-            i ? EXACT ELECTRIC
-                "simulate.plant={kinematics: nonlinear};simulate.events=[{at: 0, load: 0, amount: 0}, {at: 0, target: 0.001}]"
-              : EXACT ELECTRIC
-                "simulate.plant={kinematics: nonlinear};simulate.events=[{at: 0, load: 0, amount: 0}, {at: 0, target: 0.01}]");
+            &b, i ? EXACT ELECTRIC "simulate.plant={kinematics: nonlinear};simulate.events=[{at: "
+                                   "0, load: 0, amount: 0}, {at: 0, target: 0.001}]"
+                  : EXACT ELECTRIC "simulate.plant={kinematics: nonlinear};simulate.events=[{at: "
+                                   "0, load: 0, amount: 0}, {at: 0, target: 0.01}]");
         off[i] = 0;
         double most = 0;
         for (int at = 0; at < 12; at++)
@@ -177,10 +178,9 @@ static void test_shipped(void **state)
 {
     bench b;
     (void)state;
-    open_bench(
-        &b,
-        "simulate.ticks=110;simulate.events=[{at: 0, load: 0, amount: 0, known: true}, {at: 40, load: 0, amount: 0.5, known: true}, "
-        "{at: 75, load: 0, amount: 1}]");
+    open_bench(&b, "simulate.ticks=110;simulate.events=[{at: 0, load: 0, amount: 0, known: true}, "
+                   "{at: 40, load: 0, amount: 0.5, known: true}, "
+                   "{at: 75, load: 0, amount: 1}]");
     assert_true(b.s.estimator.remaining <=
                 b.run.scene.estimate.tolerance * b.s.estimator.disturbed);
     optima(&b);
@@ -207,7 +207,8 @@ static void test_shipped(void **state)
 static void test_known_load(void **state)
 {
     static const char few[] =
-        "simulate.sensors={shape: estimated, delay: 4};estimate.tolerance=0.9;estimate.readings=[{output: tip, noise: 1e-9}, "
+        "simulate.sensors={shape: estimated, delay: "
+        "4};estimate.tolerance=0.9;estimate.readings=[{output: tip, noise: 1e-9}, "
         "{output: half_left, noise: 1e-9}]";
     static const char *const sight[] = {
         "simulate.sensors={shape: measured, delay: 0}",
@@ -245,9 +246,8 @@ static void test_whole_steps(void **state)
     double before[64];
     bench b;
     (void)state;
-    open_bench(
-        &b, EXACT
-        "simulate.plant.d=1.3;simulate.amplifiers={step: 5, dead_band: 2};simulate.sensors={shape: measured};simulate.events=[]");
+    open_bench(&b, EXACT "simulate.plant.d=1.3;simulate.amplifiers={step: 5, dead_band: "
+                         "2};simulate.sensors={shape: measured};simulate.events=[]");
     const size_t n = (size_t)b.l.design->amplifiers;
     for (int at = 0; at < 200; at++) {
         memcpy(before, b.l.given, n * sizeof *before);
@@ -276,12 +276,11 @@ static void test_late_and_dead(void **state)
         char changes[500];
         bench b;
         int unseen = 0, since = -1;
-        snprintf(
-            changes, sizeof changes,
-            EXACT
-            "simulate.sensors={shape: measured, noise: 1e-13, delay: 5};simulate.ticks=120;simulate.events=[{at: 0, load: 0, "
-            "amount: 0}, {at: 40, dead: [v_1_1, v_3_2], %s}]",
-            told[i]);
+        snprintf(changes, sizeof changes,
+                 EXACT "simulate.sensors={shape: measured, noise: 1e-13, delay: "
+                       "5};simulate.ticks=120;simulate.events=[{at: 0, load: 0, "
+                       "amount: 0}, {at: 40, dead: [v_1_1, v_3_2], %s}]",
+                 told[i]);
         open_bench(&b, changes);
         for (int at = 0; at < 120; at++) {
             tick(&b, at);

@@ -129,10 +129,11 @@ static outcome thin_plate(const char *element, double thickness)
 
 static void report(const char *element, double thickness, const outcome *o)
 {
-    print_message(
-        "  %-9s h/L %.0e  condition %8.1e  plain %8.1e (%s)  refined %8.1e, %d passes, residual %.1e (%s)\n",
-        element, thickness, o->condition, o->plain_error, o->plain == PZS_OK ? "ok" : "refused",
-        o->refined_error, o->passes, o->residual, o->refined == PZS_OK ? "ok" : "refused");
+    print_message("  %-9s h/L %.0e  condition %8.1e  plain %8.1e (%s)  refined %8.1e, %d passes, "
+                  "residual %.1e (%s)\n",
+                  element, thickness, o->condition, o->plain_error,
+                  o->plain == PZS_OK ? "ok" : "refused", o->refined_error, o->passes, o->residual,
+                  o->refined == PZS_OK ? "ok" : "refused");
 }
 
 /*

@@ -26,12 +26,12 @@ static void test_pressed_arc(void **state)
         const double side = acos(-1.0) / 2 / n, exact = 1e-4 * 1e8 / 2 / (2.1e7 / (12 * 0.91));
         char changes[512];
         scene_run r;
-        snprintf(
-            changes, sizeof changes,
-            IMPROVED
-            "equilibrium.change=1e-9;mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: clamped}, "
-            "{at: nodes, fix: u2}];loads=[{face: inner, pressure: 1e-4, follower: normal}]",
-            n);
+        snprintf(changes, sizeof changes,
+                 IMPROVED
+                 "equilibrium.change=1e-9;mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: "
+                 "clamped}, "
+                 "{at: nodes, fix: u2}];loads=[{face: inner, pressure: 1e-4, follower: normal}]",
+                 n);
         solve_run(&r, "ring-follower", changes);
         assert_true(fabs(scene_run_value(&r, 1) / exact - 1) < side * side / 10 + 1e-4);
         scene_run_close(&r);
@@ -236,10 +236,10 @@ static void test_prescribed_and_reaction(void **state)
         snprintf(mesh, sizeof mesh, "%s", element[k]);
         solve_run(&force, "tests/rigs/scenes/strip.yaml", mesh);
         assert_true(scene_run_value(&force, 0) > 5);
-        snprintf(
-            changes, sizeof changes,
-            "%sloads.0.u3=0;supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 mean, value: %.17g}]",
-            mesh, scene_run_value(&force, 0));
+        snprintf(changes, sizeof changes,
+                 "%sloads.0.u3=0;supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 "
+                 "mean, value: %.17g}]",
+                 mesh, scene_run_value(&force, 0));
         scene_run moved;
         open_run(&moved, "tests/rigs/scenes/strip.yaml", changes);
         const size_t n = dof_of(&moved);
@@ -407,11 +407,11 @@ static double tip_of_strip(const char *element, int half_turns, const char *nu)
 {
     char changes[512];
     scene_run r;
-    snprintf(
-        changes, sizeof changes,
-        "%sactuators.v.applied=4*0.05^2*(%d*pi/10)/(3*1e-6*(1+%s));supports=[{edge: theta1-, fix: clamped}, "
-        "{at: nodes, fix: u2}];materials.piezo={E: 1e6, nu: %s, d31: 1e-6, d32: 1e-6}",
-        element, half_turns, nu, nu);
+    snprintf(changes, sizeof changes,
+             "%sactuators.v.applied=4*0.05^2*(%d*pi/10)/(3*1e-6*(1+%s));supports=[{edge: theta1-, "
+             "fix: clamped}, "
+             "{at: nodes, fix: u2}];materials.piezo={E: 1e6, nu: %s, d31: 1e-6, d32: 1e-6}",
+             element, half_turns, nu, nu);
     solve_run(&r, "roll-up", changes);
     const double tip = scene_run_value(&r, 0);
     const uint32_t steps = path_of(&r)->info.load_steps;
@@ -523,8 +523,8 @@ static const influence_case influences[] = {
      "materials.piezo={E: 1e6, nu: 0.3, d31: 1e-6, d32: 1e-6, alpha: 1e-5}",
      2e-3},
     {"tests/rigs/scenes/strip.yaml",
-     IMPROVED PLACES TIGHT
-     "loads.0.u3=0.5;supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 mean, value: 5}]",
+     IMPROVED PLACES TIGHT "loads.0.u3=0.5;supports=[{edge: theta1-, fix: clamped}, {edge: "
+                           "theta1+, fix: u3 mean, value: 5}]",
      2e-3},
     {"ring-contact", IMPROVED PLACES "equilibrium.change=1e-12;" BASE_100 "contact.move=[-1, 0, 0]",
      1e-3},

@@ -243,20 +243,20 @@ static void test_misplaced_bodies(void **state)
 {
     (void)state;
     static const char *const body[] = {
-        "contact.body={type: cylinder, point: [0, 0, 0], axis: [0, 0, 1], radius: 50}",  /* inside
-                                                                                            the ring
-                                                                                          */
-        "contact.body={type: cylinder, point: [0, 0, 0], axis: [0, 0, 1], radius: 500}", /* the ring
-                                                                                            inside
-                                                                                            it */
-        "contact.body={type: cylinder, point: [100.5+990, 0, 0], axis: [0, 0, 1], radius: 1000}", /* 10 deep already */
-        "contact.body={type: sphere, point: [100.5, 0, 0.5], radius: 20}",  /* centred on the shell
-                                                                             */
-        "contact.body={type: plane, point: [0, 0, 0], normal: [-1, 0, 0]}", /* through the middle */
-        "contact.body={type: cylinder, point: [3000, 0, 0], axis: [0, 0, 1], radius: 1000}", /* out
-                                                                                                of
-                                                                                                reach
-                                                                                              */
+        "contact.body={type: cylinder, point: [0, 0, 0], axis: [0, 0, 1], radius: "
+        "50}", /* inside
+                  the ring
+                */
+        "contact.body={type: cylinder, point: [0, 0, 0], axis: [0, 0, 1], radius: "
+        "500}", /* the ring
+                   inside
+                   it */
+        "contact.body={type: cylinder, point: [100.5+990, 0, 0], axis: [0, 0, 1], "
+        "radius: 1000}",
+        "contact.body={type: sphere, point: [100.5, 0, 0.5], radius: 20}",
+        "contact.body={type: plane, point: [0, 0, 0], normal: [-1, 0, 0]}",
+        "contact.body={type: cylinder, point: [3000, 0, 0], axis: [0, 0, 1], "
+        "radius: 1000}",
     };
     for (size_t i = 0; i < COUNT(body); i++) {
         scene_run r;

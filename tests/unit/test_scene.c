@@ -38,7 +38,8 @@ static const char *const base[LINES] = {
     "surface: {type: plate}",
     "mesh: {theta1: {from: 0, to: 2, elements: 4}, theta2: {points: [0, 0.5, 1]}}",
     "materials: {steel: {E: 200e9, nu: 0.3, density: 7800}, pzt: {E: 60e9, nu: 0.3, d31: 1e-10}}",
-    "layers: [{name: bottom, material: steel, thickness: 1e-3}, {name: top, material: pzt, thickness: 1e-3}]",
+    "layers: [{name: bottom, material: steel, thickness: 1e-3}, {name: top, material: pzt, "
+    "thickness: 1e-3}]",
     "patches: [{name: p, layer: top, grid: [2, 1]}]",
     "actuators: [{name: v, drives: [{patches: p}]}]",
     "limits: {voltage: [-100, 100]}",
@@ -53,8 +54,10 @@ static const char *const base[LINES] = {
 static const char *const rich[LINES] = {
     "name: t",
     "kinematics: auto",
-    "surface: {type: revolution, meridian: [[5, 0], [6, -1], [6, -2], [5, -3]], smoothing: 0.1, ends: [[1, 0], [-1, 0]]}",
-    "mesh: {theta1: {elements: 4, centre: 0.6}, theta2: {from: 0, to: 2*pi, elements: 4, slit: true}}",
+    "surface: {type: revolution, meridian: [[5, 0], [6, -1], [6, -2], [5, -3]], smoothing: 0.1, "
+    "ends: [[1, 0], [-1, 0]]}",
+    "mesh: {theta1: {elements: 4, centre: 0.6}, theta2: {from: 0, to: 2*pi, elements: 4, slit: "
+    "true}}",
     "materials: {steel: {E: 200e9, nu: 0.3}}",
     "layers: [{material: steel, thickness: 1e-3}]",
     "equilibrium: {steps: 2, change: 1e-6, mixed: 0, systems: 50}",
@@ -211,7 +214,8 @@ static const bad_line bad_lines[] = {
     {2, "surface: {type: hyperboloid, waist: 1, height: 1, tube: 1}",
      ":2:51: 'tube' has no meaning for a hyperboloid"},
     {2, "surface: {type: hyperboloid, waist: 1, height: 1e-2}",
-     ":5:9: the layers reach 0.001 above the reference surface, past the axis or centre of curvature at 0.0001"},
+     ":5:9: the layers reach 0.001 above the reference surface, past the axis or centre of "
+     "curvature at 0.0001"},
     {2, "surface: {type: torus, radius: 5}",
      ":2:10: 'tube' is missing in surface; a torus needs it"},
     {2, "surface: {type: torus, tube: 5}",
@@ -247,14 +251,16 @@ static const bad_line bad_lines[] = {
     {2, "surface: {type: revolution, meridian: [[1, 0], [1, 1], [1, 2], [1, 3]], ends: [[0, 1]]}",
      ":2:79: 'ends' has 1 items; give not-a-knot or the directions"},
     {2,
-     "surface: {type: revolution, meridian: [[1, 0], [1, 1], [1, 2], [1, 3]], ends: [[0, 1], [0, 0]]}",
+     "surface: {type: revolution, meridian: [[1, 0], [1, 1], [1, 2], [1, 3]], ends: [[0, 1], [0, "
+     "0]]}",
      ":2:79: 'ends': [0, 0] has no direction"},
     {2, "surface: {type: revolution, meridian: [[1, 0], [1, 1], [1, 2], [1, 2.5]], radius: 1}",
      ":2:75: 'radius' has no meaning for a revolution"},
     {2, "surface: {type: revolution, meridian: [[1, 0], [1, 1/2], [1, 1], [1, 1.5]]}",
      ":3:16: theta1 runs from 0 to 2, but the surface from 0 to 1.5; leave 'from' and 'to' out"},
     {2, "surface: {type: revolution, meridian: [[0, 0], [1, 0], [2, 0], [3, 0]]}",
-     ":3:16: the mesh reaches a pole, where A2 = 0; let theta1 stay where the meridian's radius is above 0 (theta1 = 0)"},
+     ":3:16: the mesh reaches a pole, where A2 = 0; let theta1 stay where the meridian's radius is "
+     "above 0 (theta1 = 0)"},
     {2, "surface: {type: revolution, meridian: [[1, 0], [0, 1], [0, 2], [1, 3]]}",
      "the mesh reaches a pole"},
     {2, "surface: {type: revolution, meridian: [[1, 0], [2, 0]], ends: [[-1, 0], [-1, 0]]}",
@@ -290,7 +296,8 @@ static const bad_line bad_lines[] = {
     {3, "mesh: {theta1: {from: 0, to: 2, elements: 4, centre: [1]}, theta2: {points: [0, 0.5, 1]}}",
      ":3:54: 'centre' must be a single value, not a list"},
     {3,
-     "mesh: {theta1: {from: 0, to: 2, elements: 4, grading: 2, centre: 0.6}, theta2: {points: [0, 0.5, 1]}}",
+     "mesh: {theta1: {from: 0, to: 2, elements: 4, grading: 2, centre: 0.6}, theta2: {points: [0, "
+     "0.5, 1]}}",
      ":3:58: 'centre' and 'grading' both space the elements; keep one"},
     {3, "mesh: {theta1: {points: [0, 1, 2], centre: 0.6}, theta2: {points: [0, 0.5, 1]}}",
      ":3:16: 'points' says all; remove the other keys"},
@@ -351,7 +358,8 @@ static const bad_line bad_lines[] = {
     {5, "layers: [{name: top, material: pzt, thickness: 1, patched: true}]",
      "every layer is patched"},
     {5,
-     "layers: [{name: top, material: pzt, thickness: 1}, {material: pzt, thickness: 1, patched: on}]",
+     "layers: [{name: top, material: pzt, thickness: 1}, {material: pzt, thickness: 1, patched: "
+     "on}]",
      ":5:52: this layer is patched but no patches"},
     {5, "layers: [{name: top, material: pzt, thickness: 1, poling: 2}]",
      ":5:59: 'poling: 2' is not known"},
@@ -464,12 +472,14 @@ static const bad_line bad_lines[] = {
      "loads: []\ncontact: {face: outer, body: {type: plane, point: [0, 0, 9], normal: [0, 0, 0]}}",
      ":11:70: 'normal: [0, 0, 0]' has no direction"},
     {10,
-     "loads: []\ncontact: {face: outer, body: {type: plane, point: [0, 0, 9], normal: [0, 0, 1], radius: 1}}",
+     "loads: []\ncontact: {face: outer, body: {type: plane, point: [0, 0, 9], normal: [0, 0, 1], "
+     "radius: 1}}",
      ":11:81: 'radius' has no meaning for a plane"},
     {10, "loads: []\ncontact: {face: outer, body: {type: cylinder, point: [0, 0, 9], radius: 1}}",
      ":11:30: 'axis' is missing in body; a cylinder needs it"},
     {10,
-     "loads: []\ncontact: {face: outer, body: {type: cylinder, point: [0, 0, 9], axis: [0, 0, 0], radius: 1}}",
+     "loads: []\ncontact: {face: outer, body: {type: cylinder, point: [0, 0, 9], axis: [0, 0, 0], "
+     "radius: 1}}",
      ":11:71: 'axis: [0, 0, 0]' has no direction"},
     {10, "loads: []\ncontact: {face: outer, body: {type: sphere, point: [0, 0, 9], radius: 0}}",
      ":11:71: 'radius: 0' must be above 0"},
@@ -482,10 +492,12 @@ static const bad_line bad_lines[] = {
     {10, "loads: []\ncontact: {face: outer, body: {type: psi, value: x+}}",
      ":11:49: 'value: x+' is no number or formula"},
     {10,
-     "loads: []\ncontact: {face: outer, body: {type: sphere, point: [0, 0, 9], radius: 1}, move: 2}",
+     "loads: []\ncontact: {face: outer, body: {type: sphere, point: [0, 0, 9], radius: 1}, move: "
+     "2}",
      ":11:81: 'move' must be a list [...], not a single value"},
     {10,
-     "loads: []\ncontact: {face: outer, body: {type: sphere, point: [0, 0, 9], radius: 1}, stiffness: 0}",
+     "loads: []\ncontact: {face: outer, body: {type: sphere, point: [0, 0, 9], radius: 1}, "
+     "stiffness: 0}",
      ":11:86: 'stiffness: 0' must be above 0"},
     {10, "loads: [{pressure: 1}]", "'pressure' acts on a face"},
     {10, "loads: [{face: outer, x: 1, y: 1}]", ":10:29: a load has one direction"},
@@ -743,20 +755,21 @@ static void test_changes(void **state)
 /* The words of large displacements mean what they say; what is not said has its default. */
 static void test_nonlinear_words(void **state)
 {
-    static const char *const set[] = {
-        "kinematics=auto",
-        "tolerance=1/50",
-        "equilibrium={steps: 3, change: 1e-6, mixed: 0, systems: 50}",
-        "supports.1={edge: theta1+, fix: [u3, u1 mean], value: 2*x}",
-        "loads=[{face: inner, pressure: 2, follower: pressure}, {face: middle, pressure: 1, follower: normal}]",
-        "contact={face: inner, body: {type: cylinder, point: [1, 2, 3], axis: [0, 3, 4], radius: 5}, move: [0, 0, -1]}",
-        "outputs.1={name: N, contact: z, reference: 7}",
-        "outputs.2={name: p, contact: pressure, at: nodes}",
-        "mesh.theta1={from: -1, to: 3, elements: 4, centre: 0.6}",
-        "outputs.tip.at.theta1=3",
-        "patches=[]",
-        "actuators=[]",
-        "compare=[]"};
+    static const char *const set[] = {"kinematics=auto",
+                                      "tolerance=1/50",
+                                      "equilibrium={steps: 3, change: 1e-6, mixed: 0, systems: 50}",
+                                      "supports.1={edge: theta1+, fix: [u3, u1 mean], value: 2*x}",
+                                      "loads=[{face: inner, pressure: 2, follower: pressure}, "
+                                      "{face: middle, pressure: 1, follower: normal}]",
+                                      "contact={face: inner, body: {type: cylinder, point: [1, 2, "
+                                      "3], axis: [0, 3, 4], radius: 5}, move: [0, 0, -1]}",
+                                      "outputs.1={name: N, contact: z, reference: 7}",
+                                      "outputs.2={name: p, contact: pressure, at: nodes}",
+                                      "mesh.theta1={from: -1, to: 3, elements: 4, centre: 0.6}",
+                                      "outputs.tip.at.theta1=3",
+                                      "patches=[]",
+                                      "actuators=[]",
+                                      "compare=[]"};
     static const char *const bodies[] = {
         "contact.body={type: plane, point: [0, 0, 1], normal: [0, 0, 2]}",
         "contact.body={type: sphere, point: [0, 0, 1], radius: 2}",

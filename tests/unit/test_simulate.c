@@ -27,7 +27,8 @@
 #define TEXT(x) TEXT_OF(x)
 
 #define LINEAR                                                                                     \
-    "kinematics=linear;simulate.influence=rest;simulate.plant.kinematics=linear;simulate.sensors.noise=0;simulate.amplifiers.step=0;"
+    "kinematics=linear;simulate.influence=rest;simulate.plant.kinematics=linear;simulate.sensors." \
+    "noise=0;simulate.amplifiers.step=0;"
 
 typedef struct bench {
     scene_run run;
@@ -168,10 +169,10 @@ static void test_inside_limits(void **state)
     bench b;
     tally t;
     (void)state;
-    open_bench(
-        &b,
-        "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: linear, d: 0.8, stiffness: 1.1, hysteresis: 0.1};"
-        "simulate.amplifiers={step: 0.05, dead_band: 0.1};simulate.sensors={noise: 1e-6, delay: 2}");
+    open_bench(&b, "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: linear, "
+                   "d: 0.8, stiffness: 1.1, hysteresis: 0.1};"
+                   "simulate.amplifiers={step: 0.05, dead_band: 0.1};simulate.sensors={noise: "
+                   "1e-6, delay: 2}");
     for (int law = 0; law < LAWS; law++) {
         run(&b, (simulate_law)law, &t);
         assert_int_equal(t.outside + t.not_finite + t.off_step, 0);
@@ -220,10 +221,9 @@ static void test_blind(void **state)
     loop loop;
     double before[64];
     (void)state;
-    open_bench(
-        &b, LINEAR
-        "simulate.ticks=300;simulate.events=[{at: 100, nan: 1, ticks: 20}, {at: 110, load: 0, amount: 2}, "
-        "{at: 200, lost: 7}]");
+    open_bench(&b, LINEAR "simulate.ticks=300;simulate.events=[{at: 100, nan: 1, ticks: 20}, {at: "
+                          "110, load: 0, amount: 2}, "
+                          "{at: 200, lost: 7}]");
     assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     const size_t bytes = (size_t)loop.design->amplifiers * sizeof *before;
     for (int tick = 0; tick < 300; tick++) {
@@ -258,12 +258,11 @@ static void random_faults(const char *first)
     run(&b, LAW_CONTROLLER, &t);
     const double steady = course(&b, 0)->steady;
     close_bench(&b);
-    snprintf(
-        changes, sizeof changes,
-        LINEAR
-        "simulate.ticks=" TEXT(FAULT_TICKS) ";simulate.events=[%s];simulate.faults={chance: 0.05, until: " TEXT(
-            FAULT_TICKS) "-300}",
-        first);
+    snprintf(changes, sizeof changes,
+             LINEAR
+             "simulate.ticks=" TEXT(FAULT_TICKS) ";simulate.events=[%s];simulate.faults={chance: "
+                                                 "0.05, until: " TEXT(FAULT_TICKS) "-300}",
+             first);
     open_bench(&b, changes);
     run(&b, LAW_CONTROLLER, &t);
     const simulate_count *count = &b.s.count[LAW_CONTROLLER];
@@ -359,10 +358,10 @@ static void hold_shape(const char *influence, double over[2])
     for (int k = 0; k < 2; k++)
         over[k] = course(&b, k)->steady / b.s.phase[k].optimum;
     assert_in_range(course(&b, 1)->settled, 1, course(&b, 1)->step_limit_ticks + 10);
-    print_message(
-        "influence at %s: %.3f and %.3f %% above the optimum of the plant, load step gone after %d ticks (slew alone %d)\n",
-        influence, 100 * (over[0] - 1), 100 * (over[1] - 1), course(&b, 1)->settled,
-        course(&b, 1)->step_limit_ticks);
+    print_message("influence at %s: %.3f and %.3f %% above the optimum of the plant, load step "
+                  "gone after %d ticks (slew alone %d)\n",
+                  influence, 100 * (over[0] - 1), 100 * (over[1] - 1), course(&b, 1)->settled,
+                  course(&b, 1)->step_limit_ticks);
     close_bench(&b);
 }
 
@@ -392,17 +391,16 @@ static void test_finds_dead(void **state)
     bench b;
     tally t;
     (void)state;
-    open_bench(
-        &b,
-        "simulate.ticks=150;simulate.events=[{at: 40, load: 0, amount: 2}, {at: 60, temperature: 30}, {at: 80, "
-        "dead: [v_1_1, v_3_2], told: found}]");
+    open_bench(&b, "simulate.ticks=150;simulate.events=[{at: 40, load: 0, amount: 2}, {at: 60, "
+                   "temperature: 30}, {at: 80, "
+                   "dead: [v_1_1, v_3_2], told: found}]");
     run(&b, LAW_CONTROLLER, &t);
     find_optima(&b);
     const simulate_count *count = &b.s.count[LAW_CONTROLLER];
-    print_message(
-        "found %ld, the slower after %d ticks; settled after %d; %.2f %% above the optimum without them\n",
-        count->found, count->search, course(&b, 3)->settled,
-        100 * (course(&b, 3)->steady / b.s.phase[3].optimum - 1));
+    print_message("found %ld, the slower after %d ticks; settled after %d; %.2f %% above the "
+                  "optimum without them\n",
+                  count->found, count->search, course(&b, 3)->settled,
+                  100 * (course(&b, 3)->steady / b.s.phase[3].optimum - 1));
     assert_int_equal(t.outside + t.not_finite, 0);
     assert_int_equal(count->found, 2);
     assert_int_equal(count->wrong, 0);

@@ -390,12 +390,11 @@ static void test_prescribed(void **state)
     scene s;
     mesh m;
     (void)state;
-    assert_int_equal(
-        build(
-            &m, &s, plate,
-            "supports: [{edge: theta1-, fix: clamped}, {edge: theta1+, fix: [u3, u1 difference], value: 0.5+theta2*x}]",
-            error),
-        0);
+    assert_int_equal(build(&m, &s, plate,
+                           "supports: [{edge: theta1-, fix: clamped}, {edge: theta1+, fix: [u3, u1 "
+                           "difference], value: 0.5+theta2*x}]",
+                           error),
+                     0);
     assert_int_equal(m.free_dof, 2 * 7 + 2 * 5);
     assert_int_equal(m.prescribed_count, 4);
     for (int j = 0; j < 2; j++) {
@@ -427,14 +426,16 @@ static void test_contradictions(void **state)
     static const struct {
         const char *text, *expected;
     } cases[] = {
-        {"supports: [{edge: theta1-, fix: u3, value: x}, {edge: theta1-, fix: u3}, {edge: theta2-, fix: u3, value: x}]",
+        {"supports: [{edge: theta1-, fix: u3, value: x}, {edge: theta1-, fix: u3}, {edge: theta2-, "
+         "fix: u3, value: x}]",
          NULL},
         {"supports:\n- {edge: theta1-, fix: u3}\n- {at: nodes, fix: u3, value: 1}",
          ":9:3: at theta1 = 0, theta2 = 0 another support prescribes 0 and this one 1; remove one"},
         {"supports:\n- {edge: theta1+, fix: u3 mean, value: y}\n- {at: nodes, fix: u3 mean}",
          ":9:3: at theta1 = 2, theta2 = 1 another support prescribes 1 and this one 0; remove one"},
         {"supports:\n- {at: nodes, fix: u3, value: 1/x}",
-         ":8:3: the value of the support is not a finite number at theta1 = 0, theta2 = 0; correct its "
+         ":8:3: the value of the support is not a finite number at theta1 = 0, theta2 = 0; correct "
+         "its "
          "formula"},
     };
     char error[SCENE_ERROR];

@@ -73,10 +73,11 @@ static void test_region(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(
-        &r, PLATE,
-        "mesh.theta2={from: 0, to: 0.04, elements: 4};outputs=[{name: a, x: mean, at: {theta1: [0.02, 0.06], theta2: [0, 0.01]}}, "
-        "{name: b, u3: mean, at: {theta2: [0.03, 0.03]}}, {name: c, u1: mean, at: {theta1: [-1, 1]}}]");
+    open_run(&r, PLATE,
+             "mesh.theta2={from: 0, to: 0.04, elements: 4};outputs=[{name: a, x: mean, at: "
+             "{theta1: [0.02, 0.06], theta2: [0, 0.01]}}, "
+             "{name: b, u3: mean, at: {theta2: [0.03, 0.03]}}, {name: c, u1: mean, at: {theta1: "
+             "[-1, 1]}}]");
     assert_int_equal(analysis_outputs(&r.analysis, 0), 3 * 2);
     assert_int_equal(analysis_outputs(&r.analysis, 1), 4);
     assert_int_equal(analysis_outputs(&r.analysis, 2), 4 * 5);
