@@ -135,7 +135,7 @@ static void print_count(const simulation *simulation, simulate_law law)
     const simulate_count *count = &simulation->count[law];
     const long run = simulate_ran(count);
     printf("  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, "
-           "%ld lost, %ld held, %ld with a doubted sensor, "
+           "%ld lost, %ld held, %ld with a rejected sensor, "
            "%ld out of passes\n",
            law_name[law], count->beyond, count->not_finite, run, count->missed,
            count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
