@@ -44,12 +44,11 @@
  * alone, return more than this fraction of a volt for it.
  */
 #define OBSERVABLE PZS_R(0.75)
-#define TEST_MOVES 8u   /* number of moves in a test */
-#define TEST_SHAPES 24u /* largest number of shapes until a test has made these moves */
-#define CLEARED_SHAPES                                                                             \
-    100u /* number of shapes before an electrode that passed a test can be suspected again */
-#define NO_INPUT 0xFFFFu /* input number of a test signal that is not in use */
-#define MISSING_LIMIT 8u /* at most one in MISSING_LIMIT outputs may be without a measurement */
+#define TEST_MOVES 8u       /* number of moves in a test */
+#define TEST_SHAPES 24u     /* largest number of shapes until a test has made these moves */
+#define CLEARED_SHAPES 100u /* shapes before an electrode that passed a test can be suspected */
+#define NO_INPUT 0xFFFFu    /* input number of a test signal that is not in use */
+#define MISSING_LIMIT 8u    /* at most one in MISSING_LIMIT outputs may be without a measurement */
 
 /*
  * Bits of state.missing. NOT_MEASURED: the output had no measurement in the last shape. EXCLUDED:
@@ -536,8 +535,7 @@ static void update_states(pzs_fault_detector *detector)
             detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED;
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
-            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* the program has called
-                                                                      pzs_release: the electrode is
+            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* pzs_release was called:
                                                                       observed again */
     }
 }

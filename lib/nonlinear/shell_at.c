@@ -50,12 +50,12 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Pairs of stress rows Y1 and Y2 of different modes. The rows of every node need only Y1 + Y2 or Y1
- * - Y2, so the pair is replaced by its sum and its difference. Which of these a node needs depends
- * on the product of two signs of mode `mode`, that at the node itself and that at the node of the
- * column. In each column the sum is stored in the first row if the column's sign is -1, else in the
- * second; then the first row belongs to all nodes of sign -1, and the second to all nodes of sign
- * +1. The first PAIRS_WITH_Q pairs are replaced in the columns of q too.
+ * Pairs of stress rows Y1 and Y2 of different modes. The rows of every node need only the sum or
+ * the difference of a pair, so these two replace the pair. Which of them a node needs depends on
+ * the product of two signs of mode `mode`: that of the node itself and that of the node of the
+ * column. In each column the sum is stored in the first row if the column's sign is negative, else
+ * in the second. Then the first row belongs to all nodes of negative sign, and the second to all
+ * nodes of positive sign. The first PAIRS_WITH_Q pairs are replaced in the columns of q too.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
