@@ -100,7 +100,10 @@ typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
 void shell_voltages(FILE *file, const mesh *mesh, const int *plan, int which, const double *voltage,
                     const shell_mark *mark, const draw_scale *scale);
 
-/* Number of points along each side of the grid below. */
+/*
+ * The part of the rigid body of a contact that lies close to the shell. It is drawn as a
+ * translucent surface through a grid of SHELL_NET x SHELL_NET points.
+ */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
     bool is_given;

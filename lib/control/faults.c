@@ -351,8 +351,8 @@ static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_re
 }
 
 /*
- * Start a test of electrode j. The test voltages lie on both sides of its present voltage, which is
- * first moved away from its limits if necessary.
+ * Start a test of electrode j around its present voltage. If this voltage is less than one
+ * amplitude from a limit, the test is around the nearest voltage that is not.
  */
 static void start_test(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
                        const pzs_real *voltage)
@@ -397,8 +397,9 @@ static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, p
 }
 
 /*
- * Set the test voltages of the next tick: the limits of each electrode under test are both set to
- * its test voltage, inside its own limits for any amplitude.
+ * Set the test voltages of the next tick. Both limits of each electrode under test become its test
+ * voltage, which lies inside the limits that the electrode had before the test, even if the
+ * amplitude has been changed since.
  */
 static void set_test_voltages(pzs_fault_detector *detector)
 {
