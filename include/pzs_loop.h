@@ -62,8 +62,9 @@ typedef struct pzs_loop_signals {
     const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, or
                                    NULL */
     const uint8_t *electrode;   /* [inputs] pzs_electrode_state, or NULL: no block has set it */
-    uint16_t sensors;           /* number of readings that the blocks after this one need */
-    int32_t where;              /* out: index that belongs to the status of a block, or -1 */
+    uint16_t sensors; /* number of readings that the blocks after this one need, which is the length
+                         of `readings` */
+    int32_t where;    /* out: index that goes with the status of a block, or -1 */
 } pzs_loop_signals;
 
 /* A type of block: const, in flash. Its functions return a status like every public function. */
@@ -323,9 +324,9 @@ extern const pzs_block_type pzs_amplifier_block;
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
     PZS_ELECTRODE_TESTED,       /* a test signal is applied */
-    PZS_ELECTRODE_CLEARED,      /* passed its test and is not suspected for some time */
-    PZS_ELECTRODE_UNOBSERVABLE, /* its effect is a combination of other electrodes' effects, or zero
-                                 */
+    PZS_ELECTRODE_CLEARED,      /* passed its test, and is not suspected during the next shapes */
+    PZS_ELECTRODE_UNOBSERVABLE, /* the effect on the shape is zero or a combination of the effects
+                                   of other electrodes */
     PZS_ELECTRODE_HELD          /* found to be faulty; held until pzs_release */
 } pzs_electrode_state;
 
@@ -361,9 +362,12 @@ typedef struct pzs_fault_detector {
  * Start to observe the electrodes of a controller, from its present voltages on.
  *   control in/out  after pzs_control_init; must outlive the detector
  *   delay   in      delay of the measurements (ticks), at most PZS_DELAY_LIMIT
- * `measured` must be the delayed shape plus the change of the prediction since then. An electrode
- * that is held counts in both with its held voltage. Errors: ARGUMENT, STAGE, WORKSPACE (where =
- * bytes needed), NONFINITE.
+ * With a delay, the shape `measured` that is passed in each tick to pzs_tick and to
+ * pzs_fault_detector_tick must already be corrected for the delay: the shape measured `delay`
+ * ticks ago, plus the shape predicted for the present voltages, minus the shape predicted for the
+ * voltages at the time of the measurement. In both predictions an electrode that is held has the
+ * voltage at which it is held. Errors: ARGUMENT, STAGE, WORKSPACE (where = bytes needed),
+ * NONFINITE.
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);

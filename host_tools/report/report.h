@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Pictures of a result: an HTML page with SVG drawings, its main picture as an SVG file, and a VTK
- * file for ParaView. Each function returns 0, or -1 when memory runs out, a solve fails or the file
- * cannot be written.
+ * Report pages of the results. A report is either an HTML page with SVG drawings, or its main
+ * picture alone as an SVG file. The displacements can also be written as a VTK file for ParaView.
+ * Each function that returns an int returns 0, or -1 when memory runs out, a solve fails or the
+ * file cannot be written.
  */
 #ifndef REPORT_H
 #define REPORT_H
@@ -11,38 +12,55 @@
 #include <stdio.h>
 #include "../model/modes.h"
 
-/* Where a report goes, as which of the two, and the command line that asked for it. */
+/*
+ * One report to write: the open file, whether it is a single SVG picture instead of an HTML page,
+ * and the words of the command line that asked for it.
+ */
 typedef struct report_job {
     FILE *file;
     bool is_svg;
     int words;
-    char *const *word; /* [words] */
+    char *const *word; /* [words] words of the command line */
 } report_job;
 
 /*
- * `pzs solve`: deformed shape, outputs, components. u [dof] displacement, output [output rows]
- * values
+ * Write the report of `pzs solve`: the deformed shape, the outputs and maps of the displacement
+ * components.
+ *   u      [dof]          in  displacement vector
+ *   output [output rows]  in  values of the outputs
  */
 int report_solve(const report_job *job, const analysis *analysis, const double *u,
                  const double *output);
 
 /*
- * `pzs shape`: reached shapes, misfits and voltages of each result, error table, modes of the
- * target; one solve each. voltages [count]
+ * Write the report of `pzs shape`: the reached shape, the misfit and the voltages of each result,
+ * a table of their errors, and the modes of the target. Each result costs one solve of the
+ * structure.
+ *   voltages [count]  in  the results, one set of voltages each
  */
 int report_shape(const report_job *job, analysis *analysis, const voltages *voltages, int count,
                  const modes *modes);
 
-/* Displacement field of a result: u [nodes][3], Cartesian, of the middle surface. */
+/*
+ * A named displacement field of the middle surface, u [nodes][3] in Cartesian components (length
+ * unit of the scene).
+ */
 typedef struct report_field {
     const char *name;
     const double *u;
 } report_field;
 
-/* VTK file: quadrilaterals with one displacement vector field per entry. */
+/*
+ * Write a VTK file for ParaView: the mesh as quadrilaterals, with each of the `fields` displacement
+ * fields as a vector at the nodes.
+ */
 int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields);
 
-/* Cartesian displacement of the middle surface at the nodes. u [dof] in, vector [nodes][3] out. */
+/*
+ * Compute the Cartesian displacement of the middle surface at the nodes.
+ *   u      [dof]       in   displacement vector
+ *   vector [nodes][3]  out
+ */
 void report_displacement(const mesh *mesh, const double *u, double *vector);
 
 #endif

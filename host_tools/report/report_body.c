@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The rigid body of a contact in a picture (report_shell.h). */
+/* Drawing of the rigid body that a shell touches (report_shell.h). */
 #include <math.h>
 #include "report_shell.h"
 
-/* Distance of x from the body as it stands now, and its gradient. */
+/*
+ * Gap between the point x and the rigid body in its present position; normal = gradient of the gap.
+ */
 static double gap_at(const equilibrium *p, const double x[3], double normal[3])
 {
     double from[3], hessian[3][3];
@@ -12,7 +14,10 @@ static double gap_at(const equilibrium *p, const double x[3], double normal[3])
     return p->body.gap(&p->body, from, normal, hessian);
 }
 
-/* Unit vectors across a normal: the second along the axis that lies most across it. */
+/*
+ * Two unit vectors perpendicular to a normal and to each other. The second one is the projection of
+ * the Cartesian axis that is most nearly perpendicular to the normal.
+ */
 static void find_tangents(const double normal[3], double along[2][3])
 {
     int least = 2;
@@ -28,7 +33,10 @@ static void find_tangents(const double normal[3], double along[2][3])
     }
 }
 
-/* Move a point onto the body, which takes some iterations where the gap is no distance. */
+/*
+ * Move a point onto the surface of the body. This takes several iterations, because the gap
+ * function need not be the exact distance.
+ */
 static void pull_to_body(const analysis *analysis, double x[3], double normal[3])
 {
     enum { ITERATIONS = 4 };
@@ -39,7 +47,10 @@ static void pull_to_body(const analysis *analysis, double x[3], double normal[3]
     }
 }
 
-/* The node nearest to the body: its foot on the body, the normal there. */
+/*
+ * Find the node nearest to the body. foot = its projection onto the surface of the body, normal =
+ * the surface normal there.
+ */
 static void find_foot(const analysis *analysis, const double *vector, double foot[3],
                       double normal[3])
 {
@@ -55,7 +66,10 @@ static void find_foot(const analysis *analysis, const double *vector, double foo
     pull_to_body(analysis, foot, normal);
 }
 
-/* How far the nodes near the body reach from a foot along its tangents. reach [2][2] out */
+/*
+ * Extent of the nodes near the body along the two tangents, measured from the foot point.
+ *   reach [2][2]  out  lowest and highest coordinate along each tangent
+ */
 static void find_reach(const analysis *analysis, const double *vector, const double foot[3],
                        double along[2][3], double reach[2][2])
 {

@@ -167,7 +167,8 @@ void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x)
     static const double number[3] = {1, 2, 5};
     const draw_axis *axis = is_x ? x : y;
     const double rounding = 1e-9 * (axis->high - axis->low), factor = axis->unit.factor;
-    const int numbers = axis->high / axis->low > 1e3 ? 1 : 3; /* on a logarithmic axis */
+    const int numbers = axis->high / axis->low > 1e3 ? 1 : 3; /* numbers per power of ten on a
+                                                                 logarithmic axis */
     double step = 0, value = axis->low;
     if (!axis->is_log)
         step = draw_round((axis->high - axis->low) * factor / 4) / factor;
@@ -196,7 +197,10 @@ void draw_component(const surface_point *p, scene_component component, double al
     }
 }
 
-/* Axes of a view from an azimuth in degrees, 30 degrees above the horizon. */
+/*
+ * Set the axes of a view from a horizontal direction (azimuth in degrees), 30 degrees above the
+ * horizon.
+ */
 static void look_from(draw_view *view, double azimuth)
 {
     const double degree = 0.017453292519943295, up = sin(30 * degree), out = cos(30 * degree);

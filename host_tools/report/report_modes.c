@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Modes of a target on a page (report_page.h). */
+/* Section of a page about the modes of a target (report_page.h). */
 #include <math.h>
 #include "report_page.h"
 
 enum { ROW = 22, MARGIN = 150, WIDTH = 560, FOOT = 28 };
 
-/* Decades around every error: from 0.01 % at the least to 1000 % at the most. */
+/*
+ * Logarithmic axis in whole powers of ten that contains the errors of all modes, but nothing below
+ * 0.01 % or above 1000 %.
+ */
 static draw_axis axis_of(const modes *modes, int l)
 {
     double low = 0.1, high = 1;
@@ -19,7 +22,11 @@ static draw_axis axis_of(const modes *modes, int l)
     return (draw_axis){low, high, MARGIN, MARGIN + WIDTH, true, "%p", {1, ""}};
 }
 
-/* A line from the optimum to where clipping lands, a tick without limits. */
+/*
+ * Draw one mode at height y: a disc at the error of the optimum within the limits, a dot at that of
+ * clipped least squares, a line between these two, and a tick at the error without voltage limits
+ * (open).
+ */
 static void draw_mode(FILE *file, const draw_axis *x, const char *name, double open,
                       const mode_left *left, double y)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Frame of the pages and of stand-alone pictures, shapes and their misfit (report_page.h). */
+/*
+ * Frames of the pages and of single pictures, and drawings of shapes with their misfit
+ * (report_page.h).
+ */
 #include "report_page.h"
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +15,8 @@
 /* ---- frame ------------------------------------------------------------ */
 
 /*
- * The command line without the folder of the program; words with blanks or signs of the shell
- * quoted.
+ * Write the command line, without the folder of the program and with quotes around words that
+ * contain blanks or special characters of the shell.
  */
 static void write_command(const report_job *job)
 {
@@ -26,13 +29,16 @@ static void write_command(const report_job *job)
     }
 }
 
-/* A check of the solution is negative where it was not made. */
+/*
+ * Result of a check of the solution, or NAN if it is negative, which means that the check was not
+ * made.
+ */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
 }
 
-/* How the shape was found, and whether it is stable. */
+/* Write the number of load steps and linear solves, and whether the equilibrium is stable. */
 static void write_path(FILE *file, const pzs_solver *run)
 {
     put(file, FACT("Load steps", "%d, %d linear solves"), (int)run->info.load_steps,
@@ -75,7 +81,9 @@ static void write_facts(FILE *file, const analysis *analysis, double residual)
     put(file, FACT("Scene", "%s") "</dl>\n", hash);
 }
 
-/* Warnings on implausible numbers, and that of the last load step, as a list. */
+/*
+ * Write the list of the warnings on implausible numbers, and of the warning of the last load step.
+ */
 static void write_warnings(FILE *file, const analysis *analysis)
 {
     const plausible *warnings = &analysis->warnings;

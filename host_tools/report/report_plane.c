@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The parameter plane of a shell: maps and voltages (report_shell.h). */
+/* Pictures over the parameter plane of a shell: maps and voltages (report_shell.h). */
 #include "report_shell.h"
 #include <math.h>
 #include <stdlib.h>
@@ -29,7 +29,7 @@ double plane_theta(const mesh *mesh, int a, double line)
            (line - below) * (points->point[below + 1] - points->point[below]);
 }
 
-/* Fit a disc or a sector into a room of that width and height. */
+/* Scale a polar plate, a disc or a sector, to fit into a square of side `room` pixels. */
 static void fit_polar(shell_plane *p, double room)
 {
     enum { POINTS = 65 };
@@ -52,7 +52,10 @@ static void fit_polar(shell_plane *p, double room)
     p->x0 = (SHELL_PLANE_WIDTH - p->width) / 2;
 }
 
-/* A rectangle at the shell's mean proportions. */
+/*
+ * Set the size of the rectangle of all other surfaces: its aspect ratio is that of the mean lengths
+ * of the shell along theta1 and theta2, within 0.3 and 3.
+ */
 static void fit_rectangle(shell_plane *p, const mesh *mesh, double room)
 {
     double length[2];
@@ -68,7 +71,10 @@ static void fit_rectangle(shell_plane *p, const mesh *mesh, double room)
     p->x0 += (room - p->width) / 2;
 }
 
-/* On an axis too short for its ends and its name the name takes a line of its own. */
+/*
+ * Whether an axis is too short for its name to stand between the numbers at its ends; the name is
+ * then written on a line below.
+ */
 static bool is_short(double length)
 {
     return length < 150;
@@ -95,7 +101,10 @@ shell shell_in_plane(FILE *file, const mesh *mesh)
 
 /* ---- axes ------------------------------------------------------------- */
 
-/* Unit in which theta of direction a reads best. unit [WORDS_UNIT]: room */
+/*
+ * Most readable unit of theta1 (a = 0) or theta2 (a = 1).
+ *   unit [WORDS_UNIT]  work  memory for the name of the unit
+ */
 static put_unit theta_unit(const shell *s, int a, char *unit)
 {
     const shell_plane *p = &s->plane;
@@ -103,7 +112,7 @@ static put_unit theta_unit(const shell *s, int a, char *unit)
     return put_unit_of(fmax(fabs(p->low[a]), fabs(p->low[a] + p->range[a])), unit);
 }
 
-/* Ranges of a disc in words, a line each. */
+/* Write the ranges of theta1 and theta2 of a polar plate, one line each. */
 static void polar_words(const shell *s)
 {
     static const char *const way[2] = {", from the centre", ", anticlockwise from the right"};
@@ -117,7 +126,7 @@ static void polar_words(const shell *s)
     }
 }
 
-/* Numbers at both ends of an axis along x, its name between them. */
+/* Write the numbers at both ends of a horizontal axis, and its name between them. */
 static void axis_words(const shell *s, int a, double length)
 {
     const shell_plane *p = &s->plane;
@@ -160,7 +169,7 @@ int shell_map(FILE *file, const mesh *mesh, const double *value, const draw_scal
 
 /* ---- voltages on the patches ------------------------------------------ */
 
-/* Do the patches of two actuators lie over each other in the plane? */
+/* Whether any patches of two actuators overlap in the parameter plane. */
 static bool do_overlap(const scene *scene, const scene_actuator *x, const scene_actuator *y)
 {
     for (int k = 0; k < x->drives * y->drives; k++) {
@@ -173,7 +182,7 @@ static bool do_overlap(const scene *scene, const scene_actuator *x, const scene_
     return false;
 }
 
-/* Does an actuator before k on the same plan overlap it? */
+/* Whether actuator k overlaps one of the earlier actuators on the same plan. */
 static bool is_taken(const scene *scene, const int *plan, int k)
 {
     for (int other = 0; other < k; other++)
@@ -195,15 +204,18 @@ int shell_plans(const scene *scene, int *plan)
     return plans;
 }
 
-/* A patch in the plane: its range, the middle of its words and the room for them. */
+/*
+ * One patch in the picture: its range of theta1 and theta2, the centre of its text, and the width
+ * and height available for this text (pixels).
+ */
 typedef struct tile {
     double theta[2][2], at[2], width, height;
     bool is_ring;
 } tile;
 
 /*
- * Room for words on a sector: bounded by its radial and its tangential extent, as the angle turns
- * them.
+ * Compute the centre and the available size of the text on a sector, from its radial and tangential
+ * extent and its direction in the picture.
  */
 static void polar_room(const shell_plane *p, tile *t)
 {
@@ -219,7 +231,7 @@ static void polar_room(const shell_plane *p, tile *t)
     t->height = fmin(radial / s, tangential / c);
 }
 
-/* Patch (i, j) of a grid. */
+/* The patch in row i and column j of a grid of patches. */
 static tile tile_of(const shell_plane *p, const scene_patches *patches, int i, int j)
 {
     const double *theta[2] = {patches->theta1, patches->theta2};
@@ -239,7 +251,10 @@ static tile tile_of(const shell_plane *p, const scene_patches *patches, int i, i
     return t;
 }
 
-/* Append the points of one side of a tile: theta1 fixed, theta2 from one end to the other. */
+/*
+ * Compute the points of one side of a tile, at constant theta1, with theta2 going from `from` to
+ * `to`. Returns their number.
+ */
 static int tile_side(const shell_plane *p, double theta1, double from, double to, double (*at)[2])
 {
     const int steps = p->is_polar ? 2 + (int)(fabs(to - from) / 0.06) : 1;
@@ -248,7 +263,10 @@ static int tile_side(const shell_plane *p, double theta1, double from, double to
     return steps + 1;
 }
 
-/* Path around a tile, smaller by inset pixels all round. A ring has two closed sides. */
+/*
+ * Draw the outline of a tile, made smaller by `inset` pixels on all sides. A full ring is drawn as
+ * two closed curves.
+ */
 static void tile_path(FILE *file, const shell_plane *p, const tile *t, double inset)
 {
     enum { MOST = 2 * (3 + 105) };
@@ -271,14 +289,15 @@ static void tile_path(FILE *file, const shell_plane *p, const tile *t, double in
 }
 
 /*
- * The number in its tile, as large as fits, nothing where that is too small to read; at a limit it
- * is written in any case, over its neighbours if it must.
+ * Write the voltage in its tile, as large as it fits. If it does not fit at a readable size, it is
+ * left out, except at a limit, where it is written over the neighbouring tiles.
  */
 static void write_voltage(FILE *file, const draw_scale *scale, const tile *t, double voltage,
                           shell_mark mark)
 {
-    const double digit = 0.6, smallest = 4.5, readable = 9; /* width of a digit over the size; sizes
-                                                             */
+    const double digit = 0.6, smallest = 4.5, readable = 9; /* digit: width over font size;
+                                                               smallest, readable: font sizes in
+                                                               pixels */
     int decimals = 0;
     char text[40];
     while (decimals < 2 && scale->most < (decimals ? 10 : 100))
@@ -317,7 +336,7 @@ static void draw_tile(const shell *s, int amplifier, const tile *t, double volta
     fputs("</g>\n", s->file);
 }
 
-/* Every patch of an actuator. */
+/* Draw all patches of an actuator with their voltages. */
 static void draw_actuator(const shell *s, const scene_actuator *actuator, const double *voltage,
                           const shell_mark *mark, const draw_scale *scale)
 {

@@ -8,7 +8,10 @@
 
 /* ---- text ------------------------------------------------------------- */
 
-/* Bytes of the UTF-8 character at text; 0 where it is none. */
+/*
+ * Number of bytes of the UTF-8 character at the start of the text, or 0 if the bytes are not valid
+ * UTF-8.
+ */
 static int character_bytes(const unsigned char *text)
 {
     static const unsigned char lead[5] = {0, 0, 0xc2, 0xe0, 0xf0};
@@ -21,7 +24,10 @@ static int character_bytes(const unsigned char *text)
     return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
 }
 
-/* The one place where text of users is escaped. Control characters are left out. */
+/*
+ * Write text with the characters special to XML escaped and control characters left out. All text
+ * that comes from the user passes through this function.
+ */
 static void put_text(FILE *file, const char *text)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
@@ -49,7 +55,7 @@ static void put_raised(FILE *file, const char *digits)
         fputs(*digits == '-' ? "⁻" : raised[*digits - '0'], file);
 }
 
-/* Power of ten of a number rounded to that many digits. */
+/* Exponent of ten of a number after rounding to the given number of digits. */
 static int power_of(double value, int digits)
 {
     char text[40];
@@ -57,7 +63,10 @@ static int power_of(double value, int digits)
     return atoi(strchr(text, 'e') + 1);
 }
 
-/* A size that many decimals long, without zeros at their end, and its sign. */
+/*
+ * Write a number given as its absolute value and its sign, with the given number of decimals but
+ * without trailing zeros.
+ */
 static void put_decimals(FILE *file, double size, int decimals, bool is_negative)
 {
     char text[64];
@@ -69,7 +78,10 @@ static void put_decimals(FILE *file, double size, int decimals, bool is_negative
     put(file, is_negative && strtod(text, NULL) > 0 ? "−%s" : "%s", text);
 }
 
-/* A number as the largest of its column is written: plain, or with its power of ten. */
+/*
+ * Write a number in the notation of the largest of its column `most`: in plain digits, or with the
+ * power of ten of `most`.
+ */
 static void put_number(FILE *file, double value, double most, int digits)
 {
     if (!isfinite(value)) {
@@ -112,7 +124,7 @@ put_unit put_unit_of(double most, const char *unit)
     return (put_unit){length[known].metres / length[best].metres, length[best].written};
 }
 
-/* A space that does not break, and the unit with its digits raised. */
+/* Write a no-break space and the unit, with its digits as superscripts. */
 static void put_unit_name(FILE *file, const char *unit)
 {
     fputs(*unit ? "\xc2\xa0" : "", file);
@@ -167,7 +179,10 @@ static void put_directive(FILE *file, char directive, va_list *more)
     }
 }
 
-/* The tag that opens a cell with its alignment. Returns what follows in the format. */
+/*
+ * Write the opening tag of a table cell with its alignment. Returns the rest of the format after
+ * the alignment mark.
+ */
 static const char *open_cell(FILE *file, const char *tag, const char *at)
 {
     static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};
@@ -176,7 +191,10 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
     return at + (aligned > 0);
 }
 
-/* cell: tag of the cells that '|' separates, or NULL */
+/*
+ * Write a format as described for the function put.
+ *   cell  in  tag of the table cells that '|' separates, or NULL: no table
+ */
 static void put_format(FILE *file, const char *format, const char *cell, va_list *more)
 {
     while (*format) {

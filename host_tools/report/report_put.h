@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Text of the report pages: escaped words, numbers, tables. It is UTF-8 and well-formed XML. */
+/*
+ * Text of the report pages: escaped text, numbers and tables. All output is UTF-8 and well-formed
+ * XML.
+ */
 #ifndef REPORT_PUT_H
 #define REPORT_PUT_H
 
@@ -7,33 +10,39 @@
 #include <stdio.h>
 
 /*
- * Write a format with these directives; everything else is copied as it stands.
- *   %t  const char *          text, its markup escaped
- *   %s  const char *          markup
+ * Write a format with the directives below; all other characters are copied unchanged.
+ *   %t  const char *          plain text; characters special to XML are escaped
+ *   %s  const char *          markup, copied unchanged
  *   %d  int
- *   %f  double                coordinate in a picture, one decimal
- *   %n  double                number of four significant digits; a dash for NaN
- *   %r  double                the same of two digits, for conditions and residuals
- *   %p  double                share, in percent
- *   %q  double, const char *  quantity and unit; lengths in a readable unit
- *   %a  double, double, const char *  quantity, largest of its column, unit: in that one's notation
+ *   %f  double                coordinate in a picture, with one decimal
+ *   %n  double                number with four significant digits; a dash for NaN
+ *   %r  double                the same with two digits, for condition numbers and residuals
+ *   %p  double                fraction, written in percent
+ *   %q  double, const char *  quantity and its unit; lengths in the most readable unit
+ *   %a  double, double, const char *  quantity, largest of its table column, unit; the largest
+ *                             decides unit and power of ten for the whole column
  *   %u  const char *          unit
  */
 void put(FILE *file, const char *format, ...);
 
 /*
- * A row of a table; '|' separates the cells, '<' begins one aligned to the left, '~' a wrapped
- * one.
+ * Write a row of a table. In the format, '|' separates the cells; a cell that begins with '<' is
+ * aligned to the left, and one that begins with '~' may wrap.
  */
 void put_row(FILE *file, const char *format, ...);
 
 /*
- * A table that scrolls in a box of its own. caption: markup; head: its cells as in put_row, or ""
+ * Begin and end a table. On a narrow page the table can be scrolled on its own.
+ *   caption  in  markup
+ *   head     in  heading cells in the format of put_row; "" for no heading
  */
 void put_table(FILE *file, const char *caption, const char *head);
 void put_table_end(FILE *file);
 
-/* The unit in which a quantity reads best, and the factor into it: nm, um, mm or m for lengths. */
+/*
+ * The unit in which a quantity is most readable, and the factor that converts into it: nm, um, mm
+ * or m for lengths, otherwise the unit itself. `most` is the largest absolute value to be written.
+ */
 typedef struct put_unit {
     double factor;
     const char *name;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Page of `pzs shape` (report.h). */
+/* Report page of `pzs shape` (report.h). */
 #include <math.h>
 #include <stdlib.h>
 #include "report_page.h"
 
-/* One set of voltages with all that is drawn of it. */
+/* One result: a set of voltages, the shape that it reaches, and numbers for its drawings. */
 typedef struct result {
     const voltages *v;
     page_shape shape;
-    shell_mark *mark; /* [amplifiers] */
-    double voltage;   /* largest */
-    int beyond;       /* amplifiers beyond the limits of the scene */
+    shell_mark *mark; /* [amplifiers] whether the voltage is at or beyond a limit */
+    double voltage;   /* largest absolute voltage */
+    int beyond;       /* number of amplifiers with a voltage beyond the limits of the scene */
 } result;
 
 typedef struct shape_page {
@@ -19,11 +19,11 @@ typedef struct shape_page {
     const design *d;
     result *result;
     int results, plans;
-    int *plan; /* [actuators] */
+    int *plan; /* [actuators] index of the plan on which the actuator is drawn, or -1 */
     draw_view view;
-    double factor;              /* magnification of every drawing */
-    draw_scale misfit, voltage; /* shared by all results */
-    double residual;            /* largest of the drawn shapes */
+    double factor;              /* magnification of displacements in every drawing */
+    draw_scale misfit, voltage; /* colour scales, the same for all results */
+    double residual;            /* largest relative residual of the solves of the drawn shapes */
 } shape_page;
 
 /* ---- results ---------------------------------------------------------- */
@@ -43,7 +43,10 @@ static bool is_beyond(const design *design, const voltages *result, int k)
     return result->voltage[k] < design->lower[k] || result->voltage[k] > design->upper[k];
 }
 
-/* Amplifiers at a limit that this set obeyed (held ones left out), or beyond those of the scene. */
+/*
+ * Mark the amplifiers that are at an active limit of this result, unless they are held, and those
+ * with a voltage beyond the limits of the scene. Returns 0, or -1: out of memory.
+ */
 static int fill_marks(const design *design, result *result)
 {
     const size_t amplifiers = (size_t)design->amplifiers;
@@ -84,7 +87,7 @@ static int fill_result(const design *design, const voltages *v, result *r)
     return 0;
 }
 
-/* Scales and view that all results share. */
+/* Choose the colour scales, the magnification and the view that all results share. */
 static void fit_page(shape_page *p)
 {
     double most = 0;
@@ -128,7 +131,10 @@ static void write_name(const shape_page *p, const voltages *result)
     write_limits(p, result);
 }
 
-/* The first result within limits, or of all where none has limits. */
+/*
+ * The result shown first: the first one computed within limits, or simply the first one if none has
+ * limits.
+ */
 static const result *main_result(const shape_page *p)
 {
     for (int k = 0; k < p->results; k++)
@@ -137,7 +143,7 @@ static const result *main_result(const shape_page *p)
     return p->result;
 }
 
-/* The main result, and what the best without limits would leave. */
+/* Write the error of the main result, and the error that would remain without voltage limits. */
 static void write_verdict(const shape_page *p)
 {
     const voltages *best = main_result(p)->v, *open = NULL;
@@ -189,7 +195,10 @@ static void write_table(const shape_page *p)
     put_table_end(p->file);
 }
 
-/* Limits narrower than the table says, rows that no error counts, free functions. */
+/*
+ * Write notes on amplifiers with narrower limits than the table says, on target rows that cannot
+ * move and therefore do not count in the error, and on free functions.
+ */
 static void write_notes(const shape_page *p)
 {
     const design *design = p->d;
@@ -210,7 +219,8 @@ static void write_notes(const shape_page *p)
 }
 
 /*
- * Weighted root mean square and peak to valley of a field less another. x, y [targets], y or NULL
+ * Weighted root mean square and peak-to-valley value of the field x, or of x - y.
+ *   x, y [targets]  in  y may be NULL
  */
 typedef struct optics {
     double rms, valley;
@@ -278,7 +288,7 @@ static int draw_misfit(const shape_page *p, const result *result)
     return failed;
 }
 
-/* Names of the actuators of a plan. */
+/* Write the names of the actuators on one plan. */
 static void write_plan(const shape_page *p, int which)
 {
     const char *comma = "<h3>";
@@ -356,7 +366,7 @@ static int write_page(const report_job *job, const shape_page *p, const modes *m
     return failed;
 }
 
-/* The reached shape and the voltages of the main result. */
+/* Write the main picture: the reached shape and the voltages of the main result. */
 static int write_picture(const report_job *job, const shape_page *p)
 {
     const double width = 760, height = fmax(p->view.height, 330) + 44;

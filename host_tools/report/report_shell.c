@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Surface, mesh lines and marks of a shell in a picture (report_shell.h). */
+/* Surface, mesh lines and marks in the picture of a shell (report_shell.h). */
 #include "report_shell.h"
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +8,10 @@ enum { MOST_CELLS = 48, MOST_PIECES = 1100, PLANE_PIECES = 6000, MOST_LINES = 24
 
 /* ---- places and values between nodes ---------------------------------- */
 
-/* Nodes around a place in mesh lines, which may lie between lines, and their bilinear weights. */
+/*
+ * The four nodes around a point given in mesh-line coordinates, and their bilinear weights. A
+ * mesh-line coordinate is the index of a mesh line, with fractions between two lines.
+ */
 static void nodes_around(const mesh *mesh, const double line[2], int node[4], double weight[4])
 {
     int at[2];
@@ -35,7 +38,7 @@ static double value_at(const mesh *mesh, const double *value, double i, double j
     return sum;
 }
 
-/* Position in space of a place in mesh lines. */
+/* Position in space of a point given in mesh-line coordinates. */
 static void position_at(const shell *s, double i, double j, double x[3])
 {
     const double line[2] = {i, j};
@@ -70,7 +73,7 @@ static void node_at(const shell *s, int node, double at[2])
 
 /* ---- surface ---------------------------------------------------------- */
 
-/* Whole elements between two mesh lines of each direction. */
+/* A block of whole elements that is drawn at once, between two mesh lines of each direction. */
 typedef struct cell {
     double depth;
     int index, line[2][2];
@@ -84,7 +87,11 @@ static int farther_first(const void *x, const void *y)
     return a->depth > b->depth ? 1 : (a->index > b->index) - (a->index < b->index);
 }
 
-/* Cells from far to near. cells [MOST_CELLS squared] out. Returns their number. */
+/*
+ * List the cells of the mesh, from the farthest to the nearest.
+ *   cells [MOST_CELLS * MOST_CELLS]  out
+ * Returns their number.
+ */
 static int cell_list(const shell *s, cell *cells)
 {
     const int n[2] = {s->m->scene->line[0].elements, s->m->scene->line[1].elements};
@@ -104,7 +111,10 @@ static int cell_list(const shell *s, cell *cells)
     return count;
 }
 
-/* Outline of the mesh between from and to, in mesh lines. */
+/*
+ * Draw the outline of the rectangle of mesh-line coordinates with the opposite corners `from` and
+ * `to`.
+ */
 static void outline(const shell *s, const double from[2], const double to[2])
 {
     double at[4][2];
@@ -115,7 +125,10 @@ static void outline(const shell *s, const double from[2], const double to[2])
     draw_polygon(s->file, (const double(*)[2])at, 4);
 }
 
-/* Level of the colour at the middle of piece (i, j) of a cell; -2 beyond its last row. */
+/*
+ * Index of the colour at the middle of piece (i, j) of a cell, or -2 if the piece is beyond the
+ * last row of the cell.
+ */
 static int piece_level(const shell *s, const cell *c, const double *value, const draw_scale *scale,
                        const double size[2], int i, int j)
 {
@@ -125,8 +138,8 @@ static int piece_level(const shell *s, const cell *c, const double *value, const
 }
 
 /*
- * One cell: pieces coloured by the value at their middle, equal neighbours along theta1 as one,
- * then its outline.
+ * Draw one cell: divided into pieces, each in the colour of the value at its middle, where
+ * neighbours of equal colour along theta1 are drawn as one; then the outline of the cell.
  */
 static void cell_paint(const shell *s, const cell *c, const double *value, const draw_scale *scale,
                        int pieces)
@@ -158,7 +171,7 @@ static bool is_around(const cell *c, const int node[2])
            node[1] <= c->line[1][1];
 }
 
-/* A support on a cell: a thick side, or a disc. */
+/* Draw a support on a cell: an edge as a thick line, a point as a disc. */
 static void cell_support(const shell *s, const cell *c, const scene_where *where)
 {
     const int a = where->edge == EDGE_THETA2_MINUS || where->edge == EDGE_THETA2_PLUS;
@@ -177,7 +190,7 @@ static void cell_support(const shell *s, const cell *c, const scene_where *where
     }
 }
 
-/* Is a value missing at some corner of every element? */
+/* Whether every element has a corner without a value, so that no element can be coloured. */
 static bool is_without_elements(const mesh *mesh, const double *value)
 {
     for (int e = 0; e < mesh->elements; e++) {
@@ -188,7 +201,7 @@ static bool is_without_elements(const mesh *mesh, const double *value)
     return true;
 }
 
-/* Values of a point or an edge, which no element can show, as discs. */
+/* Draw the values of a single point or of an edge as coloured discs at the nodes. */
 static void draw_values(const shell *s, const double *value, const draw_scale *scale)
 {
     for (int i = 0; i < s->m->lines[0]; i++)
@@ -226,8 +239,8 @@ int shell_surface(const shell *s, const double *value, const draw_scale *scale)
 /* ---- lines ------------------------------------------------------------ */
 
 /*
- * Append one mesh line to an open path: along direction a at line `across` of the other
- * direction.
+ * Append one mesh line to an open path: the line runs along direction a, at index `across` of the
+ * other direction.
  */
 static void trace(const shell *s, int a, int across)
 {
@@ -287,7 +300,7 @@ void shell_dot(const shell *s, int node)
     draw_disc(s->file, "dot", at, 3.5);
 }
 
-/* Direction of a load in the picture; its length is that of a unit vector seen from here. */
+/* Direction of a point load in the picture: its unit vector in space, projected to the picture. */
 static void load_direction(const shell *s, const scene_load *load, int node, double way[2])
 {
     const expr_point place = mesh_place(s->m, node);
@@ -298,7 +311,7 @@ static void load_direction(const shell *s, const scene_load *load, int node, dou
     way[1] = -sign * draw_dot3(s->view->axis[1], along);
 }
 
-/* Arrow of a fixed length in space that ends at the loaded node. */
+/* Draw an arrow whose tip is at the loaded node. Its length in space is the same for all loads. */
 static void arrow(const shell *s, const double tip[2], const double way[2])
 {
     const double size = hypot(way[0], way[1]), shaft = 46, head = 9, half = 3.5;
@@ -334,7 +347,7 @@ void shell_outputs(const shell *s)
 {
     const scene_output *output = s->m->scene->output;
     for (int k = 0; k < s->m->scene->outputs; k++) {
-        int before = 0; /* outputs at the same node */
+        int before = 0; /* number of earlier outputs at the same node */
         double at[2];
         if (output[k].where.type != WHERE_POINT)
             continue;

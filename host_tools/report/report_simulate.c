@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Page of `pzs simulate` (report_simulate.h). */
+/* Report page of `pzs simulate` (report_simulate.h). */
 #include "report_simulate.h"
 #include "../simulate/simulate_words.h"
 #include <math.h>
@@ -46,8 +46,9 @@ typedef struct simulate_page {
     const simulate_record *r;
     const scene *scene;
     const design *d;
-    page_shape shape; /* the one being drawn */
-    double *aim;      /* [targets] of it, as voltages.h has it */
+    page_shape shape; /* the shape that is drawn at present */
+    double *aim; /* [targets] target values of this shape, corrected by the free functions of the
+                    target */
     draw_view view;
     draw_scale misfit;
     double factor;
@@ -58,10 +59,14 @@ typedef struct simulate_page {
 
 static const char *const law_name[LAWS] = {"Controller", "Clipped least squares",
                                            "Regularised, then clipped"};
-/* The laws up to this one are drawn; tables have all. */
+/* Number of control laws in the drawings; the tables contain all of them. */
 enum { DRAWN = LAW_CLAMP + 1 };
 
-/* The phase that ends farthest above its optimum, and by how much. */
+/*
+ * The phase in which the controller's error ends farthest above its optimum.
+ *   above  out  relative excess of the error over the optimum
+ * Returns NULL if no phase has an error.
+ */
 static const simulate_phase *worst_phase(const simulation *simulation, double *above)
 {
     const simulate_phase *worst = NULL;
@@ -121,7 +126,10 @@ static void write_phases(const simulate_page *p)
     put_table_end(p->file);
 }
 
-/* What not every controller does. */
+/*
+ * Write the results that depend on optional parts of the control loop: shape estimator, fault
+ * detector, and a device with its firmware.
+ */
 static void write_extras(const simulate_page *p, const simulate_count *count)
 {
     const device_board *board = p->s->board;
@@ -162,7 +170,7 @@ static void write_counts(const simulate_page *p)
     write_extras(p, &p->s->count[LAW_CONTROLLER]);
 }
 
-/* How the plant differs from the model of the controller. */
+/* Write in what the simulated plant differs from the model of the controller. */
 static void write_plant(const simulate_page *p)
 {
     const scene_simulate *simulate = &p->scene->simulate;
@@ -187,7 +195,10 @@ static void write_plant(const simulate_page *p)
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
-/* What vibration would make of the loop, where the densities say it. */
+/*
+ * Write the effect of vibrations on the control loop, as far as the scene gives the densities of
+ * the materials.
+ */
 static void write_certificate(const simulate_page *p)
 {
     const certificate *certificate = &p->s->nominal->certificate;
@@ -212,7 +223,10 @@ static double bin_at(const simulate_page *p, double bin)
     return draw_on(&p->time, bin * p->r->ticks / p->r->bins);
 }
 
-/* Frame with the axis of time, and a line where a phase begins. */
+/*
+ * Draw the frame of a picture with the time axis, and a vertical line at the beginning of each
+ * phase.
+ */
 static void draw_time(const simulate_page *p, double bottom)
 {
     const draw_axis y = {.from = bottom, .to = TOP};
@@ -226,14 +240,14 @@ static void draw_time(const simulate_page *p, double bottom)
         bottom + 28, p->r->ticks / p->scene->simulate.rate, "s");
 }
 
-/* Widen an axis to a value; nothing for one that is not positive. */
+/* Extend the range of an axis to include a value. Values that are not positive are ignored. */
 static void include(draw_axis *axis, double value)
 {
     axis->low = value > 0 ? fmin(axis->low, value) : axis->low;
     axis->high = value > 0 ? fmax(axis->high, value) : axis->high;
 }
 
-/* Axis around all errors, six decades at most. */
+/* Logarithmic axis for all errors; at most six powers of ten below the largest one. */
 static draw_axis error_axis(const simulate_page *p)
 {
     draw_axis axis = {HUGE_VAL, 0, BOTTOM, TOP, true, "%p", {1, ""}};
@@ -250,7 +264,10 @@ static draw_axis error_axis(const simulate_page *p)
     return axis;
 }
 
-/* value [bins] in: an error over time */
+/*
+ * Draw an error over time.
+ *   value [bins]  in  error in each bin
+ */
 static void draw_curve(const simulate_page *p, const draw_axis *axis, const char *style,
                        const double *value)
 {
@@ -300,7 +317,10 @@ static void write_errors(const simulate_page *p)
     fputs(".</figcaption></figure>\n", p->file);
 }
 
-/* What is drawn of an amplifier in a bin: the level of its colour, or whether it is at a limit. */
+/*
+ * What is drawn of an amplifier in a bin: with a colour scale the index of the voltage's colour,
+ * without one (NULL) whether a limit is active.
+ */
 static int bin_state(const simulate_page *p, int amplifier, const draw_scale *scale, int bin)
 {
     const double voltage = p->r->volt[bin * p->r->amplifiers + amplifier];
@@ -309,7 +329,10 @@ static int bin_state(const simulate_page *p, int amplifier, const draw_scale *sc
     return voltage <= p->r->lower[amplifier] || voltage >= p->r->upper[amplifier];
 }
 
-/* One amplifier: bars of one colour where there is a scale, else lines where it is at a limit. */
+/*
+ * Draw the row of one amplifier over time. With a colour scale: bars in the colour of its voltage.
+ * Without one: a line wherever a limit is active.
+ */
 static void draw_row(const simulate_page *p, int amplifier, const draw_scale *scale, double y,
                      double height)
 {
@@ -362,7 +385,7 @@ static void write_voltages(const simulate_page *p)
 
 /* ---- shapes ----------------------------------------------------------- */
 
-/* Take the shape at the end of a phase under a law. */
+/* Copy the shape at the end of phase k under a control law into the page, with its misfit. */
 static void take_shape(simulate_page *p, int k, int law)
 {
     const simulate_phase *phase = &p->s->phase[k];
@@ -373,7 +396,7 @@ static void take_shape(simulate_page *p, int k, int law)
     page_shape_fill(&p->shape, p->d, phase->course[law].u, shape, p->aim);
 }
 
-/* Scales and view that all shapes share. */
+/* Choose the colour scale, the magnification and the view that all shapes share. */
 static void fit_shapes(simulate_page *p)
 {
     double most = 0;
@@ -393,8 +416,8 @@ static void fit_shapes(simulate_page *p)
 }
 
 /*
- * Is this the end of conditions that the phase after it changes? Sensor faults leave the shape as
- * it is.
+ * Whether the shape at the end of phase k is drawn: in the last phase, and if the optimum changes
+ * in the following phase. After a fault of a sensor, for example, the optimum stays the same.
  */
 static bool is_worth_seeing(const simulation *simulation, int k)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Page of `pzs simulate`: errors, voltages and active limits over time, shapes at the end of each
- * phase.
+ * Report page of `pzs simulate`: shape errors, voltages and active limits over time, and the shape
+ * at the end of each phase.
  */
 #ifndef REPORT_SIMULATE_H
 #define REPORT_SIMULATE_H
@@ -11,20 +11,26 @@
 
 enum { RECORD_BINS = 800 };
 
-/* What the page draws over time: bins of equal numbers of ticks. */
+/*
+ * Data that the page draws over time. The ticks are divided into bins of equal length, because a
+ * page cannot show every tick of a long simulation.
+ */
 typedef struct simulate_record {
     int bins, ticks, amplifiers;
-    double error[LAWS][RECORD_BINS]; /* the largest of the bin */
-    double missed[RECORD_BINS]; /* the same of the controller's estimate; 0 where there is none */
-    double *volt;          /* [RECORD_BINS][amplifiers] the last of the bin, under the controller */
-    double *lower, *upper; /* [amplifiers] of the controller, for the bins at a limit */
+    double error[LAWS][RECORD_BINS]; /* largest shape error within the bin, for each control law */
+    double missed[RECORD_BINS]; /* largest error of the controller's shape estimate within the bin;
+                                   0 without an estimator */
+    double *volt; /* [RECORD_BINS][amplifiers] the controller's voltages at the last tick of each
+                     bin */
+    double *lower, *upper; /* [amplifiers] the controller's voltage limits, to mark the bins in
+                              which a limit is active */
 } simulate_record;
 
 int record_open(simulate_record *record, const simulation *simulation);
 void record_close(simulate_record *record);
 void record_tick(simulate_record *record, const simulate_sample *sample);
 
-/* Returns 0, or -1 when memory runs out or the file cannot be written. */
+/* Write the report page. Returns 0, or -1 when memory runs out or the file cannot be written. */
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Page of `pzs solve` (report.h). */
+/* Report page of `pzs solve` (report.h). */
 #include <math.h>
 #include <stdlib.h>
 #include "report_page.h"
@@ -12,7 +12,10 @@ typedef struct spread {
     int count;
 } spread;
 
-/* Values of a named output: one of a point, many of an edge or of all nodes. */
+/*
+ * Range and mean of the values of a named output. An output at a point has one value, an output on
+ * an edge or at all nodes has several.
+ */
 static spread spread_of(const analysis *analysis, const double *output, int k)
 {
     const double reference = analysis->design.scene->output[k].reference;
@@ -43,7 +46,7 @@ static void write_output(FILE *file, const analysis *analysis, const double *out
         analysis_output(analysis, k, 0, output) / named->reference);
 }
 
-/* The i-th value of an output, at its node or on its electrode. */
+/* Write one row of a table: the i-th value of an output with its node or its electrode. */
 static void write_place(FILE *file, const analysis *analysis, int k, int i, double value,
                         double most, const char *unit)
 {
@@ -60,7 +63,7 @@ static void write_place(FILE *file, const analysis *analysis, int k, int i, doub
     }
 }
 
-/* All values of an output of several nodes or electrodes. */
+/* Write the table of all values of an output with several nodes or electrodes. */
 static void write_places(FILE *file, const analysis *analysis, const double *output, int k)
 {
     enum { MOST_VALUES = 400 };
@@ -102,7 +105,10 @@ static const double *theta_of(const analysis *analysis, int k, int i)
     return analysis->design.mesh.theta[analysis_output_node(analysis, k, i)];
 }
 
-/* Coordinate, 0 or 1, along which the nodes of an output of displacements lie, or -1. */
+/*
+ * The coordinate, 0 (theta1) or 1 (theta2), along which the nodes of a displacement output lie, or
+ * -1 if they do not lie on one mesh line.
+ */
 static int line_of(const analysis *analysis, int k)
 {
     const scene_output *output = &analysis->design.scene->output[k];
@@ -114,17 +120,17 @@ static int line_of(const analysis *analysis, int k)
     return differs[0] == differs[1] ? -1 : differs[1];
 }
 
-/* A picture of the outputs along one coordinate. */
+/* Diagram of all outputs that lie along the same coordinate. */
 typedef struct line_chart {
     FILE *file;
     const analysis *a;
     const double *output;
     int along;
     draw_axis x, y;
-    char name[WORDS_UNIT]; /* of the unit of x */
+    char name[WORDS_UNIT]; /* name of the unit of x */
 } line_chart;
 
-/* Axes of the picture from the values in it. Returns whether there are any. */
+/* Fit the axes to all values of the diagram. Returns false if there are none. */
 static bool fit_chart(line_chart *c)
 {
     const scene *scene = c->a->design.scene;
@@ -148,8 +154,8 @@ static bool fit_chart(line_chart *c)
 }
 
 /*
- * Names stand a line's height below one another at least: the lowest place of these at or below
- * y.
+ * Lowest free height at or below y for a name of one line, so that names do not overlap.
+ *   taken [names]  in  heights of the names already written
  */
 static double free_place(double y, const double *taken, int names)
 {
@@ -210,7 +216,8 @@ typedef struct solve_page {
     FILE *file;
     const analysis *a;
     const mesh *m;
-    double *vector, *size; /* [nodes][3] displacement; [nodes] its size, or room */
+    double *vector, *size; /* [nodes][3] displacement; [nodes] its absolute value, also used for
+                              other maps */
     double factor;
     draw_view view;
     draw_scale scale;
@@ -218,8 +225,8 @@ typedef struct solve_page {
 } solve_page;
 
 /*
- * Sizes, view and scale of the deformed shape: large displacements to scale, small ones
- * magnified.
+ * Choose the colour scale, the magnification and the view of the deformed shape. Large
+ * displacements, of nonlinear results, are not magnified.
  */
 static void fit_deformed(solve_page *p)
 {
@@ -250,7 +257,7 @@ static int draw_deformed(const solve_page *p)
     return failed;
 }
 
-/* Lines and marks of the drawing, explained. */
+/* Write the legend of the lines and marks in the drawing. */
 static void write_deformed_keys(const solve_page *p)
 {
     const scene *scene = p->m->scene;
@@ -283,7 +290,7 @@ static int write_deformed(const solve_page *p)
     return failed;
 }
 
-/* Map of the component along e1, e2 or e3. */
+/* Draw the map of the displacement component along e1, e2 or e3 (a = 0, 1, 2). */
 static int draw_component_map(const solve_page *p, int a)
 {
     static const char *const label[3] = {"u₁ along θ₁", "u₂ along θ₂", "u₃ outwards"};
@@ -316,7 +323,7 @@ static int write_components(const solve_page *p)
     return failed;
 }
 
-/* Map of the contact pressure, where there is a contact. */
+/* Write the map of the contact pressure, if the scene contains a contact. */
 static int write_contact_map(const solve_page *p)
 {
     const pzs_contact *contact = &p->a->equilibrium.contact;

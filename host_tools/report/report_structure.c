@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The structure in words (report_page.h): layers, materials, supports, loads, contact, actuators,
- * target.
+ * Tables that describe the structure (report_page.h): layers, materials, supports, loads, contact,
+ * actuators and target.
  */
 #include <math.h>
 #include <string.h>
@@ -12,7 +12,7 @@ static const char *const component_word[] = {"u₁", "u₂", "u₃", "x", "y", "
 static const char *const face_word[] = {"middle", "inner face", "outer face", "mean of the faces"};
 static const char *const end_cell = "</td></tr>\n";
 
-/* Begin a row of one name and one cell of words. */
+/* Begin a table row with a heading and one wrapped cell for a description. */
 static void begin_row(FILE *file, const char *kind, const char *name)
 {
     put(file, "<tr><th scope=\"row\">%s%t</th><td class=\"note\">", kind, name);
@@ -48,8 +48,8 @@ static void write_layers(FILE *file, const scene *scene)
 }
 
 /*
- * Constants of the materials, the piezoelectric ones by strain or by stress per field as they
- * were given.
+ * Write the table of the material constants. The piezoelectric ones are given as strain per field
+ * or as stress per field, whichever the scene contains.
  */
 static void write_materials(FILE *file, const scene *scene)
 {
@@ -66,7 +66,10 @@ static void write_materials(FILE *file, const scene *scene)
     put_table_end(file);
 }
 
-/* The dof that a support constrains: both means and differences of a component as one word. */
+/*
+ * Write the displacements that a support constrains. If both the mean over the thickness and the
+ * difference of the faces are constrained, only the component is named.
+ */
 static void write_support(FILE *file, const scene *scene, const scene_support *support,
                           unsigned dof_per_node)
 {
@@ -103,7 +106,7 @@ static void write_support(FILE *file, const scene *scene, const scene_support *s
     put(file, " constrained%s", end_cell);
 }
 
-/* The value of a load at its nodes: one number, or its range. */
+/* Write the value of a load at its nodes: a single number, or the range of its values. */
 static void write_value(FILE *file, const mesh *mesh, const scene_load *load)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -147,7 +150,7 @@ static void write_vector(FILE *file, const char *what, const double x[3], const 
     put(file, "%s(%n, %n, %n)%u", what, x[0], x[1], x[2], unit);
 }
 
-/* The rigid body that the shell may touch. */
+/* Write the position and the type of the rigid body that the shell may touch. */
 static void write_contact(FILE *file, const scene *scene)
 {
     static const char *const name[] = {"plane", "cylinder", "sphere", "body ψ(x, y, z) &lt; 0"};

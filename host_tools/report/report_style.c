@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Colours and style sheets of the report (report_draw.h): light, dark, pages, single pictures. */
+/*
+ * Colours and style sheets of the report (report_draw.h), for light and dark display, for whole
+ * pages and for single pictures.
+ */
 #include <math.h>
 #include <string.h>
 #include "report_draw.h"
 
 /*
- * Stops of the colour scales, evenly spaced; between neighbours the distance in the OKLab space
- * is the same.
+ * Number of colours from which each colour scale is interpolated. They are evenly spaced over the
+ * scale, and neighbours have equal distances in the colour space OKLab.
  */
 enum { STOPS = 9 };
 static const unsigned signed_light[STOPS] = {0x113f77, 0x286db0, 0x4f9fe2, 0x9ccdf3, 0xf3f3f3,
@@ -16,7 +19,7 @@ static const unsigned signed_dark[STOPS] = {0x9beaff, 0x63b5e9, 0x3381bc, 0x2f53
 static const unsigned viridis[STOPS] = {0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c,
                                         0x28ae80, 0x5ec962, 0xaddc30, 0xfde725};
 
-/* Colours with a name: in light, in dark. */
+/* Named colours, for light and for dark display. */
 static const struct {
     const char *name, *colour[2];
 } palette[] = {{"page", {"#fff", "#121417"}},      {"panel", {"#f8f8f6", "#1a1d21"}},
@@ -124,8 +127,8 @@ static void write_variables(FILE *file, int is_dark)
 }
 
 /*
- * A rule with every var(--name) replaced by its colour, for readers of SVG that know no
- * variables.
+ * Write a style rule with every var(--name) replaced by its colour, because many programs that show
+ * SVG files do not support CSS variables.
  */
 static void write_expanded(FILE *file, const char *rule, int is_dark)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Displacements for ParaView (report.h). */
+/* VTK file of displacements for ParaView (report.h). */
 #include <math.h>
 #include <string.h>
 #include "report.h"
@@ -17,7 +17,7 @@ void report_displacement(const mesh *mesh, const double *u, double *vector)
     }
 }
 
-/* A name without what XML reads as its own. */
+/* Write a name without the characters that are special to XML. */
 static void write_name(FILE *file, const char *name)
 {
     for (; *name; name++) {
@@ -26,7 +26,10 @@ static void write_name(FILE *file, const char *name)
     }
 }
 
-/* Three numbers of a node. x [3] in */
+/*
+ * Write the three components of a vector.
+ *   x [3]  in
+ */
 static void write_vector(FILE *file, const double *x)
 {
     for (int i = 0; i < 3; i++)
@@ -47,7 +50,7 @@ static void write_cells(FILE *file, const mesh *mesh)
     fprintf(file, "</DataArray>\n");
     fprintf(file, array, "UInt8", "types");
     for (int e = 0; e < mesh->elements; e++)
-        fputs("9\n", file); /* VTK_QUAD */
+        fputs("9\n", file); /* cell type VTK_QUAD */
     fputs("</DataArray>\n</Cells>\n<PointData>\n", file);
 }
 

@@ -40,16 +40,24 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define ROUNDS 8u /* most rounds of one call */
-/* KKT violations below this multiple of the rounding bounds count as zero */
+#define ROUNDS 8u /* largest number of rounds in one call */
+/* KKT violations below ROUNDING_FACTOR times the rounding bounds count as zero. */
 #define ROUNDING_FACTOR 4
-/* Factor by which a gradient of F may exceed its rounding bound where that costs nothing. */
+/*
+ * Factor by which a gradient of an input in F may exceed its rounding bound, if this hardly raises
+ * the objective.
+ */
 #define TOLERATED PZS_BY_BITS(256, 2048)
-/* Assumed ratio of the prediction errors of unmeasured and measured entries */
+/*
+ * Assumed largest ratio between the gradient prediction errors of inputs that are not measured and
+ * of those that are.
+ */
 #define UNMEASURED_FACTOR 8
-/* A decrease counts only if it exceeds this multiple of its rounding error */
+/* A decrease of the objective counts only if it exceeds SIGNIFICANT times its rounding error. */
 #define SIGNIFICANT 16
-/* A round that lowers the KKT violation by less than this factor renews the tableau */
+/*
+ * The tableau is recomputed after a round that reduces the KKT violation by less than this factor.
+ */
 #define LEAST_PROGRESS 16
 
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
@@ -81,7 +89,7 @@ static void symmetric(const pzs_optimiser *optimiser, pzs_real *restrict y,
     pzs_product_sum_rows(y, a, optimiser->width, x, optimiser->inputs, optimiser_span(optimiser));
 }
 
-/* gradient = model gradient - target gradient; next = the same on F, 0 on A. */
+/* gradient = model gradient - target gradient; next = this gradient on F, 0 on A. */
 static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
                     const pzs_real *restrict model_gradient,
                     const pzs_real *restrict target_gradient, const pzs_real *restrict free_set,
@@ -113,7 +121,7 @@ static void add(pzs_real *restrict z, const pzs_real *restrict x, size_t span)
         z[i] += x[i];
 }
 
-/* Rounding-error bound of H offset (m2/V). */
+/* Rounding-error bound of the product H offset (m2/V). */
 static pzs_real rounding_of_product(const pzs_optimiser *optimiser, const pzs_real *offset)
 {
     return PZS_EPSILON * pzs_product_dot_size(optimiser->diagonal, offset, optimiser->width);
@@ -129,8 +137,9 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
 }
 
 /*
- * KKT violation of one voltage: the size of g between the bounds; at a bound only the part that
- * points inwards, which is negative where the condition holds.
+ * KKT violation of one voltage v with gradient g. Between the bounds it is |g|. At a bound it is
+ * the component of -g that points to the inside, which is negative where the KKT condition is
+ * satisfied.
  */
 static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, pzs_real upper)
 {
@@ -152,8 +161,8 @@ static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
 {
     uint32_t open = 0;
     for (size_t i = 0; i < span; i++) {
-        if (!OPTIMISER_WIDE && free_set[i] > 0) { /* same result with fewer instructions, for
-                                                     processors without vectors */
+        if (!OPTIMISER_WIDE && free_set[i] > 0) { /* shortcut with the same result for processors
+                                                     without vector instructions */
             const pzs_real x = v[i] + move[i];
             next[i] = x;
             offset[i] = x - base[i];
@@ -197,8 +206,10 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
     return pzs_product_largest(optimiser->scratch, optimiser->width);
 }
 
-/* Whether a gradient of this size (m2/V) on F costs less than epsilon of the target energy: its
- * square times inverse H. */
+/*
+ * Whether gradients of this size (m2/V) on F raise the objective by less than epsilon times the
+ * target energy. The bound is size^2 times the trace of the inverse of H on F.
+ */
 static int is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
     const pzs_real square = size * size, most = PZS_EPSILON * optimiser->target_energy;
@@ -213,8 +224,10 @@ int pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
     return !is_negligible(optimiser, optimiser->model_rounding);
 }
 
-/* out = KKT violation of each active input, at least `turn` where its gradient is smaller than
- * that; 0 on F. */
+/*
+ * out = KKT violation of each active input; `turn` instead, if the gradient is at most `turn` in
+ * size and the bounds differ; 0 on F.
+ */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict v,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
                               const pzs_real *restrict gradient, const pzs_real *restrict free_set,
@@ -255,8 +268,8 @@ static int is_converged(pzs_optimiser *optimiser)
 /* ---- iterations ------------------------------------------------------ */
 
 typedef struct blocking {
-    pzs_real part;  /* part of the direction that can be taken */
-    uint32_t input; /* first input to meet a bound, or the number of inputs */
+    pzs_real part;  /* fraction of the direction up to the first bound */
+    uint32_t input; /* first input to meet a bound, or the number of inputs if none does */
 } blocking;
 
 /* urgency = |direction| / room where `part` of the direction of a free input leads beyond its
@@ -311,7 +324,7 @@ static void advance(pzs_real *restrict v, const pzs_real *restrict direction,
     }
 }
 
-/* Move along the direction; an input that meets its bound stands on it exactly. */
+/* Move along the direction; an input that meets its bound is set to exactly that bound. */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *direction, blocking first)
 {
     advance(optimiser->voltage, direction, optimiser->lower, optimiser->upper, optimiser->free_set,
@@ -330,7 +343,7 @@ static void scale_direction(pzs_real *restrict move, const pzs_real *restrict fr
         move[i] *= free_set[i] > 0 ? remaining : 1;
 }
 
-/* z += inside * x on F, outside * x on A. */
+/* z += inside * x on F, z += outside * x on A. */
 static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x,
                           const pzs_real *restrict free_set, pzs_real inside, pzs_real outside,
                           size_t span)
@@ -339,7 +352,7 @@ static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x,
         z[i] += (free_set[i] > 0 ? inside : outside) * x[i];
 }
 
-/* Move input j out of F when the part `remaining` of its direction is not yet taken. */
+/* Move input j from F to A, when the fraction `remaining` of the direction is still to be taken. */
 static void leave_free_set(pzs_optimiser *optimiser, uint32_t j, pzs_real remaining)
 {
     const pzs_real *row = optimiser->tableau + (size_t)j * optimiser->width;
@@ -349,7 +362,7 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j, pzs_real remain
     optimiser->direction[j] = -remaining * row[j];
 }
 
-/* One descent iteration. Returns nonzero if a bound stopped it. */
+/* Make one descent iteration. Returns nonzero if a bound stopped it. */
 static int descend(pzs_optimiser *optimiser)
 {
     const blocking first = first_blocking(optimiser, optimiser->direction, 1);
@@ -362,8 +375,10 @@ static int descend(pzs_optimiser *optimiser)
     return 1;
 }
 
-/* KKT violations of active inputs: of those strictly between their bounds, and of those at a bound;
- * elsewhere 0. */
+/*
+ * Split the KKT violations of the active inputs into two arrays: of inputs strictly between their
+ * bounds, and of inputs at a bound. All other entries are 0.
+ */
 static void sort_active(pzs_real *restrict between, pzs_real *restrict at,
                         const pzs_real *restrict v, const pzs_real *restrict lower,
                         const pzs_real *restrict upper, const pzs_real *restrict move,
@@ -378,8 +393,11 @@ static void sort_active(pzs_real *restrict between, pzs_real *restrict at,
     }
 }
 
-/* Active input to release: the largest violation strictly between bounds, else the largest at a
- * bound, else none. */
+/*
+ * Choose the active input to release: the one with the largest KKT violation strictly between its
+ * bounds; if there is none, the one with the largest at a bound. Returns the number of inputs if no
+ * input violates the conditions.
+ */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
     sort_active(optimiser->scratch, optimiser->next_voltage, optimiser->voltage, optimiser->lower,
@@ -390,7 +408,10 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
                                        : find_largest(optimiser, optimiser->next_voltage, rounding);
 }
 
-/* Length of the ray of input k (V): to the minimum of the ray, or to its own bound. */
+/*
+ * Length of the ray of input k (V): the distance to the minimum along the ray, or to the bound of k
+ * if this is nearer.
+ */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, int *to_limit)
 {
     const pzs_real slope = number_absolute(optimiser->direction[k]),
@@ -404,8 +425,10 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, int *to_l
     return *to_limit ? room : slope / curvature;
 }
 
-/* Move along the ray of k, v_F -= row_F times length, and update the gradients of A. Returns what
- * stopped it. */
+/*
+ * Move input k along its ray, with v_F -= row_F * length, and update the gradients of A. Returns
+ * what stopped the move.
+ */
 static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, pzs_real length)
 {
     const pzs_real *row = optimiser->tableau + (size_t)k * optimiser->width,
@@ -424,7 +447,7 @@ static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, pzs_real length
     return first;
 }
 
-/* One release iteration: input k moves along its ray, from a minimum over F. */
+/* Make one release iteration from a minimum over F: input k moves along its ray. */
 static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
     const int down = optimiser->direction[k] > 0;
@@ -436,8 +459,8 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* released; a ray without end and curvature would gain nothing
-                                but rounding */
+        optimiser->direction[k] = 0; /* zero at the minimum of the ray; along a ray without bound or
+                                        curvature, any decrease would be rounding only */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_sweep(optimiser, k);
     }
@@ -454,8 +477,11 @@ static int is_stationary(const pzs_optimiser *optimiser)
     return i == optimiser->inputs;
 }
 
-/* Iterations from a blocked direction until the tableau predicts no KKT violation. Returns how many
- * were used. */
+/*
+ * Make iterations, starting where a bound blocks the full direction, until the tableau predicts no
+ * KKT violation: first descent iterations until no bound stops them, then release iterations.
+ * Returns the number of iterations, at most `allowed`.
+ */
 static uint32_t iterate(pzs_optimiser *optimiser, pzs_real rounding, uint32_t allowed)
 {
     const uint32_t most =
@@ -471,8 +497,10 @@ static uint32_t iterate(pzs_optimiser *optimiser, pzs_real rounding, uint32_t al
 
 /* ---- direct iteration ----------------------------------------------- */
 
-/* Measure the model gradient of input k after the step. Returns the prediction error of its
- * gradient. */
+/*
+ * Compute the model gradient of input k after the step from H. Returns the error of its predicted
+ * gradient.
+ */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
 {
@@ -483,7 +511,7 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
     return number_absolute(optimiser->free_set[k] > 0 ? seen : seen - optimiser->direction[k]);
 }
 
-/* Predicted gradient after the step: 0 on F, the direction entry on A. */
+/* Gradient after the step as the tableau predicts it: 0 on F, the entry of `direction` on A. */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
 {
@@ -491,8 +519,10 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
         gradient[i] = free_set[i] > 0 ? 0 : move[i];
 }
 
-/* Accept the step: voltages after it, and the model gradient that belongs to the predicted
- * gradient. */
+/*
+ * Accept the step: set the voltages after it, and the model gradient that matches the predicted
+ * gradient.
+ */
 static void accept_prediction(pzs_real *restrict v, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
                               const pzs_real *restrict free_set,
@@ -505,9 +535,9 @@ static void accept_prediction(pzs_real *restrict v, pzs_real *restrict model_gra
 }
 
 /*
- * Take the whole step, which nothing blocks, in one iteration. Returns 0 if the measured gradients
- * are not as predicted: the voltages are then where they were and the tableau is no longer
- * verified.
+ * Take the full step, which no bound blocks, as one iteration, and compute the gradients of two
+ * inputs from H as a check. Returns 0 if they differ from their prediction: the voltages are then
+ * unchanged, and the tableau no longer counts as verified.
  */
 static int take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -553,9 +583,9 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
 }
 
 /*
- * Whether the round lowered the objective: it changed by exactly (v - start) . (sum of the
- * gradients at both ends). The rounding error over this distance must be below the target energy,
- * or well below the decrease.
+ * Whether the round lowered the objective. Because the objective is quadratic, its change is
+ * proportional to (v - start) . (sum of the gradients at both ends). The rounding error over this
+ * distance must be below the target energy, or far below the decrease.
  */
 static int has_decreased(const pzs_optimiser *optimiser)
 {
@@ -571,7 +601,7 @@ static int has_decreased(const pzs_optimiser *optimiser)
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }
 
-/* One round, from the direction to the true gradient at its end. */
+/* Run one round, from the direction to the true gradient at the end of the step. */
 static void run_round(pzs_optimiser *optimiser, int blocked)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -586,7 +616,7 @@ static void run_round(pzs_optimiser *optimiser, int blocked)
     pzs_boxls_true_gradient(optimiser);
 }
 
-/* KKT violation at v, and the part of it that may be rounding. */
+/* Compute the KKT violation at v, and the bound up to which it may be caused by rounding. */
 static void assess(pzs_optimiser *optimiser)
 {
     optimiser->kkt_violation =
@@ -619,9 +649,10 @@ int pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * Conclude a round: it ended at the optimum, which verifies the tableau; or the objective fell; or
- * the round is undone. A round that looks converged only because its own way raised the rounding
- * bound must have lowered the objective.
+ * End a round in one of three ways. At the optimum, the tableau counts as verified. If the
+ * objective fell, the new voltages are kept. Otherwise the round is undone. If the KKT violation is
+ * below the rounding bound only because the move raised that bound, the objective must have fallen
+ * too.
  */
 static void conclude_round(pzs_optimiser *optimiser, int moved)
 {
@@ -644,8 +675,10 @@ static void conclude_round(pzs_optimiser *optimiser, int moved)
     optimiser->is_optimal = is_converged(optimiser);
 }
 
-/* Recompute the tableau after a round of little progress. A fresh one already accepts more inputs
- * as dependent. */
+/*
+ * Recompute the tableau after a round of little progress. If the tableau was already fresh, raise
+ * the pivot threshold too, so that more inputs count as linearly dependent.
+ */
 static void renew_tableau(pzs_optimiser *optimiser, int fresh)
 {
     const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
@@ -689,7 +722,10 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
             fresh = 1;
         }
     }
-    /* After the last round, a violation near its rounding bound is as far as rounding permits. */
+    /*
+     * After the last round, a violation slightly above its rounding bound is accepted: rounding
+     * errors prevent a lower one.
+     */
     optimiser->is_optimal |= optimiser->iterations < optimiser->iteration_limit &&
                              optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;
 }

@@ -30,22 +30,30 @@
 #include "../core/numbers.h"
 
 #define READY 1u
-/* Factor by which the sums over past shapes fade with each shape. */
+/* Factor by which the sums over past shapes are multiplied before each new shape is added. */
 #define FADING PZS_R(0.75)
-/* A response counts as none if its square is below 1/NO_RESPONSE of the square of the move. */
+/*
+ * An electrode shows no response if NO_RESPONSE times the sum of its squared responses is below the
+ * sum of its squared moves.
+ */
 #define NO_RESPONSE 16
-/* Least regularisation of the least squares, relative to the diagonal of the matrix. */
+/* Lowest regularisation of the least squares, relative to the diagonal of their matrix. */
 #define LEAST_RIDGE PZS_R(1e-5)
-/* An electrode is observable if least squares return more than this part of its own voltage. */
+/*
+ * An electrode is observable if the least squares, applied to the effect of 1 V on this electrode
+ * alone, return more than this fraction of a volt for it.
+ */
 #define OBSERVABLE PZS_R(0.75)
-#define TEST_MOVES 8u       /* moves of a test signal */
-#define TEST_SHAPES 24u     /* most shapes in which a test must make these moves */
-#define CLEARED_SHAPES 100u /* shapes before an electrode that passed can be suspected again */
-#define NO_INPUT 0xFFFFu    /* input of a test signal that is not in use */
-#define MISSING_LIMIT 8u    /* at most one output in so many may have no measurement */
+#define TEST_MOVES 8u       /* number of moves in a test */
+#define TEST_SHAPES 24u     /* largest number of shapes until a test has made these moves */
+#define CLEARED_SHAPES 100u /* shapes before an electrode that passed a test can be suspected */
+#define NO_INPUT 0xFFFFu    /* input number of a test signal that is not in use */
+#define MISSING_LIMIT 8u    /* at most one in MISSING_LIMIT outputs may be without a measurement */
 
-/* Bits of state.missing: the output had no measurement at the last shape; the output is excluded
- * from the least squares. */
+/*
+ * Bits of state.missing. NOT_MEASURED: the output had no measurement in the last shape. EXCLUDED:
+ * the output is excluded from the least squares.
+ */
 enum { NOT_MEASURED = 1, EXCLUDED = 2 };
 
 static pzs_real square(pzs_real x)
@@ -57,7 +65,7 @@ static pzs_real square(pzs_real x)
 
 /*
  * Default amplitude of a test signal (V): just below half the step limit, or 1/32 of the voltage
- * range if that is smaller. The factor 0.49 leaves room for rounding.
+ * range if that is smaller. The factor 0.49 instead of 0.5 leaves room for rounding errors.
  */
 static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
 {
@@ -66,7 +74,7 @@ static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
     return PZS_R(0.49) * whole;
 }
 
-/* The next `count` reals of the workspace. */
+/* Take the next `count` reals of the workspace and advance the pointer. */
 static pzs_real *take(pzs_real **next, size_t count)
 {
     pzs_real *const taken = *next;
@@ -99,8 +107,8 @@ static void lay_out(pzs_fault_detector *detector, void *work)
 }
 
 /*
- * Diagonal of B'W^2 B, 1 for an electrode without effect. The diagonal of the Hessian cannot be
- * used, because it contains the regularisation.
+ * Compute the diagonal of B'W^2 B, with 1 for an electrode that has no effect on the shape. The
+ * diagonal of the Hessian cannot be used, because it contains the regularisation.
  */
 static void find_diagonal(pzs_fault_detector *detector)
 {
@@ -152,7 +160,10 @@ static bool factor(pzs_fault_detector *detector)
     return !detector->state.is_stale;
 }
 
-/* Mark the electrodes whose own voltage least squares do not return as unobservable. */
+/*
+ * Mark an electrode as unobservable if the least squares do not return its voltage from its own
+ * effect on the shape.
+ */
 static void find_unobservable(pzs_fault_detector *detector)
 {
     const uint32_t n = detector->state.columns.n;
@@ -245,7 +256,8 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
 }
 
 /*
- * Whether too few outputs have a measurement. The last shape is then kept for the next comparison.
+ * Whether too few outputs have a measurement. The shape is then skipped, and the next one is
+ * compared with the last shape that was used.
  */
 static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -256,14 +268,17 @@ static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *meas
     return MISSING_LIMIT * missing > control->state.problem->outputs;
 }
 
-/* Voltages that belong to the shape just measured: the oldest that are stored [inputs]. */
+/*
+ * [inputs] voltages that were applied when the measured shape was taken, `delay` ticks ago. They
+ * are the oldest of the stored voltages.
+ */
 static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
 {
     return detector->state.voltage +
            (size_t)detector->state.oldest * detector->state.control->state.problem->inputs;
 }
 
-/* Store the voltages of this tick in place of the oldest. */
+/* Store the voltages of this tick, overwriting the oldest ones. */
 static void store_voltages(pzs_fault_detector *detector)
 {
     memcpy(oldest_voltages(detector), detector->state.control->state.voltage,
@@ -274,8 +289,9 @@ static void store_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * state.deviation = f by least squares; update the sums of moves, responses and lost voltages.
- * Returns |f|^2 (V2).
+ * Estimate the voltages f by least squares and store them in state.deviation. Then update three
+ * sums for each electrode, in which past shapes fade: squared moves, squared responses, and f
+ * itself (the voltage lost). Returns |f|^2 (V2).
  */
 static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
@@ -307,8 +323,8 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Whether electrode j lost most of its voltage in one tick, and no other electrode lost as much.
- * deviation2 = |f|^2 (V2).
+ * Whether electrode j has lost about all of its voltage since the last shape (40 % to 160 % by the
+ * estimate f), and its part of |f|^2 is at least a quarter. deviation2 = |f|^2 (V2).
  */
 static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                             pzs_real deviation2)
@@ -320,7 +336,7 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
            loss < PZS_R(1.6) * limit && 4 * square(loss) >= deviation2;
 }
 
-/* Degree of suspicion of electrode j (V2), 0 if it is not suspected. */
+/* Strength of the suspicion that electrode j is faulty (V2); 0 if it is not suspected. */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                           pzs_real deviation2)
 {
@@ -334,7 +350,10 @@ static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_re
     return has_moved && is_silent ? detector->state.moved[j] : 0;
 }
 
-/* Start a test of electrode j around its present voltage, far enough from its limits. */
+/*
+ * Start a test of electrode j around its present voltage. If this voltage is less than one
+ * amplitude from a limit, the test is around the nearest voltage that is not.
+ */
 static void start_test(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
                        const pzs_real *voltage)
 {
@@ -357,7 +376,7 @@ static bool has_room(const pzs_fault_detector *detector, uint32_t j)
            4 * detector->settings.amplitude[j];
 }
 
-/* Start tests of the most suspicious electrodes, as far as test signals are free. */
+/* Start tests of the electrodes with the strongest suspicion, as long as test signals are free. */
 static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, pzs_real deviation2)
 {
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {
@@ -377,7 +396,11 @@ static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, p
     }
 }
 
-/* Hold the electrodes under test at their next voltages, inside their limits for any amplitude. */
+/*
+ * Set the test voltages of the next tick. Both limits of each electrode under test become its test
+ * voltage, which lies inside the limits that the electrode had before the test, even if the
+ * amplitude has been changed since.
+ */
 static void set_test_voltages(pzs_fault_detector *detector)
 {
     pzs_control *control = detector->state.control;
@@ -396,14 +419,17 @@ static void set_test_voltages(pzs_fault_detector *detector)
     }
 }
 
-/* Mark an electrode as cleared: it is not suspected for some time. */
+/*
+ * Mark an electrode that passed its test as cleared, so that it is not suspected for CLEARED_SHAPES
+ * shapes.
+ */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
     detector->state.electrode[j] = PZS_ELECTRODE_CLEARED;
     detector->state.pause[j] = CLEARED_SHAPES;
 }
 
-/* End a test without a fault: the electrode gets its limits back. */
+/* End a test that found no fault, and restore the limits of the electrode. */
 static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 {
     const uint32_t j = test->input;
@@ -432,7 +458,10 @@ static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
     test->input = NO_INPUT;
 }
 
-/* Whether the electrode showed no response: variance of the responses against that of the moves. */
+/*
+ * Whether the electrode under test did not respond: the variance of its responses is compared with
+ * that of its moves.
+ */
 static bool has_no_response(const pzs_test_signal *test)
 {
     const pzs_real n = (pzs_real)test->moves;
@@ -468,7 +497,10 @@ static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
     return is_faulty;
 }
 
-/* Whether pzs_hold or pzs_release has changed the limits of the electrode during its test. */
+/*
+ * Whether the program has changed the limits of the electrode during its test, by pzs_hold or
+ * pzs_release.
+ */
 static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_signal *test)
 {
     const pzs_control *control = detector->state.control;
@@ -477,7 +509,7 @@ static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_sig
            control->state.upper[j] > test->set;
 }
 
-/* Continue all tests by one shape. Returns the first faulty input, or -1. */
+/* Add one shape to all running tests. Returns the first input found to be faulty, or -1. */
 static int32_t run_tests(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     int32_t first = -1;
@@ -504,12 +536,12 @@ static void update_states(pzs_fault_detector *detector)
             detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED;
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
-            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* released by pzs_release:
+            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* pzs_release was called:
                                                                       observed again */
     }
 }
 
-/* Evaluate one shape. Returns the first faulty input, or -1. */
+/* Evaluate one measured shape. Returns the first input found to be faulty, or -1. */
 static int32_t evaluate_shape(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     const pzs_real deviation2 = update_responses(detector, voltage);
@@ -547,8 +579,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Use the amplitude of the tables, at most just below half the step limit. An electrode that cannot
- * move gets the amplitude 0.
+ * Set the amplitude of all test signals to that of the tables, reduced to just below half the step
+ * limit. The amplitude of an electrode whose limits leave no room is 0.
  */
 static void set_amplitude(pzs_fault_detector *detector, pzs_real amplitude)
 {

@@ -16,21 +16,24 @@
 
 #include "pzs_base.h"
 
-/* Entries of value for n rows with the given first columns, padding included.  first [n] in */
+/*
+ * Number of reals that the entries of an envelope take, padding included.
+ *   first [n]  in  first column of each row
+ */
 size_t pzs_linalg_reals(const uint16_t *first, uint32_t n);
 
 /*
- * Fill `start` of an envelope whose n, first and start pointers are set, and set all entries to
- * zero; set all entries to zero.
+ * Lay out an envelope whose n, first and start pointers are set: compute the panel starts and set
+ * all entries to zero. pzs_linalg_clear only sets all entries to zero.
  */
 void pzs_linalg_layout(pzs_envelope *matrix);
 void pzs_linalg_clear(pzs_envelope *matrix);
 
 /*
- * Lay out a dense matrix of n rows, zero.
- *   work  [PZS_DENSE(n)]           memory of its entries
- *   index [n / PZS_TILE + 2], [n]  memory of its uint32_t panel starts, then of its uint16_t first
- * columns
+ * Lay out a dense matrix of n rows, with all entries zero.
+ *   work  [PZS_DENSE(n)]           memory of the entries
+ *   index [n / PZS_TILE + 2], [n]  memory of the panel starts (uint32_t), followed by the
+ *                                  first columns (uint16_t)
  */
 void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t n, pzs_real *work, void *index);
 
@@ -44,18 +47,22 @@ pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j);
  */
 int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale);
 
-/* a_ij *= s_i s_j.  scale [n] in */
+/*
+ * Apply a given scale: a_ij *= s_i s_j.
+ *   scale [n]  in
+ */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale);
 
 /* 1-norm of the symmetric matrix.  sum [n] work */
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum);
 
 typedef struct linalg_inertia {
-    uint32_t negative;      /* pivots below zero */
-    int32_t first_negative; /* row of the first one, or -1 */
-    int32_t zero;    /* row of the first pivot below its tolerance or not finite, or -1: factor
-                        unusable */
-    pzs_real growth; /* largest |pivot| over largest |diagonal entry| before the factorisation */
+    uint32_t negative;      /* number of pivots below zero */
+    int32_t first_negative; /* row of the first pivot below zero, or -1: none */
+    int32_t zero; /* row of the first pivot that is below its tolerance or not finite: the factor is
+                     then unusable; -1: none */
+    pzs_real growth; /* largest |pivot| divided by the largest |diagonal entry| before the
+                        factorisation */
 } linalg_inertia;
 
 /*
@@ -71,10 +78,17 @@ pzs_real pzs_linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n);
 /* Solve L D L^T x = b in place. x [n] in b, out solution. */
 void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *x);
 
-/* The same for `count` right-hand sides, each of n entries, `stride` apart. */
+/*
+ * Solve L D L^T x = b in place for `count` right-hand sides x of n entries each, whose first
+ * entries are `stride` apart.
+ */
 void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *x, uint32_t count, size_t stride);
 
-/* 1-norm condition estimate (Hager, Higham): norm1 of the unfactored matrix, work [2 n]. */
+/*
+ * Estimate the condition number in the 1-norm (Hager, Higham) from the factor.
+ *   norm1       in    1-norm of the matrix before its factorisation
+ *   work [2 n]  work
+ */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm1, pzs_real *work);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Electrodes in the undeformed state: internals that open electrodes at a deformed shape use too.
+ * Access to the tables of the electrodes (charges and open electrodes). These functions are shared
+ * by the computation at the undeformed shape and by the one at a deformed shape.
  */
 #ifndef PZS_LIB_ELECTRODE_H
 #define PZS_LIB_ELECTRODE_H

@@ -29,8 +29,9 @@ enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of A to which q contributes; 12m through the shears in the warp. In the list of each mode
- * below, these rows are the first `with_q` or stand at these same positions.
+ * Rows of A to which q contributes. The row of the mean strain 12 is one of them because the warp
+ * adds transverse shears to it. In the list of each mode below, the rows of q come first, or are at
+ * the same positions as here.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
@@ -49,8 +50,12 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Pairs of rows that are replaced by their sum and difference, and the mode whose sign decides
- * which is which. The pairs with q come first.
+ * Pairs of stress rows Y1 and Y2 of different modes. The rows of every node need only the sum or
+ * the difference of a pair, so these two replace the pair. Which of them a node needs depends on
+ * the product of two signs of mode `mode`: that of the node itself and that of the node of the
+ * column. In each column the sum is stored in the first row if the column's sign is negative, else
+ * in the second. Then the first row belongs to all nodes of negative sign, and the second to all
+ * nodes of positive sign. The first PAIRS_WITH_Q pairs are replaced in the columns of q too.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -62,7 +67,10 @@ static const row_pair row_pairs[PAIRS] = {
     {A11M, 13, 1}, {A11D, 14, 1}, {A22M, 18, 2}, {A22D, 19, 2},
 };
 
-/* Rows of the ten stresses of each node after these replacements, in the order of A. */
+/*
+ * For each node, the rows that contain its ten stresses after all pairs have been combined, in the
+ * order of the rows of A.
+ */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
     {15, 16, 2, 17, 4, 5, 18, 19, 8, 9},
@@ -72,7 +80,7 @@ static const uint8_t stress_row[4][ROWS] = {
 
 /* ---- nodal strains ---------------------------------------------------- */
 
-/* y = M' x */
+/* y = M^T x */
 static void transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
@@ -80,8 +88,9 @@ static void transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3
 }
 
 /*
- * Derivative of node p's strain by its displacement: y = S_a' own + T_a' other, where `own` and
- * `other` multiply lam_a at node p and at its neighbour in direction a.
+ * Derivative of node p's strain with respect to its displacement: y = S_a^T own + T_a^T other. The
+ * tangent vector lam_a has the factor `own` at node p and the factor `other` at its neighbour in
+ * direction a.
  */
 static void transpose_derivative(const pzs_element_type *type, int p, int a, const pzs_real own[3],
                                  const pzs_real other[3], pzs_real y[3])
@@ -164,8 +173,9 @@ static void transverse(const pzs_element_type *type, const shell_corner shape[4]
 }
 
 /*
- * Add the warp to the mean strain 12 at node p. Only mode 00 keeps this strain, so its row may
- * contain the signs that the modes 01 and 10 of the other strains have at node p.
+ * Warped geometry mixes other strains into the mean strain 12: add these contributions to the row
+ * of the mean strain 12 at node p. Some of them depend on the signs of the modes 01 and 10 at the
+ * node p. They can be included in the row, because the mean strain 12 is used in mode 00 only.
  */
 static void add_warp(const pzs_element_type *type, int p, pzs_real a[ROWS][COLUMNS])
 {
@@ -191,9 +201,9 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * Inner kernel of the tangent:  to [12] = sum_t factor[t stride] row[t][column ...]. The list of
- * rows ends with NULL, because gcc vectorises a loop of known length over t, with gather
- * instructions.
+ * Innermost loop of the tangent: the 12 entries of `to` become sum over t of factor[t stride]
+ * row[t][column ...]. The list of rows ends with NULL. With a known number of rows, gcc would
+ * vectorise over t with slow gather instructions.
  */
 static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                     const pzs_real *const *restrict row, int column)
@@ -216,7 +226,8 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
 }
 
 /*
- * Sum over rows as in combine, for the four columns of q and the first `count` rows that contain q.
+ * The sum of combine for the four columns of q. Only the `count` rows to which q contributes are
+ * added.
  */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                       const pzs_real *const *row, int count)
@@ -237,7 +248,7 @@ static bool has_q(const mode_rows *mode, int s)
     return mode->with_q == WITH_Q ? s <= A23 || s == A12M : s < mode->with_q;
 }
 
-/* y [22][columns] = rows D_m A of all modes. */
+/* Compute y [22][columns], the products D_m A of all modes. */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real a[ROWS][COLUMNS], pzs_real y[22][COLUMNS])
 {
@@ -262,7 +273,10 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
     }
 }
 
-/* Replace x and y by their sum and difference in `count` columns. */
+/*
+ * Replace x and y by their sum and their difference in `count` columns. The sum is stored in x if
+ * sum_in_x, else in y.
+ */
 static void sum_and_difference(pzs_real *restrict x, pzs_real *restrict y, int sum_in_x, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -272,7 +286,7 @@ static void sum_and_difference(pzs_real *restrict x, pzs_real *restrict y, int s
     }
 }
 
-/* Transform stress rows of the modes into stress rows of the nodes, in place. */
+/* Combine the stress rows of the modes into the stress rows of the nodes, in place. */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real y[22][COLUMNS])
 {
     for (int i = 0; i < PAIRS; i++) {
