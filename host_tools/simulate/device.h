@@ -41,8 +41,8 @@ typedef struct device {
     const device_board *board;
     int process, to, from; /* process number; file descriptors of the pipes to and from the process
                             */
-    size_t inputs, outputs, readings; /* lengths of volt, wanted and measured; readings: length of
-                                         measured */
+    size_t inputs, outputs, readings; /* lengths of voltage, wanted and measured; readings: length
+                                         of measured */
     unsigned char *frame;
 } device;
 
