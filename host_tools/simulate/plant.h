@@ -42,7 +42,8 @@ void plant_rest(plant *plant);
 
 /*
  * Shape of the plant under voltages: on a nonlinear structure the equilibrium, computed from the
- * latest shape; on a linear one the sum of the influence columns. voltage [amplifiers] in  (V)
+ * latest shape; on a linear one the sum of the influence columns.
+ *   voltage [amplifiers] in  (V)
  *   shape [targets] out  displacements
  */
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
@@ -58,9 +59,11 @@ int plant_displacement(plant *plant, double *u, char *error);
 
 /*
  * Optimal voltages for a target on this structure under the present loads and temperature, without
- * the step limit. target [targets] in  wanted displacements held [amplifiers] in  voltages of
- * faulty electrodes (V), NAN for the others best out  optimal voltages; release them with
- * voltages_free shape [targets] out  displacements under the optimal voltages
+ * the step limit.
+ *   target [targets] in  wanted displacements
+ *   held [amplifiers] in  voltages of faulty electrodes (V), NAN for the others
+ *   best out  optimal voltages; release them with voltages_free
+ *   shape [targets] out  displacements under the optimal voltages
  */
 int plant_optimum(plant *plant, const double *target, const double *held, voltages *best,
                   double *shape, char *error);
