@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Simulation of a closed loop on the host: the library's controller with the tables of the scene, a
- * plant that differs from the controller's model, sensors and amplifiers with faults, and the
+ * Simulation of a closed loop on the host: the library's controller with the tables of the scene,
+ * a plant that differs from the controller's model, sensors and amplifiers with faults, and the
  * schedule of the scene. The simulation is quasi-static and computes one shape per tick, in this
  * order:
  *
@@ -11,8 +11,8 @@
  * (simulate_device). The same scene gives bit-identical results in every run. The same loop also
  * runs with two common alternatives to the controller, for comparison: unconstrained least squares
  * whose voltages are clipped to the voltage limits and the step limit, and the same with
- * regularisation. The regularisation parameter is the best one for the scene's target and limits on
- * the controller's own model.
+ * regularisation. The regularisation parameter is the best one for the scene's target and limits
+ * on the controller's own model.
  */
 #ifndef SIMULATION_H
 #define SIMULATION_H
@@ -116,7 +116,8 @@ typedef struct simulation {
 /*
  * Read the plant and set up the phases.
  *   nominal in  design of a scene with a simulate section, after analysis_influence; must outlive
- * the simulation Returns 0, or -1 with error filled and the simulation empty.
+ *       the simulation
+ * Returns 0, or -1 with error filled and the simulation empty.
  */
 int simulate_open(simulation *simulation, analysis *nominal, char *error);
 void simulate_close(simulation *simulation);
