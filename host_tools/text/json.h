@@ -12,8 +12,8 @@ typedef struct json {
 } json;
 
 /*
- * Write an opening bracket. In this and the following functions, key is NULL inside arrays, and a
- * number that is not finite is written as null.
+ * Write brackets, members and elements. key is the name of a member, NULL inside arrays. A number
+ * that is not finite is written as null.
  */
 void json_open(json *json, const char *key, char bracket);
 void json_close(json *json, char bracket);
