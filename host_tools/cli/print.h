@@ -10,10 +10,10 @@
 /* Results of `pzs shape`. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *results;   /* [count] sets of voltages: the optimum without limits; then for each pair
-                            of limits the optimum, on a nonlinear structure also the optimum of the
-                            linear model, clipped least squares and clipped regularised least squares;
-                            finally the sets of voltages given in the scene */
+    voltages *results;   /* [count] sets of voltages: the optimum without limits; for each pair of
+                            limits the optimum, on a nonlinear structure also that of the linear
+                            model, clipped least squares, clipped regularised least squares; then the
+                            sets of the scene */
     voltages before;     /* result with all voltages zero */
     int count, compared; /* number of results; index of the first result with voltages given in the
                             scene */
