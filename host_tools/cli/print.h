@@ -12,8 +12,8 @@ typedef struct shape_run {
     analysis *analysis;
     voltages *results;   /* [count] sets of voltages: the optimum without limits; for each pair of
                             limits the optimum, on a nonlinear structure also that of the linear
-                            model, clipped least squares, clipped regularised least squares; then the
-                            sets of the scene */
+                            model, clipped least squares, clipped least squares with regularisation;
+                            then the sets of the scene */
     voltages before;     /* result with all voltages zero */
     int count, compared; /* number of results; index of the first result with voltages given in the
                             scene */
@@ -22,7 +22,8 @@ typedef struct shape_run {
 
 /*
  * Print name, mesh and condition number of the scene, and what the sensors of its `estimate`
- * section observe. influence in  description of the shape at which the influence is computed
+ * section observe.
+ *   influence in  description of the shape at which the influence is computed
  */
 void print_head(const analysis *analysis, const char *influence);
 
