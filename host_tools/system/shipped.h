@@ -10,15 +10,10 @@ enum { SHIPPED_PATH = 4096 };
 
 /*
  * Folder of the shipped scenes, the first one that exists of:
- *
- *   the environment variable PZS_SCENES,
- *
- *   share/piezoshape/scenes beside the folder of this program, for an installed program,
- *
- *   the scenes of the source tree that contains the build folder of this program,
- *
- *   the scenes of the source tree at the time of the build.
- *
+ *   1. the environment variable PZS_SCENES
+ *   2. share/piezoshape/scenes beside the folder of this program, for an installed program
+ *   3. the scenes of the source tree that contains the build folder of this program
+ *   4. the scenes of the source tree at the time of the build
  * The text is valid until the next call.
  */
 const char *shipped_folder(void);
