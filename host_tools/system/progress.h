@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Progress display of a long command. Where standard error is a terminal, one line appears after
- * the third second, is updated twice a second by a timer, and is erased before the results are
- * printed. Otherwise nothing is displayed.
+ * Progress display of a long command. Where standard error is a terminal, a command that runs
+ * longer than two seconds displays one line, which a timer updates twice a second and which is
+ * erased before the results are printed. Otherwise nothing is displayed.
  */
 #ifndef PROGRESS_H
 #define PROGRESS_H
