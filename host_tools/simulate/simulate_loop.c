@@ -178,8 +178,8 @@ static void end_faults(loop *loop)
 }
 
 /*
- * Prepare the load factors of the next tick: the controller knows scheduled loads one tick in
- * advance.
+ * Set `coming`, the known load factors of the next tick. The controller knows the future factors of
+ * known loads one tick in advance.
  */
 static void look_ahead(loop *loop, int tick)
 {
