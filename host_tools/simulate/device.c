@@ -15,7 +15,7 @@
 #include "../system/interrupt.h"
 #include "../system/shipped.h"
 
-enum { TICK, HOLD, RELEASE, KNOW }; /* orders: first byte of a frame */
+enum { TICK, HOLD, RELEASE, KNOW }; /* orders to the firmware, sent as the first word of a frame */
 enum { PATIENCE = 20000 /* time limit of an answer (ms) */, MOST_ARGUMENTS = 16 };
 
 static const device_board boards[] = {{"netduinoplus2", "netduinoplus2", 32, "host-32"},
