@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The tables of commands and options (commands.h). */
+/* Tables of the commands and options of pzs (commands.h). */
 #include "commands.h"
 #include <string.h>
 

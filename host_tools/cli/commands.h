@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The commands and options of pzs as data. The parser (options.c), the help (help.c), the shell
- * completion and the manual page (manual.c) are made from these two tables.
+ * Tables of the commands and options of pzs. The parser (options.c), the help (help.c), and the
+ * shell completion and manual page (manual.c) are made from these two tables.
  */
 #ifndef COMMANDS_H
 #define COMMANDS_H
@@ -41,7 +41,7 @@ typedef enum option_id {
     OPTIONS
 } option_id;
 
-/* What the argument of a command or an option is. */
+/* Kind of the argument of a command or an option. */
 typedef enum argument_kind {
     ARGUMENT_NONE,
     ARGUMENT_SCENE,
@@ -55,40 +55,42 @@ enum { COMMAND_EXAMPLES = 3 };
 
 typedef struct command_entry {
     const char *name;
-    const char *argument; /* as the help writes it, in brackets where it may be left out; "" for
-                             none */
+    const char *argument; /* argument as printed in the help, in brackets where it is optional; ""
+                             for none */
     argument_kind kind;
-    const char *const *choices;                /* of ARGUMENT_CHOICE, ended by NULL; else NULL */
-    const char *summary;                       /* a line of pzs --help */
-    const char *about;                         /* a paragraph of pzs help COMMAND */
-    const char *example[COMMAND_EXAMPLES + 1]; /* shell commands, ended by NULL */
+    const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; else NULL
+                                 */
+    const char *summary;        /* one-line summary in the output of pzs --help */
+    const char *about;          /* paragraph in the output of pzs help COMMAND */
+    const char *example[COMMAND_EXAMPLES + 1]; /* example shell commands, ended by NULL */
 } command_entry;
 
 typedef struct option_entry {
-    const char *name, *other; /* other: a second name, or NULL */
-    const char *argument;     /* "" for none */
+    const char *name, *other; /* other: second name of the option, or NULL */
+    const char *argument;     /* argument as printed in the help; "" for none */
     argument_kind kind;
-    const char *const *choices; /* as above */
-    unsigned commands; /* bit k: command k takes it; 0: it stands alone, in the place of a command
-                        */
+    const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; else NULL
+                                 */
+    unsigned commands; /* bit k: command k accepts the option; 0: the option is used without a
+                          command */
     const char *help;
 } option_entry;
 
 extern const command_entry command_table[COMMANDS];
 extern const option_entry option_table[OPTIONS];
 
-/* Title, and the paragraphs below the examples; the latter ends with NULL. */
+/* Title of the help, and the paragraphs below its examples, ended by NULL. */
 extern const char *const command_title;
 extern const char *const command_notes[];
 
-/* Does a command take an option? */
+/* Whether a command accepts an option. */
 int command_takes(command_id command, option_id option);
 
-/* Command or option of a name, or COMMANDS, OPTIONS where there is none. */
+/* Find a command or an option by its name. Returns COMMANDS or OPTIONS where there is none. */
 command_id command_find(const char *name);
 option_id option_find(const char *name);
 
-/* Present name of an option that was renamed, or NULL where `name` is not a former name. */
+/* New name of a renamed option, or NULL where `name` is not a former name. */
 const char *option_new_name(const char *name);
 
 #endif

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Help (help.h). */
+/* Help texts of pzs (help.h). */
 #include "help.h"
 #include <string.h>
 
 enum { COLUMNS = 100, OPTION_COLUMN = 22, COMMAND_COLUMN = 30 };
 
-/* Length of the longest start of text that ends with a word and has at most `room` characters; at
- * least one word. */
+/*
+ * Length of the longest beginning of a text that ends with a whole word and has at most `room`
+ * characters; contains at least one word.
+ */
 static int line_length(const char *text, int room)
 {
     int end = 0;
@@ -16,7 +18,9 @@ static int line_length(const char *text, int room)
     return end;
 }
 
-/* Text from column `at` on, which has been reached; the lines that follow begin at column `indent`.
+/*
+ * Print a text from column `at`, the present column, with line breaks; all further lines begin in
+ * column `indent`.
  */
 static void print_wrapped(FILE *file, const char *text, int at, int indent)
 {
@@ -31,8 +35,10 @@ static void print_wrapped(FILE *file, const char *text, int at, int indent)
     }
 }
 
-/* Prefix of an option's help: the commands that take it, unless every command on a scene does or
- * one is asked for. */
+/*
+ * Print the commands that accept an option before its help. Nothing is printed where all commands
+ * on a scene accept the option, or in the help of a single command.
+ */
 static int print_takers(FILE *file, option_id option)
 {
     int taken = 0, width = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* pzs: host simulation and precomputation. One executable, a function per subcommand. */
+/* pzs: simulation and precomputation on the host. One executable, with one function per command. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@
 #include "templates.h"
 #include "../model/voltages.h"
 
-/* Tell what went wrong. Returns code. */
+/* Print an error message. Returns code. */
 static int complain(const char *error, int code)
 {
     progress_stop();
@@ -33,7 +33,7 @@ static int complain(const char *error, int code)
 
 /* ---- scenes ----------------------------------------------------------- */
 
-/* No such shipped scene: say which one may have been meant. */
+/* Report that a shipped scene does not exist, with the most similar name. */
 static int no_scene(const char *name)
 {
     suggestion near;
@@ -57,13 +57,15 @@ static int open_scene(const options *options, scene *scene)
                : complain(error, OPTIONS_WRONG);
 }
 
-/* Exit code of an analysis that failed: its path ended early, or the scene is wrong. */
+/*
+ * Exit code of a failed analysis: the nonlinear path ended early, or the scene contains an error.
+ */
 static int failed_code(const analysis *analysis)
 {
     return analysis_ended_early(analysis) ? 1 : OPTIONS_WRONG;
 }
 
-/* Sensors that cannot see the shape are refused before anything runs. */
+/* Refuse sensors from which the shape cannot be estimated, before any other computation. */
 static int check_sensors(analysis *analysis, char *error)
 {
     estimator estimator;
@@ -75,10 +77,13 @@ static int check_sensors(analysis *analysis, char *error)
     return 0;
 }
 
-/* A command on a scene that is ready for it. Returns an exit code. */
+/* Function that runs a command on an analysed scene. Returns an exit code. */
 typedef int command(const options *o, analysis *a);
 
-/* Warnings stand at the end of the text, or in the JSON; under --strict they are failures. */
+/*
+ * Run a command, then print the warnings at the end of the text or in the JSON. With --strict, a
+ * warning is a failure.
+ */
 static int run_with_warnings(const options *options, analysis *analysis, command *run)
 {
     plausible_scene(&analysis->warnings, analysis->design.scene);
@@ -109,10 +114,10 @@ static int run_on_scene(const options *options, command *run)
 
 /* ---- reports ---------------------------------------------------------- */
 
-/* Write one report of a result. Returns 0, or -1. */
+/* Function that writes one report of a result. Returns 0, or -1. */
 typedef int write_report(const report_job *job, const void *result);
 
-/* The page and the picture that the options ask for. Returns an exit code. */
+/* Write the HTML page and the SVG picture that the options request. Returns an exit code. */
 static int write_reports(const options *options, write_report *write, const void *result)
 {
     const char *const path[2] = {options->report, options->svg};
@@ -132,7 +137,7 @@ static int write_reports(const options *options, write_report *write, const void
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* A displacement and the output values that belong to it. */
+/* Displacement vector and the output values computed from it. */
 typedef struct solution {
     const analysis *a;
     const double *u, *value;
@@ -189,7 +194,7 @@ static int command_solve(const options *options, analysis *analysis)
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
     progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
     const int failed = u && analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
-    /* A path that ends early leaves an equilibrium worth seeing. */
+    /* A nonlinear path that ends early still provides an equilibrium, which is printed. */
     const int status = u && (!failed || analysis->nonlinear) ? solved(options, analysis, u) : 0;
     free(u);
     return failed ? failed : status;
@@ -197,7 +202,7 @@ static int command_solve(const options *options, analysis *analysis)
 
 /* ---- shape ------------------------------------------------------------ */
 
-/* The scene without any voltages. */
+/* Compute the result with all voltages zero. */
 static int shape_before(shape_run *run, char *error)
 {
     const design *design = &run->analysis->design;
@@ -210,9 +215,10 @@ static int shape_before(shape_run *run, char *error)
 }
 
 /*
- * Optima without limits and within each limit, on a nonlinear structure the linear optimum beside,
- * least squares clipped, and regularised before with the best parameter, then the scene's voltages
- * to compare.
+ * Compute all sets of voltages: the optimum without limits; for each pair of limits the optimum, on
+ * a nonlinear structure also the optimum of the linear model, clipped least squares and clipped
+ * regularised least squares with the best parameter; then the sets of voltages given in the scene
+ * for comparison.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
@@ -286,8 +292,10 @@ static int command_shape(const options *options, analysis *analysis)
 
 /* ---- simulate --------------------------------------------------------- */
 
-/* All ticks, then what was best; the lines of a CSV file where one is asked for. Returns 0, or an
- * exit code. */
+/*
+ * Run all ticks of a simulation, with a CSV file where the options request one, then compute the
+ * optima. Returns 0, or an exit code.
+ */
 static int run_simulation(simulation *run, const options *options, simulate_record *record)
 {
     char error[SCENE_ERROR];
@@ -302,7 +310,10 @@ static int run_simulation(simulation *run, const options *options, simulate_reco
     return complain(error, 1);
 }
 
-/* The plant's displacements under the controller, at the end of each phase. */
+/*
+ * Check the plausibility of the plant's displacements under the controller, at the end of each
+ * phase.
+ */
 static void check_phases(plausible *warnings, const simulation *run)
 {
     const analysis *analysis = &run->plant.analysis;
@@ -314,7 +325,7 @@ static void check_phases(plausible *warnings, const simulation *run)
     }
 }
 
-/* A simulation and its record over time. */
+/* A simulation and its record of every tick. */
 typedef struct simulated {
     const simulation *run;
     const simulate_record *record;
@@ -369,7 +380,7 @@ static int command_simulate(const options *options, analysis *analysis)
 
 /* ---- modes ------------------------------------------------------------ */
 
-/* A field of the VTU file for each mode. */
+/* Write a VTU file with one field for each mode. */
 static int write_modes(const vibration *vibration, const mesh *mesh, const char *path)
 {
     const size_t length = 3 * (size_t)mesh->nodes, count = (size_t)vibration->count;
@@ -393,7 +404,7 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     return status;
 }
 
-/* Frequencies and mode shapes of a structure that is ready for them. Returns an exit code. */
+/* Compute frequencies and mode shapes of an assembled structure. Returns an exit code. */
 static int modes_of(const options *options, const design *design)
 {
     enum { USUAL_NUMBER = 10 };
@@ -410,7 +421,10 @@ static int modes_of(const options *options, const design *design)
     return status;
 }
 
-/* The structure alone, which supports may leave loose. */
+/*
+ * Compute the modes of the structure alone. Unlike other commands, this one accepts supports that
+ * permit rigid motion.
+ */
 static int run_modes(const options *options)
 {
     scene scene;
@@ -432,7 +446,7 @@ static int run_modes(const options *options)
 
 /* ---- tables, check, list ---------------------------------------------- */
 
-/* A C identifier from the prefix given or the scene's name. */
+/* Make a C identifier from the given prefix or from the name of the scene. */
 static void table_prefix(const options *options, const scene *scene, char prefix[SCENE_NAME])
 {
     snprintf(prefix, SCENE_NAME, "%s", options->prefix ? options->prefix : scene->name);
@@ -442,7 +456,7 @@ static void table_prefix(const options *options, const scene *scene, char prefix
             *c = '_';
 }
 
-/* The output file; in a folder it takes the prefix as its name. */
+/* Path of the output file. In a folder the file is named after the prefix. */
 static const char *table_path(const options *options, const char *prefix, char path[OPTIONS_PATH])
 {
     struct stat there;
@@ -453,8 +467,10 @@ static const char *table_path(const options *options, const char *prefix, char p
     return path;
 }
 
-/* A control loop that vibration makes unstable is not handed to a firmware unasked. Returns 0, or
- * -1 with error filled. */
+/*
+ * Refuse tables for a control loop that vibration makes unstable, unless the options permit this.
+ * Returns 0, or -1 with error filled.
+ */
 static int judge_loop(analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
@@ -475,8 +491,9 @@ static int judge_loop(analysis *analysis, char *error)
 }
 
 /*
- * Everything the tables hold. A nonlinear image: the scene's equilibrium, and a voltage problem
- * where it has a target. A control image: the influence that the scene's simulation has.
+ * Compute all contents of the tables. Nonlinear tables contain the scene's equilibrium, and a
+ * voltage problem where the scene has a target; control tables contain the same influence matrix as
+ * the simulation of the scene.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {
@@ -552,7 +569,7 @@ static int command_check(const options *options, analysis *analysis)
     return 0;
 }
 
-/* Name and purpose in at most 100 columns, cut after a word. */
+/* Print name and purpose of a scene in at most 100 columns, truncated after a word. */
 static void list_line(const char *name, const char *about)
 {
     enum { COLUMNS = 100 };

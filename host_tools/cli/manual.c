@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The manual page and the shell completion (manual.h). */
+/* Manual page and shell completion (manual.h). */
 #include "manual.h"
 #include "commands.h"
 #include "pzs.h"
 
 /* ---- manual page ------------------------------------------------------ */
 
-/* Text with the characters escaped that roff reads as its own. */
+/* Write a text with all characters escaped that have a special meaning in roff. */
 static void roff(FILE *file, const char *text)
 {
     if (*text == '.' || *text == '\'')
@@ -35,7 +35,7 @@ static void paragraph(FILE *file, const char *text)
     fputc('\n', file);
 }
 
-/* Commands that take an option, in italics behind its help. */
+/* Write the commands that accept an option, in italics after the help of the option. */
 static void page_takers(FILE *file, option_id option)
 {
     const char *between = "Commands: ";
@@ -122,7 +122,7 @@ static void command_names(FILE *file)
         fprintf(file, "%s%s", k ? " " : "", command_table[k].name);
 }
 
-/* Words that may stand behind an option, by its name. */
+/* Write the completion of the argument of each option. */
 static void complete_values(FILE *file)
 {
     for (int k = 0; k < OPTIONS; k++) {
@@ -143,7 +143,7 @@ static void complete_values(FILE *file)
     }
 }
 
-/* Arguments of a command: words and, for a scene, files. */
+/* Write the completion of the argument of a command: fixed words, and files for a scene. */
 static void complete_argument(FILE *file, const command_entry *entry)
 {
     switch (entry->kind) {

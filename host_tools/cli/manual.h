@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The manual page and the shell completion of pzs, from its tables of commands and options. */
+/* Manual page and shell completion of pzs, made from its tables of commands and options. */
 #ifndef MANUAL_H
 #define MANUAL_H
 
 #include <stdio.h>
 
-/* Manual page in roff, with the macros of man(7). */
+/* Write the manual page in roff with the macros of man(7). */
 void manual_page(FILE *file);
 
-/* Script that makes bash complete commands, options, scenes and files. */
+/* Write a bash script that completes commands, options, scene names and file names. */
 void manual_completion(FILE *file);
 
 #endif

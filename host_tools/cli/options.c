@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The command line (options.h). */
+/* Command line (options.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"
 #include <ctype.h>
@@ -49,7 +49,10 @@ static int unknown_option(command_id command, const char *name)
     return OPTIONS_WRONG;
 }
 
-/* An option that a command does not know is refused: who gives it waits for what it makes. */
+/*
+ * Refuse an option that the command does not accept. Ignoring the option would leave the user
+ * without the expected output.
+ */
 static int foreign_option(command_id command, option_id option)
 {
     const char *between = "";
@@ -64,7 +67,7 @@ static int foreign_option(command_id command, option_id option)
     return OPTIONS_WRONG;
 }
 
-/* A word that is none of the choices of `name`. */
+/* Refuse an argument of `name` that is not among the permitted words. */
 static int wrong_choice(const char *name, const char *const *choices, const char *word)
 {
     suggestion near;
@@ -90,14 +93,20 @@ static int is_choice(const char *const *choices, const char *word)
 
 /* ---- parser ----------------------------------------------------------- */
 
-/* A finite number up to `stop`; end is where it stopped. Returns whether there is one. */
+/*
+ * Read a finite number that is followed by the character `stop`; end is set to the end of the
+ * number. Returns whether a number was read.
+ */
 static bool read_voltage(const char *text, char stop, double *voltage, char **end)
 {
     *voltage = strtod(text, end);
     return *end != text && **end == stop && isfinite(*voltage);
 }
 
-/* V: from -V to V. LOWEST,HIGHEST: those. Returns 0, or an exit code. */
+/*
+ * Read voltage limits: V means from -V to V, LOWEST,HIGHEST gives both limits. Returns 0, or an
+ * exit code.
+ */
 static int take_limit(options *options, const char *value)
 {
     common_limits limit = {.source = LIMITS_GIVEN};
@@ -154,7 +163,7 @@ static int take_file(const char **file, const char *value)
     return 0;
 }
 
-/* Take one option; value is NULL where it has none. Returns 0, or an exit code. */
+/* Store one option; value is NULL for an option without an argument. Returns 0, or an exit code. */
 static int take_option(options *options, option_id option, const char *value)
 {
     const option_entry *entry = &option_table[option];
@@ -184,7 +193,7 @@ static int take_option(options *options, option_id option, const char *value)
     return unknown_option(options->command, entry->name);
 }
 
-/* Take a word that is no option. Returns 0, or an exit code. */
+/* Store an argument that is not an option. Returns 0, or an exit code. */
 static int take_word(options *options, const char *word)
 {
     const command_entry *entry = &command_table[options->command];
@@ -205,7 +214,7 @@ static int take_word(options *options, const char *word)
     return 0;
 }
 
-/* The library's names start with pzs and PZS. */
+/* Whether a prefix starts with pzs or PZS, which are reserved for the names of the library. */
 static int is_own_prefix(const char *prefix)
 {
     return strlen(prefix) == 3 && tolower((unsigned char)prefix[0]) == 'p' &&
@@ -231,7 +240,10 @@ static int parse(options *options, int argc, char **argv)
     return wrong;
 }
 
-/* What a command cannot do without, and a prefix that the library has itself. */
+/*
+ * Check that all required arguments are present and that the prefix is not reserved for the
+ * library.
+ */
 static int check_words(const options *options)
 {
     const command_entry *entry = &command_table[options->command];
@@ -255,7 +267,7 @@ static int stat_folder(const char *path, struct stat *there)
     return stat(folder, there);
 }
 
-/* Do two paths lead to one file, whichever way they are written? */
+/* Whether two paths lead to the same file, also where they are written differently. */
 static int same_file(const char *a, const char *b)
 {
     struct stat s, t;
@@ -268,7 +280,7 @@ static int same_file(const char *a, const char *b)
            stat_folder(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
 }
 
-/* No file is written over another, nor over the scene. */
+/* Refuse output files that would overwrite each other or the scene. */
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The command line of pzs: its words, and the files that it names. */
+/* Command line of pzs: arguments, options and the files that they name. */
 #ifndef OPTIONS_H
 #define OPTIONS_H
 
@@ -8,33 +8,38 @@
 #include "../system/shipped.h"
 #include "../tables/tables.h"
 
-/* OPTIONS_WRONG: exit code where the scene or the command line is wrong. */
+/* OPTIONS_WRONG: exit code for an error in the scene or in the command line. */
 enum { OPTIONS_WRONG = 2, OPTIONS_PATH = SHIPPED_PATH, MOST_SETS = 64, MOST_LIMITS = 16 };
 
 typedef struct options {
     command_id command;
-    const char *scene; /* of a command on a scene */
-    const char *word;  /* argument of another command, NULL where there is none */
+    const char *scene; /* scene name or file, for a command on a scene */
+    const char *word;  /* argument of any other command, NULL for none */
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
     int sets, limits, as_json, is_strict;
-    int number; /* of modes; 0: not given */
+    int number; /* number of vibration modes; 0: not given */
     int quasi_static;
     const char *report, *svg, *vtu, *csv, *output, *prefix;
-    int words;                /* the whole command line, for the report */
-    char *const *words_given; /* [words] */
+    int words; /* number of arguments of the whole command line, which the report prints */
+    char *const *words_given; /* [words] arguments of the whole command line */
     const device_board *device;
     tables_image image;
 } options;
 
-/* Read the words after the command, argv[1]. Returns 0, or an exit code after saying what is wrong.
+/*
+ * Read the arguments after the command in argv[1]. Returns 0, or an exit code after printing an
+ * error message.
  */
 int options_read(options *options, command_id command, int argc, char **argv);
 
-/* Say what is wrong with a word of the command line. Returns OPTIONS_WRONG. */
+/* Print an error message about a command-line argument. Returns OPTIONS_WRONG. */
 int options_refuse(const char *what, const char *value);
 
-/* Say that a command is not known, and which one it may have been. Returns OPTIONS_WRONG. */
+/*
+ * Print an error message about an unknown command, with the most similar command. Returns
+ * OPTIONS_WRONG.
+ */
 int options_unknown_command(const char *name);
 
 #endif

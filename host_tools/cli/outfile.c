@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Output files (outfile.h). */
+/* Output files that are either complete or absent (outfile.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "outfile.h"
 #include <errno.h>

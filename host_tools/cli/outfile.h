@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Output files that are whole or not there: written under a temporary name beside their own,
- * renamed at the end, removed when a step fails or a signal ends the program.
+ * Output files that are either complete or absent. A file is written under a temporary name in its
+ * final folder and renamed at the end; the file is removed when a step fails or a signal ends the
+ * program.
  */
 #ifndef OUTFILE_H
 #define OUTFILE_H
@@ -13,18 +14,24 @@ enum { OUTFILE_PATH = 4096 };
 typedef struct outfile {
     FILE *file;
     const char *path;
-    char temporary[OUTFILE_PATH]; /* empty where the path is a device or a pipe, which is written to
+    char temporary[OUTFILE_PATH]; /* temporary name; empty for a device or a pipe, which is written
                                      directly */
-    int slot;                     /* of interrupt.h */
+    int slot;                     /* slot of the temporary file in interrupt.h */
 } outfile;
 
-/* Each returns 0, or 1 after saying on standard error what is wrong. path must outlive f. */
+/*
+ * Open a file for writing. Returns 0, or 1 after printing an error message on standard error. path
+ * must outlive f.
+ */
 int outfile_begin(outfile *f, const char *path);
 
-/* Give the file its name; failed: its contents are not whole, remove it. */
+/*
+ * Close a file and give it its final name; with failed set, remove the incomplete file. Returns 0,
+ * or 1 after printing an error message on standard error.
+ */
 int outfile_end(outfile *f, int failed);
 
-/* Remove a file whose contents never came together, without a word. */
+/* Remove an incomplete file without a message. */
 void outfile_drop(outfile *f);
 
 #endif

@@ -17,19 +17,23 @@ static const char *precision_needed(const analysis *analysis)
 {
     if (tables_allow_float(analysis))
         return "float or double";
-    if (analysis->model.info.condition > 1e14) /* what pzs_factor calls no structure */
+    if (analysis->model.info.condition > 1e14) /* scene whose stiffness matrix at rest is singular
+                                                  for pzs_factor */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
     return analysis->nonlinear ? "the nonlinear path needs double"
                                : "double, or float with refinement, which says where it ends";
 }
 
-/* Plies are integrated with the exact metric through the thickness, or as those of a flat plate. */
+/*
+ * Description of the integration through the thickness: with the exact metric of the curved shell,
+ * or with the metric of a flat plate.
+ */
 static const char *metric_word(const scene *scene)
 {
     return scene->element.metric ? "exact metric" : "flat metric";
 }
 
-/* What the sensors of an estimate see. */
+/* Print what the sensors of the `estimate` section observe. */
 static void print_sensors(const analysis *analysis, const char *influence)
 {
     char text[SCENE_ERROR];
@@ -102,8 +106,10 @@ static void json_head(json *json, const analysis *analysis)
 
 /* ---- check ------------------------------------------------------------ */
 
-/* What an image needs of a device; the tables are made and thrown away. Returns 0, or -1 where the
- * scene has no such image. */
+/*
+ * Compute the memory that tables require on a device. The tables are generated and discarded.
+ * Returns 0, or -1 where the scene has no tables of this kind.
+ */
 static int image_size(const analysis *analysis, tables_image image, tables_size *size,
                       tables_memory *need)
 {
@@ -174,8 +180,10 @@ void print_check_json(const analysis *analysis)
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* What is to be known of a contact: load steps added for its body, how far facets sag, a warning
- * of the last step. */
+/*
+ * Print the results of a contact: load steps added for the contact body, sag of the facets, and a
+ * warning of the last load step.
+ */
 static void print_contact(const analysis *analysis)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
@@ -207,7 +215,9 @@ static void print_path(const analysis *analysis)
     print_contact(analysis);
 }
 
-/* What the solver's own checks leave out. */
+/*
+ * Print a note on the discretisation error, which the error measures of the solver do not include.
+ */
 static void print_discretisation(void)
 {
     puts("  discretisation error: not part of these figures; compare with a finer mesh, as --set "
@@ -248,7 +258,7 @@ static void json_path(json *json, const analysis *analysis)
     json_number(json, "negative_pivots", run->info.negative_pivots);
 }
 
-/* The same of a linear structure: one system, refined. */
+/* Write the solver data of a linear structure: one linear system with iterative refinement. */
 static void json_linear(json *json, const analysis *analysis)
 {
     json_string(json, "status", pzs_status_text(analysis->status));
@@ -261,8 +271,10 @@ static void json_linear(json *json, const analysis *analysis)
     json_number(json, "solver_error_estimate", analysis->model.info.error_estimate);
 }
 
-/* On a nonlinear structure `solve` is the whole path; the stiffness at rest is assembled and
- * factored before it. */
+/*
+ * Write the computation times (s). On a nonlinear structure `solve` is the time of the whole path;
+ * the stiffness matrix at rest is assembled and factored before the path.
+ */
 static void json_seconds(json *json, const analysis *analysis)
 {
     json_open(json, "seconds", '{');
@@ -317,13 +329,16 @@ static void limit_text(const voltages *result, char text[32])
         snprintf(text, 32, "%g .. %g", result->limit[0], result->limit[1]);
 }
 
-/* No sign on a printed zero. */
+/* Voltage rounded for printing, without a sign on zero. */
 static double rounded_volt(double voltage)
 {
     return fabs(voltage) < 0.005 ? 0 : voltage;
 }
 
-/* Voltages of each actuator as its grid lies on the surface: theta1 down, theta2 across. */
+/*
+ * Print the voltages of each actuator in the arrangement of its electrode grid: theta1 downwards,
+ * theta2 to the right.
+ */
 static void print_voltages(const scene *scene, const voltages *result)
 {
     printf("\n  %s, voltages:\n", result->name);
@@ -348,8 +363,10 @@ static void print_voltages(const scene *scene, const voltages *result)
     }
 }
 
-/* What the voltages of the linear model cost on the nonlinear structure: the error that the smaller
- * image adds. */
+/*
+ * Difference in error on the nonlinear structure between the voltages of the linear model and those
+ * of the nonlinear model: the disadvantage of the smaller tables.
+ */
 static double cost_of_linear(const shape_run *run)
 {
     return run->results[2].error - run->results[1].error;
@@ -373,7 +390,7 @@ static void print_choice(const shape_run *run)
                                                      : "needs the nonlinear image");
 }
 
-/* Is output k a displacement of one node? */
+/* Whether output k is a displacement of a single node. */
 static int is_single(const analysis *analysis, int k)
 {
     return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;
@@ -385,7 +402,10 @@ static double reached(const analysis *analysis, int k, const voltages *result)
                                  (uint32_t)analysis->design.named_first[k]);
 }
 
-/* The displacements of single nodes that the scene asks for, under each set of voltages. */
+/*
+ * Print the displacements of single nodes that the scene lists as outputs, under each set of
+ * voltages.
+ */
 static void print_reached(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
@@ -409,7 +429,7 @@ static void print_reached(const shape_run *run)
         putchar('\n');
 }
 
-/* Amplifiers that have less than the range of the table. */
+/* Print the amplifiers whose voltage limits are narrower than the limits of the table. */
 static void print_narrower(const voltages *result, int amplifiers)
 {
     if (result->narrowed + result->held > 0)
@@ -418,7 +438,10 @@ static void print_narrower(const voltages *result, int amplifiers)
                amplifiers, result->narrowed, result->held);
 }
 
-/* Rows that no error counts, where they are not as wanted; and the free functions. */
+/*
+ * Print how many target rows lie on constrained degrees of freedom and differ from the wanted
+ * value, which the shape error does not include, and the names of the free functions.
+ */
 static void print_target_rows(const design *design, const voltages *result)
 {
     const char *comma = "";
@@ -435,8 +458,10 @@ static void print_target_rows(const design *design, const voltages *result)
         putchar('\n');
 }
 
-/* Outputs at several nodes under the optimum within the first limits; outputs that belong to `pzs
- * solve` by name. */
+/*
+ * Print the outputs at several nodes under the optimum within the first limits, and the names of
+ * the outputs that only `pzs solve` computes.
+ */
 static void print_reached_nodes(const analysis *analysis, const voltages *best, double *value)
 {
     const scene *scene = analysis->design.scene;
@@ -502,7 +527,7 @@ void print_shape(const shape_run *run)
            100 * best->error, limits);
 }
 
-/* The displacements that the scene asks for, under one set of voltages. */
+/* Write the displacements that the scene lists as outputs, under one set of voltages. */
 static void json_reached(json *json, const analysis *analysis, const voltages *result)
 {
     double *value = calloc((size_t)analysis->design.structure.output.count + 1, sizeof *value);
@@ -540,7 +565,7 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_reached(json, analysis, result);
 }
 
-/* The optimum within the first limits at the top, then every set of voltages. */
+/* Write the optimum within the first limits at the top level, then every set of voltages. */
 void print_shape_json(const shape_run *run)
 {
     const analysis *analysis = run->analysis;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Results as text for people and as JSON for machines, on standard output. */
+/* Results on standard output, as text and as JSON. */
 #ifndef PRINT_H
 #define PRINT_H
 
@@ -7,42 +7,49 @@
 #include "../text/json.h"
 #include "../model/modes.h"
 
-/* What `pzs shape` found. */
+/* Results of `pzs shape`. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *results; /* [count] optimum without limits; then per limit the optimum, on a nonlinear
-                        structure that of the linear model, clipped least squares, and those
-                        regularised before; then those of the scene */
-    voltages before;   /* the scene without any voltages */
-    int count, compared; /* compared: the first of the scene's own */
-    modes modes;         /* of the target, where it lists some */
+    voltages *results;   /* [count] sets of voltages: the optimum without limits; for each pair of
+                            limits the optimum, on a nonlinear structure also that of the linear
+                            model, clipped least squares, clipped least squares with regularisation;
+                            then the sets of the scene */
+    voltages before;     /* result with all voltages zero */
+    int count, compared; /* number of results; index of the first result with voltages given in the
+                            scene */
+    modes modes;         /* modes of the target, empty where the scene lists none */
 } shape_run;
 
-/* Name, mesh, condition, and what the sensors of an estimate see; influence: at what shape, in
- * words. */
+/*
+ * Print name, mesh and condition number of the scene, and what the sensors of its `estimate`
+ * section observe.
+ *   influence in  description of the shape at which the influence is computed
+ */
 void print_head(const analysis *analysis, const char *influence);
 
-/* What the sensors of an estimate see, under `estimate`. */
+/* Print the observability by the sensors as the JSON member `estimate`. */
 void print_estimate_json(json *json, const estimator *estimator);
 
-/* Size of the scene and what its images need of a device. */
+/* Print the size of the scene and the memory that its tables require on a device. */
 void print_check(const analysis *analysis);
 void print_check_json(const analysis *analysis);
 
-/* A displacement's outputs, then the electrodes. value [output rows] in */
+/* Print the outputs of a displacement, then the electrodes. value [output rows] in */
 void print_solve(analysis *analysis, const double *value);
 void print_solve_json(analysis *analysis, const double *value);
 
-/* Voltages, charge and capacitance of each electrode; how much stiffer open ones make the shell.
- * Nothing without sensors. */
+/*
+ * Print voltage, charge and capacitance of each electrode, and how much open-circuit electrodes
+ * stiffen the shell. Without sensor electrodes nothing is printed.
+ */
 void print_electrodes(analysis *analysis);
 void print_electrodes_json(json *json, analysis *analysis);
 
-/* Sets of voltages and their errors. */
+/* Print all sets of voltages with their errors. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 
-/* What is left of each mode, nothing where there is none. */
+/* Print the residual of each mode of the target; without modes nothing is printed. */
 void print_modes(const scene *scene, const modes *modes);
 void print_modes_json(json *json, const scene *scene, const modes *modes);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The modes of a target on standard output (print.h). */
+/* Modes of a target on standard output (print.h). */
 #include <stdio.h>
 #include "print.h"
 
-/* A table for each pair of limits. */
+/* Print one table for each pair of voltage limits. */
 void print_modes(const scene *scene, const modes *modes)
 {
     for (int l = 0; modes->count > 0 && l < modes->limits; l++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A simulation in words and numbers (print_simulate.h). */
+/* Results of a simulation as text, JSON and CSV (print_simulate.h). */
 #include "print_simulate.h"
 #include "print.h"
 #include "print_vibration.h"
@@ -34,7 +34,7 @@ static void print_csv_tick(FILE *file, const scene *scene, int estimates,
     fputc('\n', file);
 }
 
-/* ---- while it runs ---------------------------------------------------- */
+/* ---- output during the run --------------------------------------------- */
 
 typedef struct onlookers {
     const scene *scene;
@@ -145,7 +145,7 @@ static void print_count(const simulation *simulation, simulate_law law)
                PZS_STEP_ITERATIONS);
 }
 
-/* What was estimated, at its worst. */
+/* Print the largest error of the estimated shape. */
 static void print_estimated(const simulation *simulation)
 {
     const simulate_phase *worst = simulation->phase;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A simulation while it runs, as text for people, as JSON, and tick by tick as CSV. */
+/* Simulation of a closed loop: progress and results as text, as JSON, and tick by tick as CSV. */
 #ifndef PRINT_SIMULATE_H
 #define PRINT_SIMULATE_H
 
@@ -7,14 +7,14 @@
 #include "../report/report_simulate.h"
 
 /*
- * Run both laws, then find the optima.
- *   record  in/out  opened: takes every tick
- *   csv     in      takes the names, then a line for each tick of the controller's law; or NULL
+ * Run the simulation under all control laws, then compute the optimum of each phase.
+ *   record in/out  opened record that stores every tick
+ *   csv in  file for a header and one line per tick of the controller, or NULL
  * Returns 0, or -1 with error filled.
  */
 int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *error);
 
-/* Both on standard output, after that. */
+/* Print the results on standard output, after print_run. */
 void print_simulation(const simulation *simulation);
 void print_simulation_json(const simulation *simulation);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Natural frequencies on standard output (print_vibration.h). */
+/* Natural frequencies and loop stability on standard output (print_vibration.h). */
 #include "print_vibration.h"
 #include <math.h>
 #include <stdio.h>
@@ -8,13 +8,13 @@
 
 /* ---- modes ------------------------------------------------------------ */
 
-/* Largest displacement of a node in a mode by a unit of an input; NAN in a rigid motion. */
+/* Largest nodal displacement in a mode by a unit of an input; NAN for a rigid-body mode. */
 static double moved_by(const design *design, const vibration *vibration, int mode, int input)
 {
     return vibration->largest[mode] * vibration_static(vibration, design, mode, input);
 }
 
-/* The amplifier that moves a mode most, or -1. */
+/* Index of the amplifier that moves a mode most, or -1. */
 static int strongest(const design *design, const vibration *vibration, int mode)
 {
     int best = -1;
@@ -104,7 +104,7 @@ void print_vibration_json(const design *design, const vibration *vibration)
 
 /* ---- certificate ------------------------------------------------------ */
 
-/* Lines of a text, each behind two blanks. */
+/* Print the lines of a text, each indented by two spaces. */
 static void print_lines(const char *text)
 {
     fputs(*text ? "  " : "", stdout);

@@ -6,13 +6,16 @@
 #include "../model/certificate.h"
 #include "../text/json.h"
 
-/* Modes of `pzs modes`: frequency, mass that takes part, and the input that moves each most. */
+/*
+ * Print the modes of `pzs modes`: frequency, participating mass, and the input that moves each mode
+ * most.
+ */
 void print_vibration(const design *design, const vibration *vibration);
 void print_vibration_json(const design *design, const vibration *vibration);
 
 /*
- * First frequency and verdict on the loop, or why they are not known; nothing where
- * certificate_make has not run.
+ * Print the first natural frequency and the stability of the control loop, or why they could not be
+ * computed. Nothing is printed where certificate_make has not run.
  */
 void print_certificate(const certificate *certificate);
 void print_certificate_json(json *json, const certificate *certificate);

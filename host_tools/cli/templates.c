@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Starting scenes (templates.h): a line of the scene a line here. */
+/* Example scenes (templates.h). Each source line contains one line of a scene. */
 #include "templates.h"
 #include <string.h>
 

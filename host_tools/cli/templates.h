@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Commented scenes to start from, which `pzs new` writes. */
+/* Commented example scenes, which `pzs new` writes as a starting point. */
 #ifndef TEMPLATES_H
 #define TEMPLATES_H
 
 #include <stddef.h>
 
-/* Their names, ended by NULL. */
+/* Names of the example scenes, ended by NULL. */
 extern const char *const templates_name[];
 
-/* The scene of a name, or NULL. */
+/* Text of the example scene with a given name, or NULL where there is none. */
 const char *templates_text(const char *name);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A firmware in the loop (device.h). */
+/* Firmware in the closed loop (device.h). */
 #define _XOPEN_SOURCE 700
 #include "device.h"
 #include <errno.h>
@@ -15,8 +15,8 @@
 #include "../system/interrupt.h"
 #include "../system/shipped.h"
 
-enum { TICK, HOLD, RELEASE, KNOW }; /* orders */
-enum { PATIENCE = 20000 /* ms */, MOST_ARGUMENTS = 16 };
+enum { TICK, HOLD, RELEASE, KNOW }; /* orders to the firmware, sent as the first word of a frame */
+enum { PATIENCE = 20000 /* time limit of an answer (ms) */, MOST_ARGUMENTS = 16 };
 
 static const device_board boards[] = {{"netduinoplus2", "netduinoplus2", 32, "host-32"},
                                       {"mps2-an386", "mps2-an386", 32, "host-32"},
@@ -34,8 +34,10 @@ const device_board *device_find(const char *name)
 
 /* ---- programs --------------------------------------------------------- */
 
-/* Start a program: with its standard input and output in pipes, or with neither and as leader of a
- * process group. Returns its process, or -1. */
+/*
+ * Start a program, either with its standard input and output connected to pipes, or without pipes
+ * and as leader of a process group. Returns its process number, or -1.
+ */
 static int begin(const char *const *argument, int *to, int *from)
 {
     int in[2] = {-1, -1}, out[2] = {-1, -1};
@@ -43,14 +45,15 @@ static int begin(const char *const *argument, int *to, int *from)
         return -1;
     const pid_t process = fork();
     if (process >= 0 && !to)
-        setpgid(process, process); /* in both: whoever comes first */
+        setpgid(process, process); /* in parent and child, because either may run first */
     if (process == 0) {
         if (to) {
             dup2(in[0], 0);
             dup2(out[1], 1);
             close(in[0]), close(in[1]), close(out[0]), close(out[1]);
         }
-        unsetenv("MAKEFLAGS"); /* of a make that runs this: its jobs are not ours */
+        unsetenv("MAKEFLAGS"); /* variables of an enclosing make, which would share its job slots
+                                  with the build */
         execvp(argument[0], (char *const *)(uintptr_t)argument);
         perror(argument[0]);
         _exit(127);
@@ -59,7 +62,8 @@ static int begin(const char *const *argument, int *to, int *from)
         close(in[0]), close(out[1]);
         *to = in[1];
         *from = out[0];
-        fcntl(*to, F_SETFD, FD_CLOEXEC); /* the next program's are its own */
+        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The next program that is started must not inherit these
+                                            pipes. */
         fcntl(*from, F_SETFD, FD_CLOEXEC);
     }
     return (int)process;
@@ -100,7 +104,10 @@ int device_build(const device_board *board, const char *folder, char error[DEVIC
     char place[DEVICE_PATH + 16], b[DEVICE_PATH + 16], tables[DEVICE_PATH + 16],
         image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
     const char *const sources = shipped_sources();
-    /* Temporary files of the compilers lie in the folder too and go with it. */
+    /*
+     * Temporary files of the compilers are in the same folder, so that they are removed with the
+     * folder.
+     */
     const char *const argument[] = {
         "env", place,   "make", "-s",   "-j2", "--no-print-directory",
         "-C",  sources, b,      tables, image, board->twin ? twin : NULL,
@@ -142,7 +149,7 @@ static size_t real_bytes(const device *d)
     return (size_t)d->board->bits / 8;
 }
 
-/* n reals in the device's precision. Returns the bytes behind them. */
+/* Write n floating-point numbers in the device's precision. Returns the address behind them. */
 static unsigned char *put_reals(const device *d, unsigned char *at, const double *x, size_t n)
 {
     for (size_t i = 0; i < n; i++, at += real_bytes(d)) {
@@ -175,7 +182,10 @@ static void get_reals(const device *d, double *x, size_t n)
     }
 }
 
-/* A frame that takes an order and so many reals. Returns whether memory was there. */
+/*
+ * Allocate a frame for an order and a given number of floating-point numbers. Returns whether
+ * memory was available.
+ */
 static int take_frame(device *d, size_t reals)
 {
     unsigned char *more = realloc(d->frame, 2 * sizeof(uint32_t) + reals * sizeof(double));
@@ -184,7 +194,7 @@ static int take_frame(device *d, size_t reals)
     return more != NULL;
 }
 
-/* Everything up to `end` of the frame goes out. */
+/* Send the frame up to `end` to the device. */
 static int send(const device *d, const unsigned char *end)
 {
     for (const unsigned char *at = d->frame; at < end;) {
@@ -203,7 +213,7 @@ static int receive(const device *d, void *to, size_t bytes)
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
         if (ready < 0 && errno == EINTR)
-            continue; /* by the timer of progress.h */
+            continue; /* interrupted by the timer of progress.h */
         const ssize_t n = ready > 0 ? read(d->from, at, bytes) : 0;
         if (ready == 0)
             errno = ETIMEDOUT;
@@ -245,7 +255,8 @@ static int launch(device *d, const char *folder)
                                               NULL};
     const char *const program[] = {image, NULL};
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, d->board->name);
-    signal(SIGPIPE, SIG_IGN); /* a device that ends shows in write */
+    signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must fail and not end this
+                                 program. */
     return d->process = begin(d->board->machine ? qemu : program, &d->to, &d->from);
 }
 
@@ -278,7 +289,7 @@ void device_stop(device *d)
 {
     if (d->process > 0) {
         char rest;
-        close(d->to); /* a program that is well ends with its input */
+        close(d->to); /* A working firmware ends when its input is closed. */
         if (receive(d, &rest, 1) < 0 && errno == ETIMEDOUT)
             kill((pid_t)d->process, SIGKILL);
         close(d->from);

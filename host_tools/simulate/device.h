@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The controller of a simulation as firmware: built from firmware_demo with the tables of the
- * simulation, run by QEMU on a board's processor, or as a program of this computer, with the plant
- * at the other end of a pipe. firmware_demo/demos/demo_loop.c says what goes over it.
+ * The controller of a simulation as firmware. The firmware is built from firmware_demo with the
+ * tables of the simulation and runs in QEMU on the processor of a board, or as a program on this
+ * computer. A pipe connects the firmware to the simulated plant; firmware_demo/demos/demo_loop.c
+ * describes the protocol.
  */
 #ifndef DEVICE_H
 #define DEVICE_H
@@ -11,52 +12,70 @@
 
 typedef struct device_board {
     const char *name;
-    const char *machine; /* QEMU's name of the board; NULL: a program of this computer */
-    int bits;            /* of its reals */
-    const char *twin;    /* the same C in the same precision on this computer */
+    const char *machine; /* QEMU's name of the board; NULL: a program on this computer */
+    int bits;            /* bits of a floating-point number: 32 or 64 */
+    const char *twin; /* name of the board that runs the same C code in the same precision on this
+                         computer */
 } device_board;
 
-/* Board of a name, or NULL. name may be NULL */
+/* Board with a given name, or NULL where there is none. name may be NULL. */
 const device_board *device_find(const char *name);
 
-/* Room for a path, and for a message: one line. */
+/* Sizes of the character arrays for a path and for an error message of one line. */
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
 
 /*
- * A folder for the firmware: write the tables into folder/loop.h (prefix demo), then build.
- * Return 0, or -1 with error filled; the compiler's own words are on standard error.
+ * Make a temporary folder for the firmware, build the firmware, remove the folder. Between the
+ * first two calls, write the tables into folder/loop.h with the prefix demo. device_folder and
+ * device_build return 0, or -1 with error filled; compiler messages go to standard error.
  */
 int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR]);
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR]);
 void device_remove(const char *folder);
 
-/* A firmware that runs. All zero: none does, and orders to it are left out. */
+/*
+ * A running firmware. A device that is all zero has no firmware, and device_hold, device_release
+ * and device_know do nothing with it.
+ */
 typedef struct device {
     const device_board *board;
-    int process, to, from;            /* its pipe */
-    size_t inputs, outputs, readings; /* readings: length of measured */
+    int process, to, from; /* process number; file descriptors of the pipes to and from the process
+                            */
+    size_t inputs, outputs, readings; /* lengths of voltage, wanted and measured; readings: length
+                                         of measured */
     unsigned char *frame;
 } device;
 
-/* Start it. readings: length of its readings; volt [inputs] out: those it starts with (V). Returns
- * 0, or -1 with error filled. */
+/*
+ * Start a firmware.
+ *   readings in  number of readings passed in each tick
+ *   voltage [inputs] out  initial voltages of the firmware (V)
+ * Returns 0, or -1 with error filled.
+ */
 int device_start(device *d, const device_board *board, const char *folder,
                  const pzs_problem *problem, int readings, double *voltage,
                  char error[DEVICE_ERROR]);
 void device_stop(device *d);
 
-/* pzs_hold, pzs_release. What goes wrong shows in the next tick. */
+/* Call pzs_hold or pzs_release in the firmware. The next device_tick reports a failure. */
 void device_hold(device *d, int input, double voltage);
 void device_release(device *d, int input);
 
-/* Known loads of the tables: amounts at the next measurement, and to come. then, coming [loads] in
+/*
+ * Pass the factors of the known loads to the firmware.
+ *   then [loads] in  at the time of the next measurement
+ *   coming [loads] in  in the coming tick
  */
 void device_know(device *d, const double *then, const double *coming, size_t loads);
 
 /*
- * pzs_loop_tick. wanted [outputs], measured [readings] in; volt, state [inputs], passes out: state
- * of the electrodes, 0 where no block tells it. Returns its status, or -1 with error filled: the
- * device no longer answers.
+ * Call pzs_loop_tick in the firmware.
+ *   wanted [outputs] in  wanted displacements
+ *   measured [readings] in
+ *   voltage [inputs] out  (V)
+ *   state [inputs] out  states of the electrodes, 0 without a fault detector
+ *   passes out  iterations of the optimiser
+ * Returns the status of pzs_loop_tick, or -1 with error filled where the firmware does not answer.
  */
 int device_tick(device *d, const double *wanted, const double *measured, double *voltage,
                 uint8_t *state, int *passes, char error[DEVICE_ERROR]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The structure of a simulation (plant.h). */
+/* Structure of a simulation (plant.h). */
 #include "plant.h"
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ static void scale_material(scene_material *material, double stiffness, double d)
         material->piezo_e[i] *= stiffness * d;
 }
 
-/* One more load, of 1 K, after the scene's own. */
+/* Append a temperature change of 1 K to the loads of the scene. */
 static int add_temperature(scene *scene)
 {
     const char *why;
@@ -105,7 +105,10 @@ void plant_close(plant *plant)
 
 /* ---- loads ------------------------------------------------------------ */
 
-/* Input that carries a load: a follower's is one of the extras, in the order of loads. */
+/*
+ * Index of the input that carries a load. Follower loads are extra inputs, in the order of the
+ * loads.
+ */
 static int input_of(const plant *plant, int load)
 {
     const design *design = &plant->analysis.design;
@@ -152,7 +155,10 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
     }
 }
 
-/* The equilibrium under the amounts, from the last shape; that is it where they are the same. */
+/*
+ * Compute the equilibrium under the inputs in `amount`, starting from the latest shape. The latest
+ * shape is kept where the inputs have not changed.
+ */
 static int reach(plant *plant, char *error)
 {
     analysis *analysis = &plant->analysis;
@@ -183,7 +189,9 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
     return 0;
 }
 
-/* All rows, and voltages and charges of electrodes where there are some. */
+/*
+ * Compute all output values, with the voltages and charges of electrodes where the scene has some.
+ */
 static pzs_status look(plant *plant)
 {
     analysis *analysis = &plant->analysis;
@@ -220,7 +228,10 @@ int plant_displacement(plant *plant, double *u, char *error)
 
 /* ---- optimum ---------------------------------------------------------- */
 
-/* What the voltages must do by the linear structure: the target less what the loads do there. */
+/*
+ * Compute the displacements that the voltages must produce on the linear structure: the target
+ * minus the displacements by the loads.
+ */
 static void want(plant *plant, const double *target)
 {
     design *design = &plant->analysis.design;

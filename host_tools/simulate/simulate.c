@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The closed loop (simulate.h). */
+/* Simulation of the closed loop (simulation.h). */
 #include "simulation.h"
 #include <math.h>
 #include <stdbool.h>
@@ -14,8 +14,8 @@
 #include "../tables/tables.h"
 
 enum {
-    LAST = 20 /* ticks that count as the end of a phase */,
-    WINDOW = 1000 /* ticks in which settling is looked for */
+    LAST = 20 /* number of ticks that count as the end of a phase */,
+    WINDOW = 1000 /* number of ticks in which the settling time is measured */
 };
 
 static const double settled_part = 0.05;
@@ -36,7 +36,10 @@ static int course_room(simulate_course *course, const design *design)
     return course->voltage && course->shape && course->u;
 }
 
-/* A phase from its tick to the end. Returns whether memory was there. */
+/*
+ * Add a phase that lasts from a tick to the end of the simulation. Returns whether memory was
+ * available.
+ */
 static int phase_begin(simulation *simulation, int tick, int first)
 {
     const design *design = &simulation->plant.analysis.design;
@@ -56,8 +59,10 @@ static int phase_begin(simulation *simulation, int tick, int first)
     return rooms && phase->target && phase->amount && phase->held;
 }
 
-/* A phase for every tick with events, one for the ticks before them, one for those after the random
- * faults. */
+/*
+ * Set up one phase for every tick with events, one for the ticks before the first event, and one
+ * for the ticks after the random faults.
+ */
 static int lay_out_phases(simulation *simulation)
 {
     const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
@@ -80,7 +85,10 @@ static int lay_out_phases(simulation *simulation)
     return good && quiet >= 0 ? phase_begin(simulation, quiet, simulate->events) : good;
 }
 
-/* Voltages and charges of electrodes have no influence at a shape. */
+/*
+ * Refuse sensors that measure voltages or charges of electrodes: these have no influence
+ * coefficients at a deformed shape.
+ */
 static int check_readings(const design *design, char *error)
 {
     const scene_estimate *estimate = &design->scene->estimate;
@@ -93,7 +101,7 @@ static int check_readings(const design *design, char *error)
     return 0;
 }
 
-/* Influence at the best shape of the nonlinear structure that the controller knows. */
+/* Compute the influence matrix at the optimal shape of the nonlinear nominal structure. */
 int simulate_tables(analysis *nominal, char *error)
 {
     design *design = &nominal->design;
@@ -121,7 +129,10 @@ int simulate_tables(analysis *nominal, char *error)
     return failed ? -1 : 0;
 }
 
-/* Loops are measured by the range of the voltages. */
+/*
+ * Refuse hysteresis without finite voltage limits, because its width is relative to the voltage
+ * range.
+ */
 static int check_range(const design *design, char *error)
 {
     for (int k = 0; k < design->amplifiers; k++)
@@ -134,8 +145,8 @@ static int check_range(const design *design, char *error)
 }
 
 /*
- * The fault detector compares measured with predicted displacements, from which free functions have
- * been taken out.
+ * Refuse a fault detector together with free functions. The fault detector compares measured with
+ * predicted displacements, and free functions are removed from these displacements.
  */
 static int check_free(const design *design, char *error)
 {
@@ -147,7 +158,10 @@ static int check_free(const design *design, char *error)
         "detector needs the whole predicted displacement; write told: TICKS or remove target.free");
 }
 
-/* What stands beside the controller. Returns 0, or -1 with error filled. */
+/*
+ * Prepare the estimator, the known loads and the block list of the controller. Returns 0, or -1
+ * with error filled.
+ */
 static int equip(simulation *simulation, char *error)
 {
     const scene *scene = simulation->nominal->design.scene;
@@ -166,8 +180,8 @@ static int equip(simulation *simulation, char *error)
 }
 
 /*
- * The best single parameter for the scene's target, known before the run. Returns 0, or -1 with
- * error filled.
+ * Find the regularisation parameter that gives the least error for the scene's target. Returns 0,
+ * or -1 with error filled.
  */
 static int regularise(simulation *simulation, char *error)
 {
@@ -253,14 +267,14 @@ void simulate_close(simulation *simulation)
     memset(simulation, 0, sizeof *simulation);
 }
 
-/* ---- what a phase came to --------------------------------------------- */
+/* ---- results of a phase ------------------------------------------------ */
 
 typedef struct course_log {
-    double *window; /* [WINDOW][targets] shapes at the start of the phase, */
-    double *last;   /* [LAST][targets] at its end, */
-    double *mean;   /* [targets] the mean of those */
+    double *window; /* [WINDOW][targets] shapes at the start of the phase */
+    double *last;   /* [LAST][targets] shapes at the end of the phase */
+    double *mean;   /* [targets] mean of the shapes at the end */
     double error[LAST], missed[LAST];
-    double *before; /* [amplifiers] voltages before the phase */
+    double *before; /* [amplifiers] voltages before the phase (V) */
     int ticks;
 } course_log;
 
@@ -295,14 +309,16 @@ static void follow(course_log *f, const loop *loop, simulate_course *course)
     f->ticks++;
 }
 
-/* |W (x - y)| */
+/* Weighted distance of two shapes: |W (x - y)|. */
 static double apart(const design *design, const double *x, const double *y)
 {
     return sqrt(design_squares(design, x, y));
 }
 
-/* Ticks after which every shape of the window is within a part of the largest distance from the
- * last ones. */
+/*
+ * Number of ticks after which the distance from the final shape remains below a fraction of its
+ * largest value in the window.
+ */
 static int settled_after(const course_log *f, const design *design)
 {
     const size_t m = (size_t)design->targets;
@@ -317,7 +333,7 @@ static int settled_after(const course_log *f, const design *design)
     return after < ticks ? after : -1;
 }
 
-/* Means over the last ticks: at most a quarter of the phase. */
+/* Compute the means over the last ticks, which are at most a quarter of the phase. */
 static void finish_course(course_log *f, const loop *loop, simulate_course *course)
 {
     const design *design = loop->design;
@@ -342,7 +358,10 @@ static void finish_course(course_log *f, const loop *loop, simulate_course *cour
     f->ticks = 0;
 }
 
-/* Conditions at the end of a phase, for its optimum. */
+/*
+ * Store the target, loads and faulty electrodes at the end of a phase, for the optimum of the
+ * phase.
+ */
 static void keep_conditions(const loop *loop, simulate_phase *phase)
 {
     const design *design = loop->design;

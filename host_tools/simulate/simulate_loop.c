@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* One closed loop, tick by tick (simulate_loop.h). */
+/* One closed loop of a simulation, run tick by tick (simulate_loop.h). */
 #include "simulate_loop.h"
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,10 @@
 
 /* ---- random numbers --------------------------------------------------- */
 
-/* splitmix64: the same bits everywhere. */
+/*
+ * Next 64 bits of the random number generator splitmix64, which gives the same bits on every
+ * computer.
+ */
 static uint64_t draw(loop *loop)
 {
     uint64_t z = loop->random += 0x9e3779b97f4a7c15u;
@@ -18,19 +21,19 @@ static uint64_t draw(loop *loop)
     return z ^ (z >> 31);
 }
 
-/* From 0 to 1, 1 left out. */
+/* Random number, uniform in [0, 1). */
 double loop_draw(loop *loop)
 {
     return (double)(draw(loop) >> 11) * 0x1p-53;
 }
 
-/* From 0 to count - 1. */
+/* Random integer from 0 to count - 1. */
 static int draw_int(loop *loop, int count)
 {
     return (int)(loop_draw(loop) * count);
 }
 
-/* ---- what the controller is told -------------------------------------- */
+/* ---- electrode states told to the controller ---------------------------- */
 
 static void hold(loop *loop, int amplifier, double voltage)
 {
@@ -120,7 +123,10 @@ static void happen(loop *loop, const scene_event *event, int tick)
     }
 }
 
-/* What the schedule says stands again after the random faults. */
+/*
+ * Apply an event of the schedule, and store its target and load factors, which are restored when
+ * the random faults end.
+ */
 static void schedule(loop *loop, const scene_event *event, int tick)
 {
     happen(loop, event, tick);
@@ -133,7 +139,10 @@ static void schedule(loop *loop, const scene_event *event, int tick)
             event->amount;
 }
 
-/* One fault of any kind, with sizes and durations that a day's work may bring. */
+/*
+ * Apply one random event: a fault of a sensor or an electrode, a missed tick, or a change of target
+ * or load.
+ */
 static void random_fault(loop *loop, int tick)
 {
     static const scene_event_type kinds[] = {EVENT_NAN,  EVENT_NAN,   EVENT_FROZEN, EVENT_LOST,
@@ -149,7 +158,7 @@ static void random_fault(loop *loop, int tick)
     if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
         event.told = draw_int(loop, 2) ? draw_int(loop, event.ticks) : TOLD_NEVER;
     if (event.type == EVENT_NAN && draw_int(loop, 4) == 0)
-        event.amount = 1; /* every sensor */
+        event.amount = 1; /* every sensor gives not-a-number readings */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.amount = 2 * event.amount - 1;
     event.load = draw_int(loop, loop->design->loads + 1);
@@ -168,7 +177,10 @@ static void end_faults(loop *loop)
         revive(loop, k);
 }
 
-/* Known loads are known a tick before they come. */
+/*
+ * Set `coming`, the known load factors of the next tick. The controller knows the future factors of
+ * known loads one tick in advance.
+ */
 static void look_ahead(loop *loop, int tick)
 {
     const scene_simulate *simulate = &loop->design->scene->simulate;
@@ -217,7 +229,10 @@ static double through_play(electrode *e, double voltage, double half_range, doub
     return voltage + share * (mean - voltage);
 }
 
-/* The share of the plays: a full cycle leaves their mean 5/16 of the range wide. */
+/*
+ * Compute the voltages that act on the ceramic. After a full cycle the mean of the play operators
+ * leaves a loop of 5/16 of the range; the factor 16/5 scales this width to the scene's hysteresis.
+ */
 static void drive(loop *loop)
 {
     const design *design = loop->design;
@@ -234,13 +249,13 @@ static void drive(loop *loop)
 
 /* ---- step limit ------------------------------------------------------------- */
 
-/* Does the step limit allow this change, to the last bit? */
+/* Whether the step limit allows a voltage change, without any rounding tolerance. */
 static int may_move(double from, double to, double slew)
 {
     return to - from <= slew && from - to <= slew;
 }
 
-/* The nearest volt to `to` that the step limit allows. */
+/* Voltage nearest to `to` that the step limit allows. */
 static double slewed(double from, double to, double slew)
 {
     to = fmin(fmax(to, from - slew), from + slew);
@@ -249,13 +264,16 @@ static double slewed(double from, double to, double slew)
     return to;
 }
 
-/* An electrode whose failure the controller was told of jumps to where it is held. */
+/*
+ * Step limit of an electrode (V). An electrode that the controller treats as held has no step
+ * limit, because its voltage is set to the held value at once.
+ */
 static double slew_of(const loop *loop, int amplifier)
 {
     return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->step_limit[amplifier];
 }
 
-/* ---- laws: step blocks of the simulation -------------------------------- */
+/* ---- control laws: step blocks of the simulation ------------------------ */
 
 static size_t law_bytes(const void *tables, const pzs_problem *problem)
 {
@@ -273,7 +291,8 @@ static loop *loop_of(const pzs_loop_signals *signals)
 }
 
 /*
- * As is often done: least squares without limits, regularised or not, cut to limits and step limit.
+ * Step block of clipped least squares: unconstrained least squares, with or without regularisation,
+ * clipped to the voltage limits and the step limit.
  */
 static pzs_status clamp(void *self, pzs_loop_signals *signals)
 {
@@ -298,8 +317,10 @@ static pzs_status clamp(void *self, pzs_loop_signals *signals)
 
 static const pzs_block_type clamp_block = {"clamp", PZS_PHASE_STEP, law_bytes, law_init, clamp};
 
-/* The board's answer, and whether its twin's has the same bits. Returns its status, or -1 with
- * error filled. */
+/*
+ * Run one tick on the board and on its twin, and compare their results bit by bit. Returns the
+ * status of the board, or -1 with error filled.
+ */
 static int ask_board(loop *loop, char *error)
 {
     const size_t n = (size_t)loop->design->amplifiers, loads = (size_t)loop->design->loads;
@@ -321,7 +342,10 @@ static int ask_board(loop *loop, char *error)
     return same < 0 ? -1 : status;
 }
 
-/* The board gets what the sensors say, not what the blocks before made of it: it has them too. */
+/*
+ * Step block that runs the firmware on the board. The board receives the readings of the sensors
+ * and not the output of the preceding blocks, because the firmware contains the same blocks.
+ */
 static pzs_status answer(void *self, pzs_loop_signals *signals)
 {
     loop *loop = loop_of(signals);
@@ -333,7 +357,10 @@ static pzs_status answer(void *self, pzs_loop_signals *signals)
 
 static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init, answer};
 
-/* The list of the scene; under another law than the library's its own step, and nothing behind. */
+/*
+ * Copy the block list of the scene. For clipped least squares or a board, replace the library's
+ * step block and omit all blocks behind the step block. Returns the number of blocks.
+ */
 static size_t list_blocks(loop *loop)
 {
     const loop_blocks *all = loop->simulation->blocks;
@@ -352,7 +379,7 @@ static size_t list_blocks(loop *loop)
     return count + 1;
 }
 
-/* Lay out the library's loop. Returns its status. */
+/* Initialise the library's control loop. Returns its status. */
 static pzs_status open_controller(loop *loop)
 {
     const size_t count = list_blocks(loop);
@@ -365,7 +392,7 @@ static pzs_status open_controller(loop *loop)
     return pzs_loop_init(&loop->controller, loop->block, count, NULL, loop->work, need);
 }
 
-/* Electrodes that the watch has found. */
+/* Record the electrodes that the fault detector has found in this tick. */
 static void learn(loop *loop, int tick)
 {
     loop->found = loop->wrong = 0;
@@ -383,7 +410,10 @@ static void learn(loop *loop, int tick)
     }
 }
 
-/* A controller that others give its voltages: what they are. */
+/*
+ * Copy the voltages into a controller whose voltages are computed elsewhere: by clipped least
+ * squares or by the board.
+ */
 static void follow(loop *loop)
 {
     pzs_control *control = loop->controller.info.control;
@@ -392,7 +422,7 @@ static void follow(loop *loop)
     pzs_control_moved(control);
 }
 
-/* What the library's own step leaves. */
+/* Copy the results of the library's step block: voltages, iterations and electrode states. */
 static void take_command(loop *loop)
 {
     const size_t n = (size_t)loop->design->amplifiers;
@@ -402,7 +432,10 @@ static void take_command(loop *loop)
         memcpy(loop->state, loop->controller.info.electrode, n);
 }
 
-/* The status of a tick as it is counted: that of the law; electrodes found are counted apart. */
+/*
+ * Status of a tick for the statistics: the status of the step block. Electrodes found by the fault
+ * detector are not a status here, because they have their own counter.
+ */
 static pzs_status counted(const loop *loop, pzs_status status)
 {
     const pzs_block_type *block = loop->controller.info.block;
@@ -443,14 +476,19 @@ static int command(loop *loop, int tick, char *error)
 
 /* ---- amplifiers ------------------------------------------------------- */
 
-/* The step of the converter nearest to a volt. */
+/*
+ * Voltage step of the digital-to-analogue converter that is nearest to a voltage; step 0: no
+ * rounding.
+ */
 static double converted(double voltage, double step)
 {
     return step > 0 ? step * floor(voltage / step + 0.5) : voltage;
 }
 
-/* An amplifier obeys limits and step limit by itself, gives whole steps, and leaves small changes
- * be. */
+/*
+ * Compute the output voltages of the amplifiers. Each amplifier enforces the voltage limits and the
+ * step limit, rounds to its resolution, and ignores changes within its dead band.
+ */
 static void amplify(loop *loop)
 {
     const design *design = loop->design;
@@ -470,8 +508,9 @@ static void amplify(loop *loop)
     }
 }
 
-/* Voltages beyond limits, or beyond the step limit from those before, in the arithmetic of who
- * chose them.
+/*
+ * Count voltages beyond their limits and voltage changes beyond the step limit. The change is
+ * computed with 32 or 64 bits, the precision in which the voltages were chosen.
  */
 static int beyond(const loop *loop, const double *voltage, const double *before, int bits)
 {
@@ -579,7 +618,7 @@ static void start(loop *loop)
     plant_rest(&loop->simulation->plant);
 }
 
-/* Board and twin with their voltages of the start. */
+/* Start the board and its twin, and read their initial voltages. */
 static int start_board(loop *loop, char *error)
 {
     const simulation *simulation = loop->simulation;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* One closed loop of a simulation, tick by tick: schedule, sensors, controller, amplifiers,
- * electrodes. */
+/*
+ * One closed loop of a simulation, run tick by tick: schedule of events, sensors, controller,
+ * amplifiers, electrodes.
+ */
 #ifndef SIMULATE_LOOP_H
 #define SIMULATE_LOOP_H
 
@@ -12,127 +14,155 @@ enum { PLAYS = 4 };
 typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK } electrode_fault;
 
 /*
- * An electrode between its amplifier and the ceramic.
- * Hysteresis (Prandtl-Ishlinskii): a share of the voltages passes plays of half widths 1/8, 2/8,
- * 3/8, 4/8 of the half range A of the voltages. A full cycle's loop is `hysteresis` times the range
- * wide; no volt is off by more than hysteresis A.
+ * State of an electrode between its amplifier and the piezoelectric ceramic.
+ * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
+ * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. The loop of a
+ * full cycle is `hysteresis` times the voltage range wide, and hysteresis changes no voltage by
+ * more than `hysteresis` times A.
  */
 typedef struct electrode {
     electrode_fault fault;
-    double held;          /* V while it does not follow */
-    double play[PLAYS];   /* V behind each play */
-    int failed_at;        /* tick of its last fault */
-    int told_at, good_at; /* tick in which the controller is told; in which it recovers by itself;
-                             -1: never */
-    int is_told; /* the controller holds it, since this tick or before: it was told or has found it
-                  */
-    int out_since; /* first tick whose readings it takes for those without it */
+    double held;          /* voltage of a faulty electrode, which ignores its amplifier (V) */
+    double play[PLAYS];   /* output of each play operator (V) */
+    int failed_at;        /* tick of the latest fault */
+    int told_at, good_at; /* tick in which the controller is told of the fault; tick in which the
+                             fault ends by itself; -1: never */
+    int is_told; /* the controller treats the electrode as held, because the controller was told of
+                    the fault or detected the fault */
+    int out_since; /* first tick whose late readings are compared with a prediction that has this
+                      electrode held */
 } electrode;
 
-/* A sensor: until which tick it gives NaN or stands still. */
+/* Faults of a sensor: the ticks at which its not-a-number readings and its stuck reading end. */
 typedef struct sensor {
     int nan_until, frozen_until;
 } sensor;
 
-/* Tables of a step block of the simulation: the problem, which the library asks for, and the loop
- * that it belongs to. */
+/*
+ * Tables of a step block that the simulation provides: the problem, which the library requires
+ * first, and the loop in which the block runs.
+ */
 typedef struct law_tables {
     pzs_problem problem;
     struct loop *loop;
 } law_tables;
 
 typedef struct loop {
-    const design *design; /* what the controller knows */
+    const design *design; /* nominal design that the controller is made from */
     simulation *simulation;
     simulate_law law;
-    pzs_block block[PZS_BLOCK_LIMIT]; /* of the law */
-    law_tables tables;                /* of its step block, where that is none of the library */
-    unconstrained solver;             /* of LAW_CLAMP and LAW_REGULARISED */
-    pzs_loop controller;              /* the library's, in double */
-    device board, twin;               /* in place of its step, where the simulation has a board */
-    char *message;                    /* [SCENE_ERROR] of a board that does not answer */
-    int is_silent;                    /* the board did not answer */
-    uint64_t random;                  /* state of the generator */
+    pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law */
+    law_tables tables; /* tables of the simulation's own step block; unused with the library's step
+                          block */
+    unconstrained solver; /* least-squares solver of LAW_CLAMP and LAW_REGULARISED */
+    pzs_loop controller;  /* the library's control loop, in double precision */
+    device board, twin;   /* firmware on a board and its twin on this computer; both replace the
+                             library's step block where the simulation has a board */
+    char *message;        /* [SCENE_ERROR] error text of a board that does not answer */
+    int is_silent;        /* the board did not answer in the last tick */
+    uint64_t random;      /* state of the random number generator */
     int next_event, lost_until;
-    double factor, scheduled_factor; /* of the target */
-    double *memory;                  /* all vectors below */
-    double *goal;   /* [targets] target of the scene or the schedule, without its factor */
-    double *wanted; /* [targets] */
-    double *load, *scheduled_load; /* [loads + 1] amounts, the temperature last */
-    double *shape;                 /* [targets] of the plant */
-    double *wish;                  /* [targets] error for the clamped law; room before that */
-    double *disturbance;           /* [targets] of the clamped law */
-    double *command;               /* [amplifiers] of the controller */
-    double *given;                 /* [amplifiers] by the amplifiers */
-    double *effect;                /* [amplifiers] what the ceramic makes of them */
-    double *next, *last;           /* [amplifiers] room; before the tick */
-    electrode *electrode;          /* [amplifiers] */
-    int sensors;                   /* one for each target, or those of the scene's estimate */
-    sensor *sensor;                /* [sensors] */
-    double *sense_memory;          /* the vectors down to coming */
-    double *noise;                 /* [sensors] standard deviation */
-    double *reading;               /* [sensors] last ones */
-    double *sensed; /* [sensors] handed on: what the model has moved by since is added to late ones
-                     */
-    double *expected, *said; /* [sensors] by the model under the command, and under that of late
-                                readings */
-    double *late_reading;    /* [delay + 1][sensors] without noise, of the last ticks */
-    double *late_command;    /* [delay + 1][amplifiers] */
-    double *late_known;      /* [delay + 1][loads] */
-    double *predicted;       /* [targets] the model's shape under the command */
-    double *known, *coming;  /* [loads] amounts that the controller knows of, now and in the next
-                                tick */
-    double missed;           /* of the last shape by the measurement, over the scene's target */
-    uint8_t *state, *twin_state; /* [amplifiers] of the watch */
-    void *work;                  /* of the controller */
-    double error;                /* of the last shape */
-    pzs_status status;           /* of the last tick */
+    double factor, scheduled_factor; /* factor of the target, now and by the schedule alone */
+    double *memory;                  /* memory of all vectors from goal to last */
+    double *goal;   /* [targets] displacements of the scene's target or of the schedule, before the
+                       factor */
+    double *wanted; /* [targets] wanted displacements: the factor times goal */
+    double *load, *scheduled_load; /* [loads + 1] factors of the loads, now and by the schedule
+                                      alone; the last entry is the temperature change (K) */
+    double *shape;                 /* [targets] displacements of the plant */
+    double *wish; /* [targets] displacements that clipped least squares has to produce; scratch
+                     memory elsewhere */
+    double *disturbance; /* [targets] measured minus predicted displacements, as clipped least
+                            squares estimates them */
+    double *command;     /* [amplifiers] voltages that the controller commands (V) */
+    double *given;       /* [amplifiers] output voltages of the amplifiers (V) */
+    double *effect; /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
+                       (V) */
+    double *next, *last;  /* [amplifiers] scratch memory; voltages before the tick (V) */
+    electrode *electrode; /* [amplifiers] state of each electrode */
+    int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
+                       section */
+    sensor *sensor; /* [sensors] faults of each sensor */
+    double *sense_memory; /* memory of all vectors from noise to coming */
+    double *noise;   /* [sensors] standard deviation of the noise, in the unit of the reading */
+    double *reading; /* [sensors] latest readings, with noise and faults */
+    double *sensed;  /* [sensors] readings passed to the controller; late readings are corrected by
+                        the change that the model predicts since they were taken */
+    double *expected, *said; /* [sensors] readings that the model predicts, under the present
+                                command and under the command at the time of the late readings */
+    double *late_reading;    /* [delay + 1][sensors] noise-free readings of the last ticks */
+    double *late_command;    /* [delay + 1][amplifiers] commanded voltages of the last ticks (V) */
+    double *late_known;      /* [delay + 1][loads] known load factors of the last ticks */
+    double *predicted;       /* [targets] displacements that the model predicts under the command */
+    double *known, *coming; /* [loads] load factors known to the controller, of this tick and of the
+                               next one */
+    double missed; /* weighted norm of the difference between true and measured shape, over the norm
+                      of the scene's target */
+    uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
+                                    and of the board's twin */
+    void *work;                  /* memory of the controller */
+    double error;                /* relative shape error at the start of the last tick */
+    pzs_status status;           /* status of the last tick */
     int iterations;
-    int same;                 /* board and twin agree in every bit */
-    int found, wrong, search; /* electrodes found in the last tick; those of them that had no fault;
-                                 longest search, ticks */
-    int is_lost, beyond, not_finite; /* of the last tick */
+    int same;                 /* board and twin gave the same bits in the last tick */
+    int found, wrong, search; /* electrodes that the fault detector found in the last tick; number
+                                 of those without a fault; longest time from a fault to its
+                                 detection (ticks) */
+    int is_lost, beyond, not_finite; /* of the last tick: whether it was missed, number of voltages
+                                        or steps beyond their limits, number of voltages that are
+                                        not finite */
 } loop;
 
-/* Start: plant at rest, voltages as the controller's. Returns 0, or -1 with error filled; close it
- * in either case. */
+/*
+ * Open a loop with the plant at rest and with the initial voltages of the controller. Returns 0, or
+ * -1 with error filled; call loop_close in either case.
+ */
 int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error);
 void loop_close(loop *loop);
 
-/* One tick. Returns 0, or -1 with error filled: the plant has no equilibrium or the controller
- * refuses. */
+/*
+ * Run one tick. Returns 0, or -1 with error filled where the plant has no equilibrium, the
+ * controller returns an error, or the board does not answer.
+ */
 int loop_tick(loop *loop, int tick, char *error);
 
-/* Voltages given that are at a limit. */
+/* Number of commanded voltages that are at one of their limits. */
 int loop_active(const loop *loop);
 
-/* ---- simulate_sense.c: what the controller gets to know --------------- */
+/* ---- simulate_sense.c: inputs of the controller ------------------------- */
 
-/* Room for it. Returns whether memory was there; close it in either case. */
+/*
+ * Allocate the memory of the sensors. Returns whether memory was available; call sense_close in
+ * either case.
+ */
 int sense_open(loop *loop);
 void sense_close(loop *loop);
 
-/* The model's shape under the command, which the tables alone make. */
+/* Compute `predicted`, the displacements that the influence table gives for the command. */
 void sense_predict(loop *loop);
 
-/* Readings of the plant in its last shape, late and noisy as they are: `sensed`. Returns 0, or -1
- * with error filled. */
+/*
+ * Take the readings of the plant in its present shape, with delay, noise and faults, and store them
+ * in `sensed`. Returns 0, or -1 with error filled.
+ */
 int sense_tick(loop *loop, int tick, char *error);
 
-/* What the controller's measured shape misses of the plant's: `missed`. */
+/*
+ * Compute `missed`, the difference between the true shape and the shape measured by the controller.
+ */
 void sense_missed(loop *loop);
 
-/* Amounts of known loads at the readings of a tick. [loads] */
+/* Known load factors at the time at which the readings of a tick were taken. [loads] */
 const double *sense_known(const loop *loop, int tick);
 
 /*
- * An electrode is held from a tick on: what late readings show since then was made with the
- * voltages it is held at, whatever its amplifier was told. Otherwise its leaving would count as a
- * motion that the readings are yet to show.
+ * Record that an electrode has been held since a tick: in the commands kept for late readings, its
+ * voltage from that tick on becomes the voltage at which it is held. Otherwise the correction of
+ * late readings would include a change of voltage that never reached the ceramic.
  */
 void sense_taken_out(loop *loop, int amplifier, int since, int tick);
 
-/* From 0 to 1, 1 left out: the loop's random numbers. */
+/* Next random number of the loop, uniform in [0, 1). */
 double loop_draw(loop *loop);
 
 #endif

@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What the controller gets to know of a closed loop: sensors, the shape from few of them, known
- * loads (simulate_loop.h). */
+/*
+ * Inputs of the controller in a closed loop: sensors, the shape estimated from few sensors, known
+ * loads (simulate_loop.h).
+ */
 #include "simulate_loop.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Mean 0, variance 1: the sum of twelve shares less six; no function of libm, so the same bits
- * everywhere. */
+/*
+ * Random number with mean 0 and variance 1: the sum of twelve uniform numbers minus six. No
+ * function of libm is used, so that every computer gives the same bits.
+ */
 static double draw_noise(loop *loop)
 {
     double sum = -6;
@@ -18,7 +22,7 @@ static double draw_noise(loop *loop)
 
 /* ---- open ------------------------------------------------------------- */
 
-/* A standard deviation for every sensor. */
+/* Set the standard deviation of the noise of every sensor. */
 static void take_noise(loop *loop)
 {
     const simulation *simulation = loop->simulation;
@@ -67,7 +71,7 @@ void sense_close(loop *loop)
 
 /* ---- sensors ---------------------------------------------------------- */
 
-/* y [rows] = table [rows][amplifiers] volt */
+/* y [rows] = table [rows][amplifiers] times voltage [amplifiers] */
 static void multiply(const loop *loop, double *y, const double *table, int rows,
                      const double *voltage)
 {
@@ -79,7 +83,7 @@ static void multiply(const loop *loop, double *y, const double *table, int rows,
     }
 }
 
-/* What the model says that the sensors show under some voltages. */
+/* Compute the readings that the model predicts under given voltages. */
 static void expect(const loop *loop, double *reading, const double *voltage)
 {
     const simulation *simulation = loop->simulation;
@@ -94,7 +98,7 @@ void sense_predict(loop *loop)
              loop->command);
 }
 
-/* Place of a tick among those kept for the delay, vectors of length n. */
+/* Address of the vector of a tick, of length n, in a ring buffer of the last ticks. */
 static double *late(const loop *loop, double *kept, int tick, int n)
 {
     return kept + (size_t)(tick % (loop->design->scene->simulate.delay + 1)) * (size_t)n;
@@ -109,7 +113,10 @@ void sense_taken_out(loop *loop, int amplifier, int since, int tick)
                 loop->command[amplifier];
 }
 
-/* The plant's readings, voltages and known loads of a tick, for when they are late. */
+/*
+ * Store the noise-free readings, the commanded voltages and the known load factors of a tick for
+ * use after the delay.
+ */
 static int keep(loop *loop, int tick, char *error)
 {
     const design *design = loop->design;
@@ -125,9 +132,10 @@ static int keep(loop *loop, int tick, char *error)
 }
 
 /*
- * What the sensors say of `delay` ticks ago; what the model has moved by since is added, so that
- * the controller compares readings and prediction of the same tick. A reading that stands still to
- * the last bit is handed on standing still.
+ * Compute the readings passed to the controller. Sensors give the readings of `delay` ticks ago;
+ * the change that the model predicts since then is added, so that the controller compares readings
+ * and prediction of the same tick. A stuck reading, identical to the last bit, is passed on
+ * unchanged, so that the controller can detect the stuck sensor.
  */
 static void read_sensors(loop *loop, int tick)
 {
@@ -166,8 +174,11 @@ const double *sense_known(const loop *loop, int tick)
     return late(loop, loop->late_known, tick > delay ? tick - delay : 0, loop->design->loads);
 }
 
-/* |W (shape - measured)| over the scene's target, with the loads known now put back; what has no
- * measurement counts as seen. */
+/*
+ * Compute |W (shape - measured)| over the norm of the scene's target. The displacements by the
+ * known loads, which the controller subtracts from its measured shape, are added again. Targets
+ * without a measurement contribute zero.
+ */
 void sense_missed(loop *loop)
 {
     const design *design = loop->design;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Texts on a simulation (simulate_words.h). */
+/* Descriptions of a simulation (simulate_words.h). */
 #include "simulate_words.h"
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +10,7 @@ const char *simulate_words_influence(const scene *scene)
     return scene->simulate.at_target ? "at the target" : "at rest";
 }
 
-/* Kind of a load in words. */
+/* Name of the kind of a load. */
 static const char *name_of_load(const scene_load *load)
 {
     static const char *const word[] = {"point force", "line force", "pressure", "weight",
@@ -19,8 +19,10 @@ static const char *name_of_load(const scene_load *load)
     return is_along ? "face load" : word[load->type];
 }
 
-/* The value of a load after an event: a number with its unit where the load is uniform, else the
- * factor of what the scene says. */
+/*
+ * Write the value of a load after an event: a number with its unit for a uniform load, otherwise
+ * the factor relative to the load of the scene.
+ */
 static void name_value(const scene *scene, const scene_event *event, char *text, size_t room)
 {
     const scene_load *load = &scene->load[event->load];
@@ -38,7 +40,10 @@ static void name_value(const scene *scene, const scene_event *event, char *text,
         snprintf(text, room, "x %g", event->amount);
 }
 
-/* A load and its value after an event, with the load's number where there are several. */
+/*
+ * Write the name and the value of a load after an event, with the number of the load where the
+ * scene has several loads.
+ */
 static void name_load(const scene *scene, const scene_event *event, char *text, size_t room)
 {
     char value[2 * WORDS_UNIT], number[24] = "";

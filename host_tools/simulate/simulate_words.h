@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Texts on a simulation that the report pages and the terminal share. */
+/* Descriptions of a simulation that the HTML reports and the terminal output share. */
 #ifndef SIMULATE_WORDS_H
 #define SIMULATE_WORDS_H
 
 #include "simulation.h"
 
-/* Characters of a phase's text, the terminating zero included. */
+/* Size of the description of a phase (characters), with the terminating zero. */
 enum { SIMULATE_PHASE_TEXT = 160 };
 
-/* Shape at which the estimator's gains of a simulation are made. */
+/* Description of the shape at which the estimator gains of a simulation are computed. */
 const char *simulate_words_influence(const scene *scene);
 
-/* Write the events that begin a phase. text out */
+/* Describe the events that begin a phase. text out */
 void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,
                           char text[SIMULATE_PHASE_TEXT]);
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Cleaning up on a signal (interrupt.h). The handler calls only what POSIX allows in one. */
+/*
+ * Clean-up on a signal (interrupt.h). The signal handler calls only functions that POSIX permits in
+ * a signal handler.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "interrupt.h"
 #include <signal.h>
@@ -28,8 +31,10 @@ static void remove_folder(void)
         waitpid(process, NULL, 0);
 }
 
-/* A program may have started others, which outlive it for a moment and write: wait until the group
- * is empty. */
+/*
+ * End the process group of a running program. The program may have started other programs, which
+ * may run and write files for a moment longer: wait until the group is empty.
+ */
 static void end_group(void)
 {
     enum { TRIES = 200 };
@@ -50,7 +55,8 @@ static void clean_up(int signal_number)
     if (folder_used)
         remove_folder();
     signal(signal_number, SIG_DFL);
-    raise(signal_number); /* blocked in its handler: it ends the program when this returns */
+    raise(signal_number); /* The signal is blocked during its handler and ends the program when the
+                             handler returns. */
 }
 
 void interrupt_install(void)

@@ -1,27 +1,34 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * What a signal that ends the program (SIGINT, SIGTERM, SIGHUP) must not leave behind: temporary
- * files, a temporary folder, a running program. The one place of the host tools with global state,
- * as a signal handler has no other.
+ * Clean-up when a signal (SIGINT, SIGTERM, SIGHUP) ends the program: temporary files and a
+ * temporary folder are removed, and a running child program is ended. This is the only global state
+ * of the host tools, because a signal handler has no arguments for state.
  */
 #ifndef INTERRUPT_H
 #define INTERRUPT_H
 
-/* Most temporary files at a time; room for a path. */
+/* Largest number of temporary files at a time, and size of a path (characters). */
 enum { INTERRUPT_FILES = 8, INTERRUPT_PATH = 4096 };
 
-/* Clean up on a signal, then end by it. A signal that is ignored stays ignored. */
+/*
+ * Install the signal handler, which cleans up and then ends the program by the same signal. An
+ * ignored signal remains ignored.
+ */
 void interrupt_install(void);
 
-/* Remove a file on a signal, from before it is made until it is forgotten. Returns its slot, or -1
- * where none is free. */
+/*
+ * Register a file before it is created. The file is removed on a signal until it is unregistered.
+ * Returns its slot, or -1 where no slot is free.
+ */
 int interrupt_file(const char *path);
 void interrupt_forget_file(int slot);
 
-/* Remove a folder with all its contents; NULL: none. */
+/* Register a folder that is removed with all its contents on a signal; NULL: none. */
 void interrupt_folder(const char *path);
 
-/* End a program that was started as the leader of a process group, with all of its group; 0: none.
+/*
+ * Register a child program that leads a process group. The whole group is ended on a signal; 0:
+ * none.
  */
 void interrupt_group(int process);
 

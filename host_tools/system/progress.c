@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Progress on a terminal (progress.h). The handler of the timer calls only what POSIX allows in
- * one. */
+/*
+ * Progress display on a terminal (progress.h). The timer's signal handler calls only functions that
+ * POSIX permits in a signal handler.
+ */
 #define _XOPEN_SOURCE 700
 #include "progress.h"
 #include <errno.h>
@@ -11,14 +13,14 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { QUIET_SECONDS = 2, INTERVAL = 500000 /* us */, LINE = 160, DIGITS = 20 };
+enum { QUIET_SECONDS = 2, INTERVAL = 500000 /* timer period (us) */, LINE = 160, DIGITS = 20 };
 
 static const char *volatile stage = "";
 static const uint32_t *volatile solves;
 static volatile sig_atomic_t done, total, is_running, is_shown;
 static struct timespec began;
 
-/* A line under construction. */
+/* Line of text that is being composed. */
 typedef struct text {
     char at[LINE];
     size_t length;
@@ -42,7 +44,7 @@ static void put_number(text *line, long value)
     put(line, digits + at);
 }
 
-/* Whole seconds since the start. */
+/* Time since the start, in whole seconds (s). */
 static long seconds(void)
 {
     struct timespec now;

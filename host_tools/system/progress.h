@@ -1,27 +1,30 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * What a long command is doing, on standard error where that is a terminal: from the third second
- * on one line, renewed twice a second by a timer and wiped out before the results. Nothing anywhere
- * else.
+ * Progress display of a long command. Where standard error is a terminal, a command that runs
+ * longer than two seconds displays one line, which a timer updates twice a second and which is
+ * erased before the results are printed. Otherwise nothing is displayed.
  */
 #ifndef PROGRESS_H
 #define PROGRESS_H
 
 #include <stdint.h>
 
-/* Arm the timer. */
+/* Start the timer. */
 void progress_start(void);
 
-/* What is being done now; a constant string. Counts are forgotten. */
+/* Set the description of the present stage, a constant string, and reset all counts. */
 void progress_stage(const char *what);
 
-/* Parts of the stage that are done; total 0: not known. */
+/* Set the number of completed parts of the stage and their total; total 0: unknown. */
 void progress_count(int done, int total);
 
-/* Show a counter of linear solves that runs during the stage; it must live until the next stage. */
+/*
+ * Display a counter of linear solves during the stage. The counter must remain valid until the next
+ * stage.
+ */
 void progress_solves(const uint32_t *counter);
 
-/* Wipe the line out and show nothing more. */
+/* Erase the line and end the progress display. */
 void progress_stop(void);
 
 #endif

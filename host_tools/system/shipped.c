@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The shipped scenes (shipped.h). */
+/* Scenes shipped with the program (shipped.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "shipped.h"
 #include <dirent.h>
@@ -11,7 +11,10 @@
 
 static const char ending[] = ".yaml";
 
-/* path = the folder above that of this program, then `inside`. Returns whether it exists. */
+/*
+ * Set path to `inside`, relative to the folder above the folder of this program. Returns whether
+ * the path exists.
+ */
 static int beside_program(const char *inside, char path[SHIPPED_PATH])
 {
     char program[SHIPPED_PATH];

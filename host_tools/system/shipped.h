@@ -1,37 +1,45 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The scenes that are shipped: their folder, their files, the list of them. */
+/* Scenes shipped with the program: folder, files and list of names. */
 #ifndef SHIPPED_H
 #define SHIPPED_H
 
 #include "../text/suggest.h"
 
-/* Room for a path. */
+/* Size of a path (characters). */
 enum { SHIPPED_PATH = 4096 };
 
 /*
- * Folder of the shipped scenes, the first of: PZS_SCENES of the environment;
- * share/piezoshape/scenes beside the folder of this program (installed); that of the clone around
- * the build folder of this program; that of the clone at the time of the build. The text is valid
- * until the next call.
+ * Folder of the shipped scenes, the first one available of:
+ *   1. the value of the environment variable PZS_SCENES, without a check
+ *   2. share/piezoshape/scenes beside the folder of this program, for an installed program
+ *   3. the scenes of the source tree that contains the build folder of this program
+ *   4. the scenes of the source tree at the time of the build, without a check
+ * The text is valid until the next call.
  */
 const char *shipped_folder(void);
 
-/* Folder of the sources, for the firmware: PZS_SOURCES of the environment, then as above. Valid
- * until the next call. */
+/*
+ * Folder of the sources, which the build of a firmware requires: the environment variable
+ * PZS_SOURCES, otherwise found as in shipped_folder. The text is valid until the next call.
+ */
 const char *shipped_sources(void);
 
-/* The file of a scene: itself where `name` is a path or ends with .yaml, or that of a shipped one.
+/*
+ * Path of a scene file: `name` itself where it is a path or ends with .yaml, otherwise the file of
+ * the shipped scene with this name.
  */
 void shipped_path(const char *name, char path[SHIPPED_PATH]);
 
-/* Does `name` mean a shipped scene, not a file? */
+/* Whether `name` is the name of a shipped scene and not of a file. */
 int shipped_is_name(const char *name);
 
-/* The shipped scene that a name was most likely meant to be. */
+/* Find the shipped scene whose name is most similar to a mistyped name. */
 void shipped_suggest(suggestion *s, const char *name);
 
-/* Call with the name of each shipped scene, in alphabetical order. Returns the sum of its results,
- * or -1: no such folder. */
+/*
+ * Function called with the name of each shipped scene, in alphabetical order. shipped_each returns
+ * the sum of the results, or -1 where the folder does not exist.
+ */
 typedef int shipped_visit(void *context, const char *name);
 int shipped_each(shipped_visit *visit, void *context);
 

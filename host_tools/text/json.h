@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* JSON output: objects, arrays, numbers and strings, commas in the right places. */
+/* Output of JSON: objects, arrays, numbers and strings, with the separating commas. */
 #ifndef JSON_H
 #define JSON_H
 
@@ -8,10 +8,13 @@
 typedef struct json {
     FILE *file;
     int depth;
-    int filled[16]; /* something was already written at this depth */
+    int filled[16]; /* whether an element was already written at each nesting depth */
 } json;
 
-/* key is NULL inside arrays. A number that is not finite is written as null. */
+/*
+ * Write brackets, members and elements. key is the name of a member, NULL inside arrays. A number
+ * that is not finite is written as null.
+ */
 void json_open(json *json, const char *key, char bracket);
 void json_close(json *json, char bracket);
 void json_number(json *json, const char *key, double value);

@@ -11,8 +11,8 @@ static int least(int a, int b)
 
 int suggest_distance(const char *from, const char *to)
 {
-    int row[3][SUGGEST_NAME + 1]; /* the rows i - 2, i - 1 and i of the table of distances, by i
-                                     modulo 3 */
+    int row[3][SUGGEST_NAME + 1]; /* rows i - 2, i - 1 and i of the table of edit distances, stored
+                                     by i modulo 3 */
     const int m = (int)strlen(from), n = (int)strlen(to);
     for (int j = 0; j <= n; j++)
         row[0][j] = j;
@@ -37,7 +37,7 @@ void suggest_begin(suggestion *s, const char *word)
     s->distance = 0;
 }
 
-/* At most a third of the letters may be wrong. */
+/* Keep the nearest name. A name whose distance exceeds a third of the letters is not suggested. */
 void suggest_consider(suggestion *s, const char *name)
 {
     const size_t length = strlen(s->word);

@@ -1,29 +1,32 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The name that a mistyped word was most likely meant to be. */
+/* Search for the name that is most similar to a mistyped word. */
 #ifndef SUGGEST_H
 #define SUGGEST_H
 
-/* SUGGEST_NAME: room for a name; longer names and words are not considered. SUGGEST_TEXT: room for
- * the suggestion. */
+/*
+ * SUGGEST_NAME: size of a name (characters); longer names and words are ignored. SUGGEST_TEXT: size
+ * of the text of a suggestion (characters).
+ */
 enum { SUGGEST_NAME = 64, SUGGEST_TEXT = SUGGEST_NAME + 32 };
 
 typedef struct suggestion {
     const char *word;
     char nearest[SUGGEST_NAME];
-    int distance; /* edits from word to nearest */
+    int distance; /* edit distance between word and nearest */
 } suggestion;
 
 /*
- * Edit distance: insertions, deletions, substitutions and exchanges of neighbours that turn one
- * word into another (optimal string alignment). Both words are shorter than SUGGEST_NAME.
+ * Edit distance: least number of insertions, deletions, substitutions and exchanges of neighbours
+ * that turn one word into another (optimal string alignment). Both words must be shorter than
+ * SUGGEST_NAME.
  */
 int suggest_distance(const char *from, const char *to);
 
-/* Begin with a word, then consider every name that exists. */
+/* Start with a mistyped word, then compare every existing name with the word. */
 void suggest_begin(suggestion *s, const char *word);
 void suggest_consider(suggestion *s, const char *name);
 
-/* " (did you mean 'NAME'?)", or nothing where no name is near. Returns text. */
+/* Write " (did you mean 'NAME'?)", or an empty text where no name is similar. Returns text. */
 const char *suggest_text(const suggestion *s, char text[SUGGEST_TEXT]);
 
 #endif

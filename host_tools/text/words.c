@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Units of the numbers of a scene (words.h). */
+/* Units of the quantities of a scene (words.h). */
 #include "words.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "../mesh/mesh.h"
 
-/* Unit of a charge: that of force times length over voltage. */
+/* Unit of a charge: the unit of force times the unit of length over the unit of voltage. */
 static void charge_unit(const scene *scene, char text[WORDS_UNIT])
 {
     const bool is_si = strcmp(scene->unit_force, "N") == 0 && strcmp(scene->unit_voltage, "V") == 0;

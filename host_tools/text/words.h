@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Units of the numbers of a scene, for reports, terminal and JSON alike. */
+/* Units of the quantities of a scene, for reports, terminal output and JSON. */
 #ifndef WORDS_H
 #define WORDS_H
 
@@ -19,22 +19,22 @@ typedef enum words_quantity {
     QUANTITY_OTHER
 } words_quantity;
 
-/* Characters of a unit's text, the terminating zero included. */
+/* Size of the text of a unit (characters), with the terminating zero. */
 enum { WORDS_UNIT = 3 * SCENE_NAME };
 
 /*
- * Write the unit of a quantity, made from the units of the scene; empty where the scene leaves one
- * of them out. Returns text.
+ * Write the unit of a quantity, composed of the units of the scene; empty where the scene omits one
+ * of these units. Returns text.
  */
 const char *words_unit(const scene *scene, words_quantity quantity, char text[WORDS_UNIT]);
 
-/* Whether the scene names no unit at all; its numbers are then in any consistent units. */
+/* Whether the scene names no unit at all, so that its numbers are in arbitrary consistent units. */
 bool words_unitless(const scene *scene);
 
-/* Quantity that theta1 (direction 0) or theta2 (direction 1) measures on the scene's surface. */
+/* Quantity of the surface coordinate theta1 (direction 0) or theta2 (direction 1). */
 words_quantity words_of_theta(const scene *scene, int direction);
 
-/* Quantity of a load's value, and of an output's values. */
+/* Quantity of the value of a load, and of the values of an output. */
 words_quantity words_of_load(const scene_load *load);
 words_quantity words_of_output(const scene_output *output);
 
