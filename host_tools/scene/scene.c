@@ -88,8 +88,8 @@ void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL])
 }
 
 /*
- * Return the index of the amplifier of an actuator from the "_i_j" after the actuator's name, or
- * -1.
+ * Return the index of the amplifier of an actuator from the "_i_j" after the name of the actuator,
+ * or -1 if there is none.
  */
 static int from_suffix(const scene_actuator *actuator, const char *suffix)
 {

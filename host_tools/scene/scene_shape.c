@@ -258,8 +258,8 @@ static int divide(reader *reader, int node, scene_line *line, double from, doubl
 }
 
 /*
- * Make the elements smaller or larger in the middle: x = middle + half (centre s + (1 - centre)
- * s^3) for s from -1 to 1.
+ * Make the elements smaller or larger in the middle:
+ * x = middle + half (centre s + (1 - centre) s^3) for s from -1 to 1.
  */
 static int concentrate(reader *reader, int node, scene_line *line, double from, double to,
                        int elements, double centre)
