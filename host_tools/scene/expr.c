@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Expressions of scenes: operator precedence parsing (shunting yard) to reverse Polish code, all
- * stacks bounded. */
+/*
+ * Expressions in scenes: operator-precedence parsing (shunting-yard algorithm) to reverse Polish
+ * code with stacks of limited size.
+ */
 #include "expr.h"
 
 #include <ctype.h>
@@ -52,7 +54,7 @@ struct expr {
     const char *text;
     int length, constant;
     instruction code[];
-}; /* text: behind the code */
+}; /* text points to the copy of the source text stored after the code */
 
 typedef struct word {
     const char *text;
@@ -61,7 +63,7 @@ typedef struct word {
     double number;
 } word;
 
-/* Names, with the number of arguments (0: a value). */
+/* Names with their number of arguments (0 for a variable or constant). */
 static const word words[] = {
     {"x", OP_X, 0, 0},           {"y", OP_Y, 0, 0},
     {"z", OP_Z, 0, 0},           {"theta1", OP_THETA1, 0, 0},
@@ -76,7 +78,10 @@ static const word words[] = {
     {"hypot", OP_HYPOT, 2, 0},   {"zernike", OP_ZERNIKE, 3, 0},
 };
 
-/* An operator or open parenthesis that waits; an open parenthesis carries its function. */
+/*
+ * Operator or open parenthesis on the parser stack; an open parenthesis is stored with its
+ * function.
+ */
 typedef struct waiting {
     operation op;
     const word *function;
@@ -88,10 +93,10 @@ typedef struct parser {
     const char *error;
     instruction code[CODE];
     int length;
-    int depth; /* values on the evaluation stack after the code so far */
+    int depth; /* number of values on the evaluation stack after the code so far */
     waiting stack[STACK];
     int waiting;
-    int want_value; /* an operand comes next, not an operator */
+    int want_value; /* 1: an operand is expected next; 0: an operator */
     int constant;
 } parser;
 
@@ -147,8 +152,10 @@ static int push(parser *parser, operation op, const word *function)
     return 0;
 }
 
-/* Emit the waiting operators that bind at least as strongly as `binding`, down to an open
- * parenthesis. */
+/*
+ * Emit code for the operators on the parser stack that bind at least as strongly as `binding`, down
+ * to an open parenthesis.
+ */
 static int reduce(parser *parser, int binding)
 {
     while (parser->waiting > 0 && precedence(parser->stack[parser->waiting - 1].op) >= binding &&
@@ -274,7 +281,7 @@ static int take_operator(parser *parser)
         return fault(parser, "a power is written ^");
     op = ops[sign - signs];
     if (reduce(parser, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
-        return -1; /* ^ binds from the right */
+        return -1; /* ^ is right-associative */
     parser->at++;
     parser->want_value = 1;
     return push(parser, op, NULL);
@@ -373,7 +380,10 @@ static double apply2(operation op, double a, double b)
     }
 }
 
-/* R_n^m(rho) = sum_k (-1)^k (n-k)! / (k! ((n+m)/2-k)! ((n-m)/2-k)!) rho^(n-2k) */
+/*
+ * Return the radial Zernike polynomial
+ * R_n^m(rho) = sum_k (-1)^k (n-k)! / (k! ((n+m)/2-k)! ((n-m)/2-k)!) rho^(n-2k).
+ */
 static double radial(int n, int m, double rho)
 {
     double sum = 0;
@@ -386,7 +396,10 @@ static double radial(int n, int m, double rho)
     return sum;
 }
 
-/* Noll's order: n ascending, within it m ascending, cosines of even number. */
+/*
+ * Return the Zernike polynomial of a Noll index: in ascending order of n, then of m; cosine terms
+ * have even indices.
+ */
 static double zernike(double number, double rho, double phi)
 {
     int n = 0, j = (int)number, m;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Arithmetic expressions of scenes: numbers, x y z theta1 theta2 pi, + - * / ^ ( ), common
- * functions, and zernike(j, rho, phi): Zernike's polynomial of Noll's number j, of root mean square
- * 1 over the unit disc; NaN where j is no whole number from 1 to 1000.
+ * Arithmetic expressions in scenes, with numbers, the variables x, y, z, theta1, theta2, the
+ * constant pi, the operators + - * / ^ and parentheses, common functions, and zernike(j, rho, phi).
+ * The last is the Zernike polynomial of Noll index j with root mean square 1 over the unit disc; it
+ * is NaN unless j is an integer from 1 to 1000.
  */
 #ifndef EXPR_H
 #define EXPR_H
@@ -14,23 +15,26 @@ typedef struct expr_point {
 } expr_point;
 
 /*
- * Compile text to an expression.
- *   column  out  column from 1 of the fault
- *   error   out  what is wrong there, a constant string
+ * Compile a text to an expression.
+ *   column  out  column of the fault, counted from 1
+ *   error   out  description of the fault, a constant string
  * Returns NULL on a fault or when memory runs out.
  */
 expr *expr_compile(const char *text, int *column, const char **error);
 
-/* Value at a point; not finite where the expression has none (1/0, sqrt(-1)): the caller checks. */
+/*
+ * Return the value of an expression at a point. The value is not finite where the expression is
+ * undefined, as in 1/0 or sqrt(-1); the caller must check.
+ */
 double expr_value(const expr *expression, const expr_point *at);
 
-/* The text that it was compiled from. */
+/* Return the text from which an expression was compiled. */
 const char *expr_text(const expr *expression);
 
-/* Does it use none of x y z theta1 theta2? */
+/* Return 1 if an expression uses none of x, y, z, theta1 and theta2, otherwise 0. */
 int expr_is_constant(const expr *expression);
 
-/* Does it use theta1 or theta2? */
+/* Return 1 if an expression uses theta1 or theta2, otherwise 0. */
 int expr_uses_theta(const expr *expression);
 
 void expr_free(expr *expression);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Scenes (scene.h): release, names of amplifiers and sensors, faults found after reading. */
+/* Scenes (scene.h): release, names of amplifiers and sensors, errors found after reading. */
 #include "scene.h"
 
 #include <stdio.h>
@@ -87,7 +87,10 @@ void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL])
     name_of(scene->sensor, k, name);
 }
 
-/* Amplifier of an actuator from the "_i_j" after its name, or -1. */
+/*
+ * Return the index of the amplifier of an actuator from the "_i_j" after the name of the actuator,
+ * or -1 if there is none.
+ */
 static int from_suffix(const scene_actuator *actuator, const char *suffix)
 {
     char written[48];

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A scene: everything a user says about a structure, read from YAML and checked.
- * Plain data in the units of the scene, angles of plies in degrees; nothing here is derived.
- * All strings and arrays belong to the scene; scene_free releases them.
+ * A scene holds everything that a user states about a structure, read from a YAML file and checked.
+ * The members are plain input data in the units of the scene; ply angles are in degrees, and
+ * derived quantities are not stored here. All strings and arrays are owned by the scene and are
+ * released by scene_free.
  */
 #ifndef SCENE_H
 #define SCENE_H
@@ -13,8 +14,11 @@
 #include "scene_error.h"
 #include "spline.h"
 
-/* Bytes of a name and of a name with _i_j behind it; most nodes of a mesh; most free functions of a
- * target. */
+/*
+ * Limits: bytes of a name (SCENE_NAME), bytes of a name followed by _i_j (SCENE_LABEL), largest
+ * number of mesh nodes (SCENE_NODES), largest number of functions removed from a target
+ * (SCENE_FREE).
+ */
 enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
 typedef enum scene_surface_type {
@@ -31,13 +35,15 @@ typedef enum scene_surface_type {
 
 typedef struct scene_surface {
     scene_surface_type type;
-    double radius; /* cylinder, sphere; cone: radius at theta1 = 0; torus: of the tube's axis */
-    double angle;  /* cone: half angle, degrees */
-    int axial;     /* cylinder, spiral: which theta runs along the axis, 1 or 2 */
-    double waist, height;       /* hyperboloid: radius waist sqrt(1 + (z/height)^2) */
-    double tube;                /* torus: radius of the tube */
-    double inner, outer, turns; /* spiral: radius inner at angle 0, outer after the turns */
-    spline *meridian;           /* revolution: (r, z) over the chord length */
+    double radius; /* radius of a cylinder or sphere, of a cone at theta1 = 0, of the centre circle
+                      of a torus */
+    double angle;  /* half angle of a cone (degrees) */
+    int axial; /* coordinate along the axis of a cylinder or spiral: 1 for theta1, 2 for theta2 */
+    double waist, height; /* constants of a hyperboloid of radius waist sqrt(1 + (z/height)^2) */
+    double tube;          /* radius of the tube of a torus */
+    double inner, outer, turns; /* spiral: radius at angle 0, radius at its end, and number of turns
+                                   between them */
+    spline *meridian; /* meridian (r, z) of a surface of revolution over its chord length */
 } scene_surface;
 
 typedef enum scene_kinematics {
@@ -46,47 +52,55 @@ typedef enum scene_kinematics {
     KINEMATICS_AUTO
 } scene_kinematics;
 
-/* How the nonlinear equations are solved. */
+/* Settings of the solver of the nonlinear equilibrium equations. */
 typedef struct scene_equilibrium {
-    int steps;     /* load steps tried first */
-    double change; /* of the step's increment at which it has converged, relative */
-    int mixed;   /* iteration from which the stiffness holds the resultants of the displacements; 0:
-                    plain Newton */
-    int systems; /* budget of linear systems */
+    int steps;     /* number of load steps tried first */
+    double change; /* convergence tolerance: largest norm of the last increment relative to the
+                      displacement of the load step */
+    int mixed;   /* number of iterations of a load step with extrapolated resultants before the true
+                    resultants are used; 0: plain Newton method */
+    int systems; /* largest number of linear solves */
     scene_at at;
 } scene_equilibrium;
 
-/* The formulation of the element: `element: published`, `element: improved`, or a map of these. */
+/*
+ * Formulation of the finite element, selected in the scene by `element: published`, `element:
+ * improved`, or a map of the members below.
+ */
 typedef struct scene_element {
-    int cartesian;  /* kinematics: cartesian (1) or local (0) */
-    double tau;     /* share of the warp in the membrane shear */
-    double rho;     /* shear flexibility of coarse bending */
-    int hr, lin33;  /* modes 01 10 11 by stresses; linear e33 condensed */
-    int metric;     /* exact metric through the thickness */
-    int exact_area; /* area: exact (1) or centre (0) */
-    int unknowns;   /* 7 or 6 */
+    int cartesian; /* 1: strains from Cartesian differences of the displacement vectors of the
+                      corners; 0: from derivatives in the local triad */
+    double tau;    /* factor of the warping correction of the membrane shear strain */
+    double rho;    /* factor of the bending flexibility that is added to the transverse shear
+                      compliance */
+    int hr, lin33; /* hr: condense the compliance in the strain modes 01, 10 and 11; lin33: condense
+                      the linear part of the normal strain e33 */
+    int metric;    /* 1: exact variation of the surface metric through the thickness */
+    int exact_area; /* 1: exact element area; 0: area from the metric at the element centre */
+    int unknowns;   /* dof per node, 7 or 6 */
 } scene_element;
 
-typedef struct scene_line { /* mesh points along theta1 or theta2 */
+typedef struct scene_line { /* mesh lines along theta1 or theta2 */
     int elements;
-    double *point; /* [elements + 1] ascending */
-    int slit;      /* a full turn whose ends do not join */
+    double *point; /* coordinates of the mesh lines, ascending [elements + 1] */
+    int slit;      /* 1: the ends of a full turn are not joined */
     scene_at at;
 } scene_line;
 
 typedef struct scene_material {
     char name[SCENE_NAME];
-    double e[3], g23, g13, g12, nu12, nu13, nu23; /* engineering constants; isotropic E, nu expanded
-                                                   */
-    double d31, d32, d33, d24, d15;               /* (m/V), strain per field along the poling */
-    double piezo_e[5];                            /* e31 e32 e33 e24 e15 (C/m2) when has_e */
+    double e[3], g23, g13, g12, nu12, nu13, nu23; /* engineering constants; those of an isotropic
+                                                     material follow from E and nu */
+    double d31, d32, d33, d24, d15; /* piezoelectric constants (m/V): strain per electric field
+                                       along the poling */
+    double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2), valid if has_e */
     int has_d, has_e;
-    double permittivity; /* at constant strain (F/m), 0 if not given */
-    double pyroelectric; /* along the poling at constant strain (C/m2 K) */
-    double alpha[3];     /* thermal expansion (1/K) */
-    double density;      /* mass per volume; weight is density * gravity */
-    double field_limit;  /* depolarisation field (V/m), 0: none */
-    int poling;          /* +3 or -3 */
+    double permittivity; /* permittivity at constant strain (F/m); 0 if not given */
+    double pyroelectric; /* pyroelectric constant along the poling at constant strain (C/(m2 K)) */
+    double alpha[3];     /* thermal expansion coefficients (1/K) */
+    double density;      /* mass per volume; the weight per volume is density * gravity */
+    double field_limit;  /* depolarisation field (V/m); 0: no limit */
+    int poling;          /* direction of the poling, +3 or -3 */
     scene_at at;
 } scene_material;
 
@@ -94,16 +108,18 @@ typedef struct scene_layer {
     char name[SCENE_NAME];
     int material;
     double thickness, angle;
-    int patched; /* void where no patch lies */
-    int poling;  /* +3, -3, from the layer or its material */
+    int patched; /* 1: the layer consists of patches with no material between them */
+    int poling;  /* direction of the poling, +3 or -3, given by the layer or else by its material */
     scene_at at;
 } scene_layer;
 
-typedef struct scene_patches { /* a grid of rectangles on one layer */
+typedef struct scene_patches { /* rectangular grid of patches on one layer */
     char name[SCENE_NAME];
     int layer;
-    double theta1[2], theta2[2]; /* the whole mesh if not given; exactly on mesh lines */
-    int grid[2];                 /* 1 x 1 if not given; every patch ends on mesh lines */
+    double theta1[2], theta2[2]; /* range of the grid, which must end on mesh lines; the whole mesh
+                                    if not given */
+    int grid[2]; /* number of patches along theta1 and theta2, 1 x 1 if not given; all patches must
+                    end on mesh lines */
     scene_at at;
 } scene_patches;
 
@@ -113,18 +129,21 @@ typedef struct scene_drive {
 } scene_drive;
 
 /*
- * One amplifier per patch of its grids, tied with signs, first index along theta1, second fastest;
- * or a whole temperature. A sensor is the same without an amplifier.
+ * An actuator has one amplifier for each patch position of its grids; patches at the same position
+ * are connected with signed factors. The first index counts along theta1, and the second index runs
+ * fastest. An actuator may instead be one uniform temperature. The same structure describes a
+ * sensor, which has electrodes but no amplifiers.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
     int drives;
     scene_drive *drive;
     int is_temperature;
-    double applied;     /* V (K) on each of its amplifiers when the scene is simply solved */
-    int open;           /* sensor: open circuit, else short */
-    int first, grid[2]; /* first amplifier, or first among the sensors' electrodes; grid[0] *
-                           grid[1] of them */
+    double applied; /* voltage (V) or temperature (K) on each amplifier of the actuator in a plain
+                       solution */
+    int open;       /* sensor: 1 for open circuit, 0 for short circuit */
+    int first, grid[2]; /* index of the first amplifier, or of the first electrode of a sensor, and
+                           size of the grid: there are grid[0] * grid[1] of them */
     scene_at at;
 } scene_actuator;
 
@@ -136,8 +155,10 @@ typedef enum scene_edge {
     EDGE_THETA2_PLUS
 } scene_edge;
 
-/* A set of nodes: an edge, all nodes, the node at (theta1, theta2), or those of a rectangle of the
- * mesh. */
+/*
+ * Set of nodes: an edge, all nodes, the node at (theta1, theta2), or the nodes of a rectangular
+ * region of the mesh.
+ */
 typedef enum scene_where_type {
     WHERE_EDGE,
     WHERE_NODES,
@@ -147,18 +168,19 @@ typedef enum scene_where_type {
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
-    double theta[2];   /* a point: exactly those of its mesh node */
-    double span[2][2]; /* a region: from, to of theta1 and theta2; infinite where not given */
-    int node[2];       /* a point: its place in line[0].point and line[1].point */
+    double theta[2];   /* coordinates of a point, equal to those of its mesh node */
+    double span[2][2]; /* region: start and end along theta1 and theta2, infinite if not given */
+    int node[2];       /* point: indices of its coordinates in line[0].point and line[1].point */
     scene_at at;
 } scene_where;
 
 typedef struct scene_support {
     scene_where where;
-    unsigned fix;  /* bit i: unknown i of conventions order is given */
-    expr *value;   /* displacement at full load; NULL: 0 */
-    unsigned move; /* bit i: unknown i takes the value, the rest of fix is 0: u3 moves both faces
-                      alike */
+    unsigned fix;  /* bit i set: dof i of the nodes, in the order of the library's conventions, is
+                      prescribed */
+    expr *value;   /* prescribed displacement at full load; NULL: 0 */
+    unsigned move; /* bit i set: prescribed dof i takes the value, while the other prescribed dof
+                      are 0, so that a prescribed u3 moves both faces alike */
     scene_at at;
 } scene_support;
 
@@ -174,7 +196,7 @@ typedef enum scene_face {
     FACE_INNER,
     FACE_OUTER,
     FACE_MEAN
-} scene_face; /* load on middle: half each */
+} scene_face; /* Face on which a load acts; half of a load on the middle acts on each face. */
 typedef enum scene_component {
     COMPONENT_U1,
     COMPONENT_U2,
@@ -184,44 +206,51 @@ typedef enum scene_component {
     COMPONENT_Z
 } scene_component;
 
-/* A pressure that turns with the shell: fixed size per reference area along the outer face's unit
- * normal, or a true one. */
+/*
+ * Pressure whose direction follows the deformed shell. FOLLOWER_NORMAL keeps its magnitude per
+ * reference area along the unit normal of the outer face; FOLLOWER_PRESSURE acts per deformed area.
+ */
 typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE } scene_follower;
 
 typedef struct scene_load {
     scene_load_type type;
-    scene_where where; /* point and line loads */
+    scene_where where; /* nodes on which a point load or line load acts */
     scene_face face;
-    scene_component component; /* direction; pressure is u3 */
-    expr *value;               /* per point, length, area; K; weight: gravity */
-    expr *outer;   /* temperature: at the outer face, value then at the inner; NULL: uniform */
-    int true_area; /* face: per area of the loaded face, not of the reference surface */
-    scene_follower follower; /* face: pressure; FOLLOWER_PRESSURE implies true_area */
+    scene_component component; /* direction of the load; a pressure has the direction u3 */
+    expr *value;   /* load per point, length or area; temperature (K); acceleration of gravity for a
+                      weight */
+    expr *outer;   /* temperature at the outer face, with value at the inner face; NULL: uniform
+                      temperature */
+    int true_area; /* face load: 1 per area of the loaded face, 0 of the reference surface */
+    scene_follower follower; /* face load: pressure that follows the deformation; FOLLOWER_PRESSURE
+                                implies true_area */
     scene_at at;
 } scene_load;
 
-/* A rigid convex body; all vectors (x, y, z). */
+/* Rigid convex obstacle; all vectors have the components (x, y, z). */
 typedef enum scene_body_type { BODY_PLANE, BODY_CYLINDER, BODY_SPHERE, BODY_PSI } scene_body_type;
 typedef struct scene_body {
     scene_body_type type;
-    double point[3];  /* on the plane, on the axis, the centre */
-    double normal[3]; /* plane: out of the body, unit */
-    double axis[3];   /* cylinder: along it, unit */
-    double radius;    /* cylinder, sphere */
-    expr *value;      /* psi(x, y, z), above 0 outside */
+    double point[3];  /* point on a plane, on the axis of a cylinder, or the centre of a sphere */
+    double normal[3]; /* unit normal of a plane, pointing out of the body */
+    double axis[3];   /* unit vector along the axis of a cylinder */
+    double radius;    /* radius of a cylinder or sphere */
+    expr *value;      /* level-set function psi(x, y, z), positive outside the body */
 } scene_body;
 
 typedef struct scene_contact {
     int given;
-    scene_face face; /* inner or outer */
+    scene_face face; /* face of the shell that touches the body, inner or outer */
     scene_body body;
-    double move[3];   /* of the body at full load */
-    double stiffness; /* kappa: of contact, in units of the structure's own */
+    double move[3];   /* displacement of the body at full load */
+    double stiffness; /* contact: penalty factor kappa relative to the stiffness of the structure */
     scene_at at;
 } scene_contact;
 
-/* What contact gives: the resultant force on the shell, the number of nodes in contact, the
- * pressure at a place. */
+/*
+ * Output of contact: a component of the resultant force on the shell, the number of nodes in
+ * contact, or the contact pressure at a place.
+ */
 typedef enum scene_contact_output {
     CONTACT_NONE,
     CONTACT_X,
@@ -231,7 +260,7 @@ typedef enum scene_contact_output {
     CONTACT_PRESSURE
 } scene_contact_output;
 
-/* Of electrodes: voltages, or the charge of the side towards +e3. */
+/* Output of electrodes: their voltages, or the charge on the side that faces +e3. */
 typedef enum scene_electric_output {
     ELECTRIC_NONE,
     ELECTRIC_VOLTAGE,
@@ -240,19 +269,20 @@ typedef enum scene_electric_output {
 
 typedef struct scene_output {
     char name[SCENE_NAME];
-    scene_contact_output contact;   /* not CONTACT_NONE: no displacement, and only CONTACT_PRESSURE
-                                       has a place */
-    scene_electric_output electric; /* not ELECTRIC_NONE: neither, and no place; of these
-                                       electrodes: */
-    int of_sensor, first, count;    /* sensors' or amplifiers */
+    scene_contact_output contact;   /* if not CONTACT_NONE, the output is no displacement, and only
+                                       CONTACT_PRESSURE has a place */
+    scene_electric_output electric; /* if not ELECTRIC_NONE, the output is neither a displacement
+                                       nor of contact and has no place */
+    int of_sensor, first, count;    /* electric output: electrodes [first, first + count) of the
+                                       sensors if of_sensor, else of the amplifiers */
     scene_where where;
     scene_component component;
     scene_face face;
-    double reference; /* printed beside, NAN if not given */
+    double reference; /* reference value printed beside the result; NAN if not given */
     scene_at at;
 } scene_output;
 
-/* Another shape of the target's component, place and weight. */
+/* Named shape with the component, place and weight of the target. */
 typedef struct scene_mode {
     char name[SCENE_NAME];
     expr *value;
@@ -261,13 +291,13 @@ typedef struct scene_mode {
 
 typedef struct scene_target {
     int given;
-    scene_output what; /* component, face, where */
-    expr *value;       /* wanted displacement */
+    scene_output what; /* component, face and place of the controlled displacement */
+    expr *value;       /* desired displacement as a function of the coordinates */
     int modes;
-    scene_mode *mode; /* shapes to try one by one beside it */
-    int weight_area;  /* weight: area (1) or equal (0) */
+    scene_mode *mode; /* alternative target shapes, each evaluated separately */
+    int weight_area;  /* weight of the nodes in the error: 1 by area, 0 equal */
     int frees;
-    scene_mode *free; /* functions that are taken out of target and error */
+    scene_mode *free; /* functions whose best fit is removed from the target and from the error */
 } scene_target;
 
 typedef struct scene_compare {
@@ -277,22 +307,26 @@ typedef struct scene_compare {
     scene_at at;
 } scene_compare;
 
-typedef struct scene_limit { /* of some amplifiers; held where equal */
+typedef struct scene_limit { /* voltage limits of the amplifiers [first, first + count); equal
+                                limits hold the voltage */
     int first, count;
     double lower, upper;
     scene_at at;
 } scene_limit;
 
 typedef struct scene_limits {
-    double lower, upper, slew; /* V, V, V per step; infinite if not given */
-    double effort;             /* absolute, or relative if effort_is_relative */
+    double lower, upper, slew; /* voltage limits (V) and step limit (V per control step); infinite
+                                  if not given */
+    double effort; /* regularisation of the voltages: absolute, or relative if effort_is_relative */
     int effort_is_relative;
     int each_count;
-    scene_limit *each; /* own limits of some amplifiers, the last word */
+    scene_limit *each; /* limits of individual amplifiers, which override the common ones */
     scene_at at;
 } scene_limits;
 
-/* A sensor that the firmware has: every value of an output, with noise of this standard deviation.
+/*
+ * Measurement available to the firmware: all values of an output, with noise of the given standard
+ * deviation.
  */
 typedef struct scene_reading {
     int output;
@@ -300,102 +334,121 @@ typedef struct scene_reading {
     scene_at at;
 } scene_reading;
 
-/* From what the firmware estimates the shape, and what may disturb it: standard deviations. */
+/*
+ * Measurements from which the firmware estimates the shape, and standard deviations of the
+ * disturbances.
+ */
 typedef struct scene_estimate {
     int given;
     int readings;
     scene_reading *reading;
-    double loads;     /* of every load's amount, 1: as the scene says */
-    double volts;     /* of what an electrode does besides its command (V), -1: a tenth of half its
-                         limits */
-    double tolerance; /* most of the disturbance that the estimate may miss, or the readings do not
-                         do */
+    double loads;     /* standard deviation of the amount of every load, relative to the load of the
+                         scene */
+    double volts;     /* standard deviation of the voltage error of an electrode (V); -1: a tenth of
+                         half its voltage range */
+    double tolerance; /* largest fraction of the disturbance that the estimate may leave unobserved;
+                         the readings are refused if more remains */
     scene_at at;
 } scene_estimate;
 
-/* What happens at a tick of a simulation. */
+/* Change that takes place at a tick of a simulation. */
 typedef enum scene_event_type {
     EVENT_TARGET,
-    EVENT_VALUE, /* a factor of the target, another target */
+    EVENT_VALUE, /* EVENT_TARGET scales the target by a factor, EVENT_VALUE replaces the target */
     EVENT_LOAD,
-    EVENT_TEMPERATURE, /* on the structure; the controller does not know, but of known loads */
+    EVENT_TEMPERATURE, /* EVENT_LOAD scales a load and EVENT_TEMPERATURE heats the structure; the
+                          controller is informed only of known loads */
     EVENT_DEAD,
     EVENT_STUCK,
-    EVENT_ALIVE, /* electrodes: at 0 V, at their last voltage, as they should be */
+    EVENT_ALIVE, /* electrodes at 0 V (EVENT_DEAD), held at their last voltage (EVENT_STUCK), or
+                    working again (EVENT_ALIVE) */
     EVENT_NAN,
-    EVENT_FROZEN, /* a share of the sensors */
-    EVENT_LOST    /* ticks in which the controller does not run */
+    EVENT_FROZEN, /* a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
+                     (EVENT_FROZEN) */
+    EVENT_LOST    /* the controller does not run for some ticks */
 } scene_event_type;
 
-enum { TOLD_NEVER = -1, TOLD_FOUND = -2 }; /* the controller finds it by itself */
+/* Whether the controller is never informed of an electrode fault or detects the fault itself. */
+enum { TOLD_NEVER = -1, TOLD_FOUND = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
-    int tick;                   /* ascending over the events */
-    double amount;              /* factor of target or load, temperature, share of the sensors */
-    int ticks;                  /* nan, frozen, lost: for how long */
-    int load;                   /* its number */
-    int known;                  /* load: the controller is told the amount a tick before */
-    int amplifiers, *amplifier; /* dead, stuck, alive: [amplifiers] */
-    int told;    /* dead, stuck: ticks until the controller is told, or one of the two above */
-    expr *value; /* another target */
+    int tick;      /* tick of the event; the events are in ascending order */
+    double amount; /* factor of the target or load, temperature, or probability that a sensor is
+                      affected */
+    int ticks;     /* duration in ticks of EVENT_NAN, EVENT_FROZEN and EVENT_LOST */
+    int load;      /* index of the load of EVENT_LOAD */
+    int known; /* EVENT_LOAD: 1 if the controller is given the load factor one tick in advance */
+    int amplifiers, *amplifier; /* amplifiers of EVENT_DEAD, EVENT_STUCK and EVENT_ALIVE
+                                   [amplifiers] */
+    int told; /* EVENT_DEAD, EVENT_STUCK: ticks until the controller is informed, or TOLD_NEVER or
+                 TOLD_FOUND */
+    expr *value; /* new target of EVENT_VALUE */
     scene_at at;
 } scene_event;
 
-/* What the sensors are: those of the scene's estimate where it has one, or that, or one for every
- * target node. */
+/*
+ * Source of the measured shape. SIGHT_SCENE: the readings of the scene's estimate if there is one,
+ * else one sensor for each target node; SIGHT_ESTIMATED and SIGHT_MEASURED select one of the two.
+ */
 typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_sight;
 
-/* A structure that is not quite the scene's, sensors, amplifiers and a schedule, for the controller
- * to live with. */
+/*
+ * Closed-loop simulation of the controller with a plant that differs from the scene, with sensors,
+ * amplifiers and a schedule of events.
+ */
 typedef struct scene_simulate {
     int given;
     int ticks, seed;
-    double rate;   /* ticks a second, for the time axis */
-    int at_target; /* influence: the controller's tables are made at the nonlinear optimum, not at
+    double rate;   /* control rate (ticks per second), used for the time axis */
+    int at_target; /* 1: the controller's influence matrix is that at the nonlinear optimum; 0: at
                       rest */
-    scene_kinematics kinematics; /* of the plant: linear or nonlinear */
-    double *stiffness, *d;       /* [materials] factors that the controller does not know */
-    double hysteresis;           /* width of the largest loop over the range of the voltages */
+    scene_kinematics kinematics; /* kinematics of the plant, linear or nonlinear */
+    double *stiffness, *d; /* factors of the plant's stiffness and piezoelectric constants that the
+                              controller does not know [materials] */
+    double hysteresis;     /* width of the largest hysteresis loop relative to the voltage range */
     scene_sight sight;
-    double noise; /* of measured shapes, standard deviation; an estimate's readings have their own
-                   */
-    int delay;    /* of the sensors, ticks */
-    double step, dead_band; /* of the amplifiers, V */
-    double fault_chance;    /* of a random fault in a tick */
-    int fault_until;        /* tick from which there are none */
-    int finds;              /* some electrode is TOLD_FOUND */
-    int feeds;              /* some load is known */
+    double noise; /* standard deviation of the noise of measured shapes; the readings of an estimate
+                     have their own */
+    int delay;    /* delay of the sensors (ticks) */
+    double step, dead_band; /* voltage resolution of the converters and dead band of the amplifiers
+                               (V) */
+    double fault_chance;    /* probability of a random fault in a tick */
+    int fault_until;        /* tick from which no random faults occur */
+    int finds;              /* 1: the fault of some electrode is TOLD_FOUND */
+    int feeds;              /* 1: some load event is known to the controller */
     int events;
     scene_event *event;
     scene_at at;
 } scene_simulate;
 
-/* What vibration needs besides the densities of the materials. */
+/* Data for vibration in addition to the densities of the materials. */
 typedef struct scene_dynamics {
-    double damping;    /* ratio of every mode to critical damping */
-    int damping_given; /* by the scene; 0: an assumption */
-    int modes;         /* of the structure that the stability of the control loop is judged with */
-    double mass_per_area; /* of what is no layer, at the middle of the package */
+    double damping;    /* damping ratio of every mode relative to critical damping */
+    int damping_given; /* 1: the damping ratio is given by the scene; 0: it is an assumed value */
+    int modes; /* number of vibration modes used to assess the stability of the control loop */
+    double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
+                             laminate */
 } scene_dynamics;
 
 typedef struct scene {
-    char *path; /* file it was read from */
-    char **set; /* [sets] changes that were applied */
+    char *path; /* path of the scene file */
+    char **set; /* changes applied to the scene file [sets] */
     int sets;
     char name[SCENE_NAME];
     char *about;
     char unit_length[SCENE_NAME], unit_force[SCENE_NAME], unit_voltage[SCENE_NAME],
         unit_temperature[SCENE_NAME];
-    uint32_t hash; /* of the scene's text and its --set changes */
+    uint32_t hash; /* hash of the text of the scene and of its --set changes */
     scene_element element;
     scene_kinematics kinematics;
-    double tolerance; /* relative error the cheaper kinematics may cost under KINEMATICS_AUTO */
+    double tolerance; /* largest relative error that simpler kinematics may cause under
+                         KINEMATICS_AUTO */
     scene_equilibrium equilibrium;
     scene_surface surface;
     scene_line line[2];
     int reference_is_middle;
-    double reference; /* z of the reference surface above the inner face */
+    double reference; /* z coordinate of the reference surface, measured from the inner face */
     int materials, layers, patch_grids, actuators, sensors, supports, loads, outputs, compares;
     scene_material *material;
     scene_layer *layer;
@@ -411,37 +464,45 @@ typedef struct scene {
     scene_estimate estimate;
     scene_simulate simulate;
     scene_dynamics dynamics;
-    int amplifiers; /* of all actuators, in their order */
-    int electrodes; /* of all sensors, in their order */
+    int amplifiers; /* number of amplifiers of all actuators, in the order of the actuators */
+    int electrodes; /* number of electrodes of all sensors, in the order of the sensors */
     scene_at at_surface, at_layers;
 } scene;
 
 /*
  * Read and check a scene.
  *   path     in   YAML file
- *   set      in   [sets] changes "a.b.c=value" applied before checking; list items by
- *                number from 0 or by their name; the value is YAML; a last key may be new
+ *   set      in   [sets] changes "a.b.c=value" applied before checking; list items are
+ *                selected by their index from 0 or by their name; the value is YAML; the
+ *                last key may be a new one
  *   error    out  [SCENE_ERROR] one line "file:line:column: what is wrong and the cure"
- * Returns 0, or -1 with error filled and *s empty.
+ * Returns 0, or -1 with error filled and *scene empty.
  */
 int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error);
 void scene_free(scene *scene);
 
-/* Name of amplifier k: that of its actuator, with _i_j (from 1) where the grid has more than one
- * patch. */
+/*
+ * Write the name of amplifier k: the name of its actuator, followed by _i_j (indices from 1) if the
+ * grid has more than one patch.
+ */
 void scene_amplifier_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
-/* The same of electrode k of the sensors. */
+/* Write the name of electrode k of the sensors, formed like the name of an amplifier. */
 void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
-/* The amplifiers [*first, *first + *count) of an actuator or of one amplifier's name; returns
- * whether there are any. */
+/*
+ * Find the amplifiers [*first, *first + *count) that belong to the name of an actuator or of a
+ * single amplifier. Returns 1 if there are any, otherwise 0.
+ */
 int scene_find_amplifier(const scene *scene, const char *name, int *first, int *count);
 
-/* The same among the electrodes of the sensors. */
+/*
+ * Find the electrodes [*first, *first + *count) that belong to the name of a sensor or of a single
+ * electrode. Returns 1 if there are any, otherwise 0.
+ */
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
 
-/* Fill error with "file:line:column: ..." for a fault found after reading; returns -1. */
+/* Write an error message "file:line:column: ..." for a fault found after reading; returns -1. */
 int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...);
 
 #endif

@@ -1,20 +1,28 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What no single section of a scene can know: names, poles, thickness, mesh lines, overlaps, what
- * loads need. */
+/*
+ * Checks that involve several sections of a scene: names, poles, thickness, mesh lines, overlaps,
+ * and requirements of loads.
+ */
 #include "scene_parts.h"
 
 #include <math.h>
 #include <string.h>
 #include "surface.h"
 
-/* Relative to the span of the mesh: a coordinate this near a mesh line lies on it. */
+/*
+ * Largest distance from a mesh line, relative to the span of the mesh, at which a coordinate lies
+ * on that line.
+ */
 static const double on_line = 1e-9;
 
 static const double full_turn = 6.283185307179586;
 
 /* ---- names ---- */
 
-/* Fault if two of count items [stride bytes] have the same name, which is their first member. */
+/*
+ * Report an error if two items have the same name. The array has count items of stride bytes, and
+ * the first member of each item is its name.
+ */
 static int check_names(const scene *scene, const char *what, const void *items, int count,
                        size_t stride, size_t at_offset, char *error)
 {
@@ -67,7 +75,7 @@ static int check_all_names(const scene *scene, char *error)
 
 /* ---- surface and mesh ---- */
 
-/* The parameters at which geometry is looked at, fine enough for any curve a person draws. */
+/* Number of intervals at whose ends the geometry is checked, fine enough for practical curves. */
 enum { SAMPLES = 2000 };
 
 static double sample(const scene_line *line, int i)
@@ -76,7 +84,10 @@ static double sample(const scene_line *line, int i)
     return i == SAMPLES ? to : from + (to - from) * i / SAMPLES;
 }
 
-/* A pole is a point of the mesh where the radius of a surface of revolution is not above 0. */
+/*
+ * Reject a mesh that contains a pole, a point at which the radius of a surface of revolution is not
+ * positive.
+ */
 static int check_poles(const scene *scene, char *error)
 {
     static const char *const cures[] = {"",
@@ -92,8 +103,7 @@ static int check_poles(const scene *scene, char *error)
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double t = sample(line, i), r;
-        if (scene->surface.type == SURFACE_TORUS && i < SAMPLES) /* its least radius may lie between
-                                                                two samples */
+        if (scene->surface.type == SURFACE_TORUS && i < SAMPLES) /* least radius between samples */
             t = fmax(t, fmin(sample(line, i + 1), (2 * floor(t / full_turn) + 1) * full_turn / 2));
         r = surface_at(&scene->surface, t, 0).a[1];
         largest = fmax(largest, fabs(r));
@@ -108,7 +118,10 @@ static int check_poles(const scene *scene, char *error)
                        cures[scene->surface.type], at);
 }
 
-/* A spline's point should move about as fast as its parameter. */
+/*
+ * Reject a meridian that turns back on itself, where the length per unit of the spline parameter is
+ * nearly zero.
+ */
 static int check_meridian(const scene *scene, char *error)
 {
     int i;
@@ -123,7 +136,7 @@ static int check_meridian(const scene *scene, char *error)
     return 0;
 }
 
-/* The layers must stay on their side of the centres of curvature: 1 + k z > 0 at both faces. */
+/* Check that the centres of curvature lie outside the layers: 1 + k z > 0 at both faces. */
 static int check_depth(const scene *scene, double h, char *error)
 {
     const double z[2] = {-scene->reference, h - scene->reference};
@@ -169,7 +182,10 @@ static int check_surface(const scene *scene, char *error)
     return check_turn(scene, 1, error) != 0 ? -1 : check_turn(scene, 2, error);
 }
 
-/* The mesh line nearest to a coordinate; *coordinate becomes its own if it lies on it. */
+/*
+ * Return the mesh line nearest to a coordinate, and replace *coordinate by that of the line if the
+ * coordinate lies on it within rounding.
+ */
 static int snap(const scene_line *line, double *coordinate, int *is_on)
 {
     const double span = line->point[line->elements] - line->point[0];
@@ -191,7 +207,10 @@ static int snap(const scene_line *line, double *coordinate, int *is_on)
 
 /* ---- places ---- */
 
-/* Is there a mesh line from, to of a region? Its ends may miss mesh lines by rounding. */
+/*
+ * Check that a region contains mesh lines of both directions, and widen the region by a tolerance
+ * for rounding.
+ */
 static int check_region(const scene *scene, scene_where *where, char *error)
 {
     int k, i, found = 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section of a scene that says what its vibration needs besides densities: dynamics. */
+/* Section `dynamics` of a scene: data for vibration in addition to the densities. */
 #include "scene_parts.h"
 
 int read_dynamics(reader *reader, int node, void *to, const void *rule)

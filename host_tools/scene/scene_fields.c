@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Reading mappings by tables, and the plain kinds of values. */
+/* Table-driven reading of mappings, and readers of the basic kinds of values. */
 #include "scene_fields.h"
 
 #include <float.h>
@@ -12,7 +12,10 @@
 
 enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
 
-/* Magnitudes outside are slips of the pen, and their products leave the range of a double. */
+/*
+ * Permitted magnitudes of nonzero numbers. Values outside are typing errors, and their products
+ * exceed the range of a double.
+ */
 static const double smallest = 1e-60, largest = 1e60;
 
 const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
@@ -21,7 +24,10 @@ const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
 static const char *const kind_names[] = {"a single value", "a list [...]",
                                          "a mapping {key: value}"};
 
-/* Edit distance; long words are far from everything. */
+/*
+ * Return the edit distance between two words; a word that is too long has a large distance from all
+ * others.
+ */
 static int distance(const char *a, const char *b)
 {
     int row[LONGEST + 1], i, j, m = (int)strlen(a), n = (int)strlen(b);
@@ -45,7 +51,9 @@ static int distance(const char *a, const char *b)
     return row[n];
 }
 
-/* "did you mean 'thickness'?" or "known: a, b, c", for words at a stride. */
+/*
+ * Write "did you mean 'thickness'?" or "known: a, b, c" for a list of words at a stride in bytes.
+ */
 static void suggest(const char *text, const char *const *first, size_t stride, char *out)
 {
     const char *const *word;
@@ -199,7 +207,7 @@ int read_pair(reader *reader, int node, void *to, const void *rule)
     return read_real(reader, reader->t->node[first].next, &pair[1], rule);
 }
 
-/* Would end or open a comment in generated C tables. */
+/* Return whether a text would end or open a comment in generated C tables. */
 static int is_comment(const char *text)
 {
     return strstr(text, "*/") != NULL || strstr(text, "/*") != NULL;
@@ -245,7 +253,7 @@ int read_text(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* The text's choice value, or -1. */
+/* Return the value of the choice with the given word, or -1. */
 static int find_choice(const choice *choices, const char *text)
 {
     for (; choices->word; choices++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections of a scene that say what holds, loads and touches it: supports, loads, contact. */
+/* Sections `supports`, `loads` and `contact` of a scene. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ enum {
     U2 = MEAN_2 | DIFFERENCE_2,
     U3 = MEAN_3 | DIFFERENCE_3 | SEVENTH,
     SIMPLE = 128,
-    SYMMETRIC = 256 /* depend on the edge */
+    SYMMETRIC = 256 /* the fixed dof depend on the edge */
 };
 
 static const choice fixes[] = {{"clamped", U1 | U2 | U3},
@@ -38,7 +38,9 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {"u3M", SEVENTH},
                                {NULL, 0}};
 
-/* The unknowns that a word with a value moves: one displacement of both faces, or one unknown. */
+/*
+ * Return the dof that a word with a value moves: one displacement of both faces, or a single dof.
+ */
 static unsigned moved_by(int fix)
 {
     return (unsigned)(fix == U1 ? MEAN_1 : fix == U2 ? MEAN_2 : fix == U3 ? MEAN_3 : fix);
@@ -141,7 +143,7 @@ static int read_weight(reader *reader, int node, scene_load *load)
     return status;
 }
 
-/* One value for the whole shell, or one for each face. */
+/* Read a temperature: one value for the whole shell, or one for each face. */
 static int read_temperature(reader *reader, int node, scene_load *load)
 {
     static const field fields[] = {{"inner", read_constant, offsetof(scene_load, value), NULL, 1},
@@ -243,7 +245,9 @@ static int read_follower(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Point and line loads act on both faces, half each, unless they say on which. */
+/*
+ * Read the face of a load. Half of a point or line load acts on each face unless a face is given.
+ */
 static int read_on(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;

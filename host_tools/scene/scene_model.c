@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections of a scene that say what it is made of: element, materials, layers, patches. */
+/* Sections `element`, `materials`, `layers` and `patches` of a scene. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -10,7 +10,10 @@
 const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
 
-/* Answer a former name of a preset with its present one: -1 with the fault told, 0 otherwise. */
+/*
+ * Reject the former name of a preset and report its present name. Returns -1 with the error of the
+ * tree filled, otherwise 0.
+ */
 static int refuse_former_preset(reader *reader, int node)
 {
     static const char *const renamed[][2] = {{"corrected", "improved"}, {"source", "published"}};
@@ -40,7 +43,7 @@ int read_element(reader *reader, int node, void *to, const void *rule)
     static const choice kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
     static const choice area[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
     static const field fields[] = {
-        {"preset", read_preset, 0, NULL, 0}, /* first: the others change it */
+        {"preset", read_preset, 0, NULL, 0}, /* first row, because the others modify the preset */
         {"kinematics", read_choice, offsetof(scene_element, cartesian), kinematics, 0},
         {"tau", read_real, offsetof(scene_element, tau), &not_negative, 0},
         {"rho", read_real, offsetof(scene_element, rho), &not_negative, 0},
@@ -62,7 +65,7 @@ static int read_poling(reader *reader, int node, void *to, const void *rule)
     static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
     const char *text = node_text(reader, node);
     (void)rule;
-    if (text && strcmp(text, "-3") == 0) { /* a choice's value is not negative */
+    if (text && strcmp(text, "-3") == 0) { /* choices have no negative values */
         *(int *)to = -3;
         return 0;
     }
@@ -90,9 +93,10 @@ static int read_alpha(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * E and nu stand for all; what is not given of the others follows from transverse isotropy in the
- * plane 23. Or the stiffness c11 c22 c33 c12 c13 c23 c44 c55 c66, where it follows from that in the
- * plane 12, as of a ceramic poled along 3.
+ * Elastic constants as given by the user. E and nu define an isotropic material; otherwise,
+ * engineering constants that are not given follow from transverse isotropy in the plane 23.
+ * Alternatively, the stiffness c11 c22 c33 c12 c13 c23 c44 c55 c66 is given, and missing entries
+ * follow from transverse isotropy in the plane 12, as for a ceramic poled along 3.
  */
 typedef struct material_text {
     scene_material m;
@@ -145,7 +149,10 @@ static int elastic_isotropic(reader *reader, int node, material_text *text)
     return 0;
 }
 
-/* Pivots of the compliance scaled to unit diagonal: positive for a stable material. */
+/*
+ * Return whether a material is stable: all pivots of the compliance scaled to unit diagonal are
+ * positive.
+ */
 static int is_stable(const scene_material *material)
 {
     const double a = -material->nu12 * sqrt(material->e[1] / material->e[0]),
@@ -206,7 +213,7 @@ static int read_stiffness(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Engineering constants from a stiffness, by its inverse. */
+/* Compute the engineering constants from the inverse of a stiffness matrix. */
 static int elastic_stiffness(reader *reader, int node, material_text *text)
 {
     const double *c = text->c;

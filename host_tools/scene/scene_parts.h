@@ -1,39 +1,45 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The sections of a scene, each read by one function; the whole is checked afterwards. */
+/*
+ * Functions that read the sections of a scene, one function for each section, and the check of the
+ * complete scene.
+ */
 #ifndef SCENE_PARTS_H
 #define SCENE_PARTS_H
 
 #include "scene_fields.h"
 
-/* scene_shape.c: its geometry. `to` is the scene, of all sections. */
+/* Geometry (scene_shape.c). The argument `to` of every section reader is the scene. */
 field_read read_surface, read_mesh;
 
-/* scene_model.c: what it is made of. */
+/* Materials, layers and element formulation (scene_model.c). */
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
-/* scene_load.c: what holds, loads and touches it. */
+/* Supports, loads and contact (scene_load.c). */
 field_read read_supports, read_loads, read_contact;
 
-/* scene_task.c: what drives it and what is asked. */
+/* Solver settings, actuators, sensors, limits and outputs (scene_task.c). */
 field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_outputs, read_target,
     read_compare;
 
-/* scene_estimate.c: what the firmware knows of the shape. */
+/* Measurements from which the firmware estimates the shape (scene_estimate.c). */
 field_read read_estimate;
 
-/* scene_dynamics.c: what its vibration needs. */
+/* Data for vibration (scene_dynamics.c). */
 field_read read_dynamics;
 
-/* scene_simulate.c: what the controller has to live with. */
+/* Closed-loop simulation (scene_simulate.c). */
 field_read read_simulate;
 
-/* scene_place.c: places (`to` is a scene_where), faces and directions. */
+/*
+ * Places, faces and directions (scene_place.c); the argument `to` of the place readers is a
+ * scene_where.
+ */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
 extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
-/* Rows of a table for the six directions, read by one function whose rule is the component. */
+/* Table rows for the six directions, read by one function whose rule is the component. */
 #define DIRECTIONS(read)                                                                           \
     {"u1", read, 0, &place_components[0], 0}, {"u2", read, 0, &place_components[1], 0},            \
         {"u3", read, 0, &place_components[2], 0}, {"x", read, 0, &place_components[3], 0},         \
@@ -42,13 +48,16 @@ extern const int place_components[];
         "z", read, 0, &place_components[5], 0                                                      \
     }
 
-/* What a scene has that says nothing of its element. */
+/* Default element formulation of a scene. */
 extern const scene_element element_improved;
 
-/* scene_check.c: what no single section can know; snaps points and patches to the mesh. */
+/*
+ * Check what involves several sections of a scene, and move points and patch edges exactly onto
+ * mesh lines (scene_check.c). Returns 0, or -1 with error filled.
+ */
 int scene_check(scene *scene, char *error);
 
-/* Does the material of some layer expand with temperature? */
+/* Return 1 if the material of some layer has thermal expansion, otherwise 0. */
 int scene_expands(const scene *scene);
 
 #endif

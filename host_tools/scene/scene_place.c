@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Places, faces and directions: the words that supports, loads, contact and outputs share. */
+/* Readers of places, faces and directions, shared by supports, loads, contact and outputs. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -52,7 +52,10 @@ int read_point(reader *reader, int node, void *to, const void *rule)
     return read_map(reader, node, fields, to);
 }
 
-/* [from, to] along both coordinates; one that is left out is whole. */
+/*
+ * Read a region [from, to] along both coordinates; a coordinate that is not given is not
+ * restricted.
+ */
 static int read_region(reader *reader, int node, scene_where *where)
 {
     static const field fields[] = {{"theta1", read_pair, offsetof(scene_where, span[0]), NULL, 0},

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Reading of a scene (scene_read of scene.h): the table of its sections and their defaults. */
+/*
+ * Reading of a scene (scene_read of scene.h): the table of the sections and their default values.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -82,7 +84,7 @@ static char *duplicate(const char *text)
     return copy ? strcpy(copy, text) : NULL;
 }
 
-/* What later messages need. */
+/* Store the path of the scene file and the applied changes for later error messages. */
 static int keep_origin(scene *scene, const char *path, const char *const *set, int sets)
 {
     scene->path = duplicate(path);

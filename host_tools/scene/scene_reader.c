@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The functions of scene_reader.h: text, place and name of nodes and items. */
+/* Functions of scene_reader.h: text and position of nodes, and search for items by name. */
 #include "scene_reader.h"
 
 #include <string.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What every function that reads a part of a scene gets: the tree of the file and the scene read so
- * far. */
+/*
+ * Input of every function that reads a section of a scene: the tree of the file and the scene read
+ * so far.
+ */
 #ifndef SCENE_READER_H
 #define SCENE_READER_H
 
@@ -12,14 +14,16 @@ typedef struct reader {
     scene *s;
 } reader;
 
-/* The text of a scalar node. */
+/* Return the text of a scalar node. */
 const char *node_text(const reader *reader, int node);
 
-/* The place of a node in the scene file. */
+/* Return the line and column of a node in the scene file. */
 scene_at node_at(const reader *reader, int node);
 
-/* Index of the item with a name among count items [size bytes each] whose first member is their
- * name; -1 if none has that name. */
+/*
+ * Return the index of the item with the given name, or -1 if there is none. The array has count
+ * items of size bytes, and the first member of each item is its name.
+ */
 int find_named(const void *items, int count, size_t size, const char *name);
 
 #endif

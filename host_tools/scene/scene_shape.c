@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections of a scene that say what shape it has: surface and mesh. */
+/* Sections `surface` and `mesh` of a scene. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 /* ---- surface ---- */
 
-/* Points of a meridian, or directions at its ends. */
+/* Pairs of numbers: points of a meridian, or tangent directions at its ends. */
 typedef struct pairs_text {
     int count;
     double (*pair)[2];
@@ -107,7 +107,7 @@ static const choice surface_types[] = {
     {"torus", SURFACE_TORUS},       {"revolution", SURFACE_REVOLUTION},
     {"spiral", SURFACE_SPIRAL},     {NULL, 0}};
 
-/* What belongs to which surface. */
+/* Keys that belong to each type of surface. */
 static const struct {
     scene_surface_type type;
     const char *key;
@@ -234,7 +234,10 @@ static int check_ascending(reader *reader, int node, const scene_line *line)
     return 0;
 }
 
-/* Elements in geometric progression; grading is the last one's length over the first one's. */
+/*
+ * Divide a range into elements whose lengths form a geometric progression; grading is the ratio of
+ * the last length to the first.
+ */
 static int divide(reader *reader, int node, scene_line *line, double from, double to, int elements,
                   double grading)
 {
@@ -254,7 +257,9 @@ static int divide(reader *reader, int node, scene_line *line, double from, doubl
     return check_ascending(reader, node, line);
 }
 
-/* Finer or coarser in the middle: x = middle + half (centre s + (1 - centre) s^3), s from -1 to 1.
+/*
+ * Make the elements smaller or larger in the middle:
+ * x = middle + half (centre s + (1 - centre) s^3) for s from -1 to 1.
  */
 static int concentrate(reader *reader, int node, scene_line *line, double from, double to,
                        int elements, double centre)
@@ -277,7 +282,7 @@ typedef struct line_text {
     int elements, slit;
 } line_text;
 
-/* What is given must lie within the range that a surface has of itself. */
+/* Check that the given ends of a mesh direction lie within the natural range of the surface. */
 static int check_ends(reader *reader, int node, int direction, double from, double to)
 {
     const char *name = tree_name(reader->t, node);
@@ -295,7 +300,10 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
                       from, to);
 }
 
-/* Ends that are not given are those of the surface, if it has any. */
+/*
+ * Find the ends of a mesh direction; ends that are not given are those of the natural range of the
+ * surface, if there is one.
+ */
 static int find_ends(reader *reader, int node, int direction, line_text *text)
 {
     const int from = tree_find(reader->t, node, "from"), to = tree_find(reader->t, node, "to");

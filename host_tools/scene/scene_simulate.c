@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section of a scene that says what the controller has to live with: plant, sensors, amplifiers,
- * events. */
+/*
+ * Section `simulate` of a scene: plant, sensors, amplifiers and events of the closed-loop
+ * simulation.
+ */
 #include "scene_parts.h"
 
 #include <stdlib.h>
@@ -11,7 +13,7 @@ static const range tick_count = {1, 10000000, 0, "must be from 1 to 10000000 tic
 
 /* ---- plant ---- */
 
-/* One factor for all materials, or a map of materials and their factors. */
+/* Read one factor for all materials, or a mapping of materials to their factors. */
 static int read_factors(reader *reader, int node, void *to, const void *rule)
 {
     double **factor = to, all = 1;
@@ -140,7 +142,7 @@ static int read_load_number(reader *reader, int node, scene_event *event)
                       event->load, reader->s->loads);
 }
 
-/* Names of amplifiers or actuators, each standing for one amplifier or all of its grid. */
+/* Read the names of amplifiers or actuators; an actuator stands for all amplifiers of its grid. */
 static int read_electrodes(reader *reader, int node, scene_event *event)
 {
     const scene *scene = reader->s;
@@ -247,7 +249,7 @@ static int read_event_at(reader *reader, int node, void *to, const void *rule)
                       text->event->tick, reader->s->simulate.ticks);
 }
 
-/* Words that belong to some kinds of events. */
+/* Check that the given keys belong to the kind of the event. */
 static int check_event(reader *reader, int node, const event_text *text)
 {
     const scene_event_type type = text->event->type;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections of a scene that say what drives it and is asked: equilibrium, actuators, sensors,
- * limits, outputs ... */
+/*
+ * Sections of a scene on control and results: equilibrium, actuators, sensors, limits, outputs,
+ * target, compare.
+ */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -55,8 +57,10 @@ static const char *driven_by(const scene_actuator *actuator, int actuators, int 
     return NULL;
 }
 
-/* Patches must be piezoelectric, driven once, and tied to grids of the same shape; a sensor needs a
- * capacitance. */
+/*
+ * Check the patches of an actuator or sensor: they must be piezoelectric, be connected only once,
+ * and have grids of the same size; the patches of a sensor need a permittivity.
+ */
 static int check_drive(reader *reader, int node, const scene_actuator *actuator, int drive,
                        int is_sensor)
 {
@@ -92,7 +96,7 @@ static int check_drive(reader *reader, int node, const scene_actuator *actuator,
         first->grid[1]);
 }
 
-/* Rule: not NULL for a sensor. */
+/* Read the patch grids of an actuator, or of a sensor if rule is not NULL. */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {
@@ -352,7 +356,7 @@ static int read_contact_output(reader *reader, int node, void *to, const void *r
     return 0;
 }
 
-/* Voltages or charge of the electrodes of a sensor or an actuator. */
+/* Read an output that is the voltages or charges of the electrodes of a sensor or an actuator. */
 static int read_electric_output(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;
@@ -461,7 +465,7 @@ static int read_modes(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* A word for a function of the coordinates, or the function itself. */
+/* Read a function of the coordinates, given by a predefined word or by an expression. */
 static int read_free_item(reader *reader, int node, scene_mode *to)
 {
     static const char *const word[3][2] = {{"piston", "1"}, {"tip", "x"}, {"tilt", "y"}};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Numbers of a scene that carry units: the dimension of every numeric key, and the conversion to
- * the scene's units. */
+/*
+ * Numbers of a scene with units: the dimension of every numeric key, and the conversion to the
+ * units of the scene.
+ */
 #include "scene_units.h"
 
 #include <stdio.h>
@@ -9,7 +11,10 @@
 
 /* ---- dimensions ------------------------------------------------------- */
 
-/* What a key measures. Those behind DIMENSIONS follow from its neighbours in the scene. */
+/*
+ * Physical dimension of a key. Values after DIMENSIONS stand for dimensions that follow from
+ * neighbouring keys in the scene.
+ */
 typedef enum dimension {
     PURE,
     LENGTH,
@@ -45,8 +50,10 @@ typedef enum dimension {
     OF_COMPARE
 } dimension;
 
-/* Names for messages, with a unit as an example; powers of length, force, voltage, temperature,
- * time, angle. */
+/*
+ * Name of each dimension for error messages, with a unit as an example, and its powers of length,
+ * force, voltage, temperature, time and angle.
+ */
 static const struct {
     const char *name, *example;
     units_unit unit;
@@ -78,8 +85,9 @@ static const struct {
 };
 
 /*
- * The dimension of every numeric key: one row for a key, or for keys that share it. Keys from the
- * root, '.' between them, '|' between alternatives, '*' any key; lists have no key of their own.
+ * Dimension of every numeric key, with one row for a key or for several keys of the same dimension.
+ * A path lists the keys from the root: '.' separates keys, '|' separates alternatives, and '*' is
+ * any key; the items of lists have no key of their own.
  */
 static const struct {
     const char *path;
@@ -155,7 +163,7 @@ static const struct {
 
 /* ---- the row of a key ------------------------------------------------- */
 
-/* Is a key among the alternatives between start and end? */
+/* Return whether a key is one of the alternatives between start and end. */
 static int segment_has(const char *start, const char *end, const char *key)
 {
     const size_t length = strlen(key);
@@ -196,7 +204,7 @@ int scene_units_known(const char *const *key, int keys)
     return find_row(key, keys) >= 0;
 }
 
-/* Keys from the root to a node. key [TREE_DEPTH + 1] out. Returns their number. */
+/* Write the keys from the root to a node into key [TREE_DEPTH + 1]. Returns the number of keys. */
 static int keys_to(const tree *tree, int node, const char **key)
 {
     int keys = 0;
@@ -213,7 +221,7 @@ static int keys_to(const tree *tree, int node, const char **key)
 
 /* ---- dimensions that follow from neighbours --------------------------- */
 
-/* The mapping that holds the key of a node. */
+/* Return the mapping that contains the key of a node. */
 static int map_of(const tree *tree, int node)
 {
     while (node && !tree->node[node].key)
@@ -227,7 +235,10 @@ static const char *text_of(const tree *tree, int map, const char *key)
     return node && tree->node[node].text ? tree->node[node].text : "";
 }
 
-/* Displacements are lengths, differences of the faces over the thickness are not. */
+/*
+ * Return the dimension of a support value: a displacement is a length, while a difference of the
+ * faces over the thickness is dimensionless.
+ */
 static dimension of_support(const tree *tree, int map)
 {
     const int fix = tree_find(tree, map, "fix");
@@ -269,7 +280,7 @@ static dimension of_reading(const reader *reader, int map)
     return reader->s->output[k].electric == ELECTRIC_VOLTAGE ? VOLTAGE : CHARGE;
 }
 
-/* Of what amplifier k gives. */
+/* Return the dimension of the output of amplifier k. */
 static dimension of_amplifier(const scene *scene, int k)
 {
     for (int i = 0; i < scene->actuators; i++)
@@ -286,7 +297,7 @@ static dimension of_limit(const reader *reader, int map)
     return found ? of_amplifier(reader->s, first) : VOLTAGE;
 }
 
-/* Values stand in the order of the amplifiers. */
+/* Return the dimension of a value to compare; values are in the order of the amplifiers. */
 static dimension of_compare(const reader *reader, int node)
 {
     int k = 0;
@@ -332,7 +343,9 @@ static const char *const base_key[UNITS_BASES] = {"length",      "force", "volta
 static const dimension base_dimension[UNITS_BASES] = {LENGTH,      FORCE, VOLTAGE,
                                                       TEMPERATURE, RATE,  RADIANS};
 
-/* The scene's word for a base unit; NULL for those that are always the second and the radian. */
+/*
+ * Return the scene's text for a base unit, or NULL for the second and the radian, which are fixed.
+ */
 static const char *base_text(const scene *scene, int base)
 {
     switch (base) {
@@ -344,8 +357,10 @@ static const char *base_text(const scene *scene, int base)
     }
 }
 
-/* Power of ten of the scene's unit of one base. Returns 0, or -1 where there is none or it is no SI
- * unit of that base. */
+/*
+ * Find the power of ten of the scene's unit for a base unit. Returns 0, or -1 if the scene has no
+ * such unit or if it is not an SI unit of that base.
+ */
 static int base_ten(const scene *scene, int base, int *ten)
 {
     const char *const text = base_text(scene, base);
@@ -384,7 +399,7 @@ static int refuse_unit(reader *reader, int node, const char *suffix, const char 
                       tree_name(reader->t, node), node_text(reader, node), suffix, why);
 }
 
-/* The dimension that a unit has, by name; DIMENSIONS where none here has it. */
+/* Return the dimension of a unit, or DIMENSIONS if no known dimension has that unit. */
 static dimension name_dimension(const units_unit *unit)
 {
     int of = 0;
@@ -429,7 +444,7 @@ static int refuse_base(reader *reader, int node, int base)
         dimensions[base_dimension[base]].name, example);
 }
 
-/* Degrees in a key in radians, or the reverse: a factor behind the number. */
+/* Return the factor, as text after the number, that converts degrees to radians or the reverse. */
 static const char *turn(const units_unit *unit, const units_unit *key)
 {
     if (unit->degrees == key->degrees)

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Cubic splines (spline.h). A coordinate is described by its values y_i and second derivatives m_i
- * at the knots. They minimise sum (p_i - y_i)^2 + lambda integral m^2 under one condition per knot:
- * a continuous slope at inner knots, the end conditions at the outer ones. Values, second
- * derivatives and Lagrange multipliers of the knots, interleaved, are the variables of one banded
- * linear system.
+ * Cubic splines (spline.h).
+ * A coordinate is described by its values y_i and second derivatives m_i at the knots. They
+ * minimise sum (p_i - y_i)^2 + lambda integral m^2 under one condition for each knot: a continuous
+ * slope at inner knots, and the end conditions at the outer knots. The values, second derivatives
+ * and Lagrange multipliers of the knots, interleaved, are the variables of one banded linear
+ * system.
  */
 #include "spline.h"
 #include <math.h>
@@ -15,19 +16,22 @@ enum { BAND = 7, ROW = 3 * BAND + 1, VALUE = 0, SECOND = 1, MULTIPLIER = 2 };
 
 struct spline {
     int n;
-    double *t;               /* [n] chord length up to each knot */
-    double (*y)[2], (*m)[2]; /* [n] values, second derivatives */
+    double *t;               /* chord length from the first point to each knot [n] */
+    double (*y)[2], (*m)[2]; /* values and second derivatives at the knots [n] */
 };
 
-/* Entry (i, j) of a banded matrix with room for the fill of row exchanges. */
+/*
+ * Return the address of entry (i, j) of a banded matrix that has room for the fill-in of row
+ * exchanges.
+ */
 static double *entry(double *band, int i, int j)
 {
     return &band[(size_t)i * ROW + (size_t)(j - i + BAND)];
 }
 
 /*
- * Solve a banded linear system by elimination with row exchanges. x [rows][2] in: right-hand sides,
- * out: solutions.
+ * Solve a banded linear system by Gaussian elimination with row exchanges.
+ *   x  [rows][2] in: right-hand sides, out: solutions
  */
 static void solve_band(double *band, double (*x)[2], int rows)
 {
@@ -66,7 +70,7 @@ static void solve_band(double *band, double (*x)[2], int rows)
     }
 }
 
-/* One coefficient of the condition of knot i: that of variable `kind` of knot j. */
+/* Add a value to the coefficient of the variable `kind` of knot j in the condition of knot i. */
 static void condition(double *band, int i, int j, int kind, double value)
 {
     *entry(band, 3 * i + MULTIPLIER, 3 * j + kind) += value;
@@ -74,8 +78,8 @@ static void condition(double *band, int i, int j, int kind, double value)
 }
 
 /*
- * Add the slope of piece i (from knot i to i + 1) at its end `at` (i or i + 1), times sign, to the
- * condition of knot c.
+ * Add the slope of piece i (from knot i to i + 1) at its end `at` (i or i + 1), multiplied by sign,
+ * to the condition of knot c.
  */
 static void add_slope(double *band, const double *t, int c, int i, int at, double sign)
 {
@@ -87,8 +91,8 @@ static void add_slope(double *band, const double *t, int c, int i, int at, doubl
 }
 
 /*
- * Not-a-knot condition: the third derivative is continuous at knot k, so the two pieces that meet
- * there are one cubic.
+ * Add a not-a-knot condition: the third derivative is continuous at knot k, so that the two
+ * adjacent pieces form one cubic.
  */
 static void add_not_a_knot(double *band, const double *t, int c, int k)
 {
@@ -129,7 +133,10 @@ static void fill_band(double *band, double (*x)[2], const spline *spline,
     }
 }
 
-/* Fit in lengths relative to the total length, so that the unit of length has no effect. */
+/*
+ * Fit a spline in lengths relative to the total length, so that the result is independent of the
+ * unit of length.
+ */
 static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 {
     const int n = spline->n;
@@ -201,7 +208,7 @@ double spline_length(const spline *spline)
     return spline->t[spline->n - 1];
 }
 
-/* Index of the piece that contains the parameter t. */
+/* Return the index of the piece that contains the parameter t. */
 static int piece(const spline *spline, double t)
 {
     int low = 0, high = spline->n - 1;

@@ -18,18 +18,19 @@ typedef struct spline spline;
 spline *spline_fit(int n, const double (*point)[2], const double (*tangent)[2], double smoothing);
 void spline_free(spline *spline);
 
-/* Parameter of the last point of a spline; that of the first point is 0. */
+/* Return the parameter of the last point of a spline; the parameter of the first point is 0. */
 double spline_length(const spline *spline);
 
 /*
- * First knot above the parameter t, where the third derivative may jump; infinite after the last
- * knot.
+ * Return the first knot above the parameter t, at which the third derivative may be discontinuous,
+ * or infinity after the last knot.
  */
 double spline_next_knot(const spline *spline, double t);
 
 /*
- * Position, first and second derivative at the parameter t; outside [0, length] the end pieces are
- * continued. x, d1, d2 [2] out
+ * Compute the position and the first and second derivatives at the parameter t. Outside [0, length]
+ * the first and last pieces are extrapolated.
+ *   x, d1, d2  [2] out
  */
 void spline_at(const spline *spline, double t, double x[2], double d1[2], double d2[2]);
 

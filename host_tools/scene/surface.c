@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surfaces (surface.h): plates, cylinders over a plane curve, surfaces of revolution. A1
- * never depends on theta2, so B2 = 0.
+ * Reference surfaces (surface.h): plates, cylinders over a plane curve, and surfaces of revolution.
+ * A1 never depends on theta2, so that B2 = 0.
  */
 #include "surface.h"
 #include <math.h>
@@ -22,7 +22,7 @@ static surface_point plate_at(double t1, double t2)
     return p;
 }
 
-/* Increase of a spiral's radius per radian; 0 for the circular cylinder. */
+/* Return the increase of the radius of a spiral per radian, or 0 for the circular cylinder. */
 static double growth(const scene_surface *surface)
 {
     return surface->type == SURFACE_SPIRAL
@@ -31,8 +31,9 @@ static double growth(const scene_surface *surface)
 }
 
 /*
- * Cylinder over the curve r(phi) = r + growth phi. Its axis is theta1 (along x; phi = 0 on top,
- * increasing towards +y) or theta2 (along z; phi = 0 on +x, increasing towards +y).
+ * Compute a point of a cylinder over the curve r(phi) = r + growth phi. The coordinate along the
+ * axis is theta1 (axis along x; phi = 0 on top, increasing towards +y) or theta2 (axis along z;
+ * phi = 0 on +x, increasing towards +y).
  */
 static surface_point cylinder_at(const scene_surface *surface, double t1, double t2)
 {
@@ -61,7 +62,7 @@ static surface_point cylinder_at(const scene_surface *surface, double t1, double
     return p;
 }
 
-/* Point of a meridian at theta1: (radius, height) and its first two derivatives. */
+/* Point of a meridian at theta1: (radius, height), and its first and second derivatives. */
 typedef struct meridian {
     double x[2], d1[2], d2[2];
 } meridian;
@@ -97,8 +98,8 @@ static meridian meridian_at(const scene_surface *surface, double t)
 }
 
 /*
- * Surface of revolution about z with theta2 as the azimuth. e3 points to the left of the meridian
- * when height is drawn over radius.
+ * Compute a point of a surface of revolution about z with theta2 as the azimuth. e3 points to the
+ * left of the meridian in a plot of height over radius.
  */
 static surface_point revolution_at(const scene_surface *surface, double t1, double t2)
 {
@@ -136,7 +137,7 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
 /* ---- area ------------------------------------------------------------- */
 
 /*
- * Integral of A1 A2 over one coordinate by Gauss quadrature with eight points; the result does not
+ * Integrate A1 A2 over one coordinate by Gauss quadrature with eight points; the result does not
  * depend on the other coordinate.
  */
 static double gauss(const scene_surface *surface, int direction, double from, double to)
@@ -158,8 +159,8 @@ static double gauss(const scene_surface *surface, int direction, double from, do
 }
 
 /*
- * Integral of A1 A2 over a range, by pieces: a spline is smooth only between its knots, and long
- * pieces are divided.
+ * Integrate A1 A2 over a range piece by piece, because a spline is smooth only between its knots;
+ * long pieces are subdivided.
  */
 static double integral(const scene_surface *surface, int direction, const double t[2])
 {
@@ -207,7 +208,10 @@ int surface_closes(const scene_surface *surface, int direction)
     return surface_revolves(surface) && (direction == 2 || surface->type == SURFACE_TORUS);
 }
 
-/* The angle of a spiral runs along the coordinate that is not its axis. */
+/*
+ * Return whether a coordinate is an angle. The angle of a spiral is the coordinate that is not
+ * along its axis.
+ */
 int surface_is_angle(const scene_surface *surface, int direction)
 {
     if (surface->type == SURFACE_SPIRAL)

@@ -9,14 +9,14 @@
 
 enum { MOST_EXPONENT = 9999 };
 
-/* A unit by its symbol; `prefixed` tells whether SI prefixes may stand before it. */
+/* Symbol of a unit; `prefixed` states whether it may have an SI prefix. */
 typedef struct symbol {
     const char *text;
     units_unit unit;
     int prefixed;
 } symbol;
 
-/* Powers of m, N, V, K, s, rad; power of ten; degrees. */
+/* Each symbol with its powers of m, N, V, K, s, rad, its power of ten, and its power of pi/180. */
 static const symbol symbols[] = {
     {"m", {{1, 0, 0, 0, 0, 0}, 0, 0}, 1},   {"N", {{0, 1, 0, 0, 0, 0}, 0, 0}, 1},
     {"V", {{0, 0, 1, 0, 0, 0}, 0, 0}, 1},   {"K", {{0, 0, 0, 1, 0, 0}, 0, 0}, 1},
@@ -65,8 +65,10 @@ static const symbol *find_symbol(const char *text, size_t length)
     return NULL;
 }
 
-/* A symbol alone, or behind a prefix; ten out: power of ten of the prefix. A symbol alone goes
- * first: m is the metre. */
+/*
+ * Find a symbol with or without a prefix, and write the power of ten of the prefix to *ten. A
+ * symbol without a prefix has priority: m is the metre.
+ */
 static const symbol *find_unit(const char *text, size_t length, int *ten)
 {
     const symbol *found = find_symbol(text, length);
@@ -83,7 +85,9 @@ static const symbol *find_unit(const char *text, size_t length, int *ten)
     return found;
 }
 
-/* A whole power: digits, or '^' and a whole number with or without a sign; 1 where there is none.
+/*
+ * Read an integer power: digits, or '^' and an integer with an optional sign; the power is 1 if
+ * none is given.
  */
 static int take_power(parser *parser, int *power)
 {
@@ -107,7 +111,7 @@ static int take_power(parser *parser, int *power)
     return 0;
 }
 
-/* One factor, times the sign of its power: -1 behind a '/'. */
+/* Read one factor; its power is multiplied by sign, which is -1 after a '/'. */
 static int take_factor(parser *parser, int sign)
 {
     const char *const start = parser->at;
@@ -135,7 +139,9 @@ static int take_factor(parser *parser, int sign)
 
 /* ---- products and quotients ------------------------------------------- */
 
-/* Is there another factor of a product? Its sign of multiplication is taken. */
+/*
+ * Return whether a product has another factor, and skip the multiplication sign before that factor.
+ */
 static int another(parser *parser)
 {
     skip_blanks(parser);
@@ -156,7 +162,7 @@ static int take_product(parser *parser, int sign)
     return 0;
 }
 
-/* What stands behind a '/': one factor, or a product in brackets. */
+/* Read a divisor, the part after a '/': one factor, or a product in parentheses. */
 static int take_divisor(parser *parser)
 {
     if (*parser->at != '(') {
@@ -216,7 +222,10 @@ static const char *skip_digits(const char *at)
     return at;
 }
 
-/* End of the mantissa of a plain number at `at`, or `at` itself where there is none. */
+/*
+ * Return the end of the mantissa of a plain number that starts at `at`, or `at` if there is no
+ * number.
+ */
 static const char *skip_mantissa(const char *at)
 {
     const char *const first = *at == '-' || *at == '+' ? at + 1 : at;
@@ -226,7 +235,9 @@ static const char *skip_mantissa(const char *at)
     return digits > 0 ? end : at;
 }
 
-/* End of a decimal exponent at `at`, or `at` where none is there: the e of "3 e" belongs to a unit.
+/*
+ * Return the end of a decimal exponent that starts at `at`, or `at` if there is none: the e of
+ * "3 e" belongs to a unit.
  */
 static const char *skip_exponent(const char *at)
 {

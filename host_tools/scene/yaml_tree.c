@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* YAML documents as trees: building from libyaml's events, changes from the command line, messages.
+/*
+ * YAML documents as trees: construction from the events of libyaml, changes from the command line,
+ * and error messages.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "yaml_tree.h"
@@ -23,7 +25,7 @@ static void make_one_line(char *text)
     if (n < SCENE_ERROR - 1)
         return;
     while (n > 0 && ((unsigned char)text[n - 1] & 0xC0) == 0x80)
-        text[--n] = 0; /* a character cut in two */
+        text[--n] = 0; /* a multi-byte character has been cut in two */
     if (n > 0 && ((unsigned char)text[n - 1] & 0x80))
         text[--n] = 0;
 }
@@ -169,10 +171,10 @@ typedef struct builder {
     yaml_parser_t yaml;
     const char *text;
     size_t bytes;
-    int line; /* 0: positions of the file; else that of every node */
+    int line; /* line number assigned to every node; 0: positions from the file */
     int depth;
-    int open[TREE_DEPTH];  /* lists and mappings not yet closed */
-    char *key[TREE_DEPTH]; /* key read in such a mapping, waiting for its value */
+    int open[TREE_DEPTH];  /* nodes of the lists and mappings not yet closed */
+    char *key[TREE_DEPTH]; /* key already read in a mapping that still needs its value */
     scene_at key_at[TREE_DEPTH];
     anchor anchors[TREE_ANCHORS];
     int anchor_count, documents, root;
@@ -186,7 +188,10 @@ static scene_at mark_at(const builder *builder, yaml_mark_t mark)
     return at;
 }
 
-/* libyaml gives no position for bytes that are no text: count the lines before them. */
+/*
+ * Return the position of a byte by counting lines, because libyaml gives no position for bytes that
+ * are not valid text.
+ */
 static scene_at byte_at(const builder *builder, size_t offset)
 {
     scene_at at = {1, 1};
@@ -232,7 +237,7 @@ static int copy_children(tree *tree, int from, int to)
     return 0;
 }
 
-/* Depth is bounded by TREE_DEPTH, size by TREE_NODES. */
+/* Copy a subtree; the depth is limited by TREE_DEPTH and the size by TREE_NODES. */
 static int copy_tree(tree *tree, int from)
 {
     tree_node n = tree->node[from];
@@ -322,7 +327,9 @@ static int take_key(builder *builder, const yaml_event_t *e, scene_at at)
     return builder->key[top] ? 0 : tree_fault_at(builder->t, at, "out of memory");
 }
 
-/* Put a node where the events are: under the waiting key, at the end of the list, or as the root.
+/*
+ * Insert a node at the current position: under the key that needs a value, at the end of the list,
+ * or as the root.
  */
 static int place(builder *builder, int node)
 {
@@ -415,7 +422,7 @@ static int take_events(builder *builder)
     return status;
 }
 
-/* Build nodes from text; the root, 0 on a fault, or -1 if the text holds nothing. */
+/* Build nodes from a text. Returns the root, 0 on a fault, or -1 if the text is empty. */
 static int build(tree *tree, const char *text, size_t bytes, int line)
 {
     builder builder;
@@ -454,7 +461,10 @@ static int names_item(const tree *tree, int item, const char *text, size_t lengt
            strncmp(tree->node[name].text, text, length) == 0;
 }
 
-/* The child that a path starts with: by key or item name (which may hold dots), or by number. */
+/*
+ * Return the child with which a path starts, selected by its key or item name (which may contain
+ * dots) or by its index.
+ */
 static int step(const tree *tree, int node, const char *path, size_t *used)
 {
     size_t left = strlen(path), dot = strcspn(path, ".");

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A YAML document as a tree of plain nodes that remember where they were written, and the fault
- * messages that say so. Bounded in size and depth; one document; aliases are copied in.
+ * A YAML document as a tree of nodes that record their positions in the file, and error messages
+ * that state these positions. A file holds one document of limited size and depth; aliases are
+ * replaced by copies of their anchors.
  */
 #ifndef YAML_TREE_H
 #define YAML_TREE_H
@@ -23,40 +24,46 @@ typedef enum tree_kind { TREE_SCALAR, TREE_LIST, TREE_MAP } tree_kind;
 
 typedef struct tree_node {
     tree_kind kind;
-    char *key;  /* the key it stands under, NULL in a list */
-    char *text; /* of a scalar */
+    char *key;  /* key of the node in a mapping; NULL in a list */
+    char *text; /* text of a scalar */
     scene_at key_at, at;
-    int parent, first, last, next, count; /* nodes; 0 is none */
+    int parent, first, last, next, count; /* indices of related nodes, 0 for none, and number of
+                                             children */
 } tree_node;
 
 typedef struct tree {
     const char *path;
     const char *const *set;
     int sets;
-    char *error;     /* [SCENE_ERROR] */
-    tree_node *node; /* from 1 */
+    char *error;     /* buffer of the error message [SCENE_ERROR] */
+    tree_node *node; /* nodes with indices from 1 */
     int nodes, room, root;
-    uint32_t hash; /* FNV-1a of the file and the set strings */
+    uint32_t hash; /* FNV-1a hash of the text of the file and of the set strings */
 } tree;
 
-/* Read a file and apply the changes "a.b.c=value". Returns 0, or -1 with error filled; tree_free in
- * both cases. */
+/*
+ * Read a file and apply the changes "a.b.c=value". Returns 0, or -1 with error filled; tree_free
+ * must be called in both cases.
+ */
 int tree_read(tree *tree, const char *path, const char *const *set, int sets, char *error);
 void tree_free(tree *tree);
 
-/* The child of a mapping under a key, or 0. */
+/* Return the child of a mapping with the given key, or 0. */
 int tree_find(const tree *tree, int map, const char *key);
 
-/* The nearest key at or above a node: what a reader would call it. */
+/* Return the key of a node, or of its nearest ancestor that has a key. */
 const char *tree_name(const tree *tree, int node);
 
-/* Fill the tree's error for a fault at a node, or at its key; both return -1. */
+/*
+ * Write the error message of the tree for a fault at a node (tree_fault) or at a position
+ * (tree_fault_at). Both return -1.
+ */
 int tree_fault(const tree *tree, int node, const char *format, ...);
 int tree_fault_at(const tree *tree, scene_at at, const char *format, ...);
 
 /*
- * Write "file:line:column: message" on one line; returns -1.
- * A line of -(k+1) stands for set[k], 0 for the file as a whole.
+ * Write "file:line:column: message" on one line; returns -1. A line of -(k+1) refers to set[k], and
+ * line 0 to the file as a whole.
  */
 int tree_message(char *error, const char *path, const char *const *set, scene_at at,
                  const char *format, va_list list);
