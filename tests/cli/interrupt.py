@@ -102,4 +102,6 @@ def quiet(pzs, _folder):
 LAWS = {"file": interrupted_file, "device": interrupted_device, "terminal": on_terminal, "quiet": quiet}
 
 if __name__ == "__main__":
+    for ignored in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(ignored, signal.SIG_DFL)  # a job in the background ignores some, and pzs inherits that
     LAWS[sys.argv[3]](sys.argv[1], sys.argv[2])

@@ -491,7 +491,8 @@ static void test_bad_structure(void **state)
                      0);
     assert_int_equal(analysis_influence(&b.run.analysis, b.error), 0);
     assert_int_equal(simulate_open(&b.s, &b.run.analysis, b.error), -1);
-    assert_non_null(strstr(b.error, "hysteresis is a part of the range of the voltages; add limits"));
+    assert_non_null(
+        strstr(b.error, "hysteresis is a part of the range of the voltages; add limits"));
     scene_run_close(&b.run);
 }
 
