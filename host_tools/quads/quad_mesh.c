@@ -20,6 +20,8 @@ void quad_mesh_free(quad_mesh *mesh)
     free(mesh->axis);
     free(mesh->constrained);
     free(mesh->order);
+    free(mesh->node_label);
+    free(mesh->element_label);
     free(mesh->element);
     free(mesh->area);
     free(mesh->element_region);

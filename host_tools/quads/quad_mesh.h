@@ -36,8 +36,10 @@ typedef struct quad_mesh {
                           e1 */
     uint8_t *constrained; /* [nodes] bit i is set where dof i of the node is held at 0; NULL: none
                            */
-    uint32_t *order; /* [nodes] the nodes in the order in which their dof are numbered; NULL: as
-                        they are */
+    uint32_t *order;     /* [nodes] the nodes in the order in which their dof are numbered; NULL: as
+                            they are */
+    int64_t *node_label; /* [nodes] numbers of the nodes in the mesh file; NULL: none */
+    int64_t *element_label;   /* [elements] numbers of the elements in the mesh file; NULL: none */
     uint32_t (*element)[4];   /* [elements] nodes of the corners (-,-) (+,-) (+,+) (-,+), counted
                                  counterclockwise when seen from the outer face */
     double *area;             /* [elements] exact areas (m2); NULL: from nodes and directors */
@@ -47,6 +49,7 @@ typedef struct quad_mesh {
     quad_set *node_set;    /* [node_sets] */
     quad_set *element_set; /* [element_sets] */
     quad_set *edge_set;    /* [edge_sets] */
+    uint32_t hash;         /* hash of the mesh file; 0: the mesh comes from no file */
 } quad_mesh;
 
 /* Release the arrays of a mesh, which is empty afterwards. */
