@@ -37,6 +37,9 @@ typedef struct pzs_element_type {
     pzs_real warp[9]; /* factors of the strains that are added to the mean strain 12 of mode 00 on a
                          warped element (1): 12d^00, 13^01, 23^10, 13^00, 23^00, 11d^00, 11d^01,
                          22d^00, 22d^10. Their sum does not depend on the directors */
+    pzs_real skew[3]; /* alpha_1, alpha_2 (1): the area varies as 1 + alpha_1 xi2 + alpha_2 xi1 over
+                         the element, both are 0 on parallelograms and on elements along lines of
+                         curvature; then L_2/L_1, the ratio of the element's lengths (1) */
 } pzs_element_type;
 
 /* A structure. All arrays are const and stay in flash. */

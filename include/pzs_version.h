@@ -15,6 +15,6 @@
  * every init function refuses tables of another format. The number increases whenever the layout of
  * a table struct changes; a test compares the layouts with those recorded for this number.
  */
-#define PZS_TABLE_FORMAT 3u
+#define PZS_TABLE_FORMAT 4u
 
 #endif

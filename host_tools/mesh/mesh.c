@@ -309,6 +309,7 @@ static int build_types(mesh *mesh, char *error)
         corner_tables(mesh, e, &type);
         const laminate_place place = element_place(mesh, e);
         type.thickness = mesh->laminate.thickness;
+        type.skew[2] = place.chord[1] / place.chord[0];
         const int known = find_type(mesh, &type, &place);
         const int k = known < 0 ? mesh->types : known;
         if (known < 0 && add_type(mesh, &type, &place, error) < 0)

@@ -8,7 +8,7 @@
 
 #include "pzs.h"
 
-#if PZS_TABLE_FORMAT != 3
+#if PZS_TABLE_FORMAT != 4
 #error "these tables are of another format than the library reads: run this library's `pzs tables` again"
 #endif
 /* A program that needs one precision defines this macro as 32 or 64 before it includes the tables. */
@@ -67,7 +67,7 @@ static const pzs_real example_reference_voltage[4] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
 };
 static const pzs_problem example_problem = {
-    3u, 0xc3f6a313u, PZS_BY_BITS(0xcea1d1acu, 0x21e7b8b1u), 4, 9,
+    4u, 0xc3f6a313u, PZS_BY_BITS(0xcea1d1acu, 0x21e7b8b1u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
 };
 

@@ -33,7 +33,7 @@ static void write_elements(emitter *emitter, const mesh *mesh)
 static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
-    static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9};
+    static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9}, skews[1] = {3};
     fprintf(emitter->file,
             "/* corner tables of each element type */\n"
             "static const pzs_element_type %s_element_types[%d] = {",
@@ -54,6 +54,8 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
         emit_real(emitter->file, type->thickness);
         fputs("),\n    ", emitter->file);
         emit_nested(emitter->file, type->warp, warps, 1);
+        fputs(",\n    ", emitter->file);
+        emit_nested(emitter->file, type->skew, skews, 1);
         fputs("\n}, ", emitter->file);
         emit_count_reals(emitter, (const double *)type, sizeof *type / sizeof(double));
     }

@@ -2,6 +2,7 @@
 /* The GEX7P4 element: undeformed state and resultants at a displacement (shell.h). */
 #include "shell.h"
 #include "shell_corner.h"
+#include "shell_skew.h"
 #include <string.h>
 
 /*
@@ -215,10 +216,23 @@ static void distribute_warp(const pzs_element_type *type, pzs_real h[4][10])
     h[2][E22D] += w[8] * mean;
 }
 
-/*
- * Replace the strains of all modes, warp included, by their resultants. distribute_warp must
- * follow.
- */
+/* Turn the strains of the plain modes into those that the resultants belong to. */
+static void correct_modes(const pzs_element_type *type, pzs_real e[4][10])
+{
+    add_warp(type, e);
+    if (shell_is_skewed(type))
+        pzs_shell_skew_strains(type->skew, e);
+}
+
+/* Transpose of correct_modes: resultants of the plain modes. */
+static void distribute_modes(const pzs_element_type *type, pzs_real h[4][10])
+{
+    if (shell_is_skewed(type))
+        pzs_shell_skew_resultants(type->skew, h);
+    distribute_warp(type, h);
+}
+
+/* Replace the corrected strains of all modes by their resultants. distribute_modes must follow. */
 static void multiply_modes(const pzs_element_type *type, pzs_real e[4][10])
 {
     for (int m = 0; m < SHELL_MODES; m++)
@@ -237,14 +251,14 @@ static void small_strains(const pzs_element_type *type, unsigned dof_per_node, c
         corner_strains(&rest, &d, type->thickness, e);
         add_modes(modes, e, r);
     }
-    add_warp(type, modes);
+    correct_modes(type, modes);
 }
 
 /* f = sum of L' h in the undeformed state */
 static void small_force(const pzs_element_type *type, unsigned dof_per_node, pzs_real h[4][10],
                         pzs_real *f)
 {
-    distribute_warp(type, h);
+    distribute_modes(type, h);
     memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
     for (int r = 0; r < SHELL_NODES; r++) {
         const shape rest = undeformed_shape(type, r);
@@ -321,7 +335,7 @@ static void derivatives(const pzs_element_type *type, unsigned dof_per_node, con
 }
 
 /*
- * e += L(part u) v, the first variation of the strains of each mode, without the warp.
+ * e += L(part u) v, the first variation of the strains of the plain modes.
  *   d, v [4] in  derivatives of u and of v at the corners
  */
 static void add_variation(const pzs_element_type *type, const shell_corner d[4], pzs_real part,
@@ -351,7 +365,7 @@ static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_
         derivatives(type, dof_per_node, du, v);
         add_variation(type, d, 1, v, e);
     }
-    add_warp(type, e);
+    correct_modes(type, e);
 }
 
 void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
@@ -389,9 +403,16 @@ void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
     for (int m = 0; m < SHELL_MODES; m++)
         for (int i = 0; i < kept_strains[m]; i++)
             h[m][kept_strain[m][i]] = *resultant++;
-    distribute_warp(type, h);
+    distribute_modes(type, h);
     for (int r = 0; r < SHELL_NODES; r++)
         stresses_of_modes(h, r, t[r]);
+}
+
+void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real e[4][10])
+{
+    pzs_shell_skew_strains(type->skew, e);
+    multiply_modes(type, e);
+    pzs_shell_skew_resultants(type->skew, e);
 }
 
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,

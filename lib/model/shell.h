@@ -95,9 +95,16 @@ void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, con
 void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
                        shell_corner shape[4]);
 
-/* Stresses at the corners from resultants [22], the part of the warp included.
+/* Stresses at the corners from resultants [22], the parts of warp and skew included.
  *   t [4][10] out, order of D */
 void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10]);
+
+/*
+ * Replace the strains of the modes of a skewed element, warp included, by the resultants of the
+ * same modes, in place. The strains that a mode does not keep are not read. e [4][10] in: strains;
+ * out: resultants times the element's area (N m)
+ */
+void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real e[4][10]);
 
 /* Force of the stresses t at the corners of a deformed shape.  f [4 dof_per_node] out (N, N m). */
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,

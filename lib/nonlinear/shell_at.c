@@ -14,6 +14,7 @@
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
+#include "../model/shell_skew.h"
 #include "../core/unrolled.h"
 #include <string.h>
 
@@ -274,6 +275,43 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
+ * Strains of the modes in one column of A, of node p. Rows without q have no entry in the columns
+ * of q.
+ */
+static void gather_column(pzs_real a[ROWS][COLUMNS], int column, int p, pzs_real e[4][10])
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int s = 0; s < rows_of_mode[m].count; s++) {
+            const int strain = rows_of_mode[m].strain[s];
+            const bool is_empty = column >= FIRST_Q && !has_q(&rows_of_mode[0], strain);
+            e[m][in_d[strain]] = is_empty ? 0 : mode_sign[m][p] * a[strain][column];
+        }
+}
+
+/* Write the resultants of one column as entries of the stress rows, without the signs of node p. */
+static void scatter_column(pzs_real e[4][10], int column, int p, pzs_real y[22][COLUMNS])
+{
+    for (int m = 0; m < SHELL_MODES; m++)
+        for (int s = 0; s < rows_of_mode[m].count; s++)
+            y[rows_of_mode[m].start + s][column] =
+                mode_sign[m][p] * e[m][in_d[rows_of_mode[m].strain[s]]];
+}
+
+/* The rows of stress_rows for a skewed element, whose modes are coupled, column by column. */
+static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
+                               pzs_real a[ROWS][COLUMNS], pzs_real y[22][COLUMNS])
+{
+    const int columns = dof_per_node == 7 ? COLUMNS : FIRST_Q;
+    for (int column = 0; column < columns; column++) {
+        const int p = column < FIRST_Q ? column / NODE_DOF : column - FIRST_Q;
+        pzs_real e[4][10];
+        gather_column(a, column, p, e);
+        pzs_shell_skewed_resultants(type, e);
+        scatter_column(e, column, p, y);
+    }
+}
+
+/*
  * Replace x and y by their sum and their difference in `count` columns. The sum is stored in x if
  * sum_in_x, else in y.
  */
@@ -456,7 +494,10 @@ static void tangent(const pzs_element_type *type, unsigned dof_per_node,
     pzs_real a[ROWS][COLUMNS], y[22][COLUMNS];
     block pair[10];
     nodal_strains(type, shape, a);
-    stress_rows(type, dof_per_node, a, y);
+    if (shell_is_skewed(type))
+        skewed_stress_rows(type, dof_per_node, a, y);
+    else
+        stress_rows(type, dof_per_node, a, y);
     modes_to_nodes(dof_per_node, y);
     memset(pair, 0, sizeof pair);
     for (int r = 0; r < SHELL_NODES; r++)

@@ -70,7 +70,8 @@ static void fill(void *to, size_t bytes, uint32_t seed)
     }
 }
 
-static void row(unsigned dof_per_node)
+/* One line of counts, then one of the bits of all results. */
+static void row(const char *word, unsigned dof_per_node)
 {
     uint32_t time[4];
     fill(&out, sizeof out, 5);
@@ -81,7 +82,7 @@ static void row(unsigned dof_per_node)
     time[2] = count();
     pzs_shell_system(&kind, dof_per_node, u, given, out.resultant, out.f, out.k);
     time[3] = count();
-    print_text("count");
+    print_text(word);
     print_count("unknowns", dof_per_node);
     print_count("system", between(time[2], time[3]));
     print_count("resultants", between(time[0], time[1]));
@@ -98,8 +99,13 @@ int main(void)
     fill(u, sizeof u, 2);
     fill(du, sizeof du, 3);
     fill(given, sizeof given, 4);
-    row(7);
-    row(6);
+    kind.skew[0] = kind.skew[1] = 0;
+    row("count", 7);
+    row("count", 6);
+    kind.skew[0] = (pzs_real)0.25;
+    kind.skew[1] = (pzs_real)-0.125;
+    kind.skew[2] = (pzs_real)1.5;
+    row("skewed", 7);
     print_text("stack");
     print_count("bytes", board_stack_used());
     print_text("\n");

@@ -9,7 +9,7 @@ dir=$B/bench/shell
 mkdir -p "$dir"
 sed 's/^stack_size.*/stack_size = 32K;/' firmware_demo/boards/mps2_an500.ld >"$dir/board.ld"
 flags='-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -DPZS_NONLINEAR=1 -Iinclude'
-lib='lib/model/shell.c lib/nonlinear/shell_at.c lib/core/guard.c'
+lib='lib/model/shell.c lib/model/shell_skew.c lib/nonlinear/shell_at.c lib/core/guard.c'
 rest='tests/bench/count_shell.c firmware_demo/demos/print.c'
 hard='-mthumb -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16'
 soft='-mthumb -mcpu=cortex-m7 -mfloat-abi=soft -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub,--wrap=__aeabi_drsub,--wrap=__aeabi_dmul,--wrap=__aeabi_ddiv'
@@ -29,6 +29,7 @@ row() {
     tr '=' ' ' <"$dir/out" | awk -v n=$n -v name="$1" -v bits="$2" -v level="$3" -v most="$5" -v same=$same '
         $1 == "count" { text = text sprintf("%s %d unknowns: system %d, resultants %d, force %d", text ? ";" : "", $3, $5, $7, $9) }
         $1 == "count" && $3 == 7 { system_ = $5 }
+        $1 == "skewed" { text = text sprintf("; any quadrilateral: system %d, resultants %d, force %d", $5, $7, $9) }
         $1 == "stack" { stack = $3 }
         END { good = same && system_ > 0 && stack <= 14336 && (most == 0 || system_ <= most)
               printf "%s %d - %s, %d bits, %s:%s; stack %d bytes, bits %s\n", good ? "ok" : "not ok", n, name, bits, level, text,

@@ -208,6 +208,7 @@ static inline rig *rig_open(int n1, int n2, double radius, double step1, double 
                 g->element[i * n2 + j][r] = (uint16_t)node_at(g, i + (r == 1 || r == 2), j + r / 2);
     make_kind(g);
     g->kind.thickness = (pzs_real)h;
+    g->kind.skew[2] = (pzs_real)(step2 / step1);
     make_stiffness(g);
     number(g, fixed);
     make_structure(g, loaded);

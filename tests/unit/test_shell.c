@@ -383,11 +383,15 @@ static void fill(double *x, int n, double size, unsigned *seed)
  * unknowns. */
 enum { SHAPES = 3 * SAMPLES };
 
-/* Any nine shares in the warp, also those that are 0 on these surfaces: the laws hold for all. */
-static void set_warp(one *o)
+/*
+ * Any nine shares in the warp, also those that are 0 on these surfaces, and any skew: the laws hold
+ * for all.
+ */
+static void set_warp_and_skew(one *o)
 {
     unsigned seed = 11;
     fill(o->mesh.type[0].warp, 9, 0.5, &seed);
+    fill(o->mesh.type[0].skew, 2, 0.4, &seed);
     pzs_shell_stiffness(&o->mesh.type[0], o->mesh.dof_per_node, o->mesh.stiffness);
 }
 
@@ -397,11 +401,13 @@ static unsigned build_shape(one *o, int shape)
     element.unknowns = shape % 3 == 2 ? 6 : 7;
     build_sample(o, &samples[shape / 3], &element);
     if (element.cartesian)
-        set_warp(o);
+        set_warp_and_skew(o);
     return (unsigned)element.unknowns;
 }
 
-/* Law: the 12 mean of mode 00 grows by the nine shares times their strains, nothing else changes.
+/*
+ * Law: the 12 mean of mode 00 grows by the nine shares times their strains, nothing else changes,
+ * before the skew is taken into account.
  */
 static void test_warp_shares(void **state)
 {
@@ -414,6 +420,7 @@ static void test_warp_shares(void **state)
         const unsigned dof_per_node = build_shape(&o, i);
         double u[28], with_warp[4][10], plain[4][10];
         fill(u, 4 * (int)dof_per_node, 0.2, &seed);
+        memset(o.mesh.type[0].skew, 0, 2 * sizeof(double));
         pzs_shell_strains_at(&o.mesh.type[0], dof_per_node, u, with_warp);
         const pzs_element_type type = o.mesh.type[0];
         memset(o.mesh.type[0].warp, 0, sizeof type.warp);
