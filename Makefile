@@ -141,6 +141,7 @@ $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)
 $(call for_variants,suggest,64 san64,@host.a)
+$(call for_variants,mesh_error,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,simulate,64 san64,@tests/rigs/scene_run.o @host.a)
@@ -195,6 +196,7 @@ check-long: setup-test
 	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done
+	/usr/bin/python3 tests/bench/mesh_error.py $(B)/pzs
 	@echo 'long checks passed'
 
 # ---- data made by programs of this project -------------------------------

@@ -26,6 +26,7 @@ typedef enum option_id {
     OPTION_LIMIT,
     OPTION_JSON,
     OPTION_STRICT,
+    OPTION_ERROR,
     OPTION_REPORT,
     OPTION_SVG,
     OPTION_VTU,

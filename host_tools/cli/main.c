@@ -12,6 +12,7 @@
 #include "../system/interrupt.h"
 #include "manual.h"
 #include "../model/mass.h"
+#include "../model/mesh_measure.h"
 #include "options.h"
 #include "outfile.h"
 #include "print.h"
@@ -112,6 +113,24 @@ static int run_on_scene(const options *options, command *run)
     return status;
 }
 
+/* ---- discretisation error ---------------------------------------------- */
+
+/*
+ * Estimate the discretisation error of results where the options ask for it. Returns 0, or an exit
+ * code after printing an error message.
+ */
+static int estimate_error(const options *options, const scene *scene, const mesh_values *values,
+                          mesh_measure *measure, const void *context, mesh_error *result)
+{
+    char error[SCENE_ERROR];
+    if (!options->estimates_error)
+        return 0;
+    progress_stage("coarser meshes");
+    if (mesh_error_make(result, scene, values, measure, context, error) < 0)
+        return complain(error, OPTIONS_WRONG);
+    return 0;
+}
+
 /* ---- reports ---------------------------------------------------------- */
 
 /* Function that writes one report of a result. Returns 0, or -1. */
@@ -166,20 +185,30 @@ static int write_vtu(const analysis *analysis, const double *u, const char *path
     return outfile_end(&f, failed);
 }
 
+/* Estimate the discretisation error of the outputs. Returns an exit code. */
+static int solve_error(const options *options, analysis *analysis, const double *value)
+{
+    mesh_values values = {.count = 0};
+    mesh_values_add_outputs(&values, analysis, value);
+    return estimate_error(options, analysis->design.scene, &values, mesh_measure_solve, NULL,
+                          &analysis->mesh_error);
+}
+
 static int solved(const options *options, analysis *analysis, const double *u)
 {
     const pzs_structure *structure = &analysis->design.structure;
     double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
     const solution result = {analysis, u, value};
-    int status = 0;
     if (!value)
         return complain("out of memory", 1);
     pzs_observe(structure, u, value);
     plausible_result(&analysis->warnings, &analysis->design.mesh, u, !analysis->nonlinear,
                      "the solution");
+    int status = solve_error(options, analysis, value);
     progress_stop();
-    (options->as_json ? print_solve_json : print_solve)(analysis, value);
-    if (options->vtu)
+    if (status == 0)
+        (options->as_json ? print_solve_json : print_solve)(analysis, value);
+    if (status == 0 && options->vtu)
         status = write_vtu(analysis, u, options->vtu);
     if (status == 0)
         status = write_reports(options, write_solve, &result);
@@ -260,6 +289,16 @@ static int write_shape(const report_job *job, const void *result)
     return report_shape(job, run->analysis, run->results, run->count, &run->modes);
 }
 
+/* Estimate the discretisation error of the first optimum. Returns an exit code. */
+static int shape_error(shape_run *run, const options *options)
+{
+    const common_limits own = {.source = LIMITS_SCENE};
+    mesh_values values = {.count = 0};
+    mesh_values_add(&values, mesh_shape_name, run->results[1].error);
+    return estimate_error(options, run->analysis->design.scene, &values, mesh_measure_shape,
+                          options->limits ? &options->limit[0] : &own, &run->analysis->mesh_error);
+}
+
 static int command_shape(const options *options, analysis *analysis)
 {
     shape_run run;
@@ -274,9 +313,12 @@ static int command_shape(const options *options, analysis *analysis)
         plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
         plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
                          best->name);
+        status = shape_error(&run, options);
         progress_stop();
-        (options->as_json ? print_shape_json : print_shape)(&run);
-        status = options->vtu ? write_vtu(analysis, run.results[1].u, options->vtu) : 0;
+        if (status == 0)
+            (options->as_json ? print_shape_json : print_shape)(&run);
+        if (status == 0 && options->vtu)
+            status = write_vtu(analysis, best->u, options->vtu);
         if (status == 0)
             status = write_reports(options, write_shape, &run);
     } else {
@@ -404,19 +446,37 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     return status;
 }
 
+/* Estimate the discretisation error of the frequencies. Returns an exit code. */
+static int modes_error(const options *options, const scene *scene, const vibration *vibration,
+                       int number, mesh_error *result)
+{
+    mesh_values values = {.count = 0};
+    for (int i = 0; i < vibration->count; i++) {
+        char name[SCENE_LABEL];
+        mesh_mode_name(i, name);
+        mesh_values_add(&values, name, vibration->frequency[i]);
+    }
+    return estimate_error(options, scene, &values, mesh_measure_modes, &number, result);
+}
+
 /* Compute frequencies and mode shapes of an assembled structure. Returns an exit code. */
 static int modes_of(const options *options, const design *design)
 {
     enum { USUAL_NUMBER = 10 };
     vibration vibration;
+    mesh_error mesh_error = {.meshes = 0};
     char error[SCENE_ERROR];
     const int number = options->number ? options->number : USUAL_NUMBER;
     progress_stage("natural frequencies");
     if (vibration_solve(&vibration, design, number, MASS_LUMPED, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    int status = modes_error(options, design->scene, &vibration, number, &mesh_error);
     progress_stop();
-    (options->as_json ? print_vibration_json : print_vibration)(design, &vibration);
-    const int status = options->vtu ? write_modes(&vibration, &design->mesh, options->vtu) : 0;
+    if (status == 0)
+        (options->as_json ? print_vibration_json : print_vibration)(design, &vibration,
+                                                                    &mesh_error);
+    if (status == 0 && options->vtu)
+        status = write_modes(&vibration, &design->mesh, options->vtu);
     vibration_free(&vibration);
     return status;
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/model/model.h"
+#include "print_mesh_error.h"
 #include "print_outputs.h"
 #include "print_vibration.h"
 #include "../text/words.h"
@@ -220,8 +221,7 @@ static void print_path(const analysis *analysis)
  */
 static void print_discretisation(void)
 {
-    puts("  discretisation error: not part of these figures; compare with a finer mesh, as --set "
-         "mesh.theta1.elements=N\n");
+    puts("  discretisation error: not part of these figures; --error estimates it\n");
 }
 
 void print_solve(analysis *analysis, const double *value)
@@ -242,6 +242,7 @@ void print_solve(analysis *analysis, const double *value)
     for (int k = 0; k < analysis->design.scene->outputs; k++)
         print_output(analysis, k, value);
     print_electrodes(analysis);
+    print_mesh_error(&analysis->mesh_error);
 }
 
 static void json_path(json *json, const analysis *analysis)
@@ -308,6 +309,7 @@ void print_solve_json(analysis *analysis, const double *value)
     json_close(&json, '}');
     if (design->electrodes.count > 0)
         print_electrodes_json(&json, analysis);
+    print_mesh_error_json(&json, &analysis->mesh_error);
     json_close(&json, '}');
 }
 
@@ -523,6 +525,7 @@ void print_shape(const shape_run *run)
     if (analysis->nonlinear)
         print_choice(run);
     print_modes(design->scene, &run->modes);
+    print_mesh_error(&analysis->mesh_error);
     printf("\nshape error %.3f%% of the target with every voltage inside its limit (%s)\n",
            100 * best->error, limits);
 }
@@ -596,5 +599,6 @@ void print_shape_json(const shape_run *run)
     json_close(&json, ']');
     if (run->modes.count > 0)
         print_modes_json(&json, design->scene, &run->modes);
+    print_mesh_error_json(&json, &analysis->mesh_error);
     json_close(&json, '}');
 }

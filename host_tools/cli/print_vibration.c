@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "print_mesh_error.h"
 #include "../text/words.h"
 
 /* ---- modes ------------------------------------------------------------ */
@@ -43,7 +44,7 @@ static void print_mode(const design *design, const vibration *vibration, int mod
     putchar('\n');
 }
 
-void print_vibration(const design *design, const vibration *vibration)
+void print_vibration(const design *design, const vibration *vibration, const mesh_error *mesh_error)
 {
     const scene *scene = design->scene;
     char unit[WORDS_UNIT];
@@ -67,6 +68,7 @@ void print_vibration(const design *design, const vibration *vibration)
     }
     printf("  %-21s %8.2f%% %8.2f%% %8.2f%%\n", "together", 100 * sum[0], 100 * sum[1],
            100 * sum[2]);
+    print_mesh_error(mesh_error);
 }
 
 static void json_mode(json *json, const design *design, const vibration *vibration, int mode)
@@ -84,7 +86,8 @@ static void json_mode(json *json, const design *design, const vibration *vibrati
     json_close(json, '}');
 }
 
-void print_vibration_json(const design *design, const vibration *vibration)
+void print_vibration_json(const design *design, const vibration *vibration,
+                          const mesh_error *mesh_error)
 {
     json json = {stdout, 0, {0}};
     json_open(&json, NULL, '{');
@@ -99,6 +102,7 @@ void print_vibration_json(const design *design, const vibration *vibration)
     for (int i = 0; i < vibration->count; i++)
         json_mode(&json, design, vibration, i);
     json_close(&json, ']');
+    print_mesh_error_json(&json, mesh_error);
     json_close(&json, '}');
 }
 

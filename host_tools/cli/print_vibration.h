@@ -4,14 +4,17 @@
 #define PRINT_VIBRATION_H
 
 #include "../model/certificate.h"
+#include "../model/mesh_error.h"
 #include "../text/json.h"
 
 /*
  * Print the modes of `pzs modes`: frequency, participating mass, and the input that moves each mode
- * most.
+ * most, then the estimated discretisation error of the frequencies.
  */
-void print_vibration(const design *design, const vibration *vibration);
-void print_vibration_json(const design *design, const vibration *vibration);
+void print_vibration(const design *design, const vibration *vibration,
+                     const mesh_error *mesh_error);
+void print_vibration_json(const design *design, const vibration *vibration,
+                          const mesh_error *mesh_error);
 
 /*
  * Print the first natural frequency and the stability of the control loop, or why they could not be

@@ -8,6 +8,7 @@
 
 #include "certificate.h"
 #include "equilibrium.h"
+#include "mesh_error.h"
 #include "plausible.h"
 
 typedef struct analysis {
@@ -32,6 +33,7 @@ typedef struct analysis {
     int quasi_static;        /* write tables even where vibration makes the control loop unstable */
     double linear_error;     /* kinematics auto: difference of the linear from the nonlinear
                                 displacement, relative */
+    mesh_error mesh_error;   /* estimated discretisation error, where it was asked for */
     plausible warnings;      /* warnings on the scene and on its results so far */
 } analysis;
 

@@ -149,7 +149,7 @@ for k in 'scordelis-lo' 'hemisphere'; do
 done
 run 0 solve scordelis-lo --json && json "0 < j['solver_residual'] < 1e-6 and 0 < j['solver_error_estimate'] < 1e-6 and 'error' not in j" &&
     run 0 solve scordelis-lo --report "$dir/r.html" && grep -q '^  linear solve: solver residual .*, solver error estimate .* in the energy norm' "$dir/out" &&
-    grep -q '^  discretisation error: not part of these figures; compare with a finer mesh' "$dir/out" && grep -q 'Solver residual' "$dir/r.html" && grep -q 'Solver error estimate' "$dir/r.html" &&
+    grep -q '^  discretisation error: not part of these figures; --error estimates it' "$dir/out" && grep -q 'Solver residual' "$dir/r.html" && grep -q 'Solver error estimate' "$dir/r.html" &&
     run 0 solve hemisphere && grep -q 'solver residual .* of the load$' "$dir/out" && grep -q '^  discretisation error: not part' "$dir/out"
 check 'errors of the solver are called so, and the discretisation error is said to be missing' $?
 run 0 check plate-50-patches && grep -q '^  control  *[0-9]' "$dir/out" && grep -q '^  linear  *[0-9]' "$dir/out"; check 'check tells what each image needs' $?
@@ -422,6 +422,12 @@ check "the README's picture is the demo's (else: make demo, copy build/plate-50-
 run 0 modes plate-50-patches --number 5 --vtu "$dir/modes.vtu" && grep -q '^ *1 *15\.0' "$dir/out" && grep -q 'mode_5' "$dir/modes.vtu"; check 'modes: a table and a VTU file' $?
 run 0 modes plate-50-patches --number 5 --json && json "all(abs(f/w-1)<.02 for f,w in zip(j['frequency'],[15,36,94,123,133])) and abs(j['mass']-.184)<1e-12 and len(j['modes'][4]['controllability'])==25 and len(j['frequency'])==5"; check 'modes --json' $?
 run 2 modes scordelis-lo && says "no density in material 'concrete'"; check 'modes without a density: exit 2, with the cure' $?
+run 0 solve scordelis-lo --error --json && json "(lambda e: abs(e['extrapolated']/-.3013-1)<.007 and abs(e['value']+.29797)<1e-5 and abs(e['extrapolated']+.3013)<e['uncertainty'] and 1.5<e['order']<2.5)(j['discretisation']['results']['edge']) and j['discretisation']['meshes']==[[16,16],[8,8],[4,4]]"; check 'solve --error: the converged value lies inside' $?
+run 0 solve scordelis-lo --error && grep -q 'extrapolated' "$dir/out"; check 'solve --error: a table' $?
+run 0 shape plate-50-patches --error --json && json "j['discretisation']['results']['shape error']['value']==j['shape_error']"; check 'shape --error' $?
+run 0 modes plate-50-patches --number 2 --error --json && json "j['discretisation']['results']['mode 2']['value']==j['frequency'][1]"; check 'modes --error' $?
+run 2 solve bimorph-actuator --error && says 'mesh.theta1 has 5 elements, which cannot be halved'; check 'solve --error: a mesh that cannot be halved' $?
+run 2 solve mirror --error && says 'no output with a single value'; check 'solve --error: no output' $?
 run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-50-patches --number 2.5 && says '--number' && run 2 check plate-50-patches --number 3 && says 'belongs to modes'; check 'modes: a wrong number' $?
 run 2 tables plate-closed-loop -o "$dir/x.h" && says 'unstable at 1000 ticks a second' && says 'quasi-static' && [ ! -e "$dir/x.h" ]; check 'tables of an unstable loop are refused' $?
 run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set simulate.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Discretisation error from coarser meshes (mesh_error.h). */
+#include "mesh_error.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- estimate --------------------------------------------------------- */
+
+/*
+ * What is still missing of a monotone sequence beyond what second order predicts. ratio: the
+ * difference before the last one over the last one, 4 at second order. The sum of all later
+ * differences is last / (ratio - 1). A sequence that hardly converges is treated as one of ratio
+ * SLOWEST.
+ */
+static double slow_rest(double last, double ratio)
+{
+    const double SLOWEST = 1.25, second_order = 1.0 / 3;
+    return fabs(last) * (1 / (fmax(ratio, SLOWEST) - 1) - second_order);
+}
+
+mesh_estimate mesh_estimate_from(const double *value, int meshes)
+{
+    const double last = value[0] - value[1];
+    mesh_estimate result = {value[0], value[0] + last / 3, 1.5 * fabs(last), NAN};
+    if (meshes < 3)
+        return result;
+    const double before = value[1] - value[2];
+    const double ratio = before / last;
+    result.uncertainty = fmax(fabs(last), fabs(before) / 4);
+    if (ratio > 0 && ratio < 4)
+        result.uncertainty += slow_rest(last, ratio);
+    if (ratio > 1)
+        result.order = log2(ratio);
+    return result;
+}
+
+/* ---- coarser meshes --------------------------------------------------- */
+
+/* Half the number of elements in one direction; 0 where it cannot be halved. */
+static int half_of(int elements)
+{
+    if (elements == 1)
+        return 1;
+    return elements % 2 == 0 ? elements / 2 : 0;
+}
+
+/* Fill coarse with half the elements of fine. Returns 0, or -1 with the reason in error. */
+static int halve(const int fine[2], int coarse[2], char *error)
+{
+    for (int i = 0; i < 2; i++) {
+        coarse[i] = half_of(fine[i]);
+        if (coarse[i] == 0) {
+            snprintf(error, SCENE_ERROR,
+                     "mesh.theta%d has %d elements, which cannot be halved: choose an even number",
+                     i + 1, fine[i]);
+            return -1;
+        }
+    }
+    if (coarse[0] == fine[0] && coarse[1] == fine[1]) {
+        snprintf(error, SCENE_ERROR, "a mesh of %d x %d elements cannot be halved", fine[0],
+                 fine[1]);
+        return -1;
+    }
+    return 0;
+}
+
+/* Read the scene again with other numbers of elements. Returns 0, or -1 with error filled. */
+static int read_coarser(scene *coarse, const scene *fine, const int elements[2], char *error)
+{
+    enum { CHANGE = 48 };
+    char change[2][CHANGE];
+    const char **set = calloc((size_t)fine->sets + 2, sizeof *set);
+    if (!set) {
+        snprintf(error, SCENE_ERROR, "out of memory");
+        return -1;
+    }
+    for (int i = 0; i < fine->sets; i++)
+        set[i] = fine->set[i];
+    for (int i = 0; i < 2; i++) {
+        snprintf(change[i], CHANGE, "mesh.theta%d.elements=%d", i + 1, elements[i]);
+        set[fine->sets + i] = change[i];
+    }
+    const int failed = scene_read(coarse, fine->path, set, fine->sets + 2, error);
+    free(set);
+    return failed;
+}
+
+/*
+ * Compute the results of one coarser mesh; they must be the same ones as on the mesh of the scene.
+ * Returns 0, or -1 with error filled.
+ */
+static int measure_coarser(const mesh_error *result, const scene *fine, const int elements[2],
+                           mesh_measure *measure, const void *context, mesh_values *values,
+                           char *error)
+{
+    scene coarse;
+    char cause[SCENE_ERROR];
+    values->count = 0;
+    int failed = read_coarser(&coarse, fine, elements, cause);
+    if (!failed) {
+        failed = measure(&coarse, context, values, cause);
+        scene_free(&coarse);
+    }
+    if (!failed && values->count != result->values.count) {
+        snprintf(cause, sizeof cause, "it has %d results instead of %d", values->count,
+                 result->values.count);
+        failed = -1;
+    }
+    if (failed)
+        snprintf(error, SCENE_ERROR, "no coarser mesh of %d x %d elements: %.300s", elements[0],
+                 elements[1], cause);
+    return failed;
+}
+
+static void estimate_all(mesh_error *result, const mesh_values *coarser)
+{
+    for (int k = 0; k < result->values.count; k++) {
+        double value[MESH_LEVELS] = {result->values.item[k].value};
+        for (int level = 1; level < result->meshes; level++)
+            value[level] = coarser[level - 1].item[k].value;
+        result->estimate[k] = mesh_estimate_from(value, result->meshes);
+    }
+}
+
+int mesh_error_make(mesh_error *result, const scene *scene, const mesh_values *values,
+                    mesh_measure *measure, const void *context, char *error)
+{
+    memset(result, 0, sizeof *result);
+    if (values->count == 0) {
+        snprintf(error, SCENE_ERROR,
+                 "--error: the scene has no output with a single value: add one to outputs");
+        return -1;
+    }
+    mesh_values *coarser = calloc(MESH_LEVELS - 1, sizeof *coarser);
+    int failed = coarser ? 0 : -1;
+    result->values = *values;
+    result->meshes = 1;
+    for (int i = 0; i < 2; i++)
+        result->elements[0][i] = scene->line[i].elements;
+    snprintf(result->why_two, SCENE_ERROR, "out of memory");
+    for (int level = 1; level < MESH_LEVELS && !failed; level++) {
+        int *elements = result->elements[level];
+        failed = halve(result->elements[level - 1], elements, result->why_two) < 0 ||
+                 measure_coarser(result, scene, elements, measure, context, &coarser[level - 1],
+                                 result->why_two) < 0;
+        if (!failed)
+            result->meshes++;
+    }
+    if (result->meshes > 1)
+        estimate_all(result, coarser);
+    else
+        snprintf(error, SCENE_ERROR, "--error: %.360s", result->why_two);
+    free(coarser);
+    return result->meshes > 1 ? 0 : -1;
+}

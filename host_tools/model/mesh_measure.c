@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Results whose discretisation error is estimated (mesh_measure.h). */
+#include <stdio.h>
+#include <stdlib.h>
+#include "design_build.h"
+#include "mass.h"
+#include "mesh_measure.h"
+#include "vibration.h"
+#include "voltages.h"
+
+const char *const mesh_shape_name = "shape error";
+
+void mesh_values_add(mesh_values *values, const char *name, double value)
+{
+    if (values->count == MESH_VALUES)
+        return;
+    snprintf(values->item[values->count].name, SCENE_LABEL, "%s", name);
+    values->item[values->count++].value = value;
+}
+
+void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, const double *value)
+{
+    const scene *scene = analysis->design.scene;
+    for (int k = 0; k < scene->outputs; k++)
+        if (analysis_outputs(analysis, k) == 1)
+            mesh_values_add(values, scene->output[k].name, analysis_output(analysis, k, 0, value));
+}
+
+void mesh_mode_name(int mode, char name[SCENE_LABEL])
+{
+    snprintf(name, SCENE_LABEL, "mode %d", mode + 1);
+}
+
+/* Solve a prepared analysis and collect its outputs. Returns 0, or -1 with error filled. */
+static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
+{
+    const pzs_structure *structure = &analysis->design.structure;
+    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
+    double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
+    int failed = -1;
+    snprintf(error, SCENE_ERROR, "out of memory");
+    if (u && value)
+        failed = analysis_solve(analysis, u, error);
+    if (!failed) {
+        pzs_observe(structure, u, value);
+        mesh_values_add_outputs(values, analysis, value);
+    }
+    free(u);
+    free(value);
+    return failed;
+}
+
+int mesh_measure_solve(const scene *scene, const void *context, mesh_values *values, char *error)
+{
+    analysis analysis;
+    (void)context;
+    int failed = analysis_prepare(&analysis, scene, error);
+    if (!failed)
+        failed = solve_prepared(&analysis, values, error);
+    analysis_free(&analysis);
+    return failed;
+}
+
+int mesh_measure_shape(const scene *scene, const void *context, mesh_values *values, char *error)
+{
+    const common_limits *limits = context;
+    analysis analysis;
+    voltages result = {.amplifiers = 0};
+    int failed = analysis_prepare(&analysis, scene, error);
+    analysis.nonlinear = scene->kinematics != KINEMATICS_LINEAR;
+    if (!failed)
+        failed = analysis_influence(&analysis, error);
+    if (!failed) {
+        failed = voltages_optimum(&analysis, *limits, &result, error);
+        if (!failed)
+            mesh_values_add(values, mesh_shape_name, result.error);
+        voltages_free(&result);
+    }
+    analysis_free(&analysis);
+    return failed;
+}
+
+int mesh_measure_modes(const scene *scene, const void *context, mesh_values *values, char *error)
+{
+    const int *number = context;
+    design design;
+    vibration vibration;
+    int failed = design_build(&design, scene, error);
+    if (!failed) {
+        failed = vibration_solve(&vibration, &design, *number, MASS_LUMPED, error);
+        for (int i = 0; !failed && i < vibration.count; i++) {
+            char name[SCENE_LABEL];
+            mesh_mode_name(i, name);
+            mesh_values_add(values, name, vibration.frequency[i]);
+        }
+        if (!failed)
+            vibration_free(&vibration);
+    }
+    design_free(&design);
+    return failed;
+}

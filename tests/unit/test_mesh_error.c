@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Discretisation error from coarser meshes: laws of the estimate on sequences that are known. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <float.h>
+#include <math.h>
+#include "../../host_tools/model/mesh_error.h"
+
+/* Values limit + size h^order on meshes with h = 1, 2 and 4, the finest one first. */
+static void sequence(double value[3], double limit, double size, double order)
+{
+    for (int level = 0; level < 3; level++)
+        value[level] = limit + size * pow(2, order * level);
+}
+
+/* A sequence of second order is extrapolated exactly, from two meshes and from three. */
+static void test_second_order_is_exact(void **state)
+{
+    (void)state;
+    double value[3];
+    sequence(value, 3, -0.125, 2);
+    for (int meshes = 2; meshes <= 3; meshes++) {
+        const mesh_estimate estimate = mesh_estimate_from(value, meshes);
+        assert_true(fabs(estimate.extrapolated - 3) <= 8 * DBL_EPSILON * 3);
+        assert_true(estimate.value == value[0]);
+    }
+    assert_true(fabs(mesh_estimate_from(value, 3).order - 2) < 64 * DBL_EPSILON);
+    assert_true(isnan(mesh_estimate_from(value, 2).order));
+}
+
+/* The interval contains the limit of every sequence of one order, from 0.35 to 6, of either sign.
+ */
+static void test_limit_lies_inside(void **state)
+{
+    (void)state;
+    for (double order = 0.35; order <= 6; order += 0.05)
+        for (double size = -0.1; size <= 0.1; size += 0.2) {
+            double value[3];
+            sequence(value, 1, size, order);
+            const mesh_estimate estimate = mesh_estimate_from(value, 3);
+            const double rounding = 64 * DBL_EPSILON;
+            assert_true(fabs(estimate.extrapolated - 1) <= estimate.uncertainty + rounding);
+            assert_true(fabs(estimate.order - order) < 1e-9);
+        }
+}
+
+/*
+ * The interval is no wider than five times the error of the finest mesh where the order is 1 or
+ * more: an estimate that says nothing would pass the test before.
+ */
+static void test_interval_is_useful(void **state)
+{
+    (void)state;
+    for (double order = 1; order <= 2.3; order += 0.1) {
+        double value[3];
+        sequence(value, 1, 0.01, order);
+        assert_true(mesh_estimate_from(value, 3).uncertainty <= 5 * 0.01);
+    }
+}
+
+/* Values that oscillate, do not change, or diverge have no order and a finite, honest interval. */
+static void test_no_convergence(void **state)
+{
+    (void)state;
+    const double oscillating[3] = {1.0, 1.1, 0.9}, constant[3] = {2, 2, 2},
+                 diverging[3] = {4, 2, 1};
+    const mesh_estimate first = mesh_estimate_from(oscillating, 3);
+    assert_true(isnan(first.order) && first.uncertainty >= 0.1 - DBL_EPSILON);
+    const mesh_estimate second = mesh_estimate_from(constant, 3);
+    assert_true(second.extrapolated == 2 && second.uncertainty == 0 && isnan(second.order));
+    const mesh_estimate third = mesh_estimate_from(diverging, 3);
+    assert_true(isnan(third.order) && third.uncertainty >= 2 && isfinite(third.uncertainty));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_second_order_is_exact),
+        cmocka_unit_test(test_limit_lies_inside),
+        cmocka_unit_test(test_interval_is_useful),
+        cmocka_unit_test(test_no_convergence),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
