@@ -41,9 +41,9 @@ FW_TABLES += $(T)/$(1).h
 endef
 FW_COARSE := --set mesh.theta1.elements=5 --set mesh.theta2.elements=5
 FW_HEMISPHERE := --set mesh.theta1.elements=4 --set mesh.theta2.elements=4
-$(eval $(call fw_tables,plate_control,plate-50-patches --set limits.slew=20 --image control))
-$(eval $(call fw_tables,plate_linear,plate-50-patches --set limits.slew=20 --image linear))
-$(eval $(call fw_tables,plate5_linear,plate-50-patches --set limits.slew=20 $(FW_COARSE) --image linear))
+$(eval $(call fw_tables,plate_control,plate-50-patches --set limits.step_limit=20 --image control))
+$(eval $(call fw_tables,plate_linear,plate-50-patches --set limits.step_limit=20 --image linear))
+$(eval $(call fw_tables,plate5_linear,plate-50-patches --set limits.step_limit=20 $(FW_COARSE) --image linear))
 $(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlinear --image nonlinear))
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
 tables: $(FW_TABLES)

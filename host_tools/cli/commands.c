@@ -121,6 +121,18 @@ const command_entry command_table[COMMANDS] = {
                      "pressure. Scenes from measured influence "
                      "matrices (measured) come with a later release.",
                      {"pzs new mirror > new.yaml", NULL}},
+    [COMMAND_MIGRATE] =
+        {"migrate",
+         "SCENE",
+         ARGUMENT_SCENE,
+         NULL,
+         "the scene file with today's keys, on standard output",
+         "Rewrites a scene file of an older version: keys and words that have been replaced get "
+         "their new names, slew (V a tick) becomes rate_limit (V/s) where the scene gives a tick "
+         "rate and step_limit where it does not, and simulate.rate moves to control.rate. Comments "
+         "and layout stay. A scene that needs nothing is printed unchanged. The result is read "
+         "back before it is printed.",
+         {"pzs migrate plate-50-patches > new.yaml", NULL}},
     [COMMAND_COMPLETION] =
         {"completion",
          "[SHELL]",
@@ -200,6 +212,8 @@ const option_entry option_table[OPTIONS] = {
                        "start of every name; default the scene's name"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_TABLES),
                        "output file, or a folder for it"},
+    [OPTION_MIGRATE] = {"--migrate", NULL, "SCENE", ARGUMENT_FILE, NULL, 0,
+                        "the same as pzs migrate SCENE"},
     [OPTION_HELP] = {"--help", "-h", "", ARGUMENT_NONE, NULL, BIT(COMMANDS) - 1u,
                      "this help; behind a command that of the command"},
     [OPTION_VERSION] = {"--version", NULL, "", ARGUMENT_NONE, NULL, 0,

@@ -15,6 +15,7 @@ typedef enum command_id {
     COMMAND_TABLES,
     COMMAND_SIMULATE,
     COMMAND_NEW,
+    COMMAND_MIGRATE,
     COMMAND_COMPLETION,
     COMMAND_MAN,
     COMMAND_HELP,
@@ -37,6 +38,7 @@ typedef enum option_id {
     OPTION_QUASI_STATIC,
     OPTION_PREFIX,
     OPTION_OUTPUT,
+    OPTION_MIGRATE,
     OPTION_HELP,
     OPTION_VERSION,
     OPTIONS

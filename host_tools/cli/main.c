@@ -13,6 +13,7 @@
 #include "manual.h"
 #include "../model/mass.h"
 #include "../model/mesh_measure.h"
+#include "../scene/scene_migrate.h"
 #include "options.h"
 #include "outfile.h"
 #include "print.h"
@@ -46,13 +47,22 @@ static int no_scene(const char *name)
     return OPTIONS_WRONG;
 }
 
-static int open_scene(const options *options, scene *scene)
+/* Find the file of a scene that is a path or the name of a shipped scene. Returns an exit code. */
+static int find_scene(const options *options, char path[OPTIONS_PATH])
 {
-    char path[OPTIONS_PATH], error[SCENE_ERROR];
     struct stat there;
     shipped_path(options->scene, path);
     if (shipped_is_name(options->scene) && stat(path, &there) != 0)
         return no_scene(options->scene);
+    return 0;
+}
+
+static int open_scene(const options *options, scene *scene)
+{
+    char path[OPTIONS_PATH], error[SCENE_ERROR];
+    const int status = find_scene(options, path);
+    if (status)
+        return status;
     return scene_read(scene, path, options->set, options->sets, error) == 0
                ? 0
                : complain(error, OPTIONS_WRONG);
@@ -674,6 +684,20 @@ static int command_new(const options *options)
     return fputs(text, stdout) < 0;
 }
 
+static int command_migrate(const options *options)
+{
+    char path[OPTIONS_PATH], error[SCENE_ERROR], *text;
+    size_t bytes;
+    const int status = find_scene(options, path);
+    if (status)
+        return status;
+    if (scene_migrate(path, &text, &bytes, error) != 0)
+        return complain(error, OPTIONS_WRONG);
+    const size_t written = fwrite(text, 1, bytes, stdout);
+    free(text);
+    return written != bytes;
+}
+
 /* ---- commands --------------------------------------------------------- */
 
 static int print_help(const options *options)
@@ -696,6 +720,7 @@ static int run_command(command_id id, const options *options)
     case COMMAND_TABLES: return run_on_scene(options, command_tables);
     case COMMAND_SIMULATE: return run_on_scene(options, command_simulate);
     case COMMAND_NEW: return command_new(options);
+    case COMMAND_MIGRATE: return command_migrate(options);
     case COMMAND_COMPLETION: manual_completion(stdout); return 0;
     case COMMAND_MAN: manual_page(stdout); return 0;
     case COMMAND_HELP: return print_help(options);
@@ -720,7 +745,7 @@ static int run_line(int argc, char **argv)
         return OPTIONS_WRONG;
     }
     const option_id alone = option_find(argv[1]);
-    const command_id id = command_find(argv[1]);
+    const command_id id = alone == OPTION_MIGRATE ? COMMAND_MIGRATE : command_find(argv[1]);
     if (alone == OPTION_VERSION)
         return printf("pzs %s\n", PZS_VERSION_TEXT) < 0;
     if (alone == OPTION_HELP) {

@@ -187,6 +187,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_PREFIX: return take_file(&options->prefix, value);
     case OPTION_OUTPUT: return take_file(&options->output, value);
     case OPTION_DEVICE: options->device = device_find(value); return 0;
+    case OPTION_MIGRATE:
     case OPTION_HELP:
     case OPTION_VERSION:
     case OPTIONS: break;

@@ -77,7 +77,7 @@ void print_head(const analysis *analysis, const char *influence)
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
     printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
-           scene->element.unknowns);
+           scene->element.dof_per_node);
     if (words_unitless(scene))
         puts("  units: the scene names none; any consistent ones, angles in rad");
     if (analysis->model.info.condition > 0)
@@ -207,10 +207,10 @@ static void print_contact(const analysis *analysis)
 static void print_path(const analysis *analysis)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
-    printf("  %u load step%s, %u linear systems, %s (%u negative pivots)\n", run->info.load_steps,
+    printf("  %u load step%s, %u linear solves, %s (%u negative pivots)\n", run->info.load_steps,
            run->info.load_steps == 1 ? "" : "s", run->info.linear_solves,
            run->info.negative_pivots ? "UNSTABLE" : "stable", run->info.negative_pivots);
-    printf("  settled to %.0e of the displacement (equilibrium.change), solver residual %.1e of "
+    printf("  settled to %.0e of the displacement (equilibrium.tolerance), solver residual %.1e of "
            "the load\n",
            run->settings.tolerance, run->info.residual);
     print_contact(analysis);
@@ -250,9 +250,9 @@ static void json_path(json *json, const analysis *analysis)
     const pzs_solver *run = &analysis->equilibrium.solver;
     json_string(json, "status", pzs_status_text(analysis->status));
     json_number(json, "load_factor", run->info.load_factor);
-    json_number(json, "steps", run->info.load_steps);
+    json_number(json, "load_steps", run->info.load_steps);
     json_number(json, "steps_shortened", run->info.shortened_steps);
-    json_number(json, "systems", run->info.linear_solves);
+    json_number(json, "linear_solves", run->info.linear_solves);
     json_number(json, "iterations", (double)run->info.linear_solves - run->info.load_steps);
     json_number(json, "residual", run->info.residual);
     json_number(json, "solver_residual", run->info.residual);
@@ -263,8 +263,8 @@ static void json_path(json *json, const analysis *analysis)
 static void json_linear(json *json, const analysis *analysis)
 {
     json_string(json, "status", pzs_status_text(analysis->status));
-    json_number(json, "steps", 1);
-    json_number(json, "systems", 1);
+    json_number(json, "load_steps", 1);
+    json_number(json, "linear_solves", 1);
     json_number(json, "iterations", analysis->model.info.refinements);
     json_number(json, "residual", analysis->model.info.residual);
     json_number(json, "solver_residual", analysis->model.info.residual);
@@ -383,7 +383,7 @@ static void print_choice(const shape_run *run)
 {
     const voltages *best = &run->results[1];
     const double tolerance = run->analysis->design.scene->tolerance;
-    printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear systems\n",
+    printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear solves\n",
            best->relinearised, best->relinearised == 1 ? "" : "s", best->linear_solves);
     printf("the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware "
            "%s\n",
@@ -558,7 +558,7 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     if (result->regularisation > 0)
         json_number(json, "regularisation", result->regularisation);
     json_number(json, "relinearised", result->relinearised);
-    json_number(json, "systems", result->linear_solves);
+    json_number(json, "linear_solves", result->linear_solves);
     json_open(json, "voltages", '{');
     for (int k = 0; k < result->amplifiers; k++) {
         scene_amplifier_name(scene, k, name);

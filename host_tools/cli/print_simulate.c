@@ -25,7 +25,7 @@ static void print_csv_head(FILE *file, const scene *scene, int estimates)
 static void print_csv_tick(FILE *file, const scene *scene, int estimates,
                            const simulate_sample *sample)
 {
-    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / scene->simulate.rate,
+    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / scene->control.rate,
             sample->error, sample->active, sample->iterations, (int)sample->status, sample->lost);
     if (estimates)
         fprintf(file, ",%.17g", sample->missed);
@@ -92,8 +92,8 @@ static void print_plant(const simulation *simulation)
     printf(", delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->delay,
            simulate->step, simulate->dead_band);
     printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
-           simulate->at_target ? "at the nonlinear optimum" : "at rest", simulate->ticks,
-           simulate->rate);
+           simulate->at_target ? "at the nonlinear optimum" : "in the undeformed state",
+           simulate->ticks, simulation->nominal->design.scene->control.rate);
 }
 
 static void print_settled(const simulate_phase *phase)
@@ -109,7 +109,7 @@ static void print_settled(const simulate_phase *phase)
 static void print_phases(const simulation *simulation)
 {
     printf("  %-7s %-46s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum", "steady",
-           "clipped", "regularised", "worst", "settled", "slew");
+           "clipped", "regularised", "worst", "settled", "limit");
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
         char name[SIMULATE_PHASE_TEXT];
@@ -199,7 +199,7 @@ void print_simulation(const simulation *simulation)
     double seconds = 0;
     for (int law = 0; law < LAWS; law++)
         seconds += simulation->count[law].seconds;
-    printf("  %.2f s, %ld linear systems of the plant\n", seconds, simulation->plant.systems);
+    printf("  %.2f s, %ld linear solves of the plant\n", seconds, simulation->plant.systems);
 }
 
 /* ---- JSON ------------------------------------------------------------- */

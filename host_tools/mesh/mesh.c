@@ -534,7 +534,7 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 {
     memset(mesh, 0, sizeof *mesh);
     mesh->scene = scene;
-    mesh->dof_per_node = (unsigned)scene->element.unknowns;
+    mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
     for (int a = 0; a < 2; a++)
         mesh->lines[a] = scene->line[a].elements + (is_closed(scene, a) ? 0 : 1);
     mesh->nodes = mesh->lines[0] * mesh->lines[1];

@@ -278,7 +278,7 @@ static void assess(certificate *certificate, const analysis *analysis)
                               &certificate->assumes_measured);
     if (!loop) {
         snprintf(certificate->reason, sizeof certificate->reason,
-                 "the voltage problem is singular; add a regularisation, limits.effort");
+                 "the voltage problem is singular; add a regularisation, limits.regularisation");
         return;
     }
     certificate->is_assessed = true;
@@ -302,7 +302,7 @@ void certificate_make(certificate *certificate, const analysis *analysis)
     certificate->is_made = true;
     certificate->damping = scene->dynamics.damping;
     certificate->has_own_damping = scene->dynamics.damping_given;
-    certificate->rate = scene->simulate.given ? scene->simulate.rate : 0;
+    certificate->rate = scene->control.rate;
     certificate->radius = certificate->gain = certificate->stable_rate = (double)NAN;
     certificate->has_modes =
         vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,

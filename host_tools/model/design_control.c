@@ -20,9 +20,9 @@ static double build_hessian(design *design)
                                               design->influence[(size_t)i * n + k];
     for (size_t j = 0; j < n; j++)
         trace += design->hessian[j * n + j];
-    return design->scene->limits.effort_is_relative
-               ? design->scene->limits.effort * trace / design->amplifiers
-               : design->scene->limits.effort;
+    return design->scene->limits.regularisation_is_relative
+               ? design->scene->limits.regularisation * trace / design->amplifiers
+               : design->scene->limits.regularisation;
 }
 
 /* ---- limits ----------------------------------------------------------- */
@@ -130,7 +130,7 @@ static int build_limits(const design *design, char *error)
     apply_own_limits(&l);
     narrow_by_fields(&l);
     for (int k = 0; k < design->amplifiers; k++)
-        design->step_limit[k] = design->scene->limits.slew;
+        design->step_limit[k] = design->scene->limits.step_limit;
     return check_limits(&l, "", error);
 }
 

@@ -283,7 +283,7 @@ static const char *penetration_cure(const pzs_contact *contact, pzs_status statu
     if (contact->info.penetration == PZS_PENETRATION_BETWEEN_NODES)
         return "refine the mesh there, or enlarge the body";
     if (contact->info.penetration == PZS_PENETRATION_PASSED)
-        return "raise equilibrium.steps, or refine the mesh there";
+        return "raise equilibrium.load_steps, or refine the mesh there";
     return "the node is held or faces away: start the body clear of the shell";
 }
 
@@ -465,10 +465,11 @@ pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_
     }
     const scene_equilibrium *choice = &design->scene->equilibrium;
     set_full(equilibrium);
-    equilibrium->solver.settings.load_steps = (uint16_t)choice->steps;
-    equilibrium->solver.settings.tolerance = choice->change;
-    equilibrium->solver.settings.extrapolated_iterations = (uint16_t)choice->mixed;
-    equilibrium->solver.settings.solve_limit = (uint32_t)choice->systems;
+    equilibrium->solver.settings.load_steps = (uint16_t)choice->load_steps;
+    equilibrium->solver.settings.tolerance = choice->tolerance;
+    equilibrium->solver.settings.extrapolated_iterations =
+        (uint16_t)choice->extrapolated_iterations;
+    equilibrium->solver.settings.solve_limit = (uint32_t)choice->linear_solves;
     return PZS_OK;
 }
 

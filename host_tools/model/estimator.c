@@ -88,7 +88,7 @@ static void find_sizes(estimation *estimation)
         estimation->sigma[i] = settings->loads;
     for (size_t i = loads; i < estimation->disturbances; i++)
         estimation->sigma[i] =
-            settings->volts >= 0 ? settings->volts : default_deviation(design, i - loads);
+            settings->voltages >= 0 ? settings->voltages : default_deviation(design, i - loads);
 }
 
 /* Voltage or charge of the i-th electrode of an output. */

@@ -237,7 +237,7 @@ static void draw_time(const simulate_page *p, double bottom)
     for (int k = 1; k < p->s->phases; k++)
         put(p->file, "M%f %dV%f", draw_on(&p->time, p->s->phase[k].from), TOP, bottom);
     put(p->file, "\"/><text class=\"end\" x=\"%d\" y=\"%f\">tick, of %q in all</text>\n", RIGHT,
-        bottom + 28, p->r->ticks / p->scene->simulate.rate, "s");
+        bottom + 28, p->r->ticks / p->scene->control.rate, "s");
 }
 
 /* Extend the range of an axis to include a value. Values that are not positive are ignored. */

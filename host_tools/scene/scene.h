@@ -54,12 +54,12 @@ typedef enum scene_kinematics {
 
 /* Settings of the solver of the nonlinear equilibrium equations. */
 typedef struct scene_equilibrium {
-    int steps;     /* number of load steps tried first */
-    double change; /* convergence tolerance: largest norm of the last increment relative to the
+    int load_steps;   /* number of load steps tried first */
+    double tolerance; /* convergence tolerance: largest norm of the last increment relative to the
                       displacement of the load step */
-    int mixed;   /* number of iterations of a load step with extrapolated resultants before the true
-                    resultants are used; 0: plain Newton method */
-    int systems; /* largest number of linear solves */
+    int extrapolated_iterations; /* number of iterations of a load step with extrapolated resultants
+                    before the true resultants are used; 0: plain Newton method */
+    int linear_solves;           /* largest number of linear solves */
     scene_at at;
 } scene_equilibrium;
 
@@ -76,8 +76,8 @@ typedef struct scene_element {
     int hr, lin33; /* hr: condense the compliance in the strain modes 01, 10 and 11; lin33: condense
                       the linear part of the normal strain e33 */
     int metric;    /* 1: exact variation of the surface metric through the thickness */
-    int exact_area; /* 1: exact element area; 0: area from the metric at the element centre */
-    int unknowns;   /* dof per node, 7 or 6 */
+    int exact_area;   /* 1: exact element area; 0: area from the metric at the element centre */
+    int dof_per_node; /* 7 or 6 */
 } scene_element;
 
 typedef struct scene_line { /* mesh lines along theta1 or theta2 */
@@ -315,10 +315,11 @@ typedef struct scene_limit { /* voltage limits of the amplifiers [first, first +
 } scene_limit;
 
 typedef struct scene_limits {
-    double lower, upper, slew; /* voltage limits (V) and step limit (V per control step); infinite
-                                  if not given */
-    double effort; /* regularisation of the voltages: absolute, or relative if effort_is_relative */
-    int effort_is_relative;
+    double lower, upper, step_limit; /* voltage limits (V) and step limit (V a tick); infinite if
+                                        not given */
+    double regularisation;           /* weight of the squared voltages: absolute, or relative if
+                                        regularisation_is_relative */
+    int regularisation_is_relative;
     int each_count;
     scene_limit *each; /* limits of individual amplifiers, which override the common ones */
     scene_at at;
@@ -344,7 +345,7 @@ typedef struct scene_estimate {
     scene_reading *reading;
     double loads;     /* standard deviation of the amount of every load, relative to the load of the
                          scene */
-    double volts;     /* standard deviation of the voltage error of an electrode (V); -1: a tenth of
+    double voltages;  /* standard deviation of the voltage error of an electrode (V); -1: a tenth of
                          half its voltage range */
     double tolerance; /* largest fraction of the disturbance that the estimate may leave unobserved;
                          the readings are refused if more remains */
@@ -400,9 +401,8 @@ typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_
 typedef struct scene_simulate {
     int given;
     int ticks, seed;
-    double rate;   /* control rate (ticks per second), used for the time axis */
-    int at_target; /* 1: the controller's influence matrix is that at the nonlinear optimum; 0: at
-                      rest */
+    int at_target; /* 1: the controller's influence matrix is that at the nonlinear optimum; 0: in
+                      the undeformed state */
     scene_kinematics kinematics; /* kinematics of the plant, linear or nonlinear */
     double *stiffness, *d; /* factors of the plant's stiffness and piezoelectric constants that the
                               controller does not know [materials] */
@@ -430,6 +430,11 @@ typedef struct scene_dynamics {
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
                              laminate */
 } scene_dynamics;
+
+/* Data of the control loop on the device. */
+typedef struct scene_control {
+    double rate; /* tick rate (ticks per second); 0 if neither given nor needed by a simulation */
+} scene_control;
 
 typedef struct scene {
     char *path; /* path of the scene file */
@@ -464,6 +469,7 @@ typedef struct scene {
     scene_estimate estimate;
     scene_simulate simulate;
     scene_dynamics dynamics;
+    scene_control control;
     int amplifiers; /* number of amplifiers of all actuators, in the order of the actuators */
     int electrodes; /* number of electrodes of all sensors, in the order of the sensors */
     scene_at at_surface, at_layers;
@@ -479,6 +485,9 @@ typedef struct scene {
  * Returns 0, or -1 with error filled and *scene empty.
  */
 int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error);
+
+/* Read a scene from a text instead of the file at the path, which is named in messages only. */
+int scene_read_text(scene *scene, const char *path, const char *text, size_t bytes, char *error);
 void scene_free(scene *scene);
 
 /*

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section `dynamics` of a scene: data for vibration in addition to the densities. */
+/* Sections `dynamics` (data for vibration in addition to the densities) and `control`. */
 #include "scene_parts.h"
 
 int read_dynamics(reader *reader, int node, void *to, const void *rule)
@@ -16,4 +16,14 @@ int read_dynamics(reader *reader, int node, void *to, const void *rule)
     (void)rule;
     scene->dynamics.damping_given = tree_find(reader->t, node, "damping") != 0;
     return read_map(reader, node, fields, &scene->dynamics);
+}
+
+int read_control(reader *reader, int node, void *to, const void *rule)
+{
+    static const field fields[] = {
+        {"rate", read_real, offsetof(scene_control, rate), &above_zero, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *scene = to;
+    (void)rule;
+    return read_map(reader, node, fields, &scene->control);
 }

@@ -54,14 +54,14 @@ int read_estimate(reader *reader, int node, void *to, const void *rule)
     static const field fields[] = {
         {"readings", read_readings, 0, NULL, 1},
         {"loads", read_real, offsetof(scene_estimate, loads), &not_negative, 0},
-        {"volts", read_real, offsetof(scene_estimate, volts), &not_negative, 0},
+        {"voltages", read_real, offsetof(scene_estimate, voltages), &not_negative, 0},
         {"tolerance", read_real, offsetof(scene_estimate, tolerance), &part, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
     scene->estimate.at = node_at(reader, node);
     scene->estimate.loads = 1;
-    scene->estimate.volts = -1;
+    scene->estimate.voltages = -1;
     scene->estimate.tolerance = 0.5;
     if (!scene->target.given)
         return tree_fault(reader->t, node,

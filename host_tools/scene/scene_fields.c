@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "scene_retired.h"
 #include "scene_units.h"
 
 enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
@@ -87,9 +88,25 @@ int require_kind(reader *reader, int node, tree_kind kind)
                       n->kind == TREE_SCALAR && !*n->text ? "empty" : kind_names[n->kind]);
 }
 
-static int check_keys(reader *reader, int node, const field *fields)
+/* Refuse a key that is not in the table of its mapping. */
+static int refuse_key(reader *reader, int node, const field *fields)
 {
     char cure[LIST_ROOM];
+    const tree_node *const n = &reader->t->node[node];
+    const retired *const row = retired_key(reader->t, node);
+    const char *const section = tree_name(reader->t, n->parent);
+    if (row)
+        return tree_fault_at(reader->t, n->key_at,
+                             "'%s' in %.60s is now called '%s'%s; write the new name, or let pzs "
+                             "migrate rewrite the file",
+                             row->old_name, section, row->new_name, row->remark);
+    suggest(n->key, &fields->key, sizeof *fields, cure);
+    return tree_fault_at(reader->t, n->key_at, "unknown key '%.60s' in %.60s; %s", n->key, section,
+                         cure);
+}
+
+static int check_keys(reader *reader, int node, const field *fields)
+{
     const tree_node *n = reader->t->node;
     const field *f;
     int i;
@@ -97,13 +114,20 @@ static int check_keys(reader *reader, int node, const field *fields)
         for (f = fields; f->key; f++)
             if (strcmp(f->key, n[i].key) == 0)
                 break;
-        if (f->key)
-            continue;
-        suggest(n[i].key, &fields->key, sizeof *fields, cure);
-        return tree_fault_at(reader->t, n[i].key_at, "unknown key '%.60s' in %.60s; %s", n[i].key,
-                             tree_name(reader->t, node), cure);
+        if (!f->key)
+            return refuse_key(reader, i, fields);
     }
     return 0;
+}
+
+/* Read the value of a key, unless the value is a retired word. */
+static int read_child(reader *reader, int node, const field *field, void *to)
+{
+    const retired *const row = retired_word(reader->t, node);
+    if (row)
+        return tree_fault(reader->t, node, "'%.60s: %s' is now called '%s'; write '%s'",
+                          tree_name(reader->t, node), row->old_name, row->new_name, row->new_name);
+    return field->read(reader, node, (char *)to + field->offset, field->rule);
 }
 
 int read_map(reader *reader, int node, const field *fields, void *to)
@@ -116,7 +140,7 @@ int read_map(reader *reader, int node, const field *fields, void *to)
         if (!child && f->required)
             return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", f->key,
                               tree_name(reader->t, node));
-        if (child && f->read(reader, child, (char *)to + f->offset, f->rule) != 0)
+        if (child && read_child(reader, child, f, to) != 0)
             return -1;
     }
     return 0;

@@ -10,28 +10,11 @@
 const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
 
-/*
- * Reject the former name of a preset and report its present name. Returns -1 with the error of the
- * tree filled, otherwise 0.
- */
-static int refuse_former_preset(reader *reader, int node)
-{
-    static const char *const renamed[][2] = {{"corrected", "improved"}, {"source", "published"}};
-    const char *text = node_text(reader, node);
-    for (int i = 0; text && i < 2; i++)
-        if (strcmp(text, renamed[i][0]) == 0)
-            return tree_fault(reader->t, node, "'%.60s: %s' is now called '%s'; write '%s'",
-                              tree_name(reader->t, node), text, renamed[i][1], renamed[i][1]);
-    return 0;
-}
-
 static int read_preset(reader *reader, int node, void *to, const void *rule)
 {
     static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
     int is_published = 0;
     (void)rule;
-    if (refuse_former_preset(reader, node) != 0)
-        return -1;
     if (read_choice(reader, node, &is_published, presets) != 0)
         return -1;
     *(scene_element *)to = is_published ? element_published : element_improved;

@@ -24,8 +24,8 @@ field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_out
 /* Measurements from which the firmware estimates the shape (scene_estimate.c). */
 field_read read_estimate;
 
-/* Data for vibration (scene_dynamics.c). */
-field_read read_dynamics;
+/* Data for vibration, and of the control loop on the device (scene_dynamics.c). */
+field_read read_dynamics, read_control;
 
 /* Closed-loop simulation (scene_simulate.c). */
 field_read read_simulate;

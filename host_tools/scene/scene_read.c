@@ -19,17 +19,17 @@ static int read_units(reader *reader, int node, void *to, const void *rule)
     return read_map(reader, node, fields, to);
 }
 
-static int read_unknowns(reader *reader, int node, void *to, const void *rule)
+static int read_dof_per_node(reader *reader, int node, void *to, const void *rule)
 {
     static const choice counts[] = {{"7", 7}, {"6", 6}, {NULL, 0}};
     scene_element *element = &((scene *)to)->element;
     (void)rule;
-    if (read_choice(reader, node, &element->unknowns, counts) != 0)
+    if (read_choice(reader, node, &element->dof_per_node, counts) != 0)
         return -1;
-    if (element->unknowns == 7 || element->lin33)
+    if (element->dof_per_node == 7 || element->lin33)
         return 0;
     return tree_fault(reader->t, node,
-                      "'unknowns: 6' needs lin33; use element: improved, or unknowns: 7");
+                      "'dof_per_node: 6' needs lin33; use element: improved, or dof_per_node: 7");
 }
 
 static const choice kinematics[] = {{"linear", KINEMATICS_LINEAR},
@@ -54,7 +54,7 @@ static const field sections[] = {{"name", read_name, offsetof(scene, name), NULL
                                  {"about", read_text, offsetof(scene, about), NULL, 0},
                                  {"units", read_units, 0, NULL, 0},
                                  {"element", read_element, 0, NULL, 0},
-                                 {"unknowns", read_unknowns, 0, NULL, 0},
+                                 {"dof_per_node", read_dof_per_node, 0, NULL, 0},
                                  {"kinematics", read_kinematics, 0, kinematics, 0},
                                  {"tolerance", read_real, offsetof(scene, tolerance), &relative, 0},
                                  {"equilibrium", read_equilibrium, 0, NULL, 0},
@@ -66,6 +66,7 @@ static const field sections[] = {{"name", read_name, offsetof(scene, name), NULL
                                  {"patches", read_patches, 0, NULL, 0},
                                  {"actuators", read_actuators, 0, NULL, 0},
                                  {"sensors", read_sensors, 0, NULL, 0},
+                                 {"control", read_control, 0, NULL, 0},
                                  {"limits", read_limits, 0, NULL, 0},
                                  {"supports", read_supports, 0, NULL, 0},
                                  {"loads", read_loads, 0, NULL, 0},
@@ -103,15 +104,15 @@ static void set_defaults(scene *scene)
 {
     scene->element = element_improved;
     scene->tolerance = 0.01;
-    scene->equilibrium.steps = 1;
-    scene->equilibrium.change = 1e-4;
-    scene->equilibrium.mixed = 12;
-    scene->equilibrium.systems = 400;
+    scene->equilibrium.load_steps = 1;
+    scene->equilibrium.tolerance = 1e-4;
+    scene->equilibrium.extrapolated_iterations = 12;
+    scene->equilibrium.linear_solves = 400;
     scene->reference_is_middle = 1;
     scene->dynamics.damping = 0.005;
     scene->dynamics.modes = 30;
     scene->limits.lower = -HUGE_VAL;
-    scene->limits.upper = scene->limits.slew = HUGE_VAL;
+    scene->limits.upper = scene->limits.step_limit = HUGE_VAL;
 }
 
 static int fill(scene *scene, tree *tree, char *error)
@@ -127,16 +128,28 @@ static int fill(scene *scene, tree *tree, char *error)
     return read_map(&reader, tree->root, sections, scene) == 0 ? scene_check(scene, error) : -1;
 }
 
-int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error)
+/* Fill the scene from a tree that was read with the given status, and release the tree. */
+static int take_tree(scene *scene, tree *tree, int status, char *error)
 {
-    tree tree;
-    int status;
     memset(scene, 0, sizeof *scene);
-    status = tree_read(&tree, path, set, sets, error);
     if (status == 0)
-        status = fill(scene, &tree, error);
-    tree_free(&tree);
+        status = fill(scene, tree, error);
+    tree_free(tree);
     if (status != 0)
         scene_free(scene);
     return status;
+}
+
+int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error)
+{
+    tree tree;
+    const int status = tree_read(&tree, path, set, sets, error);
+    return take_tree(scene, &tree, status, error);
+}
+
+int scene_read_text(scene *scene, const char *path, const char *text, size_t bytes, char *error)
+{
+    tree tree;
+    const int status = tree_read_text(&tree, path, text, bytes, error);
+    return take_tree(scene, &tree, status, error);
 }

@@ -218,7 +218,7 @@ static int read_event_told(reader *reader, int node, void *to, const void *rule)
     event_text *text = to;
     text->told_given = 1;
     if (reader->t->node[node].kind == TREE_SCALAR &&
-        strcmp(node_text(reader, node), "found") == 0) {
+        strcmp(node_text(reader, node), "detected") == 0) {
         text->event->told = TOLD_FOUND;
         reader->s->simulate.finds = 1;
         return 0;
@@ -258,35 +258,37 @@ static int check_event(reader *reader, int node, const event_text *text)
     if (text->kinds == 0)
         return tree_fault(
             reader->t, node,
-            "an event needs one of target, value, load, temperature, dead, stuck, alive, nan, "
-            "frozen, lost");
+            "an event needs one of target, value, load, temperature, dead, stuck, alive, "
+            "missing_sensors, stuck_sensors, missed_ticks");
     if (text->amount_given != (type == EVENT_LOAD))
         return tree_fault(reader->t, node,
                           text->amount_given
-                              ? "'amount' belongs to a load; remove it"
-                              : "a load needs an amount, as amount: 0 to take it off");
+                              ? "'factor' belongs to a load; remove it"
+                              : "a load needs a factor, as factor: 0 to take it off");
     if (text->ticks_given != sensors)
         return tree_fault(reader->t, node,
-                          text->ticks_given ? "'ticks' belongs to nan and frozen; remove it"
-                                            : "sensors fail for some ticks; add ticks: 20");
+                          text->ticks_given
+                              ? "'ticks' belongs to missing_sensors and stuck_sensors; remove it"
+                              : "sensors fail for some ticks; add ticks: 20");
     if (text->told_given && !electrodes)
         return tree_fault(reader->t, node,
-                          "'told' belongs to dead and stuck electrodes; remove it");
+                          "'announced' belongs to dead and stuck electrodes; remove it");
     if (text->known_given && type == EVENT_TEMPERATURE)
-        return tree_fault(reader->t, node,
-                          "a known temperature is a load of the scene; add {temperature: 1} to "
-                          "loads, write its number and "
-                          "the kelvin as load and amount");
+        return tree_fault(
+            reader->t, node,
+            "a temperature that is fed forward is a load of the scene; add {temperature: 1} to "
+            "loads, write its number and "
+            "the kelvin as load and amount");
     if (text->known_given && type != EVENT_LOAD)
-        return tree_fault(reader->t, node, "'known' belongs to a load; remove it");
+        return tree_fault(reader->t, node, "'feed_forward' belongs to a load; remove it");
     return 0;
 }
 
 static int read_event(reader *reader, int node, scene_event *event)
 {
     static const range waits = {0, 1e7, 0,
-                                "must be ticks from 0, or found: the controller finds it; leave it "
-                                "out and it is never told"};
+                                "must be ticks from 0, or detected: the fault detector finds it; "
+                                "leave it out and it is never announced"};
     static const field fields[] = {{"at", read_event_at, 0, NULL, 1},
                                    {"target", read_event_type, 0, &event_types[0], 0},
                                    {"value", read_event_type, 0, &event_types[1], 0},
@@ -295,13 +297,13 @@ static int read_event(reader *reader, int node, scene_event *event)
                                    {"dead", read_event_type, 0, &event_types[4], 0},
                                    {"stuck", read_event_type, 0, &event_types[5], 0},
                                    {"alive", read_event_type, 0, &event_types[6], 0},
-                                   {"nan", read_event_type, 0, &event_types[7], 0},
-                                   {"frozen", read_event_type, 0, &event_types[8], 0},
-                                   {"lost", read_event_type, 0, &event_types[9], 0},
-                                   {"amount", read_event_amount, 0, NULL, 0},
+                                   {"missing_sensors", read_event_type, 0, &event_types[7], 0},
+                                   {"stuck_sensors", read_event_type, 0, &event_types[8], 0},
+                                   {"missed_ticks", read_event_type, 0, &event_types[9], 0},
+                                   {"factor", read_event_amount, 0, NULL, 0},
                                    {"ticks", read_event_ticks, 0, &tick_count, 0},
-                                   {"told", read_event_told, 0, &waits, 0},
-                                   {"known", read_event_known, 0, NULL, 0},
+                                   {"announced", read_event_told, 0, &waits, 0},
+                                   {"feed_forward", read_event_known, 0, NULL, 0},
                                    {NULL, NULL, 0, NULL, 0}};
     event_text text = {0};
     text.event = event;
@@ -337,10 +339,10 @@ static int read_events(reader *reader, int node, void *to, const void *rule)
 int read_simulate(reader *reader, int node, void *to, const void *rule)
 {
     static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
-    static const choice places[] = {{"rest", 0}, {"target", 1}, {NULL, 0}};
+    static const choice places[] = {{"undeformed", 0}, {"target", 1}, {NULL, 0}};
+    static const double default_rate = 1000;
     static const field fields[] = {
         {"ticks", read_int, offsetof(scene_simulate, ticks), &tick_count, 1},
-        {"rate", read_real, offsetof(scene_simulate, rate), &above_zero, 0},
         {"seed", read_int, offsetof(scene_simulate, seed), &seeds, 0},
         {"influence", read_choice, offsetof(scene_simulate, at_target), places, 0},
         {"plant", read_plant, 0, NULL, 0},
@@ -352,7 +354,8 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
     scene *scene = to;
     (void)rule;
     scene->simulate.at = node_at(reader, node);
-    scene->simulate.rate = 1000;
+    if (scene->control.rate == 0)
+        scene->control.rate = default_rate;
     scene->simulate.seed = 1;
     scene->simulate.kinematics =
         scene->kinematics == KINEMATICS_LINEAR ? KINEMATICS_LINEAR : KINEMATICS_NONLINEAR;

@@ -15,14 +15,15 @@
 int read_equilibrium(reader *reader, int node, void *to, const void *rule)
 {
     static const range stepped = {1, 10000, 0, "must be from 1 to 10000"};
-    static const range mixed = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
+    static const range extrapolated = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
     static const range allowed = {1, 1000000, 0, "must be from 1 to 1000000"};
     static const range small = {1e-12, 0.1, 0, "must lie between 1e-12 and 0.1"};
     static const field fields[] = {
-        {"steps", read_int, offsetof(scene_equilibrium, steps), &stepped, 0},
-        {"change", read_real, offsetof(scene_equilibrium, change), &small, 0},
-        {"mixed", read_int, offsetof(scene_equilibrium, mixed), &mixed, 0},
-        {"systems", read_int, offsetof(scene_equilibrium, systems), &allowed, 0},
+        {"load_steps", read_int, offsetof(scene_equilibrium, load_steps), &stepped, 0},
+        {"tolerance", read_real, offsetof(scene_equilibrium, tolerance), &small, 0},
+        {"extrapolated_iterations", read_int, offsetof(scene_equilibrium, extrapolated_iterations),
+         &extrapolated, 0},
+        {"linear_solves", read_int, offsetof(scene_equilibrium, linear_solves), &allowed, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
@@ -216,16 +217,16 @@ static int read_voltage(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-static int read_effort(reader *reader, int node, void *to, const void *rule)
+static int read_regularisation(reader *reader, int node, void *to, const void *rule)
 {
     static const field fields[] = {{"relative", read_real, 0, &not_negative, 1},
                                    {NULL, NULL, 0, NULL, 0}};
     scene_limits *limits = to;
     (void)rule;
-    limits->effort_is_relative = reader->t->node[node].kind == TREE_MAP;
-    if (limits->effort_is_relative)
-        return read_map(reader, node, fields, &limits->effort);
-    return read_real(reader, node, &limits->effort, &not_negative);
+    limits->regularisation_is_relative = reader->t->node[node].kind == TREE_MAP;
+    if (limits->regularisation_is_relative)
+        return read_map(reader, node, fields, &limits->regularisation);
+    return read_real(reader, node, &limits->regularisation, &not_negative);
 }
 
 static int read_amplifier(reader *reader, int node, void *to, const void *rule)
@@ -287,13 +288,41 @@ static int read_each(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+/* A step limit below this one is a typing error, and vanishes when it is added to a voltage. */
+static const double smallest_step_limit = 1e-60;
+
+/* Read the largest rate of a voltage (V/s) as a step limit (V a tick), which needs the tick rate.
+ */
+static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
+{
+    scene_limits *limits = to;
+    double rate_limit = 0;
+    if (read_real(reader, node, &rate_limit, rule) != 0)
+        return -1;
+    if (tree_find(reader->t, reader->t->node[node].parent, "step_limit"))
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "'rate_limit' and 'step_limit' are both given; keep one");
+    if (reader->s->control.rate == 0)
+        return tree_fault(reader->t, node,
+                          "'rate_limit: %.60s' is per second, but the scene has no tick rate; add "
+                          "control: {rate: 1000}, or give step_limit in volts a tick",
+                          node_text(reader, node));
+    limits->step_limit = rate_limit / reader->s->control.rate;
+    if (limits->step_limit >= smallest_step_limit)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "'rate_limit: %.60s' over the tick rate is below %g volts a tick; raise it",
+                      node_text(reader, node), smallest_step_limit);
+}
+
 int read_limits(reader *reader, int node, void *to, const void *rule)
 {
     static const range some = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
     static const field fields[] = {
         {"voltage", read_voltage, offsetof(scene_limits, lower), NULL, 0},
-        {"slew", read_real, offsetof(scene_limits, slew), &some, 0},
-        {"effort", read_effort, 0, NULL, 0},
+        {"step_limit", read_real, offsetof(scene_limits, step_limit), &some, 0},
+        {"rate_limit", read_rate_limit, 0, &some, 0},
+        {"regularisation", read_regularisation, 0, NULL, 0},
         {"each", read_each, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;

@@ -622,15 +622,13 @@ static int read_file(tree *tree, char **text, size_t *bytes)
     return status;
 }
 
-static int read_tree(tree *tree, char **text)
+/* Build the tree of a text and apply the changes of the command line. */
+static int read_tree(tree *tree, const char *text, size_t bytes)
 {
     scene_at start = {1, 1};
-    size_t bytes = 0;
     int i;
-    if (read_file(tree, text, &bytes) != 0)
-        return -1;
-    tree->hash = hash_more(2166136261u, *text, bytes);
-    tree->root = build(tree, *text, bytes, 0);
+    tree->hash = hash_more(2166136261u, text, bytes);
+    tree->root = build(tree, text, bytes, 0);
     if (tree->root < 0)
         return tree_fault_at(tree, start, "the file is empty; start with name: ...");
     if (tree->root == 0)
@@ -643,17 +641,43 @@ static int read_tree(tree *tree, char **text)
     return 0;
 }
 
+static void start_tree(tree *tree, const char *path, char *error)
+{
+    memset(tree, 0, sizeof *tree);
+    tree->path = path;
+    tree->error = error;
+    error[0] = 0;
+}
+
 int tree_read(tree *tree, const char *path, const char *const *set, int sets, char *error)
 {
     char *text = NULL;
+    size_t bytes = 0;
     int status;
-    memset(tree, 0, sizeof *tree);
-    tree->path = path;
+    start_tree(tree, path, error);
     tree->set = set;
     tree->sets = sets;
-    tree->error = error;
-    error[0] = 0;
-    status = read_tree(tree, &text);
+    status = read_file(tree, &text, &bytes);
+    if (status == 0)
+        status = read_tree(tree, text, bytes);
     free(text);
     return status;
+}
+
+int tree_read_text(tree *tree, const char *path, const char *text, size_t bytes, char *error)
+{
+    start_tree(tree, path, error);
+    return read_tree(tree, text, bytes);
+}
+
+int tree_load(const char *path, char **text, size_t *bytes, char *error)
+{
+    tree tree;
+    start_tree(&tree, path, error);
+    *text = NULL;
+    *bytes = 0;
+    if (read_file(&tree, text, bytes) != 0)
+        return -1;
+    (*text)[*bytes] = 0;
+    return 0;
 }

@@ -46,6 +46,18 @@ typedef struct tree {
  * must be called in both cases.
  */
 int tree_read(tree *tree, const char *path, const char *const *set, int sets, char *error);
+
+/*
+ * Read a text instead of the file at the path, which is named in error messages only; otherwise as
+ * tree_read without changes.
+ */
+int tree_read_text(tree *tree, const char *path, const char *text, size_t bytes, char *error);
+
+/*
+ * Read a whole file into a new text with a NUL behind its bytes, which the caller frees also after
+ * an error. Returns 0, or -1 with error filled.
+ */
+int tree_load(const char *path, char **text, size_t *bytes, char *error);
 void tree_free(tree *tree);
 
 /* Return the child of a mapping with the given key, or 0. */

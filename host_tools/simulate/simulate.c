@@ -95,8 +95,8 @@ static int check_readings(const design *design, char *error)
     for (int r = 0; r < estimate->readings; r++)
         if (design->scene->output[estimate->reading[r].output].electric != ELECTRIC_NONE)
             return scene_fault(design->scene, estimate->reading[r].at, error,
-                               "'%s' is read by an electrode, whose gains are made at rest; "
-                               "write influence: rest in simulate",
+                               "'%s' is read by an electrode, whose gains are made in the "
+                               "undeformed state; write influence: undeformed in simulate",
                                design->scene->output[estimate->reading[r].output].name);
     return 0;
 }
@@ -154,8 +154,8 @@ static int check_free(const design *design, char *error)
         return 0;
     return scene_fault(
         design->scene, design->scene->simulate.at, error,
-        "told: found does not work with target.free: the fault "
-        "detector needs the whole predicted displacement; write told: TICKS or remove target.free");
+        "announced: detected does not work with target.free: the fault detector needs the whole "
+        "predicted displacement; write announced: TICKS or remove target.free");
 }
 
 /*

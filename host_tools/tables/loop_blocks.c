@@ -263,9 +263,9 @@ static void write_outputs(const emitter *emitter, const design *design)
 void loop_names_write(emitter *emitter, const analysis *analysis)
 {
     const design *design = &analysis->design;
-    if (design->scene->simulate.given) {
+    if (design->scene->control.rate > 0) {
         fprintf(emitter->file, "#define %s_TICK_RATE PZS_R(", emitter->upper);
-        emit_real(emitter->file, design->scene->simulate.rate);
+        emit_real(emitter->file, design->scene->control.rate);
         fputs(") /* ticks per second */\n", emitter->file);
     }
     write_amplifiers(emitter, design);

@@ -12,7 +12,7 @@ rest='tests/bench/count_tick.c firmware_demo/demos/print.c'
 rest="$rest $(echo lib/core/*.c lib/control/*.c lib/model/*.c)"
 n=0
 
-"$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.slew=20 \
+"$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
     --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' \
     --image control --prefix demo -o "$dir/count_tick.h" >/dev/null || { echo 'not ok 1 - tables'; exit 1; }
 

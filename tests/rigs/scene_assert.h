@@ -20,7 +20,7 @@
     "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: "     \
     "upper}];"
 
-static const char *const elements[3] = {PUBLISHED, IMPROVED, IMPROVED "unknowns=6;"};
+static const char *const elements[3] = {PUBLISHED, IMPROVED, IMPROVED "dof_per_node=6;"};
 
 static inline void open_run(scene_run *r, const char *name, const char *changes)
 {

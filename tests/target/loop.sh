@@ -8,20 +8,20 @@ PZS=${PZS:-$B/pzs}
 export ARM_CC QEMU
 
 # 200 ticks with an order of every kind to the controller: late and missing measurements, held and released electrodes.
-events='[{at: 30, load: 0, amount: 2}, {at: 50, target: 0.5}, {at: 70, nan: 0.3, ticks: 20}, {at: 95, nan: 1, ticks: 3}, '\
-'{at: 100, lost: 10}, {at: 115, dead: [v_1_1, v_3_2], told: found}, {at: 160, alive: [v_1_1, v_3_2]}, '\
-'{at: 165, stuck: [v_2_4], told: 3}, {at: 172, target: -0.5}]'
+events='[{at: 30, load: 0, factor: 2}, {at: 50, target: 0.5}, {at: 70, missing_sensors: 0.3, ticks: 20}, {at: 95, missing_sensors: 1, ticks: 3}, '\
+'{at: 100, missed_ticks: 10}, {at: 115, dead: [v_1_1, v_3_2], announced: detected}, {at: 160, alive: [v_1_1, v_3_2]}, '\
+'{at: 165, stuck: [v_2_4], announced: 3}, {at: 172, target: -0.5}]'
 
 # The shape from few sensors, known and unknown loads, whole steps, a watch, lost and missing readings.
-few='[{at: 0, load: 0, amount: 0, known: true}, {at: 40, load: 0, amount: 1, known: true}, {at: 70, nan: 0.3, ticks: 10}, '\
-'{at: 80, load: 0, amount: 2}, {at: 90, nan: 1, ticks: 4}, {at: 110, lost: 10}, {at: 125, dead: [v_1_1], told: found}, '\
+few='[{at: 0, load: 0, factor: 0, feed_forward: true}, {at: 40, load: 0, factor: 1, feed_forward: true}, {at: 70, missing_sensors: 0.3, ticks: 10}, '\
+'{at: 80, load: 0, factor: 2}, {at: 90, missing_sensors: 1, ticks: 4}, {at: 110, missed_ticks: 10}, {at: 125, dead: [v_1_1], announced: detected}, '\
 '{at: 160, alive: [v_1_1]}, {at: 165, target: 0.5}]'
 
 # loop NAME ARGUMENTS: the loop's volts in NAME.csv, its summary in NAME.json
 loop() {
     name=$1
     shift
-    "$PZS" simulate plate-closed-loop --set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear \
+    "$PZS" simulate plate-closed-loop --set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear \
         --set simulate.ticks=200 --set simulate.sensors.delay=1 --set "simulate.events=$events" --json --csv "$scratch/$name.csv" "$@" \
         >"$scratch/$name.json" 2>"$scratch/found"
 }
@@ -30,7 +30,7 @@ loop() {
 loop_few() {
     name=$1
     shift
-    "$PZS" simulate plate-few-sensors --set kinematics=linear --set simulate.influence=rest --set simulate.plant.kinematics=linear \
+    "$PZS" simulate plate-few-sensors --set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear \
         --set simulate.ticks=200 --set "simulate.events=$few" --json --csv "$scratch/$name.csv" "$@" \
         >"$scratch/$name.json" 2>"$scratch/found"
 }

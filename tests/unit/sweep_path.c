@@ -135,7 +135,7 @@ static int run_mesh(const shell *shell, int mesh, const char *element, int strid
     const int *n = shell->mesh[mesh];
     snprintf(
         changes, sizeof changes,
-        "element=%s;mesh.theta1.elements=%d;mesh.theta2.elements=%d;equilibrium={change: 1e-9}",
+        "element=%s;mesh.theta1.elements=%d;mesh.theta2.elements=%d;equilibrium={tolerance: 1e-9}",
         element, n[0], n[1]);
     const int opened = scene_run_open(&r, shell->scene, changes) == 0;
     if (!opened)

@@ -135,9 +135,9 @@ static void test_six_unknowns(void **state)
                                          "clamped-plate", "bimorph-actuator"};
     for (int i = 0; i < 5; i++) {
         const int n = i < 4 ? 8 : 0;
-        assert_true(
-            fabs(ratio(scenes[i], IMPROVED "unknowns=6", n, 0) / ratio(scenes[i], IMPROVED, n, 0) -
-                 1) < 1e-7);
+        assert_true(fabs(ratio(scenes[i], IMPROVED "dof_per_node=6", n, 0) /
+                             ratio(scenes[i], IMPROVED, n, 0) -
+                         1) < 1e-7);
     }
 }
 
@@ -279,7 +279,8 @@ static void test_free_bimorph(void **state)
 {
     (void)state;
     static const char *const changes[] = {PUBLISHED, PUBLISHED "materials.piezo.nu=.45", IMPROVED,
-                                          IMPROVED "materials.piezo.nu=.45", IMPROVED "unknowns=6"};
+                                          IMPROVED "materials.piezo.nu=.45",
+                                          IMPROVED "dof_per_node=6"};
     for (int i = 0; i < 5; i++) {
         scene_run r;
         solve_run(&r, "tests/rigs/scenes/free-bimorph.yaml", changes[i]);
@@ -294,7 +295,7 @@ static void test_bimorph_tip(void **state)
     (void)state;
     static const char *const changes[] = {PUBLISHED "mesh.theta1.elements=1",
                                           PUBLISHED "mesh.theta1.elements=40", IMPROVED,
-                                          IMPROVED "unknowns=6"};
+                                          IMPROVED "dof_per_node=6"};
     for (int i = 0; i < 4; i++)
         assert_true(fabs(ratio("bimorph-actuator", changes[i], 0, 0) - 1) < 1e-6);
 }
@@ -399,7 +400,7 @@ static void test_plate_volts(void **state)
 {
     (void)state;
     static const char *const key[3] = {"least_squares", "tikhonov", "box_200"};
-    static const char *const changes[3] = {"", "limits.effort={relative: 1e-3}", ""};
+    static const char *const changes[3] = {"", "limits.regularisation={relative: 1e-3}", ""};
     FILE *file = fopen(DATA "/table7.txt", "r");
     testdata t;
     assert_non_null(file);

@@ -397,7 +397,7 @@ static void test_pyroelectricity(void **state)
 /* ---- large displacements ---------------------------------------------- */
 
 #define FAR                                                                                        \
-    "kinematics=nonlinear;equilibrium={change: 1e-8};loads=[];mesh.theta1.elements=20;"            \
+    "kinematics=nonlinear;equilibrium={tolerance: 1e-8};loads=[];mesh.theta1.elements=20;"         \
     "supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3 mean, value: %s}];"
 
 static void bend_far(scene_run *r, const char *element, const char *by, const char *changes)
@@ -434,7 +434,7 @@ static void test_open_systems(void **state)
         scene_run open, stepped, closed;
         bend_far(&closed, elements[e], "-0.05", "sensors.s.circuit=short");
         bend_far(&open, elements[e], "-0.05", "");
-        bend_far(&stepped, elements[e], "-0.05", "equilibrium.steps=3");
+        bend_far(&stepped, elements[e], "-0.05", "equilibrium.load_steps=3");
         assert_int_equal(open.analysis.equilibrium.solver.info.linear_solves,
                          closed.analysis.equilibrium.solver.info.linear_solves);
         assert_int_equal(stepped.analysis.equilibrium.solver.info.load_steps, 3);
@@ -492,7 +492,7 @@ static void test_energy_at_a_shape(void **state)
         scene_run r;
         double work = 0;
         open_run(&r, "bimorph-sensor",
-                 with(element[e], "kinematics=nonlinear;equilibrium={change: 1e-10};"
+                 with(element[e], "kinematics=nonlinear;equilibrium={tolerance: 1e-10};"
                                   "loads=[{point: {theta1: 0.1, theta2: 0}, u3: 0.1}];"
                                   "outputs=[{name: tip, u3: mean, at: {theta1: 0.1, theta2: 0}}]"));
         analysis *analysis = &r.analysis;

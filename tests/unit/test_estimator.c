@@ -193,7 +193,7 @@ static void test_cannot_see(void **state)
         assert_true(fabs(r.e.worst[i] + r.e.worst[i / 11 * 11 + 10 - i % 11]) < 1e-6);
     rig_close(&r);
     assert_int_equal(
-        rig_open(&r, "estimate={readings: [{output: corner, noise: 1e-6}], loads: 0, volts: 0}"),
+        rig_open(&r, "estimate={readings: [{output: corner, noise: 1e-6}], loads: 0, voltages: 0}"),
         -1);
     assert_non_null(strstr(r.error, "nothing disturbs the shape"));
     rig_close(&r);
@@ -253,8 +253,8 @@ static const refusal bad_sets[] = {
     {"estimate={readings: [{output: corner, noise: 1, name: x}]}", "unknown key 'name'"},
     {"estimate={readings: [{output: corner, noise: 1}], loads: -1}",
      "'loads: -1' must not be below 0"},
-    {"estimate={readings: [{output: corner, noise: 1}], volts: -1}",
-     "'volts: -1' must not be below 0"},
+    {"estimate={readings: [{output: corner, noise: 1}], voltages: -1}",
+     "'voltages: -1' must not be below 0"},
     {"estimate={readings: [{output: corner, noise: 1}], tolerance: 1}",
      "'tolerance: 1' must lie between 0 and 1"},
 };

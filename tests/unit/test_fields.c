@@ -168,7 +168,7 @@ static double sector_turn(const char *element, const char *driven, int size, dou
 static void test_curved_actuator(void **state)
 {
     (void)state;
-    static const char *const changes[3] = {IMPROVED, IMPROVED "unknowns=6;", LOCAL_METRIC};
+    static const char *const changes[3] = {IMPROVED, IMPROVED "dof_per_node=6;", LOCAL_METRIC};
     double tip;
     for (int e = 0; e < 3; e++)
         assert_near("opening",
@@ -291,7 +291,7 @@ static void test_bimetal(void **state)
     /* e33 linear through the package cannot follow the plies: the published element needs nu = 0
      * for it. */
     static const char *const changes[3] = {PUBLISHED STEEL "materials.a.nu=0;materials.b.nu=0;",
-                                           IMPROVED STEEL, IMPROVED STEEL "unknowns=6;"};
+                                           IMPROVED STEEL, IMPROVED STEEL "dof_per_node=6;"};
     for (int e = 0; e < 3; e++) {
         scene_run r;
         solve_run(

@@ -19,11 +19,12 @@
 
 /* A linear plant that is the model's own. */
 #define EXACT                                                                                      \
-    "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: "                       \
+    "kinematics=linear;simulate.influence=undeformed;simulate.plant={kinematics: "                 \
     "linear};simulate.sensors={delay: 0};simulate.amplifiers.step=0;"
 
 /* Limits that do not matter. */
-#define FREE "limits={voltage: [-1e5, 1e5], slew: 1e9, effort: 0};estimate.volts=30;"
+#define FREE                                                                                       \
+    "limits={voltage: [-1e5, 1e5], step_limit: 1e9, regularisation: 0};estimate.voltages=30;"
 
 /* The plate bent by its upper patches; its lower ones are sensors, two read by volts and the others
  * by charge. */
@@ -81,7 +82,7 @@ static void test_sees_what_gains_see(void **state)
 {
     bench b;
     (void)state;
-    open_bench(&b, EXACT "simulate.events=[{at: 0, load: 0, amount: 40}]");
+    open_bench(&b, EXACT "simulate.events=[{at: 0, load: 0, factor: 40}]");
     const design *design = &b.run.analysis.design;
     const estimator *estimator = &b.s.estimator;
     const size_t inputs = design->structure.input.count;
@@ -137,7 +138,7 @@ static void test_electrodes_sense(void **state)
     double off[2];
     bench b;
     (void)state;
-    open_bench(&b, EXACT ELECTRIC "simulate.events=[{at: 0, load: 0, amount: 0}]");
+    open_bench(&b, EXACT ELECTRIC "simulate.events=[{at: 0, load: 0, factor: 0}]");
     assert_int_equal(b.l.sensors, 27);
     for (int at = 0; at < 40; at++) {
         tick(&b, at);
@@ -149,9 +150,9 @@ static void test_electrodes_sense(void **state)
     for (int i = 0; i < 2; i++) {
         open_bench(
             &b, i ? EXACT ELECTRIC "simulate.plant={kinematics: nonlinear};simulate.events=[{at: "
-                                   "0, load: 0, amount: 0}, {at: 0, target: 0.001}]"
+                                   "0, load: 0, factor: 0}, {at: 0, target: 0.001}]"
                   : EXACT ELECTRIC "simulate.plant={kinematics: nonlinear};simulate.events=[{at: "
-                                   "0, load: 0, amount: 0}, {at: 0, target: 0.01}]");
+                                   "0, load: 0, factor: 0}, {at: 0, target: 0.01}]");
         off[i] = 0;
         double most = 0;
         for (int at = 0; at < 12; at++)
@@ -178,9 +179,10 @@ static void test_shipped(void **state)
 {
     bench b;
     (void)state;
-    open_bench(&b, "simulate.ticks=110;simulate.events=[{at: 0, load: 0, amount: 0, known: true}, "
-                   "{at: 40, load: 0, amount: 0.5, known: true}, "
-                   "{at: 75, load: 0, amount: 1}]");
+    open_bench(
+        &b, "simulate.ticks=110;simulate.events=[{at: 0, load: 0, factor: 0, feed_forward: true}, "
+            "{at: 40, load: 0, factor: 0.5, feed_forward: true}, "
+            "{at: 75, load: 0, factor: 1}]");
     assert_true(b.s.estimator.remaining <=
                 b.run.scene.estimate.tolerance * b.s.estimator.disturbed);
     optima(&b);
@@ -219,8 +221,9 @@ static void test_known_load(void **state)
         bench b;
         snprintf(changes, sizeof changes,
                  EXACT FREE
-                 "%s;simulate.ticks=90;simulate.events=[{at: 0, load: 0, amount: 0, known: true}, "
-                 "{at: 30, load: 0, amount: 2, known: true}, {at: 60, load: 0, amount: 3}]",
+                 "%s;simulate.ticks=90;simulate.events=[{at: 0, load: 0, factor: 0, feed_forward: "
+                 "true}, {at: 30, load: 0, factor: 2, feed_forward: true}, "
+                 "{at: 60, load: 0, factor: 3}]",
                  sight[i]);
         open_bench(&b, changes);
         const int late = b.run.scene.simulate.delay;
@@ -270,7 +273,7 @@ static void test_whole_steps(void **state)
  */
 static void test_late_and_dead(void **state)
 {
-    static const char *const told[] = {"told: 0", "told: 9", "told: found"};
+    static const char *const told[] = {"announced: 0", "announced: 9", "announced: detected"};
     (void)state;
     for (int i = 0; i < 3; i++) {
         char changes[500];
@@ -279,7 +282,7 @@ static void test_late_and_dead(void **state)
         snprintf(changes, sizeof changes,
                  EXACT "simulate.sensors={shape: measured, noise: 1e-13, delay: "
                        "5};simulate.ticks=120;simulate.events=[{at: 0, load: 0, "
-                       "amount: 0}, {at: 40, dead: [v_1_1, v_3_2], %s}]",
+                       "factor: 0}, {at: 40, dead: [v_1_1, v_3_2], %s}]",
                  told[i]);
         open_bench(&b, changes);
         for (int at = 0; at < 120; at++) {
@@ -299,10 +302,12 @@ static void test_late_and_dead(void **state)
 /* ---- bad input -------------------------------------------------------- */
 
 static const refusal bad_sets[] = {
-    {"simulate.events=[{at: 5, load: 0, amount: 1, known: maybe}]", "'known: maybe' is not known"},
-    {"simulate.events=[{at: 5, target: 1, known: true}]", "'known' belongs to a load; remove it"},
-    {"simulate.events=[{at: 5, temperature: 20, known: true}]",
-     "a known temperature is a load of the scene; add {temperature: 1}"},
+    {"simulate.events=[{at: 5, load: 0, factor: 1, feed_forward: maybe}]",
+     "'feed_forward: maybe' is not known"},
+    {"simulate.events=[{at: 5, target: 1, feed_forward: true}]",
+     "'feed_forward' belongs to a load; remove it"},
+    {"simulate.events=[{at: 5, temperature: 20, feed_forward: true}]",
+     "a temperature that is fed forward is a load of the scene; add {temperature: 1}"},
     {"simulate.sensors.shape=seen", "'shape: seen' is not known; known: estimated, measured"},
 };
 
@@ -327,8 +332,8 @@ static void test_no_electrodes_at_target(void **state)
     assert_int_equal(analysis_influence(&b.run.analysis, b.error), 0);
     assert_int_equal(simulate_open(&b.s, &b.run.analysis, b.error), -1);
     assert_non_null(strstr(
-        b.error,
-        "'volts' is read by an electrode, whose gains are made at rest; write influence: rest"));
+        b.error, "'volts' is read by an electrode, whose gains are made in the undeformed state; "
+                 "write influence: undeformed"));
     scene_run_close(&b.run);
 }
 

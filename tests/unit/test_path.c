@@ -26,12 +26,13 @@ static void test_pressed_arc(void **state)
         const double side = acos(-1.0) / 2 / n, exact = 1e-4 * 1e8 / 2 / (2.1e7 / (12 * 0.91));
         char changes[512];
         scene_run r;
-        snprintf(changes, sizeof changes,
-                 IMPROVED
-                 "equilibrium.change=1e-9;mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: "
-                 "clamped}, "
-                 "{at: nodes, fix: u2}];loads=[{face: inner, pressure: 1e-4, follower: normal}]",
-                 n);
+        snprintf(
+            changes, sizeof changes,
+            IMPROVED
+            "equilibrium.tolerance=1e-9;mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: "
+            "clamped}, "
+            "{at: nodes, fix: u2}];loads=[{face: inner, pressure: 1e-4, follower: normal}]",
+            n);
         solve_run(&r, "ring-follower", changes);
         assert_true(fabs(scene_run_value(&r, 1) / exact - 1) < side * side / 10 + 1e-4);
         scene_run_close(&r);
@@ -61,7 +62,7 @@ static void test_uneven_ring_inflates_evenly(void **state)
         const double side = mesh[i / COUNT(way)].side;
         char changes[512];
         scene_run r;
-        snprintf(changes, sizeof changes, "equilibrium.change=1e-9;mesh.theta1={points: %s};%s",
+        snprintf(changes, sizeof changes, "equilibrium.tolerance=1e-9;mesh.theta1={points: %s};%s",
                  mesh[i / COUNT(way)].points, way[i % COUNT(way)]);
         solve_run(&r, "ring-follower", changes);
         for (int k = 0; k < 2; k++)
@@ -79,11 +80,11 @@ static void test_steps_agree(void **state)
     (void)state;
     static const char *const steps[] = {"2", "5", "10"};
     scene_run one;
-    solve_run(&one, "annular-plate", IMPROVED MESH(4, 8) "equilibrium={change: 1e-8};");
+    solve_run(&one, "annular-plate", IMPROVED MESH(4, 8) "equilibrium={tolerance: 1e-8};");
     for (size_t i = 0; i < COUNT(steps); i++) {
         char changes[256];
         snprintf(changes, sizeof changes,
-                 IMPROVED MESH(4, 8) "equilibrium={change: 1e-8, steps: %s}", steps[i]);
+                 IMPROVED MESH(4, 8) "equilibrium={tolerance: 1e-8, load_steps: %s}", steps[i]);
         scene_run r;
         solve_run(&r, "annular-plate", changes);
         assert_int_equal(path_of(&r)->info.negative_pivots, 0);
@@ -103,12 +104,14 @@ static void test_astray_meshes(void **state)
     static const char *const mesh[] = {MESH(4, 16), MESH(8, 16), MESH(32, 16)};
     for (size_t i = 0; i < COUNT(mesh); i++) {
         char changes[256];
-        snprintf(changes, sizeof changes, PUBLISHED "%sequilibrium={systems: 1000, change: 1e-7}",
-                 mesh[i]);
+        snprintf(changes, sizeof changes,
+                 PUBLISHED "%sequilibrium={linear_solves: 1000, tolerance: 1e-7}", mesh[i]);
         scene_run mixed;
         solve_run(&mixed, "annular-plate", changes);
         snprintf(changes, sizeof changes,
-                 PUBLISHED "%sequilibrium={systems: 1000, change: 1e-7, mixed: 0}", mesh[i]);
+                 PUBLISHED
+                 "%sequilibrium={linear_solves: 1000, tolerance: 1e-7, extrapolated_iterations: 0}",
+                 mesh[i]);
         scene_run plain;
         solve_run(&plain, "annular-plate", changes);
         print_message("annular plate %s: mixed %u steps %u systems, plain %u steps %u systems\n",
@@ -131,7 +134,8 @@ static void test_mixed_beats_plain(void **state)
     scene_run mixed;
     solve_run(&mixed, "hemisphere", PUBLISHED MESH(4, 4));
     scene_run plain;
-    solve_run(&plain, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={mixed: 0}");
+    solve_run(&plain, "hemisphere",
+              PUBLISHED MESH(4, 4) "equilibrium={extrapolated_iterations: 0}");
     assert_int_equal(path_of(&mixed)->info.load_steps, 1);
     assert_true(path_of(&plain)->info.load_steps > 1);
     assert_true(path_of(&plain)->info.linear_solves > path_of(&mixed)->info.linear_solves);
@@ -272,7 +276,7 @@ static void test_contact_resultant(void **state)
     } cases[] = {
         {"ring-contact", IMPROVED MESH(30, 1), 1, -88.5 * 2.1e7 / (120 * 1e4) / 2},
         {"ring-contact", METRIC_OFF MESH(30, 1) BASE_100, 1, -88.5 * 2.1e7 / (120 * 1e4) / 2},
-        {"cylinder-contact", IMPROVED "equilibrium={change: 1e-6};", 2,
+        {"cylinder-contact", IMPROVED "equilibrium={tolerance: 1e-6};", 2,
          -87.5 * 2.1e7 * 200 / (120 * .91 * 1e4) / 4},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -312,12 +316,12 @@ static void test_contact_stiffness(void **state)
     for (size_t e = 0; e < COUNT(element); e++) {
         char changes[256];
         scene_run ten;
-        snprintf(changes, sizeof changes, "%sequilibrium.change=1e-8;" BASE_100, element[e]);
+        snprintf(changes, sizeof changes, "%sequilibrium.tolerance=1e-8;" BASE_100, element[e]);
         solve_run(&ten, "ring-contact", changes);
         for (size_t k = 0; k < COUNT(stiffness); k++) {
             scene_run r;
             snprintf(changes, sizeof changes,
-                     "%sequilibrium.change=1e-8;" BASE_100 "contact.stiffness=%s", element[e],
+                     "%sequilibrium.tolerance=1e-8;" BASE_100 "contact.stiffness=%s", element[e],
                      stiffness[k]);
             solve_run(&r, "ring-contact", changes);
             if (!(apart(r.u, ten.u, dof_of(&ten)) < 1e-6))
@@ -335,12 +339,12 @@ static void test_contact_stiffness_of_rubber(void **state)
     (void)state;
     static const char *const stiffness[] = {"1e-3", "0.1", "1", "10", "1e3"};
     scene_run hundred;
-    solve_run(&hundred, "torus-contact", PUBLISHED MESH(24, 18) "equilibrium={change: 1e-8};");
+    solve_run(&hundred, "torus-contact", PUBLISHED MESH(24, 18) "equilibrium={tolerance: 1e-8};");
     for (size_t k = 0; k < COUNT(stiffness); k++) {
         char changes[256];
         scene_run r;
         snprintf(changes, sizeof changes,
-                 PUBLISHED MESH(24, 18) "equilibrium={change: 1e-8};contact.stiffness=%s",
+                 PUBLISHED MESH(24, 18) "equilibrium={tolerance: 1e-8};contact.stiffness=%s",
                  stiffness[k]);
         solve_run(&r, "torus-contact", changes);
         assert_int_equal(path_of(&r)->info.load_steps, 1);
@@ -357,12 +361,12 @@ static void test_body_by_formula(void **state)
     static const char *const formula[] = {"sqrt((x-200.5)^2+y^2)-100", "(x-200.5)^2+y^2-1e4",
                                           "1e-6*((x-200.5)^2+y^2)^2-1e2"};
     scene_run body;
-    solve_run(&body, "ring-contact", IMPROVED "equilibrium.change=1e-8;" BASE_100);
+    solve_run(&body, "ring-contact", IMPROVED "equilibrium.tolerance=1e-8;" BASE_100);
     for (size_t i = 0; i < COUNT(formula); i++) {
         char changes[256];
         scene_run r;
         snprintf(changes, sizeof changes,
-                 IMPROVED "equilibrium.change=1e-8;contact.body={type: psi, value: %s}",
+                 IMPROVED "equilibrium.tolerance=1e-8;contact.body={type: psi, value: %s}",
                  formula[i]);
         solve_run(&r, "ring-contact", changes);
         assert_true(apart(r.u, body.u, dof_of(&r)) < 1e-6);
@@ -443,7 +447,7 @@ static void test_thickness_locking(void **state)
 static void test_given_force_at_rest(void **state)
 {
     (void)state;
-    static const char *const element[] = {PUBLISHED, IMPROVED, IMPROVED "unknowns=6;"};
+    static const char *const element[] = {PUBLISHED, IMPROVED, IMPROVED "dof_per_node=6;"};
     for (size_t k = 0; k < COUNT(element); k++) {
         char changes[128];
         scene_run r;
@@ -509,7 +513,7 @@ typedef struct influence_case {
 } influence_case;
 
 #define PLACES "outputs=[{name: x, x: middle, at: nodes}, {name: z, z: middle, at: nodes}];"
-#define TIGHT "equilibrium={change: 1e-12};"
+#define TIGHT "equilibrium={tolerance: 1e-12};"
 
 static const influence_case influences[] = {
     {"roll-up",
@@ -526,8 +530,8 @@ static const influence_case influences[] = {
      IMPROVED PLACES TIGHT "loads.0.u3=0.5;supports=[{edge: theta1-, fix: clamped}, {edge: "
                            "theta1+, fix: u3 mean, value: 5}]",
      2e-3},
-    {"ring-contact", IMPROVED PLACES "equilibrium.change=1e-12;" BASE_100 "contact.move=[-1, 0, 0]",
-     1e-3},
+    {"ring-contact",
+     IMPROVED PLACES "equilibrium.tolerance=1e-12;" BASE_100 "contact.move=[-1, 0, 0]", 1e-3},
 };
 
 /*

@@ -20,7 +20,7 @@ static void test_budget(void **state)
 {
     (void)state;
     scene_run short_run, whole;
-    open_run(&short_run, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={systems: 5}");
+    open_run(&short_run, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={linear_solves: 5}");
     assert_int_equal(scene_run_solve(&short_run), -1);
     assert_int_equal(short_run.analysis.status, PZS_E_SOLVES);
     assert_int_equal(path_of(&short_run)->info.linear_solves, 5);
@@ -28,14 +28,15 @@ static void test_budget(void **state)
                 largest(short_run.u, dof_of(&short_run)) == 0);
     scene_run_close(&short_run);
 
-    open_run(&short_run, "hemisphere",
-             PUBLISHED MESH(4, 4) "equilibrium={systems: 20, steps: 5, change: 1e-8}");
+    open_run(
+        &short_run, "hemisphere",
+        PUBLISHED MESH(4, 4) "equilibrium={linear_solves: 20, load_steps: 5, tolerance: 1e-8}");
     assert_int_equal(scene_run_solve(&short_run), -1);
     assert_int_equal(short_run.analysis.status, PZS_E_SOLVES);
     assert_int_equal(path_of(&short_run)->info.linear_solves, 20);
     const double factor = path_of(&short_run)->info.load_factor;
     assert_true(factor > 0 && factor < 1);
-    open_run(&whole, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={change: 1e-8}");
+    open_run(&whole, "hemisphere", PUBLISHED MESH(4, 4) "equilibrium={tolerance: 1e-8}");
     for (uint32_t j = 0; j < whole.analysis.design.structure.input.count; j++)
         whole.analysis.equilibrium.full_input[j] *= factor;
     assert_int_equal(scene_run_solve(&whole), 0);
@@ -156,8 +157,8 @@ static void test_snap_through(void **state)
         for (int steps = 1; steps <= 10; steps += 9) {
             char changes[128];
             scene_run r;
-            snprintf(changes, sizeof changes, PUBLISHED "loads.0.u3=%s;equilibrium={steps: %d}",
-                     load[i], steps);
+            snprintf(changes, sizeof changes,
+                     PUBLISHED "loads.0.u3=%s;equilibrium={load_steps: %d}", load[i], steps);
             open_run(&r, "tests/rigs/scenes/cap.yaml", changes);
             scene_run_solve(&r);
             check_end(&r, changes);
@@ -171,7 +172,7 @@ static void test_limit_point(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(&r, "ring-contact", PUBLISHED "equilibrium={change: 1e-6, systems: 800}");
+    open_run(&r, "ring-contact", PUBLISHED "equilibrium={tolerance: 1e-6, linear_solves: 800}");
     r.analysis.equilibrium.full_input[0] = r.analysis.equilibrium.full_input[1] = 2;
     assert_int_equal(scene_run_solve(&r), -1);
     assert_int_equal(r.analysis.status, PZS_E_LIMIT);

@@ -102,13 +102,14 @@ static void test_shapes(void **state)
         char equilibrium[128];
         const double *systems = testdata_values(&t, "systems");
         scene_run r;
-        open_case(&r, &t, "change: 1e-10, mixed: 1000");
+        open_case(&r, &t, "tolerance: 1e-10, extrapolated_iterations: 1000");
         const double error = off(&r, &t);
         const unsigned negative = path_of(&r)->info.negative_pivots;
         if (testdata_find(&t, "multiplier"))
             check_contact(&r, &t, 1e-9);
         scene_run_close(&r);
-        snprintf(equilibrium, sizeof equilibrium, "change: %g, mixed: 1000", systems[0]);
+        snprintf(equilibrium, sizeof equilibrium, "tolerance: %g, extrapolated_iterations: 1000",
+                 systems[0]);
         open_case(&r, &t, equilibrium);
         print_message("%-32s off by %.1e, %u systems of %g, %u negative pivots\n", t.name, error,
                       path_of(&r)->info.linear_solves, systems[1], negative);

@@ -36,7 +36,7 @@ typedef struct row {
     }
 #define DEAD "loads=[{face: inner, pressure: -3*2.1e7/(12*(1-0.3^2)*100^3)*(1-cos(2*theta1))}];"
 #define TRUE_PRESSURE "loads.0.follower=pressure;"
-#define STEPS(n) "equilibrium.steps=" #n ";"
+#define STEPS(n) "equilibrium.load_steps=" #n ";"
 
 /* The published element in one load step: systems as its tables or as a second program needed,
  * whichever is more. */
@@ -229,7 +229,7 @@ static const row contacts[] = {
      28,
      0},
     {"cylinder-contact",
-     PUBLISHED "equilibrium={change: 1e-8, steps: 5};",
+     PUBLISHED "equilibrium={tolerance: 1e-8, load_steps: 5};",
      {-195.591, -194.816, 87.907},
      CYLINDER_LOAD,
      5e-4,
@@ -241,7 +241,7 @@ static const row contacts[] = {
 
 static const row slow_contacts[] = {
     {"cylinder-contact",
-     PUBLISHED MESH(20, 60) "equilibrium={change: 1e-8, steps: 5};",
+     PUBLISHED MESH(20, 60) "equilibrium={tolerance: 1e-8, load_steps: 5};",
      {-196.988, -196.033, 87.602},
      CYLINDER_LOAD,
      5e-4,
@@ -486,7 +486,8 @@ static void test_pressed_torus_is_stable(void **state)
     (void)state;
     scene_run r;
     solve_run(&r, "torus-contact",
-              IMPROVED "unknowns=6;mesh.theta2={from: -pi, to: pi, elements: 72, centre: 0.6};");
+              IMPROVED
+              "dof_per_node=6;mesh.theta2={from: -pi, to: pi, elements: 72, centre: 0.6};");
     assert_int_equal(path_of(&r)->info.negative_pivots, 0);
     assert_true(fabs(scene_run_value(&r, 1) / -4199.927 - 1) < 5e-3);
     scene_run_close(&r);
@@ -500,7 +501,7 @@ static void test_flat_base(void **state)
 {
     (void)state;
     scene_run r;
-    open_run(&r, "ring-contact", PUBLISHED BASE_FLAT "equilibrium={change: 1e-8}");
+    open_run(&r, "ring-contact", PUBLISHED BASE_FLAT "equilibrium={tolerance: 1e-8}");
     pzs_solver *solver = path_of(&r);
     double part[8];
     assert_true(r.analysis.design.structure.input.count <= COUNT(part));

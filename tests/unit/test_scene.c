@@ -60,7 +60,7 @@ static const char *const rich[LINES] = {
     "true}}",
     "materials: {steel: {E: 200e9, nu: 0.3}}",
     "layers: [{material: steel, thickness: 1e-3}]",
-    "equilibrium: {steps: 2, change: 1e-6, mixed: 0, systems: 50}",
+    "equilibrium: {load_steps: 2, tolerance: 1e-6, extrapolated_iterations: 0, linear_solves: 50}",
     "tolerance: 0.1",
     "supports: [{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3, value: x}]",
     "loads: [{face: inner, pressure: 1, follower: pressure}]",
@@ -144,26 +144,31 @@ static const bad_line bad_lines[] = {
     {1, "name: t\nequilibrium: 5",
      ":2:14: 'equilibrium' must be a mapping {key: value}, not a single value"},
     {1, "name: t\nequilibrium: {step: 5}",
-     ":2:15: unknown key 'step' in equilibrium; did you mean 'steps'?"},
-    {1, "name: t\nequilibrium: {steps: 0}", ":2:22: 'steps: 0' must be from 1 to 10000"},
-    {1, "name: t\nequilibrium: {steps: 10001}", ":2:22: 'steps: 10001' must be from 1 to 10000"},
-    {1, "name: t\nequilibrium: {steps: 1.5}", ":2:22: 'steps: 1.5' must be a whole number"},
-    {1, "name: t\nequilibrium: {change: 0}", ":2:23: 'change: 0' must lie between 1e-12 and 0.1"},
-    {1, "name: t\nequilibrium: {change: 0.2}",
-     ":2:23: 'change: 0.2' must lie between 1e-12 and 0.1"},
-    {1, "name: t\nequilibrium: {mixed: -1}",
-     ":2:22: 'mixed: -1' must be from 0 (plain Newton) to 1000"},
-    {1, "name: t\nequilibrium: {mixed: 1001}",
-     ":2:22: 'mixed: 1001' must be from 0 (plain Newton) to 1000"},
-    {1, "name: t\nequilibrium: {systems: 0}", ":2:24: 'systems: 0' must be from 1 to 1000000"},
-    {1, "name: t\nequilibrium: {systems: 1000001}",
-     ":2:24: 'systems: 1000001' must be from 1 to 1000000"},
-    {1, "name: t\nequilibrium: {systems: x}", ":2:24: 'systems: x' varies over the surface"},
+     ":2:15: unknown key 'step' in equilibrium; known: load_steps, tolerance"},
+    {1, "name: t\nequilibrium: {load_steps: 0}", ":2:27: 'load_steps: 0' must be from 1 to 10000"},
+    {1, "name: t\nequilibrium: {load_steps: 10001}",
+     ":2:27: 'load_steps: 10001' must be from 1 to 10000"},
+    {1, "name: t\nequilibrium: {load_steps: 1.5}",
+     ":2:27: 'load_steps: 1.5' must be a whole number"},
+    {1, "name: t\nequilibrium: {tolerance: 0}",
+     ":2:26: 'tolerance: 0' must lie between 1e-12 and 0.1"},
+    {1, "name: t\nequilibrium: {tolerance: 0.2}",
+     ":2:26: 'tolerance: 0.2' must lie between 1e-12 and 0.1"},
+    {1, "name: t\nequilibrium: {extrapolated_iterations: -1}",
+     ":2:40: 'extrapolated_iterations: -1' must be from 0 (plain Newton) to 1000"},
+    {1, "name: t\nequilibrium: {extrapolated_iterations: 1001}",
+     ":2:40: 'extrapolated_iterations: 1001' must be from 0 (plain Newton) to 1000"},
+    {1, "name: t\nequilibrium: {linear_solves: 0}",
+     ":2:30: 'linear_solves: 0' must be from 1 to 1000000"},
+    {1, "name: t\nequilibrium: {linear_solves: 1000001}",
+     ":2:30: 'linear_solves: 1000001' must be from 1 to 1000000"},
+    {1, "name: t\nequilibrium: {linear_solves: x}",
+     ":2:30: 'linear_solves: x' varies over the surface"},
     {1, "name: t\nelement: publish",
      ":2:10: 'element: publish' is not known; did you mean 'published'?"},
     {1, "name: t\nelement: {rho: -1}", ":2:16: 'rho: -1' must not be below 0"},
-    {1, "name: t\nelement: published\nunknowns: 6", ":3:11: 'unknowns: 6' needs lin33"},
-    {1, "name: t\nunknowns: 5", ":2:11: 'unknowns: 5' is not known; known: 7, 6"},
+    {1, "name: t\nelement: published\ndof_per_node: 6", ":3:15: 'dof_per_node: 6' needs lin33"},
+    {1, "name: t\ndof_per_node: 5", ":2:15: 'dof_per_node: 5' is not known; known: 7, 6"},
     {1, "name: t\nreference: 1", "'reference: 1' lies above the outer face at 0.002"},
     /* YAML */
     {1, "name: [t", ":2:8: not YAML: while parsing a flow sequence"},
@@ -382,8 +387,8 @@ static const bad_line bad_lines[] = {
     {7, "actuators: [{name: v, temperature: uniform}]", "1 amplifiers; give one for each"},
     {8, "limits: {voltage: [100, -100]}", ":8:19: voltage from 100 to -100 is empty"},
     {8, "limits: {voltage: [100]}", ":8:19: 'voltage' has 1 values; give two"},
-    {8, "limits: {slew: 0}", ":8:16: 'slew: 0' must be above 0"},
-    {8, "limits: {effort: -1}", ":8:18: 'effort: -1' must not be below 0"},
+    {8, "limits: {step_limit: 0}", ":8:22: 'step_limit: 0' must be above 0"},
+    {8, "limits: {regularisation: -1}", ":8:26: 'regularisation: -1' must not be below 0"},
     {8, "limits: {each: [{actuator: w, hold: 0}]}",
      ":8:28: there is no actuator 'w'; the first one is 'v_1_1'"},
     {8, "limits: {each: [{actuator: v_3_1, hold: 0}]}", "there is no actuator 'v_3_1'"},
@@ -672,7 +677,7 @@ static void test_meaning(void **state)
     assert_int_equal(scene.amplifiers, 25);
     assert_int_equal(scene.line[0].elements, 10);
     assert_true(scene.element.cartesian == 0 && scene.element.tau == 0 &&
-                scene.element.exact_area == 0 && scene.element.unknowns == 7);
+                scene.element.exact_area == 0 && scene.element.dof_per_node == 7);
     assert_true(scene.layer[1].angle == 90 && scene.layer[0].patched && !scene.layer[1].patched &&
                 scene.layer[5].poling == 3);
     assert_true(scene.material[1].e[2] == 63e9 && fabs(scene.material[1].g23 - 63e9 / 2.6) < 1 &&
@@ -723,7 +728,7 @@ static void test_changes(void **state)
         "layers.top.thickness=2e-3",
         "layers.0.angle=45",
         "materials.pzt.nu=1/4",
-        "limits.effort={relative: 0.5}",
+        "limits.regularisation={relative: 0.5}",
         "limits.each=[{actuator: v_2_1, hold: 5}, {actuator: v, voltage: [-1, 1]}]",
         "supports.1={at: nodes, fix: [u2]}",
         "element=published",
@@ -740,14 +745,14 @@ static void test_changes(void **state)
                      4) < 1e-12);
     assert_true(scene.layer[1].thickness == 2e-3 && scene.layer[0].angle == 45 &&
                 scene.material[1].nu12 == 0.25);
-    assert_true(scene.limits.effort_is_relative && scene.limits.effort == 0.5);
+    assert_true(scene.limits.regularisation_is_relative && scene.limits.regularisation == 0.5);
     assert_true(scene.limits.each_count == 2 && scene.limits.each[0].first == 1 &&
                 scene.limits.each[0].lower == 5 && scene.limits.each[1].count == 2);
     assert_true(scene.supports == 2 && scene.element.exact_area == 0 &&
                 scene.actuator[0].applied == 3);
     assert_true(scene.load[0].type == LOAD_WEIGHT && scene.load[0].component == COMPONENT_Z);
     assert_true(plain.element.exact_area == 1 && plain.element.rho == 0.09 &&
-                isinf(plain.limits.slew) && plain.reference_is_middle);
+                isinf(plain.limits.step_limit) && plain.reference_is_middle);
     scene_free(&plain);
     scene_free(&scene);
 }
@@ -755,21 +760,23 @@ static void test_changes(void **state)
 /* The words of large displacements mean what they say; what is not said has its default. */
 static void test_nonlinear_words(void **state)
 {
-    static const char *const set[] = {"kinematics=auto",
-                                      "tolerance=1/50",
-                                      "equilibrium={steps: 3, change: 1e-6, mixed: 0, systems: 50}",
-                                      "supports.1={edge: theta1+, fix: [u3, u1 mean], value: 2*x}",
-                                      "loads=[{face: inner, pressure: 2, follower: pressure}, "
-                                      "{face: middle, pressure: 1, follower: normal}]",
-                                      "contact={face: inner, body: {type: cylinder, point: [1, 2, "
-                                      "3], axis: [0, 3, 4], radius: 5}, move: [0, 0, -1]}",
-                                      "outputs.1={name: N, contact: z, reference: 7}",
-                                      "outputs.2={name: p, contact: pressure, at: nodes}",
-                                      "mesh.theta1={from: -1, to: 3, elements: 4, centre: 0.6}",
-                                      "outputs.tip.at.theta1=3",
-                                      "patches=[]",
-                                      "actuators=[]",
-                                      "compare=[]"};
+    static const char *const set[] = {
+        "kinematics=auto",
+        "tolerance=1/50",
+        "equilibrium={load_steps: 3, tolerance: 1e-6, extrapolated_iterations: 0, "
+        "linear_solves: 50}",
+        "supports.1={edge: theta1+, fix: [u3, u1 mean], value: 2*x}",
+        "loads=[{face: inner, pressure: 2, follower: pressure}, "
+        "{face: middle, pressure: 1, follower: normal}]",
+        "contact={face: inner, body: {type: cylinder, point: [1, 2, "
+        "3], axis: [0, 3, 4], radius: 5}, move: [0, 0, -1]}",
+        "outputs.1={name: N, contact: z, reference: 7}",
+        "outputs.2={name: p, contact: pressure, at: nodes}",
+        "mesh.theta1={from: -1, to: 3, elements: 4, centre: 0.6}",
+        "outputs.tip.at.theta1=3",
+        "patches=[]",
+        "actuators=[]",
+        "compare=[]"};
     static const char *const bodies[] = {
         "contact.body={type: plane, point: [0, 0, 1], normal: [0, 0, 2]}",
         "contact.body={type: sphere, point: [0, 0, 1], radius: 2}",
@@ -781,8 +788,9 @@ static void test_nonlinear_words(void **state)
     write_base(12, "");
     expect_good(&scene, file, set, (int)(sizeof set / sizeof *set));
     assert_true(scene.kinematics == KINEMATICS_AUTO && scene.tolerance == 0.02);
-    assert_true(scene.equilibrium.steps == 3 && scene.equilibrium.change == 1e-6 &&
-                scene.equilibrium.mixed == 0 && scene.equilibrium.systems == 50);
+    assert_true(scene.equilibrium.load_steps == 3 && scene.equilibrium.tolerance == 1e-6 &&
+                scene.equilibrium.extrapolated_iterations == 0 &&
+                scene.equilibrium.linear_solves == 50);
     assert_true(scene.support[1].fix == 0x65 && scene.support[1].move == 0x05 &&
                 expr_value(scene.support[1].value, &at) == 2 && !scene.support[0].value);
     assert_true(scene.load[0].follower == FOLLOWER_PRESSURE && scene.load[0].true_area &&
@@ -813,8 +821,9 @@ static void test_nonlinear_words(void **state)
     expect_good(&scene, file, NULL, 0);
     assert_true(scene.kinematics == KINEMATICS_LINEAR && scene.tolerance == 0.01 &&
                 !scene.contact.given && scene.load[0].follower == FOLLOWER_NONE);
-    assert_true(scene.equilibrium.steps == 1 && scene.equilibrium.change == 1e-4 &&
-                scene.equilibrium.mixed == 12 && scene.equilibrium.systems == 400);
+    assert_true(scene.equilibrium.load_steps == 1 && scene.equilibrium.tolerance == 1e-4 &&
+                scene.equilibrium.extrapolated_iterations == 12 &&
+                scene.equilibrium.linear_solves == 400);
     scene_free(&scene);
 }
 
@@ -943,8 +952,8 @@ static const unit_case unit_cases[] = {
     {"mm", "outputs.tip.reference=3.3 um", "outputs.tip.reference=3.3e-3"},
     {"mm", "target.value=3.3 um", "target.value=3.3e-3"},
     {"cm", "compare.c.values=[10.1 V, 2 kV]", "compare.c.values=[10.1e-3, 2]"},
-    {"m", "simulate={ticks: 9, rate: 1.5 kHz, sensors: {noise: 0.7 um}}",
-     "simulate={ticks: 9, rate: 1.5e3, sensors: {noise: 0.7e-6}}"},
+    {"m", "simulate={ticks: 9, sensors: {noise: 0.7 um}}",
+     "simulate={ticks: 9, sensors: {noise: 0.7e-6}}"},
 };
 
 /* Expressions by their value at a point. */
@@ -968,7 +977,7 @@ static void assert_same_numbers(const scene *a, const scene *b, const char *what
     same &= memcmp(&a->output->reference, &b->output->reference, sizeof a->output->reference) == 0;
     same &= value_of(a->target.value) == value_of(b->target.value);
     same &= memcmp(a->compare->value, b->compare->value, 2 * sizeof *a->compare->value) == 0;
-    same &= a->simulate.rate == b->simulate.rate && a->simulate.noise == b->simulate.noise;
+    same &= a->control.rate == b->control.rate && a->simulate.noise == b->simulate.noise;
     if (!same)
         fail_msg("%s: not the same bits as without a unit", what);
 }

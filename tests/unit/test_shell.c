@@ -230,7 +230,7 @@ static void test_oracle(void **state)
                                  *number = testdata_find(&t, "surface");
             scene_element element =
                 strcmp(testdata_word(&t, "element"), "published") == 0 ? published : improved;
-            element.unknowns = (int)testdata_values(&t, "unknowns")[0];
+            element.dof_per_node = (int)testdata_values(&t, "unknowns")[0];
             build(&o, &element, testdata_word(&t, "surface"), number ? number->value : NULL,
                   testdata_values(&t, "cell"), layers->value, layers->rows,
                   testdata_values(&t, "z")[0]);
@@ -238,7 +238,7 @@ static void test_oracle(void **state)
                          1e-14);
             check_modes(&t, &o);
             ASSERT_CLOSE(t.name, "stiffness", o.mesh.stiffness, testdata_values(&t, "K"),
-                         SHELL_PACKED(4 * element.unknowns), 1e-12);
+                         SHELL_PACKED(4 * element.dof_per_node), 1e-12);
             check_columns(&t, &o, layers->rows);
             check_at_shape(&t, &o);
         }
@@ -315,13 +315,13 @@ static void test_six_zero_modes(void **state)
 {
     (void)state;
     scene_element formulations[3] = {published, improved, improved};
-    formulations[2].unknowns = 6;
+    formulations[2].dof_per_node = 6;
     for (int f = 0; f < 3; f++)
         for (int i = 0; i < SAMPLES; i++) {
             one o;
             double a[28 * 28], largest = 0;
             build_sample(&o, &samples[i], &formulations[f]);
-            const int n = 4 * formulations[f].unknowns;
+            const int n = 4 * formulations[f].dof_per_node;
             const double *k = o.mesh.stiffness;
             for (int r = 0; r < n; r++)
                 for (int c = 0; c < n; c++)
@@ -398,11 +398,11 @@ static void set_warp_and_skew(one *o)
 static unsigned build_shape(one *o, int shape)
 {
     scene_element element = shape % 3 == 0 ? published : improved;
-    element.unknowns = shape % 3 == 2 ? 6 : 7;
+    element.dof_per_node = shape % 3 == 2 ? 6 : 7;
     build_sample(o, &samples[shape / 3], &element);
     if (element.cartesian)
         set_warp_and_skew(o);
-    return (unsigned)element.unknowns;
+    return (unsigned)element.dof_per_node;
 }
 
 /*
@@ -769,7 +769,7 @@ static void build_rigid(one *o, const sample *s, double thin, double u[24])
 {
     scene_element element = improved;
     double thin_plies[34], node[7];
-    element.unknowns = 6;
+    element.dof_per_node = 6;
     memcpy(thin_plies, plies, sizeof plies);
     thin_plies[0] *= thin;
     thin_plies[17] *= thin;

@@ -27,7 +27,8 @@
 #define TEXT(x) TEXT_OF(x)
 
 #define LINEAR                                                                                     \
-    "kinematics=linear;simulate.influence=rest;simulate.plant.kinematics=linear;simulate.sensors." \
+    "kinematics=linear;simulate.influence=undeformed;simulate.plant.kinematics=linear;"            \
+    "simulate.sensors."                                                                            \
     "noise=0;simulate.amplifiers.step=0;"
 
 typedef struct bench {
@@ -113,9 +114,10 @@ static void test_deterministic(void **state)
         char changes[300];
         bench b;
         tally t;
-        snprintf(changes, sizeof changes,
-                 "kinematics=linear;simulate.influence=rest;simulate.plant.kinematics=linear;%s",
-                 seed[i]);
+        snprintf(
+            changes, sizeof changes,
+            "kinematics=linear;simulate.influence=undeformed;simulate.plant.kinematics=linear;%s",
+            seed[i]);
         open_bench(&b, changes);
         run(&b, LAW_CONTROLLER, &t);
         crc[i] = t.crc;
@@ -145,8 +147,8 @@ static void test_reaches_optimum(void **state)
         tally t;
         snprintf(changes, sizeof changes,
                  LINEAR
-                 "%s;simulate.ticks=600;simulate.events=[{at: 0, load: 0, amount: 0}, {at: 200, "
-                 "load: 0, amount: 2}, {at: 400, value: -0.05*x^2}]",
+                 "%s;simulate.ticks=600;simulate.events=[{at: 0, load: 0, factor: 0}, {at: 200, "
+                 "load: 0, factor: 2}, {at: 400, value: -0.05*x^2}]",
                  plant[i]);
         open_bench(&b, changes);
         run(&b, LAW_CONTROLLER, &t);
@@ -169,10 +171,11 @@ static void test_inside_limits(void **state)
     bench b;
     tally t;
     (void)state;
-    open_bench(&b, "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: linear, "
-                   "d: 0.8, stiffness: 1.1, hysteresis: 0.1};"
-                   "simulate.amplifiers={step: 0.05, dead_band: 0.1};simulate.sensors={noise: "
-                   "1e-6, delay: 2}");
+    open_bench(
+        &b, "kinematics=linear;simulate.influence=undeformed;simulate.plant={kinematics: linear, "
+            "d: 0.8, stiffness: 1.1, hysteresis: 0.1};"
+            "simulate.amplifiers={step: 0.05, dead_band: 0.1};simulate.sensors={noise: "
+            "1e-6, delay: 2}");
     for (int law = 0; law < LAWS; law++) {
         run(&b, (simulate_law)law, &t);
         assert_int_equal(t.outside + t.not_finite + t.off_step, 0);
@@ -221,9 +224,10 @@ static void test_blind(void **state)
     loop loop;
     double before[64];
     (void)state;
-    open_bench(&b, LINEAR "simulate.ticks=300;simulate.events=[{at: 100, nan: 1, ticks: 20}, {at: "
-                          "110, load: 0, amount: 2}, "
-                          "{at: 200, lost: 7}]");
+    open_bench(&b, LINEAR
+               "simulate.ticks=300;simulate.events=[{at: 100, missing_sensors: 1, ticks: 20}, {at: "
+               "110, load: 0, factor: 2}, "
+               "{at: 200, missed_ticks: 7}]");
     assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     const size_t bytes = (size_t)loop.design->amplifiers * sizeof *before;
     for (int tick = 0; tick < 300; tick++) {
@@ -288,13 +292,13 @@ static void test_random_faults(void **state)
 static void test_random_faults_found(void **state)
 {
     (void)state;
-    random_faults("{at: 0, dead: [v_1_1], told: found}");
+    random_faults("{at: 0, dead: [v_1_1], announced: detected}");
 }
 
 /* Told or not, the other electrodes take over from dead ones; a dead electrode does nothing. */
 static void test_dead(void **state)
 {
-    static const char *const told[] = {"", ", told: 5"};
+    static const char *const told[] = {"", ", announced: 5"};
     (void)state;
     for (int i = 0; i < 2; i++) {
         char changes[500];
@@ -322,9 +326,8 @@ static void test_hysteresis(void **state)
     loop loop;
     double at_zero[2] = {0, 0};
     (void)state;
-    open_bench(
-        &b, LINEAR
-        "simulate.ticks=100;simulate.plant.hysteresis=0.15;simulate.events=[{at: 0, lost: 100}]");
+    open_bench(&b, LINEAR "simulate.ticks=100;simulate.plant.hysteresis=0.15;"
+                          "simulate.events=[{at: 0, missed_ticks: 100}]");
     assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     for (int tick = 0; tick < 60; tick++) {
         const int phase = tick % 40;
@@ -349,7 +352,7 @@ static void hold_shape(const char *influence, double over[2])
     tally t;
     snprintf(
         changes, sizeof changes,
-        "simulate.influence=%s;simulate.ticks=90;simulate.events=[{at: 50, load: 0, amount: 2}]",
+        "simulate.influence=%s;simulate.ticks=90;simulate.events=[{at: 50, load: 0, factor: 2}]",
         influence);
     open_bench(&b, changes);
     run(&b, LAW_CONTROLLER, &t);
@@ -376,7 +379,7 @@ static void test_nonlinear_plant(void **state)
     double target[2], rest[2];
     (void)state;
     hold_shape("target", target);
-    hold_shape("rest", rest);
+    hold_shape("undeformed", rest);
     for (int k = 0; k < 2; k++)
         assert_true(target[k] < 1.02 && target[k] < rest[k]);
 }
@@ -391,9 +394,9 @@ static void test_finds_dead(void **state)
     bench b;
     tally t;
     (void)state;
-    open_bench(&b, "simulate.ticks=150;simulate.events=[{at: 40, load: 0, amount: 2}, {at: 60, "
+    open_bench(&b, "simulate.ticks=150;simulate.events=[{at: 40, load: 0, factor: 2}, {at: 60, "
                    "temperature: 30}, {at: 80, "
-                   "dead: [v_1_1, v_3_2], told: found}]");
+                   "dead: [v_1_1, v_3_2], announced: detected}]");
     run(&b, LAW_CONTROLLER, &t);
     find_optima(&b);
     const simulate_count *count = &b.s.count[LAW_CONTROLLER];
@@ -415,13 +418,13 @@ static void test_finds_dead(void **state)
 
 static const refusal bad_sets[] = {
     {"simulate=5", "'simulate' must be a mapping"},
-    {"simulate={rate: 10}", "'ticks' is missing in simulate"},
+    {"simulate={seed: 10}", "'ticks' is missing in simulate"},
     {"simulate.tick=5", "unknown key 'tick' in simulate; did you mean 'ticks'?"},
     {"simulate.ticks=0", "'ticks: 0' must be from 1 to 10000000 ticks"},
     {"simulate.ticks=1.5", "'ticks: 1.5' must be a whole number"},
-    {"simulate.rate=0", "'rate: 0' must be above 0"},
+    {"control.rate=0", "'rate: 0' must be above 0"},
     {"simulate.seed=-1", "'seed: -1' must be from 0 to 1e9"},
-    {"simulate.influence=here", "'influence: here' is not known; known: rest, target"},
+    {"simulate.influence=here", "'influence: here' is not known; known: undeformed, target"},
     {"kinematics=linear",
      "'influence: target' needs the nonlinear structure; write kinematics: nonlinear"},
     {"simulate.plant=soft", "'plant' must be a mapping"},
@@ -446,31 +449,34 @@ static const refusal bad_sets[] = {
     {"simulate.events=[{at: 1100, target: 1}]",
      "'at: 1100' is after the end; the simulation has 1100 ticks"},
     {"simulate.events=[{at: 5, target: 1}, {at: 4, target: 1}]", "tick 4 comes after tick 5"},
-    {"simulate.events=[{at: 5, target: 1, lost: 2}]", "an event is one thing"},
+    {"simulate.events=[{at: 5, target: 1, missed_ticks: 2}]", "an event is one thing"},
     {"simulate.events=[{at: 5, target: x}]", "'target: x' varies over the surface"},
     {"simulate.events=[{at: 5, value: w}]", "unknown name"},
-    {"simulate.events=[{at: 5, load: 1, amount: 1}]",
+    {"simulate.events=[{at: 5, load: 1, factor: 1}]",
      "there is no load 1; the scene has 1, the first is 0"},
-    {"simulate.events=[{at: 5, load: 0}]", "a load needs an amount"},
-    {"simulate.events=[{at: 5, target: 1, amount: 1}]", "'amount' belongs to a load; remove it"},
+    {"simulate.events=[{at: 5, load: 0}]", "a load needs a factor"},
+    {"simulate.events=[{at: 5, target: 1, factor: 1}]", "'factor' belongs to a load; remove it"},
     {"simulate.events=[{at: 5, temperature: y}]", "'temperature: y' varies over the surface"},
     {"simulate.events=[{at: 5, dead: v_1_1}]", "'dead' must be a list"},
     {"simulate.events=[{at: 5, dead: [v_9_9]}]",
      "there is no actuator 'v_9_9'; the first one is 'v'"},
     {"simulate.events=[{at: 5, dead: [v, v]}]", "'v' makes more electrodes than there are"},
     {"simulate.events=[{at: 5, stuck: [[v]]}]", "must be a single value, not a list"},
-    {"simulate.events=[{at: 5, alive: [v], told: 3}]",
-     "'told' belongs to dead and stuck electrodes"},
-    {"simulate.events=[{at: 5, dead: [v], told: -3}]", "'told: -3' must be ticks from 0, or found"},
-    {"simulate.events=[{at: 5, stuck: [v], told: soon}]", "'told: soon' is no number"},
-    {"simulate.events=[{at: 5, nan: 1, ticks: 2, told: found}]",
-     "'told' belongs to dead and stuck electrodes"},
-    {"simulate.events=[{at: 5, nan: 0.5}]", "sensors fail for some ticks; add ticks: 20"},
-    {"simulate.events=[{at: 5, nan: 1.5, ticks: 5}]", "'nan: 1.5' must lie between 0 and 1"},
-    {"simulate.events=[{at: 5, frozen: 0.5, ticks: 0}]", "'ticks: 0' must be from 1"},
-    {"simulate.events=[{at: 5, lost: 0}]", "'lost: 0' must be from 1"},
-    {"simulate.events=[{at: 5, lost: 2, ticks: 2}]",
-     "'ticks' belongs to nan and frozen; remove it"},
+    {"simulate.events=[{at: 5, alive: [v], announced: 3}]",
+     "'announced' belongs to dead and stuck electrodes"},
+    {"simulate.events=[{at: 5, dead: [v], announced: -3}]",
+     "'announced: -3' must be ticks from 0, or detected"},
+    {"simulate.events=[{at: 5, stuck: [v], announced: soon}]", "'announced: soon' is no number"},
+    {"simulate.events=[{at: 5, missing_sensors: 1, ticks: 2, announced: detected}]",
+     "'announced' belongs to dead and stuck electrodes"},
+    {"simulate.events=[{at: 5, missing_sensors: 0.5}]",
+     "sensors fail for some ticks; add ticks: 20"},
+    {"simulate.events=[{at: 5, missing_sensors: 1.5, ticks: 5}]",
+     "'missing_sensors: 1.5' must lie between 0 and 1"},
+    {"simulate.events=[{at: 5, stuck_sensors: 0.5, ticks: 0}]", "'ticks: 0' must be from 1"},
+    {"simulate.events=[{at: 5, missed_ticks: 0}]", "'missed_ticks: 0' must be from 1"},
+    {"simulate.events=[{at: 5, missed_ticks: 2, ticks: 2}]",
+     "'ticks' belongs to missing_sensors and stuck_sensors; remove it"},
 };
 
 /* A wrong value is refused with its place and a cure. */
@@ -487,7 +493,7 @@ static void test_bad_structure(void **state)
     (void)state;
     memset(&b, 0, sizeof b);
     assert_int_equal(scene_run_open(&b.run, "plate-closed-loop",
-                                    LINEAR "limits={slew: 20};simulate.plant.hysteresis=0.1"),
+                                    LINEAR "limits={step_limit: 20};simulate.plant.hysteresis=0.1"),
                      0);
     assert_int_equal(analysis_influence(&b.run.analysis, b.error), 0);
     assert_int_equal(simulate_open(&b.s, &b.run.analysis, b.error), -1);

@@ -90,7 +90,7 @@ static void test_translation(void **state)
     const double ball = 2 * pi * 10 * 10 / 4 * cos(18 * pi / 180);
     const weighed of[] = {
         {"plate", SHELL, "", 10 * 10 * 0.05 * 8000},
-        {"plate, 6 unknowns", SHELL, "unknowns=6;", 10 * 10 * 0.05 * 8000},
+        {"plate, 6 unknowns", SHELL, "dof_per_node=6;", 10 * 10 * 0.05 * 8000},
         {"mass per area", SHELL, "dynamics={mass_per_area: 25};", 10 * 10 * (0.05 * 8000 + 25)},
         {"thick tube", SHELL, TUBE "layers.0.thickness=2;", 2 * pi * 3 * 10 * 2 * 8000},
         {"thick tube, inner face", SHELL, TUBE "layers.0.thickness=2;reference=0;",
@@ -494,7 +494,7 @@ static void test_demo_plate(void **state)
 /* ---- certificate ------------------------------------------------------ */
 
 #define FREE_LOOP                                                                                  \
-    "kinematics=linear;simulate.influence=rest;simulate.plant={kinematics: "                       \
+    "kinematics=linear;simulate.influence=undeformed;simulate.plant={kinematics: "                 \
     "linear};limits={voltage: [-1e30, 1e30]};"
 
 /* The plant of certificate.h, simulated with pzs_tick itself; its sensors are rows of the
@@ -660,10 +660,9 @@ static void test_radius(void **state)
         char changes[1024];
         scene_run run;
         snprintf(changes, sizeof changes,
-                 FREE_LOOP
-                 "simulate.rate=%g;dynamics={damping: %g};simulate.sensors={delay: %d};%s",
+                 FREE_LOOP "control.rate=%g;dynamics={damping: %g};simulate.sensors={delay: %d};%s",
                  of[i].rate, of[i].damping, of[i].delay,
-                 of[i].is_few ? "estimate.tolerance=0.9;estimate.volts=30" : "");
+                 of[i].is_few ? "estimate.tolerance=0.9;estimate.voltages=30" : "");
         open_run(&run, of[i].is_few ? "plate-few-sensors" : "plate-closed-loop", changes);
         estimator e;
         if (analysis_influence(&run.analysis, run.error) < 0 ||
@@ -736,7 +735,7 @@ static void test_range(void **state)
     for (int i = -1; i <= 16; i++) {
         char changes[512];
         scene_run run;
-        snprintf(changes, sizeof changes, FREE_LOOP "simulate.rate=%.9g",
+        snprintf(changes, sizeof changes, FREE_LOOP "control.rate=%.9g",
                  i < 0 ? 1000 : rate_to * (0.92 + 0.01 * i));
         open_run(&run, "plate-closed-loop", changes);
         assert_int_equal(analysis_influence(&run.analysis, run.error), 0);

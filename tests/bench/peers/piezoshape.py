@@ -36,5 +36,5 @@ def solve(folder, name, mesh, element):
         return {"failed": process if printed is None else reason}
     result = json.loads(printed)
     a, b = (s * result["outputs"][k] for s, k in zip(sign, "AB"))
-    return {"steps": result["steps"], "iterations": result["systems"], "seconds": float(alone.split()[-1]),
+    return {"steps": result["load_steps"], "iterations": result["linear_solves"], "seconds": float(alone.split()[-1]),
             "process": process, "a": a, "b": b}
