@@ -67,8 +67,8 @@ static const struct {
     {"element: source\n", "element: published\n"},
     {"element: {preset: \"corrected\", tau: 1}\n", "element: {preset: \"improved\", tau: 1}\n"},
     {"equilibrium:\n    steps: 2\n    change: 1e-6   # change\n    mixed: 0\n    systems: 50\n",
-     "equilibrium:\n    load_steps: 2\n    tolerance: 1e-6   # change\n    extrapolated_iterations: "
-     "0\n    linear_solves: 50\n"},
+     "equilibrium:\n    load_steps: 2\n    tolerance: 1e-6   # change\n"
+     "    extrapolated_iterations: 0\n    linear_solves: 50\n"},
     {"limits: {slew: 20, effort: {relative: 0.1}}\n",
      "limits: {step_limit: 20, regularisation: {relative: 0.1}}\n"},
     {"estimate: {readings: [{output: tip, noise: 1}], volts: 3}\n",
