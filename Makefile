@@ -146,6 +146,7 @@ $(call for_variants,migrate,64 san64,@host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,simulate,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,plant,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,loop,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,cases,64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,electric,64 san64,@tests/rigs/scene_run.o @host.a)
@@ -212,7 +213,7 @@ measured: $(B)/pzs
 	B=$(B) sh tests/bench/measured.sh --write
 
 oracle:
-	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py
+	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_plant.py
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

@@ -418,7 +418,7 @@ static int command_simulate(const options *options, analysis *analysis)
     } else if ((status = run_simulation(&run, options, &record)) == 0) {
         check_phases(&analysis->warnings, &run);
         progress_stop();
-        (options->as_json ? print_simulation_json : print_simulation)(&run);
+        (options->as_json ? print_simulation_json : print_simulation)(&run, &record);
         status = write_reports(options, write_simulate, &result);
         status |= run.count[LAW_CONTROLLER].beyond > 0 ||
                   run.count[LAW_CONTROLLER].not_finite > 0 ||

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Results of a simulation as text, JSON and CSV (print_simulate.h). */
 #include "print_simulate.h"
+#include <math.h>
 #include "print.h"
 #include "print_vibration.h"
 #include "../system/progress.h"
+#include "../simulate/imperfections.h"
 #include "../simulate/simulate_words.h"
 #include "../text/words.h"
+
+static const double two_pi = 6.283185307179586;
 
 static const char *const law_name[LAWS] = {"controller", "clipped", "regularised"};
 
@@ -13,7 +17,8 @@ static const char *const law_name[LAWS] = {"controller", "clipped", "regularised
 
 static void print_csv_head(FILE *file, const scene *scene, int estimates)
 {
-    fprintf(file, "tick,time,error,active,passes,status,lost%s", estimates ? ",missed" : "");
+    fprintf(file, "tick,time,error,vibration,active,passes,status,lost%s",
+            estimates ? ",missed" : "");
     for (int k = 0; k < scene->amplifiers; k++) {
         char name[SCENE_LABEL];
         scene_amplifier_name(scene, k, name);
@@ -25,8 +30,9 @@ static void print_csv_head(FILE *file, const scene *scene, int estimates)
 static void print_csv_tick(FILE *file, const scene *scene, int estimates,
                            const simulate_sample *sample)
 {
-    fprintf(file, "%d,%.9g,%.17g,%d,%d,%d,%d", sample->tick, sample->tick / scene->control.rate,
-            sample->error, sample->active, sample->iterations, (int)sample->status, sample->lost);
+    fprintf(file, "%d,%.9g,%.17g,%.17g,%d,%d,%d,%d", sample->tick,
+            sample->tick / scene->control.rate, sample->error, sample->vibration, sample->active,
+            sample->iterations, (int)sample->status, sample->lost);
     if (estimates)
         fprintf(file, ",%.17g", sample->missed);
     for (int k = 0; k < scene->amplifiers; k++)
@@ -72,18 +78,33 @@ int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *
 
 /* ---- text ------------------------------------------------------------- */
 
+/* Print whether the plant vibrates, and with which modes or why not. */
+static void print_inertia(const plant *plant)
+{
+    if (plant->has_inertia)
+        printf("  plant with inertia: %zu modes from %.4g to %.4g Hz, damping ratio of the first "
+               "%.3g\n",
+               plant->modal.modes, plant->modal.frequency[0] / two_pi,
+               plant->modal.frequency[plant->modal.modes - 1] / two_pi, plant->modal.damping[0]);
+    else
+        printf("  quasi-static plant, no inertia (%s): each shape is an equilibrium\n",
+               plant->reason);
+}
+
 static void print_plant(const simulation *simulation)
 {
+    char imperfections[400];
     const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
     const char *unit = simulation->nominal->design.scene->unit_length;
-    puts("  quasi-static plant: no inertia; each shape is an equilibrium");
+    imperfections_text(&simulation->nominal->design, imperfections, sizeof imperfections);
+    print_inertia(&simulation->plant);
     print_certificate(&simulation->nominal->certificate);
     printf("  plant: %s", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < simulation->plant.scene.materials; i++)
         printf("%s %s stiffness x %g, d x %g", i ? ";" : ",",
                simulation->plant.scene.material[i].name,
                simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
-    printf("; hysteresis %g\n  sensors: ", simulate->hysteresis);
+    printf("\n  imperfections: %s\n  sensors: ", *imperfections ? imperfections : "none");
     if (simulation->estimates)
         printf("%d, with the noise of their readings", simulation->estimator.sensors);
     else
@@ -108,26 +129,55 @@ static void print_settled(const simulate_phase *phase)
 
 static void print_phases(const simulation *simulation)
 {
-    printf("  %-7s %-46s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum", "steady",
-           "clipped", "regularised", "worst", "settled", "limit");
+    printf("  %-7s %-46s %9s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum", "steady",
+           "vibration", "clipped", "regularised", "worst", "settled", "limit");
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
         char name[SIMULATE_PHASE_TEXT];
         simulate_words_phase(simulation, phase, name);
-        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", phase->from, name,
-               100 * phase->optimum, 100 * phase->course[LAW_CONTROLLER].steady,
-               100 * phase->course[LAW_CLAMP].steady, 100 * phase->course[LAW_REGULARISED].steady,
+        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", phase->from,
+               name, 100 * phase->optimum, 100 * phase->course[LAW_CONTROLLER].steady,
+               100 * phase->course[LAW_CONTROLLER].vibration, 100 * phase->course[LAW_CLAMP].steady,
+               100 * phase->course[LAW_REGULARISED].steady,
                100 * phase->course[LAW_CONTROLLER].worst);
         print_settled(phase);
         putchar('\n');
     }
-    puts("\n  errors of the shape over the scene's target; settled: ticks until within 5% of the "
+    puts("\n  vibration: root mean square distance from the static equilibrium, in the last ticks");
+    puts("  errors of the shape over the scene's target; settled: ticks until within 5% of the "
          "way; step limit: ticks the step limit alone needs");
     puts("  clipped: least squares without limits, cut to limits and step limit; regularised: the "
          "same with the\n"
          "  one parameter that is best for the scene's target on the controller's model, chosen "
          "knowing\n"
          "  the answer");
+}
+
+/* Largest value of a record in one of `parts` equal parts of the time. */
+static double largest(const simulate_record *record, const double *value, int part, int parts)
+{
+    double most = 0;
+    for (int i = part * record->bins / parts; i < (part + 1) * record->bins / parts; i++)
+        most = fmax(most, value[i]);
+    return most;
+}
+
+/* Print the largest error and vibration over time. */
+static void print_history(const simulate_record *record, double rate)
+{
+    enum { COLUMNS = 12 };
+    const int parts = record->bins < COLUMNS ? record->bins : COLUMNS;
+    const double *const row[] = {record->error[LAW_CONTROLLER], record->vibration};
+    static const char *const name[] = {"error", "vibration"};
+    printf("\n  %-14s", "until (s)");
+    for (int i = 0; i < parts; i++)
+        printf(" %7.3g", (double)record->ticks * (i + 1) / parts / rate);
+    for (int r = 0; r < 2; r++) {
+        printf("\n  %-9s (%%) ", name[r]);
+        for (int i = 0; i < parts; i++)
+            printf(" %7.3g", 100 * largest(record, row[r], i, parts));
+    }
+    puts("\n  largest of the controller in each part of the time\n");
 }
 
 static void print_count(const simulation *simulation, simulate_law law)
@@ -185,11 +235,13 @@ static void print_board(const simulation *simulation)
     putchar('\n');
 }
 
-void print_simulation(const simulation *simulation)
+void print_simulation(const simulation *simulation, const simulate_record *record)
 {
     print_head(simulation->nominal, simulate_words_influence(simulation->nominal->design.scene));
     print_plant(simulation);
     print_phases(simulation);
+    if (simulation->plant.has_inertia)
+        print_history(record, simulation->nominal->design.scene->control.rate);
     print_count(simulation, LAW_CONTROLLER);
     print_estimated(simulation);
     print_found(simulation);
@@ -210,6 +262,8 @@ static void json_course(json *json, const simulation *simulation, const simulate
     json_open(json, law_name[law], '{');
     json_number(json, "steady", course->steady);
     json_number(json, "worst", course->worst);
+    json_number(json, "vibration", course->vibration);
+    json_number(json, "vibration_worst", course->vibration_worst);
     if (simulation->estimates)
         json_number(json, "missed", course->missed);
     json_number(json, "settled", course->settled);
@@ -250,14 +304,44 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
     json_close(json, '}');
 }
 
-void print_simulation_json(const simulation *simulation)
+/* Modes, damping and imperfections of the plant. */
+static void json_plant(json *json, const simulation *simulation)
+{
+    const plant *plant = &simulation->plant;
+    char imperfections[400];
+    imperfections_text(&simulation->nominal->design, imperfections, sizeof imperfections);
+    json_open(json, "plant_modes", '{');
+    json_number(json, "count", (double)plant->modal.modes);
+    if (plant->has_inertia) {
+        json_number(json, "first", plant->modal.frequency[0] / two_pi);
+        json_number(json, "damping", plant->modal.damping[0]);
+    } else {
+        json_string(json, "none_because", plant->reason);
+    }
+    json_close(json, '}');
+    json_string(json, "imperfections", imperfections);
+}
+
+/* Largest error and vibration of the controller in each bin of the time axis. */
+static void json_history(json *json, const simulate_record *record, double rate)
+{
+    json_open(json, "history", '{');
+    json_number(json, "interval", (double)record->ticks / record->bins / rate);
+    for (int law = 0; law < LAWS; law++)
+        json_numbers(json, law_name[law], record->error[law], record->bins);
+    json_numbers(json, "vibration", record->vibration, record->bins);
+    json_close(json, '}');
+}
+
+void print_simulation_json(const simulation *simulation, const simulate_record *record)
 {
     const scene *scene = simulation->nominal->design.scene;
     json json = {stdout, 0, {0}};
     json_open(&json, NULL, '{');
     json_string(&json, "scene", scene->name);
     json_string(&json, "plant", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    json_string(&json, "dynamics", "quasi-static");
+    json_string(&json, "dynamics", simulation->plant.has_inertia ? "inertia" : "quasi-static");
+    json_plant(&json, simulation);
     print_certificate_json(&json, &simulation->nominal->certificate);
     json_number(&json, "ticks", scene->simulate.ticks);
     if (simulation->board) {
@@ -278,6 +362,7 @@ void print_simulation_json(const simulation *simulation)
     for (int law = 0; law < LAWS; law++)
         json_count(&json, &simulation->count[law], (simulate_law)law);
     json_close(&json, '}');
+    json_history(&json, record, scene->control.rate);
     plausible_json(&json, &simulation->nominal->warnings);
     json_close(&json, '}');
 }

@@ -15,7 +15,7 @@
 int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *error);
 
 /* Print the results on standard output, after print_run. */
-void print_simulation(const simulation *simulation);
-void print_simulation_json(const simulation *simulation);
+void print_simulation(const simulation *simulation, const simulate_record *record);
+void print_simulation_json(const simulation *simulation, const simulate_record *record);
 
 #endif

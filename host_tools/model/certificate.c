@@ -6,22 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "eigen.h"
+#include "modal.h"
 
 /* A mode whose vibration decays by more than exp(-20) = 2e-9 between two ticks counts as static. */
 static const double decayed = 20;
 
 /* ---- the loop --------------------------------------------------------- */
-
-/* Propagator r [2][2] of (deviation from equilibrium, velocity / w) over an interval. */
-static void propagator(double w, double damping, double interval, double r[2][2])
-{
-    const double root = sqrt(1 - damping * damping), decay = exp(-damping * w * interval);
-    const double c = decay * cos(w * root * interval), s = decay * sin(w * root * interval) / root;
-    r[0][0] = c + damping * s;
-    r[0][1] = s;
-    r[1][0] = -s;
-    r[1][1] = c - damping * s;
-}
 
 /*
  * Matrix of the loop over one tick. Its states are the deviation e = q - eq and p = velocity / w of
@@ -33,21 +23,21 @@ static void propagator(double w, double damping, double interval, double r[2][2]
  *   loop [modes][stride]  in  g F, of which the first `modes` columns count
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
-                      double damping, int delay, double interval, double *a)
+                      const double *damping, int delay, double interval, double *a)
 {
     const size_t m = (size_t)modes, n = m * (size_t)(delay + 3);
     const size_t late = delay == 0 ? 0 : m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
     memset(a, 0, n * n * sizeof *a);
     for (size_t i = 0; i < m; i++) {
-        double r[2][2];
-        propagator(sqrt(square[i]), damping, interval, r);
+        double r[4];
+        modal_propagator(sqrt(square[i]), damping[i], interval, r);
         for (size_t half = 0; half < 2; half++) {
             double *row = a + (half * m + i) * n;
-            row[i] += r[half][0];
-            row[m + i] += r[half][1];
+            row[i] += r[2 * half];
+            row[m + i] += r[2 * half + 1];
             for (size_t j = 0; j < m; j++) {
-                row[late + j] += r[half][0] * loop[i * (size_t)stride + j];
-                row[later + j] -= r[half][0] * loop[i * (size_t)stride + j];
+                row[late + j] += r[2 * half] * loop[i * (size_t)stride + j];
+                row[later + j] -= r[2 * half] * loop[i * (size_t)stride + j];
             }
         }
         for (size_t k = 2; k < (size_t)delay + 3; k++)
@@ -59,16 +49,16 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
  * Number of modes whose vibration lasts from tick to tick; of the other modes only the static
  * response counts.
  */
-static int lasting(const double *square, int modes, double damping, double interval)
+static int lasting(const double *square, int modes, const double *damping, double interval)
 {
     int count = 0;
-    while (count < modes && damping * sqrt(square[count]) * interval < decayed)
+    while (count < modes && damping[count] * sqrt(square[count]) * interval < decayed)
         count++;
     return count;
 }
 
-double certificate_radius(const double *loop, const double *square, int modes, double damping,
-                          int delay, double interval, int squarings)
+double certificate_radius(const double *loop, const double *square, int modes,
+                          const double *damping, int delay, double interval, int squarings)
 {
     const int count = lasting(square, modes, damping, interval);
     const size_t n = (size_t)count * (size_t)(delay + 3);

@@ -26,7 +26,7 @@ typedef struct certificate {
     bool assumes_measured; /* assessed as if every target node were measured, because some readings
                              are of electrodes */
     int modes;             /* number of modes in the loop */
-    double damping;        /* damping ratio of every mode */
+    double damping;        /* damping ratio of the first mode */
     bool has_own_damping;  /* whether the scene gives the damping ratio; else it is an assumption */
     double rate;           /* ticks per second of the scene; 0: the scene gives none */
     double radius; /* spectral radius at that rate: growth of vibration per tick; NAN without a rate
@@ -48,13 +48,13 @@ double certificate_first(const certificate *certificate);
  * Spectral radius of the loop.
  *   loop [modes][modes]  in  g F
  *   square [modes]       in  squares of the angular frequencies, w^2
- *   damping              in  damping ratio
+ *   damping [modes]      in  damping ratios
  *   delay                in  delay of the measurements, ticks
  *   interval             in  time between ticks, s
  * Returns NAN where memory runs out.
  */
-double certificate_radius(const double *loop, const double *square, int modes, double damping,
-                          int delay, double interval, int squarings);
+double certificate_radius(const double *loop, const double *square, int modes,
+                          const double *damping, int delay, double interval, int squarings);
 
 /*
  * Text of the certificate in sentences separated by line feeds; empty where there is nothing to

@@ -8,6 +8,7 @@
 #include "../../lib/model/model.h"
 #include "estimator.h"
 #include "mass.h"
+#include "modal.h"
 
 enum {
     EXACT = 40,        /* matrix squarings for the spectral radius at the scene's rate */
@@ -217,9 +218,8 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 
 /* Loop whose spectral radius decides on stability. */
 typedef struct assessed_loop {
-    const double *gain, *square;
+    const double *gain, *square, *damping;
     int modes, delay;
-    double damping;
 } assessed_loop;
 
 /*
@@ -247,7 +247,7 @@ static bool is_stable(const assessed_loop *loop, double rate)
 static double scan_rates(const assessed_loop *loop)
 {
     const double end = scan_to * sqrt(loop->square[loop->modes - 1]) / two_pi;
-    double rate = scan_from * loop->damping * sqrt(loop->square[0]), stable = 0;
+    double rate = scan_from * loop->damping[0] * sqrt(loop->square[0]), stable = 0;
     for (int i = 0; i < STARTS && !is_stable(loop, rate); i++)
         rate /= 4;
     for (int i = 0; i < RATE_LIMIT && rate < end; i++) {
@@ -257,6 +257,17 @@ static double scan_rates(const assessed_loop *loop)
         rate *= scan_step;
     }
     return rate < end ? stable : HUGE_VAL;
+}
+
+/* Damping ratios of the loop's modes, to be freed; NULL where memory runs out. [modes] */
+static double *loop_damping(const certificate *certificate, const scene *scene)
+{
+    const int first = vibration_first(&certificate->vibration);
+    double *damping = malloc((size_t)certificate->modes * sizeof *damping);
+    for (int i = 0; damping && i < certificate->modes; i++)
+        damping[i] =
+            modal_damping(&scene->dynamics, i, sqrt(certificate->vibration.square[first + i]));
+    return damping;
 }
 
 static void assess(certificate *certificate, const analysis *analysis)
@@ -281,15 +292,22 @@ static void assess(certificate *certificate, const analysis *analysis)
                  "the voltage problem is singular; add a regularisation, limits.regularisation");
         return;
     }
+    double *damping = loop_damping(certificate, scene);
+    if (!damping) {
+        snprintf(certificate->reason, sizeof certificate->reason, "out of memory");
+        free(loop);
+        return;
+    }
     certificate->is_assessed = true;
+    certificate->damping = damping[0];
     if (certificate->rate > 0) {
-        certificate->radius =
-            certificate_radius(loop, square, certificate->modes, certificate->damping, delay,
-                               1 / certificate->rate, EXACT);
+        certificate->radius = certificate_radius(loop, square, certificate->modes, damping, delay,
+                                                 1 / certificate->rate, EXACT);
         certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
-    const assessed_loop assessed = {loop, square, certificate->modes, delay, certificate->damping};
+    const assessed_loop assessed = {loop, square, damping, certificate->modes, delay};
     certificate->stable_rate = scan_rates(&assessed);
+    free(damping);
     free(loop);
 }
 

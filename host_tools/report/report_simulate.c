@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs simulate` (report_simulate.h). */
 #include "report_simulate.h"
+#include "../simulate/imperfections.h"
 #include "../simulate/simulate_words.h"
 #include <math.h>
 #include <stdlib.h>
@@ -36,6 +37,7 @@ void record_tick(simulate_record *record, const simulate_sample *sample)
     if (sample->law != LAW_CONTROLLER)
         return;
     record->missed[bin] = fmax(record->missed[bin], sample->missed);
+    record->vibration[bin] = fmax(record->vibration[bin], sample->vibration);
     memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->voltage,
            (size_t)record->amplifiers * sizeof *record->volt);
 }
@@ -174,6 +176,7 @@ static void write_counts(const simulate_page *p)
 static void write_plant(const simulate_page *p)
 {
     const scene_simulate *simulate = &p->scene->simulate;
+    char imperfections[400];
     const int sensors = p->s->estimates ? p->s->estimator.sensors : p->d->targets;
     put(p->file, "<p>A %s plant", p->s->plant.analysis.nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < p->scene->materials; i++) {
@@ -182,17 +185,21 @@ static void write_plant(const simulate_page *p)
         put(p->file, "%s%t stiffness × %n, d × %n", i ? "; " : ": ", p->scene->material[i].name,
             stiffness, d);
     }
-    put(p->file, "; hysteresis %n. Sensors: %d, ", simulate->hysteresis, sensors);
+    imperfections_text(p->d, imperfections, sizeof imperfections);
+    put(p->file, ". Imperfections: %t. Sensors: %d, ", *imperfections ? imperfections : "none",
+        sensors);
     if (p->s->estimates)
         put(p->file, "with the noise of their readings");
     else
         put(p->file, "noise %q", simulate->noise, p->scene->unit_length);
     put(p->file,
         ", delay %d ticks. Amplifiers: steps of %q, dead band %q. The controller’s "
-        "influence matrix is that of the %s. Every shape is an equilibrium.</p>\n",
+        "influence matrix is that of the %s. %t.</p>\n",
         simulate->delay, simulate->step, p->scene->unit_voltage, simulate->dead_band,
         p->scene->unit_voltage,
-        simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
+        simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell",
+        p->s->plant.has_inertia ? "The plant has inertia: it vibrates about its equilibria"
+                                : "Every shape is an equilibrium");
 }
 
 /*
@@ -206,7 +213,10 @@ static void write_certificate(const simulate_page *p)
     if (!certificate->is_made)
         return;
     certificate_text(certificate, text);
-    put(p->file, "<p><b>Quasi-static plant: no inertia.</b> ");
+    if (p->s->plant.has_inertia)
+        put(p->file, "<p><b>Plant with inertia, %d modes.</b> ", (int)p->s->plant.modal.modes);
+    else
+        put(p->file, "<p><b>Quasi-static plant: no inertia (%t).</b> ", p->s->plant.reason);
     if (certificate->has_modes)
         put(p->file, "First natural frequency %q. %t</p>\n", certificate_first(certificate), "Hz",
             text);
@@ -256,6 +266,7 @@ static draw_axis error_axis(const simulate_page *p)
             include(&axis, p->r->error[law][i]);
         if (p->s->estimates)
             include(&axis, p->r->missed[i]);
+        include(&axis, p->r->vibration[i]);
     }
     for (int k = 0; k < p->s->phases; k++)
         include(&axis, p->s->phase[k].optimum);
@@ -289,6 +300,8 @@ static void draw_errors(const simulate_page *p)
     draw_curve(p, &axis, "wire bold", p->r->error[LAW_CONTROLLER]);
     if (p->s->estimates)
         draw_curve(p, &axis, "wire", p->r->missed);
+    if (p->s->plant.has_inertia)
+        draw_curve(p, &axis, "rest", p->r->vibration);
     draw_path(p->file, "outline");
     for (int k = 0; k < p->s->phases; k++) {
         const double y = draw_on(&axis, p->s->phase[k].optimum);
@@ -309,8 +322,9 @@ static void write_errors(const simulate_page *p)
     put(p->file,
         "<figcaption><span class=\"keys\"><span><i class=\"key\"></i>controller</span>"
         "<span><i class=\"key gone\"></i>clipped</span><span><i class=\"key dash\"></i>optimum of "
-        "the plant</span></span> Relative RMS error, logarithmic%s",
-        p->s->estimates ? "; thin: error of the estimate" : "");
+        "the plant</span></span> Relative RMS error, logarithmic%s%s",
+        p->s->estimates ? "; thin: error of the estimate" : "",
+        p->s->plant.has_inertia ? "; thin grey: vibration, the distance from the equilibrium" : "");
     if (p->r->ticks > p->r->bins)
         put(p->file, "; the largest of every %d ticks",
             (p->r->ticks + p->r->bins - 1) / p->r->bins);

@@ -20,6 +20,8 @@ typedef struct simulate_record {
     double error[LAWS][RECORD_BINS]; /* largest shape error within the bin, for each control law */
     double missed[RECORD_BINS]; /* largest error of the controller's shape estimate within the bin;
                                    0 without an estimator */
+    double vibration[RECORD_BINS]; /* largest distance of the controller's shape from the static
+                                      equilibrium within the bin; 0 for a quasi-static plant */
     double *volt; /* [RECORD_BINS][amplifiers] the controller's voltages at the last tick of each
                      bin */
     double *lower, *upper; /* [amplifiers] the controller's voltage limits, to mark the bins in

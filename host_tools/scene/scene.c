@@ -17,6 +17,8 @@ static void free_simulate(scene_simulate *simulate)
     free(simulate->event);
     free(simulate->stiffness);
     free(simulate->d);
+    free(simulate->imperfections.reversed);
+    free(simulate->imperfections.swapped);
 }
 
 void scene_free(scene *scene)
@@ -59,6 +61,7 @@ void scene_free(scene *scene)
     free(scene->load);
     free(scene->output);
     free(scene->limits.each);
+    free(scene->dynamics.damping_of_mode);
     free(scene->compare);
     free(scene->estimate.reading);
     free_simulate(&scene->simulate);

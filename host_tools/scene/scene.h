@@ -364,9 +364,18 @@ typedef enum scene_event_type {
     EVENT_ALIVE, /* electrodes at 0 V (EVENT_DEAD), held at their last voltage (EVENT_STUCK), or
                     working again (EVENT_ALIVE) */
     EVENT_NAN,
-    EVENT_FROZEN, /* a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
-                     (EVENT_FROZEN) */
-    EVENT_LOST    /* the controller does not run for some ticks */
+    EVENT_FROZEN,  /* a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
+                      (EVENT_FROZEN) */
+    EVENT_LOST,    /* the controller does not run for some ticks */
+    EVENT_IMPULSE, /* a load acts like a hammer: its force during `amount` seconds, at one instant
+                    */
+    EVENT_SINE,    /* a load varies by amount sin(2 pi frequency t) for some ticks */
+    EVENT_LATE,    /* for some ticks the voltages act a random part of the interval late, up to
+                      `amount` */
+    EVENT_JITTER,  /* for some ticks the interval is longer or shorter by a random part, up to
+                      `amount` */
+    EVENT_DELAY    /* for some ticks the readings arrive `amount` ticks later than the controller
+                      believes */
 } scene_event_type;
 
 /* Whether the controller is never informed of an electrode fault or detects the fault itself. */
@@ -374,11 +383,13 @@ enum { TOLD_NEVER = -1, TOLD_FOUND = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
-    int tick;      /* tick of the event; the events are in ascending order */
-    double amount; /* factor of the target or load, temperature, or probability that a sensor is
-                      affected */
-    int ticks;     /* duration in ticks of EVENT_NAN, EVENT_FROZEN and EVENT_LOST */
-    int load;      /* index of the load of EVENT_LOAD */
+    int tick;         /* tick of the event; the events are in ascending order */
+    double amount;    /* factor of the target or load, temperature, or probability that a sensor is
+                         affected */
+    int ticks;        /* duration in ticks of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of those from
+                         EVENT_SINE on */
+    int load;         /* index of the load of EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE */
+    double frequency; /* frequency of EVENT_SINE (Hz) */
     int known; /* EVENT_LOAD: 1 if the controller is given the load factor one tick in advance */
     int amplifiers, *amplifier; /* amplifiers of EVENT_DEAD, EVENT_STUCK and EVENT_ALIVE
                                    [amplifiers] */
@@ -393,6 +404,19 @@ typedef struct scene_event {
  * else one sensor for each target node; SIGHT_ESTIMATED and SIGHT_MEASURED select one of the two.
  */
 typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_sight;
+
+/* Imperfections of sensors and amplifiers of the plant that the controller does not know. */
+typedef struct scene_imperfections {
+    double bandwidth;      /* corner frequency of the amplifiers, first order (Hz); 0: no limit */
+    double creep;          /* creep of the ceramic a decade of time, relative to the voltage */
+    double drift;          /* drift of every sensor, of random sign (reading a second) */
+    double quantum;        /* step of the sensors' converters (unit of the reading) */
+    double outlier_chance; /* probability that a reading is an outlier */
+    double outlier_size;   /* largest error of an outlier (unit of the reading) */
+    int reversals, *reversed; /* amplifiers whose wires are reversed [reversals] */
+    int swaps, *swapped;      /* amplifiers whose cables are swapped, the first with the second, the
+                                 third with the fourth, ... [swaps] */
+} scene_imperfections;
 
 /*
  * Closed-loop simulation of the controller with a plant that differs from the scene, with sensors,
@@ -415,8 +439,12 @@ typedef struct scene_simulate {
                                (V) */
     double fault_chance;    /* probability of a random fault in a tick */
     int fault_until;        /* tick from which no random faults occur */
-    int finds;              /* 1: the fault of some electrode is TOLD_FOUND */
-    int feeds;              /* 1: some load event is known to the controller */
+    int inertia_given, inertia; /* whether the scene says that the plant has inertia or has none */
+    int modes;                  /* largest number of modes of a plant with inertia */
+    int hysteresis_given;       /* whether the scene gives the hysteresis */
+    scene_imperfections imperfections;
+    int finds; /* 1: the fault of some electrode is TOLD_FOUND */
+    int feeds; /* 1: some load event is known to the controller */
     int events;
     scene_event *event;
     scene_at at;
@@ -424,8 +452,14 @@ typedef struct scene_simulate {
 
 /* Data for vibration in addition to the densities of the materials. */
 typedef struct scene_dynamics {
-    double damping;    /* damping ratio of every mode relative to critical damping */
-    int damping_given; /* 1: the damping ratio is given by the scene; 0: it is an assumed value */
+    double damping; /* damping ratio of every mode relative to critical damping */
+    int dampings;   /* number of entries of damping_of_mode; 0: `damping` holds for every mode */
+    double *damping_of_mode; /* damping ratios of the first modes; the last entry holds for all
+                                later modes [dampings] */
+    int is_rayleigh;         /* damping ratios follow from Rayleigh's coefficients */
+    double rayleigh[2]; /* coefficients of mass (rad/s) and stiffness (s/rad): damping ratio a/(2 w)
+                           + b w/2 */
+    int damping_given;  /* 1: the damping ratio is given by the scene; 0: it is an assumed value */
     int modes; /* number of vibration modes used to assess the stability of the control loop */
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
                              laminate */

@@ -27,6 +27,16 @@ field_read read_estimate;
 /* Data for vibration, and of the control loop on the device (scene_dynamics.c). */
 field_read read_dynamics, read_control;
 
+/*
+ * Imperfections of sensors, amplifiers and ceramic (scene_imperfections.c); `to` is the
+ * scene_simulate.
+ */
+field_read read_bandwidth, read_creep, read_drift, read_quantum, read_outliers, read_reversed,
+    read_swapped;
+
+/* Append the amplifiers that a list of names of amplifiers or actuators denotes. */
+int read_amplifier_names(reader *reader, int node, int **list, int *count);
+
 /* Closed-loop simulation (scene_simulate.c). */
 field_read read_simulate;
 

@@ -56,8 +56,23 @@ static int read_plant_kinematics(reader *reader, int node, void *to, const void 
                       "a plant with a contact is nonlinear; write kinematics: nonlinear");
 }
 
+static int read_inertia(reader *reader, int node, void *to, const void *rule)
+{
+    scene_simulate *simulate = to;
+    simulate->inertia_given = 1;
+    return read_flag(reader, node, &simulate->inertia, rule);
+}
+
+static int read_hysteresis(reader *reader, int node, void *to, const void *rule)
+{
+    scene_simulate *simulate = to;
+    simulate->hysteresis_given = 1;
+    return read_real(reader, node, &simulate->hysteresis, rule);
+}
+
 static int read_plant(reader *reader, int node, void *to, const void *rule)
 {
+    static const range counted = {1, 200, 0, "must be from 1 to 200"};
     static const range loop = {
         0, 0.3, 0,
         "must lie between 0 and 0.3; it is the width of the loop over the range of voltages"};
@@ -65,7 +80,10 @@ static int read_plant(reader *reader, int node, void *to, const void *rule)
         {"kinematics", read_plant_kinematics, 0, NULL, 0},
         {"stiffness", read_factors, offsetof(scene_simulate, stiffness), NULL, 0},
         {"d", read_factors, offsetof(scene_simulate, d), NULL, 0},
-        {"hysteresis", read_real, offsetof(scene_simulate, hysteresis), &loop, 0},
+        {"hysteresis", read_hysteresis, 0, &loop, 0},
+        {"creep", read_creep, 0, NULL, 0},
+        {"inertia", read_inertia, 0, NULL, 0},
+        {"modes", read_int, offsetof(scene_simulate, modes), &counted, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
     return read_map(reader, node, fields, to);
@@ -97,6 +115,9 @@ static int read_measurement(reader *reader, int node, void *to, const void *rule
         {"shape", read_sight, 0, NULL, 0},
         {"noise", read_real, offsetof(scene_simulate, noise), &not_negative, 0},
         {"delay", read_int, offsetof(scene_simulate, delay), &late, 0},
+        {"drift", read_drift, 0, NULL, 0},
+        {"quantum", read_quantum, 0, NULL, 0},
+        {"outliers", read_outliers, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
     return read_map(reader, node, fields, to);
@@ -107,6 +128,9 @@ static int read_amplification(reader *reader, int node, void *to, const void *ru
     static const field fields[] = {
         {"step", read_real, offsetof(scene_simulate, step), &not_negative, 0},
         {"dead_band", read_real, offsetof(scene_simulate, dead_band), &not_negative, 0},
+        {"bandwidth", read_bandwidth, 0, NULL, 0},
+        {"reversed", read_reversed, 0, NULL, 0},
+        {"swapped", read_swapped, 0, NULL, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
     return read_map(reader, node, fields, to);
@@ -128,7 +152,7 @@ static int read_faults(reader *reader, int node, void *to, const void *rule)
 
 typedef struct event_text {
     scene_event *event;
-    int kinds, amount_given, ticks_given, told_given, known_given;
+    int kinds, amount_given, ticks_given, told_given, known_given, impulse_given, frequency_given;
 } event_text;
 
 static int read_load_number(reader *reader, int node, scene_event *event)
@@ -142,37 +166,21 @@ static int read_load_number(reader *reader, int node, scene_event *event)
                       event->load, reader->s->loads);
 }
 
-/* Read the names of amplifiers or actuators; an actuator stands for all amplifiers of its grid. */
 static int read_electrodes(reader *reader, int node, scene_event *event)
 {
-    const scene *scene = reader->s;
-    int i, k, items, first, count;
-    void *list = new_items(reader, node, TREE_LIST, 1, &items);
-    free(list);
-    if (!list)
-        return -1;
-    event->amplifier = malloc(((size_t)scene->amplifiers + 1) * sizeof *event->amplifier);
-    if (!event->amplifier)
-        return tree_fault(reader->t, node, "out of memory");
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
-        if (require_kind(reader, i, TREE_SCALAR) != 0)
-            return -1;
-        if (!scene_find_amplifier(scene, node_text(reader, i), &first, &count))
-            return tree_fault(reader->t, i, "there is no actuator '%.60s'; the first one is '%s'",
-                              node_text(reader, i), scene->actuator[0].name);
-        if (event->amplifiers + count > scene->amplifiers)
-            return tree_fault(reader->t, i,
-                              "'%.60s' makes more electrodes than there are; name each once",
-                              node_text(reader, i));
-        for (k = 0; k < count; k++)
-            event->amplifier[event->amplifiers++] = first + k;
-    }
-    return 0;
+    return read_amplifier_names(reader, node, &event->amplifier, &event->amplifiers);
 }
 
 static const int event_types[] = {EVENT_TARGET, EVENT_VALUE, EVENT_LOAD,  EVENT_TEMPERATURE,
                                   EVENT_DEAD,   EVENT_STUCK, EVENT_ALIVE, EVENT_NAN,
-                                  EVENT_FROZEN, EVENT_LOST};
+                                  EVENT_FROZEN, EVENT_LOST,  EVENT_LATE,  EVENT_JITTER,
+                                  EVENT_DELAY};
+
+/* Largest part of an interval by which a tick may be late or an interval vary. */
+static const range part = {0, 0.9, 0,
+                           "must lie between 0 and 0.9; it is a part of the interval "
+                           "between ticks"};
+static const range later_by = {0, 16, 0, "must be from 0 to 16 ticks"};
 
 static int read_event_type(reader *reader, int node, void *to, const void *rule)
 {
@@ -190,6 +198,9 @@ static int read_event_type(reader *reader, int node, void *to, const void *rule)
     case EVENT_NAN:
     case EVENT_FROZEN: return read_real(reader, node, &event->amount, &share);
     case EVENT_LOST: return read_int(reader, node, &event->ticks, &tick_count);
+    case EVENT_LATE:
+    case EVENT_JITTER: return read_real(reader, node, &event->amount, &part);
+    case EVENT_DELAY: return read_real(reader, node, &event->amount, &later_by);
     case EVENT_TEMPERATURE: break;
     default: return read_electrodes(reader, node, event);
     }
@@ -204,6 +215,20 @@ static int read_event_amount(reader *reader, int node, void *to, const void *rul
     event_text *text = to;
     text->amount_given = 1;
     return read_real(reader, node, &text->event->amount, rule);
+}
+
+static int read_event_impulse(reader *reader, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->impulse_given = 1;
+    return read_real(reader, node, &text->event->amount, rule);
+}
+
+static int read_event_frequency(reader *reader, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->frequency_given = 1;
+    return read_real(reader, node, &text->event->frequency, rule);
 }
 
 static int read_event_ticks(reader *reader, int node, void *to, const void *rule)
@@ -249,27 +274,48 @@ static int read_event_at(reader *reader, int node, void *to, const void *rule)
                       text->event->tick, reader->s->simulate.ticks);
 }
 
+/* Turn the event of a load with an impulse or a frequency into an event of that type. */
+static int refine_load(reader *reader, int node, event_text *text)
+{
+    if (!text->impulse_given && !text->frequency_given)
+        return 0;
+    if (text->event->type != EVENT_LOAD || text->impulse_given == text->amount_given)
+        return tree_fault(reader->t, node,
+                          text->impulse_given
+                              ? "'impulse' is what a load does instead of its factor, as {load: 0, "
+                                "impulse: 0.01}"
+                              : "'frequency' belongs to a load with a factor");
+    text->event->type = text->impulse_given ? EVENT_IMPULSE : EVENT_SINE;
+    return 0;
+}
+
+/* Whether an event type lasts for a number of ticks that the key 'ticks' gives. */
+static int lasts(scene_event_type type)
+{
+    return type == EVENT_NAN || type == EVENT_FROZEN || type >= EVENT_SINE;
+}
+
 /* Check that the given keys belong to the kind of the event. */
 static int check_event(reader *reader, int node, const event_text *text)
 {
     const scene_event_type type = text->event->type;
-    const int sensors = type == EVENT_NAN || type == EVENT_FROZEN,
-              electrodes = type == EVENT_DEAD || type == EVENT_STUCK;
+    const int electrodes = type == EVENT_DEAD || type == EVENT_STUCK;
     if (text->kinds == 0)
         return tree_fault(
             reader->t, node,
             "an event needs one of target, value, load, temperature, dead, stuck, alive, "
-            "missing_sensors, stuck_sensors, missed_ticks");
-    if (text->amount_given != (type == EVENT_LOAD))
+            "missing_sensors, stuck_sensors, missed_ticks, late, jitter, delay");
+    if (text->amount_given != (type == EVENT_LOAD || type == EVENT_SINE) && type != EVENT_IMPULSE)
         return tree_fault(reader->t, node,
                           text->amount_given
                               ? "'factor' belongs to a load; remove it"
                               : "a load needs a factor, as factor: 0 to take it off");
-    if (text->ticks_given != sensors)
+    if (text->ticks_given != lasts(type))
         return tree_fault(reader->t, node,
                           text->ticks_given
-                              ? "'ticks' belongs to missing_sensors and stuck_sensors; remove it"
-                              : "sensors fail for some ticks; add ticks: 20");
+                              ? "'ticks' belongs to missing_sensors, stuck_sensors, late, jitter, "
+                                "delay and a load with a frequency; remove it"
+                              : "this event lasts for some ticks; add ticks: 20");
     if (text->told_given && !electrodes)
         return tree_fault(reader->t, node,
                           "'announced' belongs to dead and stuck electrodes; remove it");
@@ -300,6 +346,11 @@ static int read_event(reader *reader, int node, scene_event *event)
                                    {"missing_sensors", read_event_type, 0, &event_types[7], 0},
                                    {"stuck_sensors", read_event_type, 0, &event_types[8], 0},
                                    {"missed_ticks", read_event_type, 0, &event_types[9], 0},
+                                   {"late", read_event_type, 0, &event_types[10], 0},
+                                   {"jitter", read_event_type, 0, &event_types[11], 0},
+                                   {"delay", read_event_type, 0, &event_types[12], 0},
+                                   {"impulse", read_event_impulse, 0, NULL, 0},
+                                   {"frequency", read_event_frequency, 0, &above_zero, 0},
                                    {"factor", read_event_amount, 0, NULL, 0},
                                    {"ticks", read_event_ticks, 0, &tick_count, 0},
                                    {"announced", read_event_told, 0, &waits, 0},
@@ -309,7 +360,7 @@ static int read_event(reader *reader, int node, scene_event *event)
     text.event = event;
     event->told = TOLD_NEVER;
     event->at = node_at(reader, node);
-    if (read_map(reader, node, fields, &text) != 0)
+    if (read_map(reader, node, fields, &text) != 0 || refine_load(reader, node, &text) != 0)
         return -1;
     return check_event(reader, node, &text);
 }
@@ -357,6 +408,7 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
     if (scene->control.rate == 0)
         scene->control.rate = default_rate;
     scene->simulate.seed = 1;
+    scene->simulate.modes = 100;
     scene->simulate.kinematics =
         scene->kinematics == KINEMATICS_LINEAR ? KINEMATICS_LINEAR : KINEMATICS_NONLINEAR;
     if (!scene->target.given)

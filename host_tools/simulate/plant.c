@@ -2,8 +2,10 @@
 /* Structure of a simulation (plant.h). */
 #include "plant.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../model/mass.h"
 
 /* ---- open ------------------------------------------------------------- */
 
@@ -56,6 +58,54 @@ static int change_scene(scene *scene)
     return warms(simulate) ? add_temperature(scene) : 0;
 }
 
+/*
+ * Whether the plant has inertia: where the scene asks for it, or does not say and all densities are
+ * given. A plant with a contact has none, because its modes depend on the nodes in contact; sensors
+ * of electrodes show none, because the modes have no rows for them. `reason` says why there is
+ * none.
+ */
+static bool wants_inertia(plant *plant)
+{
+    const scene *scene = &plant->scene;
+    char names[SCENE_ERROR];
+    const char *why = NULL;
+    for (int i = 0; i < scene->estimate.readings && scene->simulate.sight != SIGHT_MEASURED; i++)
+        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
+            why = "a sensor is an electrode";
+    if (scene->contact.given)
+        why = "the plant has a contact";
+    if (scene->simulate.inertia_given && !scene->simulate.inertia)
+        why = "the scene says inertia: false";
+    if (why)
+        snprintf(plant->reason, sizeof plant->reason, "%s", why);
+    else if (mass_missing(scene, names) > 0)
+        snprintf(plant->reason, sizeof plant->reason, "no density of %.300s", names);
+    return plant->reason[0] == '\0';
+}
+
+/* Prepare the modes of the plant. Returns 0, or -1 with error filled. */
+static int give_inertia(plant *plant, char *error)
+{
+    const design *design = &plant->analysis.design;
+    const size_t inputs = (size_t)(design->amplifiers + design->loads);
+    if (!wants_inertia(plant))
+        return plant->scene.simulate.inertia
+                   ? scene_fault(&plant->scene, plant->scene.simulate.at, error,
+                                 "a plant with inertia is not possible: %.300s", plant->reason)
+                   : 0;
+    if (vibration_solve(&plant->vibration, design, plant->scene.simulate.modes, MASS_LUMPED,
+                        error) < 0)
+        return -1;
+    plant->acting = calloc(inputs + 1, sizeof *plant->acting);
+    plant->vibrating = calloc((size_t)design->structure.output.count + 1, sizeof *plant->vibrating);
+    plant->has_inertia = true;
+    if (!plant->acting || !plant->vibrating ||
+        !modal_open(&plant->modal, design, &plant->vibration, inputs) ||
+        !inertia_open(&plant->inertia, &plant->modal))
+        return scene_fault(&plant->scene, plant->scene.simulate.at, error, "out of memory");
+    return 0;
+}
+
 int plant_open(plant *plant, const scene *nominal, char *error)
 {
     memset(plant, 0, sizeof *plant);
@@ -67,7 +117,7 @@ int plant_open(plant *plant, const scene *nominal, char *error)
     if (failed)
         scene_fault(nominal, nominal->simulate.at, error, "out of memory");
     failed = failed || analysis_prepare(&plant->analysis, &plant->scene, error) < 0 ||
-             analysis_influence(&plant->analysis, error) < 0;
+             analysis_influence(&plant->analysis, error) < 0 || give_inertia(plant, error) < 0;
     const design *design = &plant->analysis.design;
     if (!failed) {
         plant->amount = calloc((size_t)design->structure.input.count, sizeof *plant->amount);
@@ -96,6 +146,11 @@ void plant_close(plant *plant)
     if (plant->analysis.design.scene)
         analysis_free(&plant->analysis);
     scene_free(&plant->scene);
+    inertia_close(&plant->inertia);
+    modal_close(&plant->modal);
+    vibration_free(&plant->vibration);
+    free(plant->acting);
+    free(plant->vibrating);
     free(plant->amount);
     free(plant->reached);
     free(plant->full);
@@ -140,6 +195,64 @@ void plant_rest(plant *plant)
         plant_load(plant, k, 1);
     plant_warm(plant, 0);
     plant->moved = 0;
+    plant->is_at_rest = true;
+}
+
+/* ---- vibration -------------------------------------------------------- */
+
+/*
+ * Let the inputs of the modes take their present values. At the first call after plant_rest the
+ * plant is at rest in the equilibrium under these inputs.
+ */
+static void act(plant *plant)
+{
+    const design *design = &plant->analysis.design;
+    const size_t n = (size_t)design->amplifiers;
+    memcpy(plant->acting, plant->amount, n * sizeof *plant->acting);
+    for (int k = 0; k < design->loads; k++)
+        plant->acting[n + (size_t)k] = plant->amount[input_of(plant, k)];
+    if (plant->is_at_rest)
+        inertia_rest(&plant->inertia, plant->acting);
+    else
+        inertia_jump(&plant->inertia, plant->acting);
+    plant->is_at_rest = false;
+}
+
+void plant_kick(plant *plant, int load, double seconds)
+{
+    if (plant->has_inertia)
+        inertia_kick(&plant->inertia, (size_t)(plant->analysis.design.amplifiers + load), seconds);
+}
+
+void plant_elapse(plant *plant, const double *voltage, double seconds)
+{
+    if (!plant->has_inertia)
+        return;
+    memcpy(plant->amount, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
+    act(plant);
+    inertia_advance(&plant->inertia, seconds);
+}
+
+double plant_vibration(const plant *plant)
+{
+    return plant->has_inertia
+               ? sqrt(design_squares(&plant->analysis.design, plant->vibrating, NULL))
+               : 0;
+}
+
+double plant_period(const plant *plant)
+{
+    const bool has_modes = plant->has_inertia && plant->modal.modes > 0;
+    return has_modes ? 2 * 3.14159265358979323846 / plant->modal.frequency[0] : 0;
+}
+
+/* Compute the deviation of every output row from the static equilibrium. */
+static void vibrate(plant *plant)
+{
+    if (!plant->has_inertia)
+        return;
+    act(plant);
+    inertia_observe(&plant->inertia, 0, plant->modal.rows, plant->vibrating);
 }
 
 /* ---- shapes ----------------------------------------------------------- */
@@ -175,7 +288,8 @@ static int reach(plant *plant, char *error)
     return PZS_IS_ERROR(analysis->status) ? analysis_explain(analysis, analysis->status, error) : 0;
 }
 
-int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
+/* Static shape under voltages and the present loads. */
+static int static_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
     memcpy(plant->amount, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
     if (!plant->analysis.nonlinear) {
@@ -189,8 +303,19 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
     return 0;
 }
 
+int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
+{
+    if (static_shape(plant, voltage, shape, error) < 0)
+        return -1;
+    vibrate(plant);
+    for (int i = 0; i < plant->analysis.design.targets && plant->has_inertia; i++)
+        shape[i] += plant->vibrating[i];
+    return 0;
+}
+
 /*
- * Compute all output values, with the voltages and charges of electrodes where the scene has some.
+ * Compute all static output values, with the voltages and charges of electrodes where the scene has
+ * some.
  */
 static pzs_status look(plant *plant)
 {
@@ -208,13 +333,16 @@ int plant_readings(plant *plant, double *reading, char *error)
     const analysis *analysis = &plant->analysis;
     const scene_estimate *estimate = &plant->scene.estimate;
     const pzs_status status = look(plant);
+    for (size_t i = 0; i < analysis->design.structure.output.count && plant->has_inertia; i++)
+        plant->value[i] += plant->vibrating[i];
     for (int r = 0; r < estimate->readings; r++)
         for (int i = 0; i < analysis_outputs(analysis, estimate->reading[r].output); i++)
             *reading++ = analysis_output(analysis, estimate->reading[r].output, i, plant->value);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-int plant_displacement(plant *plant, double *u, char *error)
+/* Displacement vector of the static equilibrium. */
+static int static_displacement(plant *plant, double *u, char *error)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->nonlinear) {
@@ -224,6 +352,19 @@ int plant_displacement(plant *plant, double *u, char *error)
     }
     const pzs_status status = pzs_solve(&analysis->model, plant->amount, u);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
+}
+
+int plant_displacement(plant *plant, double *u, char *error)
+{
+    const size_t dof = (size_t)plant->analysis.design.mesh.free_dof;
+    if (static_displacement(plant, u, error) < 0)
+        return -1;
+    for (size_t i = 0; i < plant->modal.modes && plant->has_inertia; i++) {
+        const double *x = plant->vibration.shape + ((size_t)plant->vibration.rigid + i) * dof;
+        for (size_t k = 0; k < dof; k++)
+            u[k] += plant->inertia.deviation[i] * x[k];
+    }
+    return 0;
 }
 
 /* ---- optimum ---------------------------------------------------------- */
@@ -274,5 +415,5 @@ int plant_optimum(plant *plant, const double *target, const double *held, voltag
     memcpy(design->upper, limit + n, n * sizeof *limit);
     free(limit);
     plant->moved = 0;
-    return failed ? -1 : plant_shape(plant, best->voltage, shape, error);
+    return failed ? -1 : static_shape(plant, best->voltage, shape, error);
 }

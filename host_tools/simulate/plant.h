@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a simulation: the structure of the scene with other material constants, loads of any
- * size and a temperature change. The controller does not know these differences. The plant is
- * quasi-static: each shape is an equilibrium.
+ * size and a temperature change. The controller does not know these differences.
+ *
+ * A plant with inertia vibrates about its static equilibrium in the modes of its reference state
+ * (inertia.h); modes left out, and all modes of a quasi-static plant, follow without delay. The
+ * equilibrium may be that of a nonlinear structure: then frequencies and mode shapes remain those
+ * of the reference state, which holds as long as the shape changes a frequency by little.
  */
 #ifndef PLANT_H
 #define PLANT_H
 
 #include "../model/voltages.h"
+#include "inertia.h"
 
 typedef struct plant {
     scene scene; /* copy of the scene with the constants of the plant */
@@ -19,7 +24,15 @@ typedef struct plant {
     double *value;   /* [output rows] output values of the latest shape */
     int temperature; /* index of the temperature input, or -1 */
     int moved;       /* at least one shape has been computed */
+    bool is_at_rest; /* no time has passed since plant_rest */
     long systems;    /* number of linear systems solved by the nonlinear path */
+    bool has_inertia;
+    char reason[SCENE_ERROR]; /* why a plant has no inertia */
+    vibration vibration;      /* modes of a plant with inertia */
+    modal modal;
+    inertia inertia;
+    double *acting; /* [amplifiers + loads] inputs of the modes: voltages, factors of the loads */
+    double *vibrating; /* [output rows] deviation of the latest shape from the static equilibrium */
 } plant;
 
 /*
@@ -40,16 +53,32 @@ void plant_warm(plant *plant, double kelvin);
  */
 void plant_rest(plant *plant);
 
+/* Impulse of a load: its force of the scene during `seconds`, at one instant. */
+void plant_kick(plant *plant, int load, double seconds);
+
 /*
- * Shape of the plant under voltages: on a nonlinear structure the equilibrium, computed from the
- * latest shape; on a linear one the sum of the influence columns.
+ * Let time pass under constant voltages and the present loads. A quasi-static plant ignores the
+ * call.
  *   voltage [amplifiers] in  (V)
- *   shape [targets] out  displacements
+ */
+void plant_elapse(plant *plant, const double *voltage, double seconds);
+
+/* Weighted norm of the latest shape's deviation from the static equilibrium; 0 without inertia. */
+double plant_vibration(const plant *plant);
+
+/* Natural period of the first mode (s); 0 without inertia. */
+double plant_period(const plant *plant);
+
+/*
+ * Shape of the plant under voltages, at this instant: on a nonlinear structure the equilibrium,
+ * computed from the latest shape; on a linear one the sum of the influence columns. voltage
+ * [amplifiers] in  (V) shape [targets] out  displacements
  */
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
 
 /*
- * Noise-free readings of the sensors of the scene's `estimate` section in the latest shape.
+ * Noise-free readings of the sensors of the scene's `estimate` section in the latest shape, to be
+ * called after plant_shape.
  *   reading [sensors] out
  */
 int plant_readings(plant *plant, double *reading, char *error);

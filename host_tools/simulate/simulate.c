@@ -14,7 +14,10 @@
 #include "../tables/tables.h"
 
 enum {
-    LAST = 20 /* number of ticks that count as the end of a phase */,
+    LAST = 20 /* fewest ticks that count as the end of a phase */,
+    LAST_MOST = 500 /* most ticks that count as the end of a phase; one period of the first mode
+                       where that is fewer */
+    ,
     WINDOW = 1000 /* number of ticks in which the settling time is measured */
 };
 
@@ -136,8 +139,7 @@ int simulate_tables(analysis *nominal, char *error)
 static int check_range(const design *design, char *error)
 {
     for (int k = 0; k < design->amplifiers; k++)
-        if (!isfinite(design->upper[k] - design->lower[k]) &&
-            design->scene->simulate.hysteresis > 0)
+        if (!isfinite(design->upper[k] - design->lower[k]) && imperfections_hysteresis(design) > 0)
             return scene_fault(design->scene, design->scene->simulate.at, error,
                                "hysteresis is a part of the range of the voltages; add "
                                "limits: {voltage: [lowest, highest]}");
@@ -156,6 +158,21 @@ static int check_free(const design *design, char *error)
         design->scene, design->scene->simulate.at, error,
         "announced: detected does not work with target.free: the fault detector needs the whole "
         "predicted displacement; write announced: TICKS or remove target.free");
+}
+
+/* Refuse events that only a plant with inertia shows. */
+static int check_inertia(const simulation *simulation, char *error)
+{
+    const scene *scene = simulation->nominal->design.scene;
+    for (int i = 0; i < scene->simulate.events && !simulation->plant.has_inertia; i++) {
+        const scene_event *event = &scene->simulate.event[i];
+        if (event->type == EVENT_IMPULSE || event->type == EVENT_LATE ||
+            event->type == EVENT_JITTER)
+            return scene_fault(scene, event->at, error,
+                               "this event needs a plant with inertia, which this one has not: %s",
+                               simulation->plant.reason);
+    }
+    return 0;
 }
 
 /*
@@ -217,7 +234,8 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     const double squares = design_squares(design, design->target, NULL);
     simulation->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(simulation) ? 0 : no_memory(nominal, error);
-    failed = failed || simulate_tables(nominal, error) < 0 || equip(simulation, error) < 0 ||
+    failed = failed || check_inertia(simulation, error) < 0 ||
+             simulate_tables(nominal, error) < 0 || equip(simulation, error) < 0 ||
              regularise(simulation, error) < 0;
     if (failed)
         simulate_close(simulation);
@@ -271,19 +289,31 @@ void simulate_close(simulation *simulation)
 
 typedef struct course_log {
     double *window; /* [WINDOW][targets] shapes at the start of the phase */
-    double *last;   /* [LAST][targets] shapes at the end of the phase */
+    double *last;   /* [kept][targets] shapes at the end of the phase */
     double *mean;   /* [targets] mean of the shapes at the end */
-    double error[LAST], missed[LAST];
+    int kept;       /* number of ticks that count as the end of a phase */
+    double error[LAST_MOST], missed[LAST_MOST], vibration[LAST_MOST];
     double *before; /* [amplifiers] voltages before the phase (V) */
     int ticks;
 } course_log;
 
-static int log_open(course_log *f, const design *design)
+/* Ticks at the end of a phase: at least one period of the first mode, so that the mean of the
+ * shapes is that about which the structure vibrates. */
+static int ticks_of_end(const simulation *simulation)
 {
+    const double period =
+        plant_period(&simulation->plant) * simulation->nominal->design.scene->control.rate;
+    return (int)fmin(fmax(ceil(period), LAST), LAST_MOST);
+}
+
+static int log_open(course_log *f, const simulation *simulation)
+{
+    const design *design = &simulation->nominal->design;
     const size_t m = (size_t)design->targets;
     memset(f, 0, sizeof *f);
+    f->kept = ticks_of_end(simulation);
     f->window = calloc(WINDOW * m, sizeof *f->window);
-    f->last = calloc(LAST * m, sizeof *f->last);
+    f->last = calloc((size_t)f->kept * m, sizeof *f->last);
     f->mean = calloc(m, sizeof *f->mean);
     f->before = calloc((size_t)design->amplifiers, sizeof *f->before);
     return f->window && f->last && f->mean && f->before;
@@ -302,9 +332,11 @@ static void follow(course_log *f, const loop *loop, simulate_course *course)
     const size_t m = (size_t)loop->design->targets;
     if (f->ticks < WINDOW)
         memcpy(f->window + (size_t)f->ticks * m, loop->shape, m * sizeof *f->window);
-    memcpy(f->last + (size_t)(f->ticks % LAST) * m, loop->shape, m * sizeof *f->last);
-    f->error[f->ticks % LAST] = loop->error;
-    f->missed[f->ticks % LAST] = loop->missed;
+    memcpy(f->last + (size_t)(f->ticks % f->kept) * m, loop->shape, m * sizeof *f->last);
+    f->error[f->ticks % f->kept] = loop->error;
+    f->missed[f->ticks % f->kept] = loop->missed;
+    f->vibration[f->ticks % f->kept] = loop->vibration;
+    course->vibration_worst = fmax(course->vibration_worst, loop->vibration);
     course->worst = fmax(course->worst, loop->error);
     f->ticks++;
 }
@@ -337,19 +369,22 @@ static int settled_after(const course_log *f, const design *design)
 static void finish_course(course_log *f, const loop *loop, simulate_course *course)
 {
     const design *design = loop->design;
-    const int quarter = (f->ticks + 3) / 4, count = quarter < LAST ? quarter : LAST;
-    double squares = 0, missed = 0, slew = 0;
+    const int quarter = (f->ticks + 3) / 4, count = quarter < f->kept ? quarter : f->kept;
+    double squares = 0, missed = 0, vibration = 0, slew = 0;
     memset(f->mean, 0, (size_t)design->targets * sizeof *f->mean);
     for (int k = f->ticks - count; k < f->ticks; k++) {
-        squares += f->error[k % LAST] * f->error[k % LAST] / count;
-        missed += f->missed[k % LAST] * f->missed[k % LAST] / count;
+        const int at = k % f->kept;
+        squares += f->error[at] * f->error[at] / count;
+        missed += f->missed[at] * f->missed[at] / count;
+        vibration += f->vibration[at] * f->vibration[at] / count;
         for (int i = 0; i < design->targets; i++)
-            f->mean[i] += f->last[(k % LAST) * design->targets + i] / count;
+            f->mean[i] += f->last[at * design->targets + i] / count;
     }
     for (int k = 0; k < design->amplifiers; k++)
         slew = fmax(slew, fabs(loop->given[k] - f->before[k]) / design->step_limit[k]);
     course->steady = sqrt(squares);
     course->missed = sqrt(missed);
+    course->vibration = sqrt(vibration);
     course->settled = settled_after(f, design);
     course->step_limit_ticks = (int)fmin(ceil(slew), 1e9);
     memcpy(course->voltage, loop->given, (size_t)design->amplifiers * sizeof *course->voltage);
@@ -380,6 +415,7 @@ static void tell(const loop *loop, simulate_law law, int tick, simulate_watch *w
                                     .tick = tick,
                                     .error = loop->error,
                                     .missed = loop->missed,
+                                    .vibration = loop->vibration,
                                     .command = loop->command,
                                     .voltage = loop->given,
                                     .active = loop_active(loop),
@@ -438,9 +474,9 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch
     const double begin = analysis_now();
     memset(&simulation->count[law], 0, sizeof simulation->count[law]);
     for (int k = 0; k < simulation->phases; k++)
-        simulation->phase[k].course[law].worst = 0;
-    int failed =
-        log_open(&f, &simulation->nominal->design) ? 0 : no_memory(simulation->nominal, error);
+        simulation->phase[k].course[law].worst = simulation->phase[k].course[law].vibration_worst =
+            0;
+    int failed = log_open(&f, simulation) ? 0 : no_memory(simulation->nominal, error);
     failed = loop_open(&loop, simulation, law, error) < 0 || failed ||
              run_ticks(simulation, &loop, &f, law, watch, context, error) < 0;
     loop_close(&loop);

@@ -6,32 +6,9 @@
 #include <string.h>
 #include "../../lib/control/control.h"
 #include "../tables/loop_blocks.h"
+#include "random.h"
 
-/* ---- random numbers --------------------------------------------------- */
-
-/*
- * Next 64 bits of the random number generator splitmix64, which gives the same bits on every
- * computer.
- */
-static uint64_t draw(loop *loop)
-{
-    uint64_t z = loop->random += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-/* Random number, uniform in [0, 1). */
-double loop_draw(loop *loop)
-{
-    return (double)(draw(loop) >> 11) * 0x1p-53;
-}
-
-/* Random integer from 0 to count - 1. */
-static int draw_int(loop *loop, int count)
-{
-    return (int)(loop_draw(loop) * count);
-}
+static const double two_pi = 6.283185307179586;
 
 /* ---- electrode states told to the controller ---------------------------- */
 
@@ -96,13 +73,19 @@ static void revive(loop *loop, int amplifier)
 static void fail_sensors(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < loop->sensors; i++) {
-        if (!(loop_draw(loop) < event->amount))
+        if (!(random_uniform(&loop->random) < event->amount))
             continue;
         if (event->type == EVENT_NAN)
             loop->sensor[i].nan_until = tick + event->ticks;
         else
             loop->sensor[i].frozen_until = tick + event->ticks;
     }
+}
+
+/* Begin a disturbance that lasts until a later tick. */
+static void begin(passing *passing, const scene_event *event, int tick)
+{
+    *passing = (struct passing){event->amount, tick + event->ticks};
 }
 
 static void happen(loop *loop, const scene_event *event, int tick)
@@ -119,6 +102,14 @@ static void happen(loop *loop, const scene_event *event, int tick)
     case EVENT_NAN:
     case EVENT_FROZEN: fail_sensors(loop, event, tick); break;
     case EVENT_LOST: loop->lost_until = tick + event->ticks; break;
+    case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->amount); break;
+    case EVENT_SINE:
+        loop->wave[event->load] =
+            (wave){event->amount, event->frequency, loop->time, tick + event->ticks};
+        break;
+    case EVENT_LATE: begin(&loop->late, event, tick); break;
+    case EVENT_JITTER: begin(&loop->jitter, event, tick); break;
+    case EVENT_DELAY: begin(&loop->delay, event, tick); break;
     default: fail_electrodes(loop, event, tick);
     }
 }
@@ -149,19 +140,20 @@ static void random_fault(loop *loop, int tick)
                                              EVENT_DEAD, EVENT_STUCK, EVENT_TARGET, EVENT_LOAD};
     int amplifier[2];
     scene_event event = {
-        .type = kinds[draw_int(loop, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
-    event.amount = loop_draw(loop);
-    event.ticks = 1 + draw_int(loop, 50);
-    event.amplifiers = 1 + draw_int(loop, 2);
+        .type = kinds[random_int(&loop->random, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
+    event.amount = random_uniform(&loop->random);
+    event.ticks = 1 + random_int(&loop->random, 50);
+    event.amplifiers = 1 + random_int(&loop->random, 2);
     for (int i = 0; i < 2; i++)
-        amplifier[i] = draw_int(loop, loop->design->amplifiers);
+        amplifier[i] = random_int(&loop->random, loop->design->amplifiers);
     if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
-        event.told = draw_int(loop, 2) ? draw_int(loop, event.ticks) : TOLD_NEVER;
-    if (event.type == EVENT_NAN && draw_int(loop, 4) == 0)
+        event.told =
+            random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : TOLD_NEVER;
+    if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
         event.amount = 1; /* every sensor gives not-a-number readings */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.amount = 2 * event.amount - 1;
-    event.load = draw_int(loop, loop->design->loads + 1);
+    event.load = random_int(&loop->random, loop->design->loads + 1);
     if (event.type != EVENT_LOAD || event.load < loop->design->loads)
         happen(loop, &event, tick);
 }
@@ -194,7 +186,7 @@ static void run_events(loop *loop, int tick)
 {
     const scene_simulate *simulate = &loop->design->scene->simulate;
     if (simulate->fault_chance > 0 && tick < simulate->fault_until &&
-        loop_draw(loop) < simulate->fault_chance)
+        random_uniform(&loop->random) < simulate->fault_chance)
         random_fault(loop, tick);
     if (simulate->fault_chance > 0 && tick == simulate->fault_until)
         end_faults(loop);
@@ -216,35 +208,72 @@ static void run_events(loop *loop, int tick)
         loop->wanted[i] = loop->factor * loop->goal[i];
 }
 
-/* ---- electrodes ------------------------------------------------------- */
-
-static double through_play(electrode *e, double voltage, double half_range, double share)
+imperfections loop_imperfections(loop *loop)
 {
-    double mean = 0;
-    for (int i = 0; i < PLAYS; i++) {
-        const double slack = half_range * (i + 1) / (2 * PLAYS);
-        e->play[i] = fmin(fmax(e->play[i], voltage - slack), voltage + slack);
-        mean += e->play[i] / PLAYS;
-    }
-    return voltage + share * (mean - voltage);
+    return (imperfections){loop->design,  loop->electrode, loop->sensor,
+                           loop->sensors, &loop->random,   loop->time};
 }
 
-/*
- * Compute the voltages that act on the ceramic. After a full cycle the mean of the play operators
- * leaves a loop of 5/16 of the range; the factor 16/5 scales this width to the scene's hysteresis.
- */
-static void drive(loop *loop)
+/* ---- time between ticks ----------------------------------------------- */
+
+/* Number of parts of an interval in which voltages or loads vary. */
+enum { PARTS = 8 };
+
+/* Set the factors of the loads with a sinusoidal part for a time. */
+static void set_waves(loop *loop, double time)
 {
-    const design *design = loop->design;
-    const double hysteresis = design->scene->simulate.hysteresis;
-    for (int k = 0; k < design->amplifiers; k++) {
-        electrode *e = &loop->electrode[k];
-        const double voltage = e->fault == ELECTRODE_GOOD ? loop->given[k] : e->held;
-        loop->effect[k] = hysteresis > 0
-                              ? through_play(e, voltage, (design->upper[k] - design->lower[k]) / 2,
-                                             hysteresis * 16 / 5)
-                              : voltage;
+    for (int k = 0; k < loop->design->loads; k++) {
+        const wave *wave = &loop->wave[k];
+        if (wave->until > 0)
+            plant_load(&loop->simulation->plant, k,
+                       loop->load[k] +
+                           wave->amplitude * sin(two_pi * wave->frequency * (time - wave->start)));
     }
+}
+
+/* Whether voltages or loads vary between this tick and the next one. */
+static bool varies(const loop *loop)
+{
+    bool is_varying = imperfections_vary(loop->design->scene);
+    for (int k = 0; k < loop->design->loads; k++)
+        is_varying = is_varying || loop->wave[k].until > 0;
+    return is_varying;
+}
+
+/* Let time pass while the amplifiers are to give constant voltages. */
+static void travel(loop *loop, const double *output, double seconds)
+{
+    const int parts = varies(loop) ? PARTS : 1;
+    const imperfections wiring = loop_imperfections(loop);
+    for (int i = 0; i < parts && seconds > 0; i++) {
+        const double part = seconds / parts;
+        imperfections_actuate(&wiring, output, part, loop->effect);
+        set_waves(loop, loop->time + part / 2);
+        plant_elapse(&loop->simulation->plant, loop->effect, part);
+        loop->time += part;
+    }
+}
+
+/* Random part of the interval, of a disturbance that may have passed. */
+static double drawn(loop *loop, const passing *passing, int tick)
+{
+    return tick < passing->until ? passing->size * random_uniform(&loop->random) : 0;
+}
+
+/* Let the time from the last tick to this one pass. */
+static void elapse(loop *loop, int tick)
+{
+    const double nominal = 1 / loop->design->scene->control.rate;
+    const double late = drawn(loop, &loop->late, tick);
+    const double sign = tick < loop->jitter.until && random_int(&loop->random, 2) ? -1 : 1;
+    const double interval = nominal * (1 + sign * drawn(loop, &loop->jitter, tick));
+    travel(loop, loop->before, late * interval);
+    travel(loop, loop->given, (1 - late) * interval);
+    for (int k = 0; k < loop->design->loads; k++)
+        if (loop->wave[k].until == tick) {
+            loop->wave[k].until = 0;
+            plant_load(&loop->simulation->plant, k, loop->load[k]);
+        }
 }
 
 /* ---- step limit ------------------------------------------------------------- */
@@ -547,12 +576,18 @@ int loop_active(const loop *loop)
 int loop_tick(loop *loop, int tick, char *error)
 {
     const size_t n = (size_t)loop->design->amplifiers;
+    if (tick > 0)
+        elapse(loop, tick);
     run_events(loop, tick);
-    drive(loop);
+    set_waves(loop, loop->time);
+    const imperfections wiring = loop_imperfections(loop);
+    imperfections_actuate(&wiring, loop->given, 0, loop->effect);
+    memcpy(loop->before, loop->given, n * sizeof *loop->before);
     if (plant_shape(&loop->simulation->plant, loop->effect, loop->shape, error) < 0)
         return -1;
     loop->error =
         sqrt(design_squares(loop->design, loop->shape, loop->wanted)) / loop->simulation->reference;
+    loop->vibration = plant_vibration(&loop->simulation->plant) / loop->simulation->reference;
     if (sense_tick(loop, tick, error) < 0)
         return -1;
     loop->is_lost = tick < loop->lost_until;
@@ -581,19 +616,20 @@ static int take_memory(loop *loop)
     const design *design = loop->design;
     const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
                  loads = (size_t)design->loads + 1;
-    double *at = loop->memory = calloc(5 * m + 2 * loads + 5 * n, sizeof *loop->memory);
+    double *at = loop->memory = calloc(5 * m + 2 * loads + 6 * n, sizeof *loop->memory);
     loop->electrode = calloc(n, sizeof *loop->electrode);
+    loop->wave = calloc(loads, sizeof *loop->wave);
     loop->state = calloc(2 * n, 1);
-    if (!at || !loop->electrode || !loop->state || !sense_open(loop))
+    if (!at || !loop->electrode || !loop->wave || !loop->state || !sense_open(loop))
         return 0;
     loop->twin_state = loop->state + n;
     double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->wish,
                                    &loop->disturbance};
-    double **const of_amplifiers[] = {&loop->command, &loop->given, &loop->effect, &loop->next,
-                                      &loop->last};
+    double **const of_amplifiers[] = {&loop->command, &loop->given, &loop->effect,
+                                      &loop->next,    &loop->last,  &loop->before};
     for (int i = 0; i < 5; i++, at += m)
         *of_targets[i] = at;
-    for (int i = 0; i < 5; i++, at += n)
+    for (int i = 0; i < 6; i++, at += n)
         *of_amplifiers[i] = at;
     loop->load = at, at += loads;
     loop->scheduled_load = at;
@@ -614,6 +650,10 @@ static void start(loop *loop)
         loop->load[k] = loop->scheduled_load[k] = 1;
     for (int k = 0; k < design->amplifiers; k++)
         loop->electrode[k].told_at = loop->electrode[k].good_at = -1;
+    for (int k = 0; k < design->amplifiers; k++)
+        loop->electrode[k].output = loop->given[k];
+    const imperfections wiring = loop_imperfections(loop);
+    imperfections_draw(&wiring);
     sense_predict(loop);
     plant_rest(&loop->simulation->plant);
 }
@@ -631,6 +671,8 @@ static int start_board(loop *loop, char *error)
         return -1;
     memcpy(loop->given, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->given);
     memcpy(loop->last, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->last);
+    for (int k = 0; k < loop->design->amplifiers; k++)
+        loop->electrode[k].output = loop->given[k];
     sense_predict(loop);
     return 0;
 }
@@ -660,6 +702,7 @@ void loop_close(loop *loop)
 {
     free(loop->memory);
     free(loop->electrode);
+    free(loop->wave);
     free(loop->state);
     free(loop->work);
     unconstrained_close(&loop->solver);

@@ -7,36 +7,21 @@
 #define SIMULATE_LOOP_H
 
 #include "../model/unconstrained.h"
+#include "imperfections.h"
 #include "simulation.h"
 
-enum { PLAYS = 4 };
+/* Sinusoidal part of the factor of a load. */
+typedef struct wave {
+    double amplitude, frequency; /* factor of the load; Hz */
+    double start;                /* time at which its phase is 0 (s) */
+    int until;                   /* tick at which it ends */
+} wave;
 
-typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK } electrode_fault;
-
-/*
- * State of an electrode between its amplifier and the piezoelectric ceramic.
- * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
- * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. The loop of a
- * full cycle is `hysteresis` times the voltage range wide, and hysteresis changes no voltage by
- * more than `hysteresis` times A.
- */
-typedef struct electrode {
-    electrode_fault fault;
-    double held;          /* voltage of a faulty electrode, which ignores its amplifier (V) */
-    double play[PLAYS];   /* output of each play operator (V) */
-    int failed_at;        /* tick of the latest fault */
-    int told_at, good_at; /* tick in which the controller is told of the fault; tick in which the
-                             fault ends by itself; -1: never */
-    int is_told; /* the controller treats the electrode as held, because the controller was told of
-                    the fault or detected the fault */
-    int out_since; /* first tick whose late readings are compared with a prediction that has this
-                      electrode held */
-} electrode;
-
-/* Faults of a sensor: the ticks at which its not-a-number readings and its stuck reading end. */
-typedef struct sensor {
-    int nan_until, frozen_until;
-} sensor;
+/* Passing disturbance of the ticks: its size, and the tick at which it ends. */
+typedef struct passing {
+    double size;
+    int until;
+} passing;
 
 /*
  * Tables of a step block that the simulation provides: the problem, which the library requires
@@ -78,6 +63,13 @@ typedef struct loop {
     double *given;       /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect; /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
                        (V) */
+    double *before; /* [amplifiers] output voltages before the last change (V) */
+    double time;    /* time since the start (s) */
+    wave *wave;     /* [loads] sinusoidal parts of the loads */
+    passing late, jitter, delay; /* late voltages and varying intervals (parts of the interval),
+                                    later readings (ticks) */
+    double vibration;     /* weighted norm of the deviation from the static equilibrium, over the
+                             norm of the scene's target; 0 for a quasi-static plant */
     double *next, *last;  /* [amplifiers] scratch memory; voltages before the tick (V) */
     electrode *electrode; /* [amplifiers] state of each electrode */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
@@ -90,10 +82,12 @@ typedef struct loop {
                         the change that the model predicts since they were taken */
     double *expected, *said; /* [sensors] readings that the model predicts, under the present
                                 command and under the command at the time of the late readings */
-    double *late_reading;    /* [delay + 1][sensors] noise-free readings of the last ticks */
-    double *late_command;    /* [delay + 1][amplifiers] commanded voltages of the last ticks (V) */
-    double *late_known;      /* [delay + 1][loads] known load factors of the last ticks */
-    double *predicted;       /* [targets] displacements that the model predicts under the command */
+    int kept; /* number of ticks whose readings and commands are kept: the delay, the largest delay
+                 of an event, and 1 */
+    double *late_reading;   /* [kept][sensors] noise-free readings of the last ticks */
+    double *late_command;   /* [kept][amplifiers] commanded voltages of the last ticks (V) */
+    double *late_known;     /* [kept][loads] known load factors of the last ticks */
+    double *predicted;      /* [targets] displacements that the model predicts under the command */
     double *known, *coming; /* [loads] load factors known to the controller, of this tick and of the
                                next one */
     double missed; /* weighted norm of the difference between true and measured shape, over the norm
@@ -162,7 +156,7 @@ const double *sense_known(const loop *loop, int tick);
  */
 void sense_taken_out(loop *loop, int amplifier, int since, int tick);
 
-/* Next random number of the loop, uniform in [0, 1). */
-double loop_draw(loop *loop);
+/* The imperfections at the present time; they change the electrodes and draw random numbers. */
+imperfections loop_imperfections(loop *loop);
 
 #endif

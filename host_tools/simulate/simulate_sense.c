@@ -7,18 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/*
- * Random number with mean 0 and variance 1: the sum of twelve uniform numbers minus six. No
- * function of libm is used, so that every computer gives the same bits.
- */
-static double draw_noise(loop *loop)
-{
-    double sum = -6;
-    for (int i = 0; i < 12; i++)
-        sum += loop_draw(loop);
-    return sum;
-}
+#include "random.h"
 
 /* ---- open ------------------------------------------------------------- */
 
@@ -36,6 +25,16 @@ static void take_noise(loop *loop)
             *noise++ = scene->estimate.reading[r].noise;
 }
 
+/* Number of ticks whose readings may still be needed. */
+static int kept_ticks(const scene_simulate *simulate)
+{
+    int most = 0;
+    for (int i = 0; i < simulate->events; i++)
+        if (simulate->event[i].type == EVENT_DELAY && simulate->event[i].amount > most)
+            most = (int)simulate->event[i].amount;
+    return simulate->delay + most + 1;
+}
+
 int sense_open(loop *loop)
 {
     const simulation *simulation = loop->simulation;
@@ -43,7 +42,8 @@ int sense_open(loop *loop)
     loop->sensors = simulation->estimates ? simulation->estimator.sensors : design->targets;
     const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
                  loads = (size_t)design->loads, k = (size_t)loop->sensors;
-    const size_t kept = (size_t)design->scene->simulate.delay + 1;
+    loop->kept = kept_ticks(&design->scene->simulate);
+    const size_t kept = (size_t)loop->kept;
     double *at = loop->sense_memory =
         calloc((5 + kept) * k + kept * (n + loads) + m + 2 * loads + 1, sizeof *at);
     loop->sensor = calloc(k + 1, sizeof *loop->sensor);
@@ -101,7 +101,7 @@ void sense_predict(loop *loop)
 /* Address of the vector of a tick, of length n, in a ring buffer of the last ticks. */
 static double *late(const loop *loop, double *kept, int tick, int n)
 {
-    return kept + (size_t)(tick % (loop->design->scene->simulate.delay + 1)) * (size_t)n;
+    return kept + (size_t)(tick % loop->kept) * (size_t)n;
 }
 
 void sense_taken_out(loop *loop, int amplifier, int since, int tick)
@@ -140,13 +140,17 @@ static int keep(loop *loop, int tick, char *error)
 static void read_sensors(loop *loop, int tick)
 {
     const int delay = loop->design->scene->simulate.delay, then = tick > delay ? tick - delay : 0;
-    const double *shown = late(loop, loop->late_reading, then, loop->sensors);
+    const int extra = tick < loop->delay.until ? (int)loop->delay.size : 0;
+    const double *shown =
+        late(loop, loop->late_reading, then > extra ? then - extra : 0, loop->sensors);
+    const imperfections wiring = loop_imperfections(loop);
     expect(loop, loop->expected, loop->command);
     expect(loop, loop->said, late(loop, loop->late_command, then, loop->design->amplifiers));
     for (int i = 0; i < loop->sensors; i++) {
-        const double noise = loop->noise[i] > 0 ? loop->noise[i] * draw_noise(loop) : 0;
-        const double reading =
-            tick < loop->sensor[i].frozen_until ? loop->reading[i] : shown[i] + noise;
+        const double noise = loop->noise[i] > 0 ? loop->noise[i] * random_noise(&loop->random) : 0;
+        const double reading = tick < loop->sensor[i].frozen_until
+                                   ? loop->reading[i]
+                                   : imperfections_sense(&wiring, i, shown[i] + noise);
         if (delay == 0)
             loop->sensed[i] = reading;
         else if (tick == 0 || reading < loop->reading[i] || reading > loop->reading[i] ||

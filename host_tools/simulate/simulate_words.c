@@ -66,6 +66,17 @@ static void name_electrodes(const scene *scene, const scene_event *event, const 
         snprintf(text, room, "%.60s %s", name, word);
 }
 
+/* Write an impulse or a sinusoidal part of a load. */
+static void name_motion(const scene *scene, const scene_event *event, char *text, size_t room)
+{
+    const char *name = name_of_load(&scene->load[event->load]);
+    if (event->type == EVENT_IMPULSE)
+        snprintf(text, room, "impulse of the %s during %g s", name, event->amount);
+    else
+        snprintf(text, room, "%s varies by %g at %g Hz, %d ticks", name, event->amount,
+                 event->frequency, event->ticks);
+}
+
 static void name_event(const scene *scene, const scene_event *event, char *text, size_t room)
 {
     char unit[WORDS_UNIT];
@@ -83,6 +94,18 @@ static void name_event(const scene *scene, const scene_event *event, char *text,
                  event->type == EVENT_NAN ? "NaN" : "frozen", event->ticks);
         break;
     case EVENT_LOST: snprintf(text, room, "%d ticks lost", event->ticks); break;
+    case EVENT_IMPULSE:
+    case EVENT_SINE: name_motion(scene, event, text, room); break;
+    case EVENT_LATE:
+        snprintf(text, room, "voltages up to %g of a tick late, %d ticks", event->amount,
+                 event->ticks);
+        break;
+    case EVENT_JITTER:
+        snprintf(text, room, "ticks vary by %g, %d ticks", event->amount, event->ticks);
+        break;
+    case EVENT_DELAY:
+        snprintf(text, room, "readings %g ticks later, %d ticks", event->amount, event->ticks);
+        break;
     case EVENT_DEAD: name_electrodes(scene, event, "dead", text, room); break;
     case EVENT_STUCK: name_electrodes(scene, event, "stuck", text, room); break;
     default: name_electrodes(scene, event, "alive", text, room);

@@ -2,10 +2,11 @@
 /*
  * Simulation of a closed loop on the host: the library's controller with the tables of the scene,
  * a plant that differs from the controller's model, sensors and amplifiers with faults, and the
- * schedule of the scene. The simulation is quasi-static and computes one shape per tick, in this
- * order:
+ * schedule of the scene. The plant vibrates where the densities of the scene are known, and is
+ * quasi-static otherwise or where the scene says so (plant.h). Each tick runs in this order:
  *
- *   events, shape under the voltages of the previous tick, measurement, controller, amplifiers
+ *   time since the last tick, events, shape under the voltages of the previous tick, measurement,
+ * controller, amplifiers
  *
  * The controller runs on the host, or as a firmware with the same tables on a board
  * (simulate_device). The same scene gives bit-identical results in every run. The same loop also
@@ -37,6 +38,8 @@ typedef struct simulate_sample {
                      of the scene| */
     double missed; /* relative measurement error: |W (shape - shape measured by the controller)| /
                       |W target of the scene| */
+    double vibration; /* |W (shape - static equilibrium of the plant)| / |W target of the scene|; 0
+                         for a quasi-static plant */
     const double *command;  /* [amplifiers] commanded voltages (V) */
     const double *voltage;  /* [amplifiers] output voltages of the amplifiers (V) */
     int active, iterations; /* number of commanded voltages at a limit; iterations of the optimiser
@@ -49,11 +52,14 @@ typedef void simulate_watch(void *context, const simulate_sample *sample);
 
 /* Results of one control law in one phase. */
 typedef struct simulate_course {
-    double steady; /* relative shape error: root mean square over the last ticks */
-    double worst;  /* largest relative shape error */
-    double missed; /* relative measurement error: root mean square over the last ticks */
-    int settled;   /* ticks until the distance of the shape from its final value stays within 5 % of
-                      the largest distance; -1: never */
+    double steady;    /* relative shape error: root mean square over the last ticks */
+    double worst;     /* largest relative shape error */
+    double missed;    /* relative measurement error: root mean square over the last ticks */
+    double vibration; /* relative deviation from the static equilibrium: root mean square over the
+                         last ticks */
+    double vibration_worst; /* largest relative deviation from the static equilibrium */
+    int settled; /* ticks until the distance of the shape from its final value stays within 5 % of
+                    the largest distance; -1: never */
     int step_limit_ticks; /* ticks that the step limit alone requires from the initial to the final
                              voltages */
     double *voltage;      /* [amplifiers] voltages at the end of the phase (V) */

@@ -401,11 +401,17 @@ run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$d
           j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clipped']['steady'] / 2 and
           j['phases'][0]['controller']['steady'] < j['phases'][0]['regularised']['steady'] < j['phases'][0]['clipped']['steady']"
 check 'simulate: optimum, controller and clipping in JSON' $?
-[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,active,passes,status,lost,v_1_1,.*,v_5_5$' &&
-    [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 32 ]
+[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,vibration,active,passes,status,lost,v_1_1,.*,v_5_5$' &&
+    [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 33 ]
 check 'simulate: a CSV line a tick, a column a quantity' $?
-law loop.html xml && law loop.svg xml && law loop.html text 'Voltages of the amplifiers' v_1_1 v_5_5 'pzs simulate plate-closed-loop' 'Regularised, then clipped' 'Quasi-static plant: no inertia. First natural frequency'
+law loop.html xml && law loop.svg xml && law loop.html text 'Voltages of the amplifiers' v_1_1 v_5_5 'pzs simulate plate-closed-loop' 'Regularised, then clipped' 'Quasi-static plant: no inertia (the scene says inertia: false). First natural frequency'
 check 'simulate: report' $?
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=300 --set simulate.plant.inertia=true --set 'control.rate=0.4' --json --report "$dir/loop.html" &&
+    json "j['dynamics'] == 'inertia' and j['plant_modes']['count'] == 100 and 15 < j['plant_modes']['first'] < 16.5 and
+          len(j['history']['vibration']) == 300 and 0 < j['phases'][0]['controller']['vibration_worst'] < 2" &&
+    law loop.html text 'Plant with inertia, 100 modes'
+check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 [ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
 run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
 run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
@@ -448,7 +454,7 @@ run 0 check plate-closed-loop --json && json "j['vibration']['radius']>1.5 and j
 run 0 check plate-closed-loop --set control.rate=0.4 && grep -q 'the loop is stable' "$dir/out" && grep -q 'Every rate up to' "$dir/out"; check 'check: a rate that is stable' $?
 run 0 check scordelis-lo && grep -q "vibration not known: .*'concrete'" "$dir/out"; check 'check names the densities that are missing' $?
 # shellcheck disable=SC2086
-run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 && grep -q 'quasi-static plant: no inertia' "$dir/out" && grep -q 'vibration grows' "$dir/out"; check 'simulate says that its plant has no inertia' $?
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 && grep -q 'quasi-static plant, no inertia' "$dir/out" && grep -q 'vibration grows' "$dir/out"; check 'simulate says that its plant has no inertia' $?
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 --set materials.G1195.density=0 --json --report "$dir/loop.html" && json "j['dynamics']=='quasi-static' and 'G1195' in j['vibration']['missing']" && grep -q 'Quasi-static plant' "$dir/loop.html"; check 'simulate without a density says so' $?
 

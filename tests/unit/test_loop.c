@@ -20,7 +20,7 @@
 /* A linear plant that is the model's own. */
 #define EXACT                                                                                      \
     "kinematics=linear;simulate.influence=undeformed;simulate.plant={kinematics: "                 \
-    "linear};simulate.sensors={delay: 0};simulate.amplifiers.step=0;"
+    "linear, hysteresis: 0, inertia: false};simulate.sensors={delay: 0};simulate.amplifiers.step=0;"
 
 /* Limits that do not matter. */
 #define FREE                                                                                       \
@@ -148,11 +148,12 @@ static void test_electrodes_sense(void **state)
     }
     close_bench(&b);
     for (int i = 0; i < 2; i++) {
-        open_bench(
-            &b, i ? EXACT ELECTRIC "simulate.plant={kinematics: nonlinear};simulate.events=[{at: "
-                                   "0, load: 0, factor: 0}, {at: 0, target: 0.001}]"
-                  : EXACT ELECTRIC "simulate.plant={kinematics: nonlinear};simulate.events=[{at: "
-                                   "0, load: 0, factor: 0}, {at: 0, target: 0.01}]");
+        open_bench(&b, i ? EXACT ELECTRIC
+                           "simulate.plant={kinematics: nonlinear, hysteresis: 0, inertia: false};"
+                           "simulate.events=[{at: 0, load: 0, factor: 0}, {at: 0, target: 0.001}]"
+                         : EXACT ELECTRIC
+                           "simulate.plant={kinematics: nonlinear, hysteresis: 0, inertia: false};"
+                           "simulate.events=[{at: 0, load: 0, factor: 0}, {at: 0, target: 0.01}]");
         off[i] = 0;
         double most = 0;
         for (int at = 0; at < 12; at++)

@@ -173,7 +173,7 @@ static void test_inside_limits(void **state)
     (void)state;
     open_bench(
         &b, "kinematics=linear;simulate.influence=undeformed;simulate.plant={kinematics: linear, "
-            "d: 0.8, stiffness: 1.1, hysteresis: 0.1};"
+            "d: 0.8, stiffness: 1.1, hysteresis: 0.1, inertia: false};"
             "simulate.amplifiers={step: 0.05, dead_band: 0.1};simulate.sensors={noise: "
             "1e-6, delay: 2}");
     for (int law = 0; law < LAWS; law++) {
@@ -470,13 +470,13 @@ static const refusal bad_sets[] = {
     {"simulate.events=[{at: 5, missing_sensors: 1, ticks: 2, announced: detected}]",
      "'announced' belongs to dead and stuck electrodes"},
     {"simulate.events=[{at: 5, missing_sensors: 0.5}]",
-     "sensors fail for some ticks; add ticks: 20"},
+     "this event lasts for some ticks; add ticks: 20"},
     {"simulate.events=[{at: 5, missing_sensors: 1.5, ticks: 5}]",
      "'missing_sensors: 1.5' must lie between 0 and 1"},
     {"simulate.events=[{at: 5, stuck_sensors: 0.5, ticks: 0}]", "'ticks: 0' must be from 1"},
     {"simulate.events=[{at: 5, missed_ticks: 0}]", "'missed_ticks: 0' must be from 1"},
     {"simulate.events=[{at: 5, missed_ticks: 2, ticks: 2}]",
-     "'ticks' belongs to missing_sensors and stuck_sensors; remove it"},
+     "'ticks' belongs to missing_sensors, stuck_sensors"},
 };
 
 /* A wrong value is refused with its place and a cure. */

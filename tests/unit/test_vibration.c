@@ -721,7 +721,7 @@ static void test_one_mode(void **state)
         for (int r = 0; r < 3; r++)
             largest = fmax(largest, hypot(z[r][0], z[r][1]));
         assert_near("radius of one mode",
-                    certificate_radius(&loop, &square, 1, zeta, 0, interval, 40), largest, 1e-6);
+                    certificate_radius(&loop, &square, 1, &zeta, 0, interval, 40), largest, 1e-6);
     }
 }
 

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Modal description of a structure (modal.h). */
+#include "modal.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/model/model.h"
+
+double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
+{
+    if (dynamics->is_rayleigh)
+        return dynamics->rayleigh[0] / (2 * frequency) + dynamics->rayleigh[1] * frequency / 2;
+    if (dynamics->dampings == 0)
+        return dynamics->damping;
+    return dynamics->damping_of_mode[mode < dynamics->dampings ? mode : dynamics->dampings - 1];
+}
+
+/*
+ * Solutions of x'' + 2 damping w x' + w^2 x = 0 at w t = angle: decay times the cosine (circular or
+ * hyperbolic), and decay times the sine over the root of |1 - damping^2|.
+ */
+static void solutions(double damping, double angle, double *cosine, double *sine)
+{
+    const double square = 1 - damping * damping, root = sqrt(fabs(square));
+    if (square > 0) {
+        *cosine = exp(-damping * angle) * cos(root * angle);
+        *sine = exp(-damping * angle) * sin(root * angle) / root;
+        return;
+    }
+    const double slow = exp((root - damping) * angle), fast = exp(-(root + damping) * angle);
+    *cosine = (slow + fast) / 2;
+    *sine = root > 0 ? (slow - fast) / (2 * root) : angle * slow;
+}
+
+void modal_propagator(double frequency, double damping, double interval, double r[4])
+{
+    double c, s;
+    solutions(damping, frequency * interval, &c, &s);
+    r[0] = c + damping * s;
+    r[1] = s;
+    r[2] = -s;
+    r[3] = c - damping * s;
+}
+
+/* Fill the row of one mode: frequency, damping, static response; and its column of C. */
+static void fill_mode(modal *modal, const design *design, const vibration *vibration, size_t mode)
+{
+    const int of = vibration->rigid + (int)mode;
+    const double *x = vibration->shape + (size_t)of * (size_t)design->mesh.free_dof;
+    modal->frequency[mode] = sqrt(vibration->square[of]);
+    modal->damping[mode] =
+        modal_damping(&design->scene->dynamics, (int)mode, modal->frequency[mode]);
+    for (size_t row = 0; row < modal->rows; row++)
+        modal->shape[row * modal->modes + mode] =
+            pzs_model_observe_row(&design->structure, x, (uint32_t)row);
+    for (size_t k = 0; k < modal->inputs; k++)
+        modal->response[mode * modal->inputs + k] = vibration_static(vibration, design, of, (int)k);
+}
+
+bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs)
+{
+    memset(modal, 0, sizeof *modal);
+    modal->modes = (size_t)(vibration->count - vibration->rigid);
+    modal->rows = design->structure.output.count;
+    modal->inputs = inputs;
+    modal->frequency = calloc(modal->modes + 1, sizeof *modal->frequency);
+    modal->damping = calloc(modal->modes + 1, sizeof *modal->damping);
+    modal->shape = calloc(modal->rows * modal->modes + 1, sizeof *modal->shape);
+    modal->response = calloc(modal->modes * inputs + 1, sizeof *modal->response);
+    if (!modal->frequency || !modal->damping || !modal->shape || !modal->response)
+        return false;
+    for (size_t mode = 0; mode < modal->modes; mode++)
+        fill_mode(modal, design, vibration, mode);
+    return true;
+}
+
+void modal_close(modal *modal)
+{
+    free(modal->frequency);
+    free(modal->damping);
+    free(modal->shape);
+    free(modal->response);
+    memset(modal, 0, sizeof *modal);
+}

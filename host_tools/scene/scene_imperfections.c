@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Imperfections in the section `simulate` of a scene: what sensors, amplifiers, cables and ceramic
+ * do that the controller does not know.
+ */
+#include "scene_parts.h"
+
+#include <stdlib.h>
+
+/* Read the names of amplifiers or actuators; an actuator stands for all amplifiers of its grid. */
+int read_amplifier_names(reader *reader, int node, int **list, int *count)
+{
+    const scene *scene = reader->s;
+    int i, k, items, first, found;
+    void *room = new_items(reader, node, TREE_LIST, 1, &items);
+    free(room);
+    if (!room)
+        return -1;
+    *list = malloc(((size_t)scene->amplifiers + 1) * sizeof **list);
+    if (!*list)
+        return tree_fault(reader->t, node, "out of memory");
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
+            return -1;
+        if (!scene_find_amplifier(scene, node_text(reader, i), &first, &found))
+            return tree_fault(reader->t, i, "there is no actuator '%.60s'; the first one is '%s'",
+                              node_text(reader, i), scene->actuator[0].name);
+        if (*count + found > scene->amplifiers)
+            return tree_fault(reader->t, i,
+                              "'%.60s' makes more electrodes than there are; name each once",
+                              node_text(reader, i));
+        for (k = 0; k < found; k++)
+            (*list)[(*count)++] = first + k;
+    }
+    return 0;
+}
+
+int read_bandwidth(reader *reader, int node, void *to, const void *rule)
+{
+    (void)rule;
+    return read_real(reader, node, &((scene_simulate *)to)->imperfections.bandwidth, &above_zero);
+}
+
+int read_creep(reader *reader, int node, void *to, const void *rule)
+{
+    static const range part = {0, 0.2, 0,
+                               "must lie between 0 and 0.2; it is the creep a decade of time over "
+                               "the voltage"};
+    (void)rule;
+    return read_real(reader, node, &((scene_simulate *)to)->imperfections.creep, &part);
+}
+
+int read_drift(reader *reader, int node, void *to, const void *rule)
+{
+    (void)rule;
+    return read_real(reader, node, &((scene_simulate *)to)->imperfections.drift, &not_negative);
+}
+
+int read_quantum(reader *reader, int node, void *to, const void *rule)
+{
+    (void)rule;
+    return read_real(reader, node, &((scene_simulate *)to)->imperfections.quantum, &not_negative);
+}
+
+int read_outliers(reader *reader, int node, void *to, const void *rule)
+{
+    static const range share = {0, 1, 0, "must lie between 0 and 1"};
+    static const field fields[] = {
+        {"chance", read_real, offsetof(scene_imperfections, outlier_chance), &share, 1},
+        {"size", read_real, offsetof(scene_imperfections, outlier_size), &above_zero, 1},
+        {NULL, NULL, 0, NULL, 0}};
+    (void)rule;
+    return read_map(reader, node, fields, &((scene_simulate *)to)->imperfections);
+}
+
+int read_reversed(reader *reader, int node, void *to, const void *rule)
+{
+    scene_imperfections *imperfections = &((scene_simulate *)to)->imperfections;
+    (void)rule;
+    return read_amplifier_names(reader, node, &imperfections->reversed, &imperfections->reversals);
+}
+
+int read_swapped(reader *reader, int node, void *to, const void *rule)
+{
+    scene_imperfections *imperfections = &((scene_simulate *)to)->imperfections;
+    (void)rule;
+    if (read_amplifier_names(reader, node, &imperfections->swapped, &imperfections->swaps) != 0)
+        return -1;
+    if (imperfections->swaps % 2 == 0)
+        return 0;
+    return tree_fault(reader->t, node, "%d amplifiers are not pairs; name both ends of each swap",
+                      imperfections->swaps);
+}

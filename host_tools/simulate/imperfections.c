@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Imperfections between the controller and the structure (imperfections.h). */
+#include "imperfections.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "random.h"
+
+/* Width of the loop of a soft piezoceramic where the scene does not say. */
+static const double usual_hysteresis = 0.1;
+
+/* Time constants of the creep (s). */
+static const double creep_time[CREEPS] = {0.1, 1, 10};
+
+static const scene_imperfections *of(const imperfections *on)
+{
+    return &on->design->scene->simulate.imperfections;
+}
+
+/* ---- actuators -------------------------------------------------------- */
+
+static bool has_bandwidth(const design *design)
+{
+    return design->scene->simulate.imperfections.bandwidth > 0;
+}
+
+/* First-order lag of the amplifiers; the result is the mean over the interval. */
+static void lag(const imperfections *on, double *voltage, double interval)
+{
+    const double times = 2 * 3.14159265358979323846 * of(on)->bandwidth * interval;
+    for (int k = 0; k < on->design->amplifiers; k++) {
+        electrode *e = &on->electrode[k];
+        const double behind = e->output - voltage[k];
+        e->output = voltage[k] + behind * exp(-times);
+        voltage[k] += times > 0 ? -behind * expm1(-times) / times : behind;
+    }
+}
+
+static bool has_swaps(const design *design)
+{
+    return design->scene->simulate.imperfections.swaps > 0;
+}
+
+static void swap(const imperfections *on, double *voltage, double interval)
+{
+    const scene_imperfections *given = of(on);
+    (void)interval;
+    for (int i = 0; i + 1 < given->swaps; i += 2) {
+        double *one = &voltage[given->swapped[i]], *other = &voltage[given->swapped[i + 1]];
+        const double first = *one;
+        *one = *other;
+        *other = first;
+    }
+}
+
+static bool has_reversals(const design *design)
+{
+    return design->scene->simulate.imperfections.reversals > 0;
+}
+
+static void reverse(const imperfections *on, double *voltage, double interval)
+{
+    const scene_imperfections *given = of(on);
+    (void)interval;
+    for (int i = 0; i < given->reversals; i++)
+        voltage[given->reversed[i]] *= -1;
+}
+
+static bool may_fail(const design *design)
+{
+    (void)design;
+    return true;
+}
+
+/* A faulty electrode ignores its amplifier. */
+static void fail(const imperfections *on, double *voltage, double interval)
+{
+    (void)interval;
+    for (int k = 0; k < on->design->amplifiers; k++)
+        if (on->electrode[k].fault != ELECTRODE_GOOD)
+            voltage[k] = on->electrode[k].held;
+}
+
+static bool has_hysteresis(const design *design)
+{
+    return imperfections_hysteresis(design) > 0;
+}
+
+static double through_play(electrode *e, double voltage, double half_range, double share)
+{
+    double mean = 0;
+    for (int i = 0; i < PLAYS; i++) {
+        const double slack = half_range * (i + 1) / (2 * PLAYS);
+        e->play[i] = fmin(fmax(e->play[i], voltage - slack), voltage + slack);
+        mean += e->play[i] / PLAYS;
+    }
+    return voltage + share * (mean - voltage);
+}
+
+/*
+ * After a full cycle the mean of the play operators leaves a loop of 5/16 of the range; the factor
+ * 16/5 scales this width to the scene's hysteresis.
+ */
+static void play(const imperfections *on, double *voltage, double interval)
+{
+    const design *design = on->design;
+    const double share = imperfections_hysteresis(design) * 16 / 5;
+    (void)interval;
+    for (int k = 0; k < design->amplifiers; k++)
+        voltage[k] = through_play(&on->electrode[k], voltage[k],
+                                  (design->upper[k] - design->lower[k]) / 2, share);
+}
+
+static bool has_creep(const design *design)
+{
+    return design->scene->simulate.imperfections.creep > 0;
+}
+
+static void creep(const imperfections *on, double *voltage, double interval)
+{
+    const double a_decade = of(on)->creep;
+    for (int k = 0; k < on->design->amplifiers; k++) {
+        double *state = on->electrode[k].creep, sum = 0;
+        for (int i = 0; i < CREEPS; i++) {
+            sum += state[i];
+            state[i] -= expm1(-interval / creep_time[i]) * (a_decade * voltage[k] - state[i]);
+        }
+        voltage[k] += sum;
+    }
+}
+
+/* Imperfections on the way from the amplifiers to the ceramic, in the order of their effect. */
+static const struct {
+    bool (*is_present)(const design *design);
+    void (*apply)(const imperfections *on, double *voltage, double interval);
+} actuator_stages[] = {{has_bandwidth, lag}, {has_swaps, swap},      {has_reversals, reverse},
+                       {may_fail, fail},     {has_hysteresis, play}, {has_creep, creep}};
+enum { ACTUATOR_STAGES = sizeof actuator_stages / sizeof *actuator_stages };
+
+/* Whether a material strains in an electric field. */
+static bool is_piezoelectric(const scene_material *material)
+{
+    return material->has_d || material->has_e;
+}
+
+double imperfections_hysteresis(const design *design)
+{
+    const scene *scene = design->scene;
+    bool is_active = false;
+    if (scene->simulate.hysteresis_given)
+        return scene->simulate.hysteresis;
+    for (int i = 0; i < scene->layers; i++)
+        is_active |= is_piezoelectric(&scene->material[scene->layer[i].material]);
+    for (int k = 0; k < design->amplifiers; k++)
+        is_active = is_active && isfinite(design->upper[k] - design->lower[k]);
+    return is_active ? usual_hysteresis : 0;
+}
+
+bool imperfections_vary(const scene *scene)
+{
+    return scene->simulate.imperfections.bandwidth > 0;
+}
+
+void imperfections_actuate(const imperfections *on, const double *output, double interval,
+                           double *effect)
+{
+    memcpy(effect, output, (size_t)on->design->amplifiers * sizeof *effect);
+    for (int i = 0; i < ACTUATOR_STAGES; i++)
+        if (actuator_stages[i].is_present(on->design))
+            actuator_stages[i].apply(on, effect, interval);
+}
+
+/* ---- sensors ---------------------------------------------------------- */
+
+static double drift(const imperfections *on, int sensor, double value)
+{
+    return value + on->sensor[sensor].slope * on->time;
+}
+
+static double stray(const imperfections *on, int sensor, double value)
+{
+    const scene_imperfections *given = of(on);
+    (void)sensor;
+    if (!(given->outlier_chance > 0) || random_uniform(on->random) >= given->outlier_chance)
+        return value;
+    return value + given->outlier_size * (2 * random_uniform(on->random) - 1);
+}
+
+static double quantise(const imperfections *on, int sensor, double value)
+{
+    const double quantum = of(on)->quantum;
+    (void)sensor;
+    return quantum > 0 ? quantum * floor(value / quantum + 0.5) : value;
+}
+
+/* Imperfections of the sensors, in the order of their effect. */
+static double (*const sensor_stages[])(const imperfections *on, int sensor,
+                                       double value) = {drift, stray, quantise};
+enum { SENSOR_STAGES = sizeof sensor_stages / sizeof *sensor_stages };
+
+void imperfections_draw(const imperfections *on)
+{
+    const double most = of(on)->drift;
+    for (int i = 0; i < on->sensors && most > 0; i++)
+        on->sensor[i].slope = most * (2 * random_uniform(on->random) - 1);
+}
+
+double imperfections_sense(const imperfections *on, int sensor, double value)
+{
+    for (int i = 0; i < SENSOR_STAGES; i++)
+        value = sensor_stages[i](on, sensor, value);
+    return value;
+}
+
+/* ---- text ------------------------------------------------------------- */
+
+void imperfections_text(const design *design, char *text, size_t room)
+{
+    const scene_imperfections *given = &design->scene->simulate.imperfections;
+    const struct {
+        const char *format;
+        double value;
+    } rows[] = {{"hysteresis %g of the range", imperfections_hysteresis(design)},
+                {"creep %g a decade", given->creep},
+                {"amplifiers of %g Hz", given->bandwidth},
+                {"%g reversed wires", given->reversals},
+                {"%g swapped cables", given->swaps},
+                {"drift of sensors up to %g a second", given->drift},
+                {"outliers in a share of %g of the readings", given->outlier_chance},
+                {"readings in steps of %g", given->quantum}};
+    size_t at = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char part[80];
+        if (!(rows[i].value > 0))
+            continue;
+        snprintf(part, sizeof part, rows[i].format, rows[i].value);
+        if (at + strlen(part) + 3 < room)
+            at += (size_t)snprintf(text + at, room - at, "%s%s", at ? ", " : "", part);
+    }
+}

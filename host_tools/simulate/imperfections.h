@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Imperfections between the controller and the structure: from the amplifiers' outputs to the
+ * voltages that act on the ceramic, and from the true readings to those that are passed on. Each is
+ * one row of a table in imperfections.c.
+ */
+#ifndef IMPERFECTIONS_H
+#define IMPERFECTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include "../model/design.h"
+
+enum { PLAYS = 4, CREEPS = 3 };
+
+typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK } electrode_fault;
+
+/*
+ * State of an electrode between its amplifier and the piezoelectric ceramic.
+ * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
+ * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. The loop of a
+ * full cycle is `hysteresis` times the voltage range wide, and hysteresis changes no voltage by
+ * more than `hysteresis` times A. Creep is the sum of three first-order lags with time constants a
+ * decade apart.
+ */
+typedef struct electrode {
+    electrode_fault fault;
+    double held;          /* voltage of a faulty electrode, which ignores its amplifier (V) */
+    double output;        /* output of the amplifier's first-order lag (V) */
+    double play[PLAYS];   /* output of each play operator (V) */
+    double creep[CREEPS]; /* output of each lag of the creep (V) */
+    int failed_at;        /* tick of the latest fault */
+    int told_at, good_at; /* tick in which the controller is told of the fault; tick in which the
+                             fault ends by itself; -1: never */
+    int is_told; /* the controller treats the electrode as held, because the controller was told of
+                    the fault or detected the fault */
+    int out_since; /* first tick whose late readings are compared with a prediction that has this
+                      electrode held */
+} electrode;
+
+/* State of a sensor: the ticks at which its not-a-number readings and its stuck reading end. */
+typedef struct sensor {
+    int nan_until, frozen_until;
+    double slope; /* drift of the reading (unit of the reading a second) */
+} sensor;
+
+/* What the imperfections of a running loop act on. */
+typedef struct imperfections {
+    const design *design;
+    electrode *electrode; /* [amplifiers] */
+    sensor *sensor;       /* [sensors] */
+    int sensors;
+    uint64_t *random; /* state of the random number generator */
+    double time;      /* time since the start (s) */
+} imperfections;
+
+/* Width of the hysteresis loop of the scene's ceramic: as given, else 0.1 for a piezoceramic
+ * between finite voltage limits. */
+double imperfections_hysteresis(const design *design);
+
+/* Whether the voltages on the ceramic vary between the ticks. */
+bool imperfections_vary(const scene *scene);
+
+/*
+ * Let an interval pass under constant commands to the amplifiers.
+ *   output [amplifiers] in   voltages that the amplifiers are to give (V)
+ *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval; for the
+ * interval 0 the voltages at this instant
+ */
+void imperfections_actuate(const imperfections *imperfections, const double *output,
+                           double interval, double *effect);
+
+/* Draw the random parameters of the sensors, before the first tick. */
+void imperfections_draw(const imperfections *imperfections);
+
+/* Reading of a sensor that has a true value, noise included. */
+double imperfections_sense(const imperfections *imperfections, int sensor, double value);
+
+/* List the imperfections of a scene; empty where there are none. */
+void imperfections_text(const design *design, char *text, size_t room);
+
+#endif

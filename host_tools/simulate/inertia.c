@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Vibration of a structure about its static equilibrium (inertia.h). */
+#include "inertia.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool inertia_open(inertia *inertia, const modal *modal)
+{
+    const size_t modes = modal->modes;
+    memset(inertia, 0, sizeof *inertia);
+    inertia->modal = modal;
+    inertia->gain = inertia->stretch = 1;
+    inertia->memory = calloc(6 * modes + modal->inputs + 1, sizeof *inertia->memory);
+    if (!inertia->memory)
+        return false;
+    inertia->deviation = inertia->memory;
+    inertia->velocity = inertia->deviation + modes;
+    inertia->propagator = inertia->velocity + modes;
+    inertia->input = inertia->propagator + 4 * modes;
+    return true;
+}
+
+void inertia_close(inertia *inertia)
+{
+    free(inertia->memory);
+    memset(inertia, 0, sizeof *inertia);
+}
+
+void inertia_rest(inertia *inertia, const double *input)
+{
+    memset(inertia->deviation, 0, 2 * inertia->modal->modes * sizeof *inertia->deviation);
+    memcpy(inertia->input, input, inertia->modal->inputs * sizeof *input);
+}
+
+void inertia_jump(inertia *inertia, const double *input)
+{
+    const modal *modal = inertia->modal;
+    for (size_t k = 0; k < modal->inputs; k++) {
+        const double change = input[k] - inertia->input[k];
+        inertia->input[k] = input[k];
+        if (change == 0)
+            continue;
+        for (size_t i = 0; i < modal->modes; i++)
+            inertia->deviation[i] -=
+                inertia->gain * modal->response[i * modal->inputs + k] * change;
+    }
+}
+
+void inertia_kick(inertia *inertia, size_t input, double seconds)
+{
+    const modal *modal = inertia->modal;
+    for (size_t i = 0; i < modal->modes; i++)
+        inertia->velocity[i] += inertia->stretch * modal->frequency[i] * inertia->gain *
+                                modal->response[i * modal->inputs + input] * seconds;
+}
+
+void inertia_advance(inertia *inertia, double interval)
+{
+    const modal *modal = inertia->modal;
+    if (interval == 0)
+        return;
+    for (size_t i = 0; i < modal->modes; i++) {
+        double *r = inertia->propagator + 4 * i;
+        if (interval < inertia->interval || interval > inertia->interval)
+            modal_propagator(inertia->stretch * modal->frequency[i], modal->damping[i], interval,
+                             r);
+        const double d = inertia->deviation[i], p = inertia->velocity[i];
+        inertia->deviation[i] = r[0] * d + r[1] * p;
+        inertia->velocity[i] = r[2] * d + r[3] * p;
+    }
+    inertia->interval = interval;
+}
+
+void inertia_observe(const inertia *inertia, size_t first, size_t rows, double *out)
+{
+    const size_t modes = inertia->modal->modes;
+    for (size_t row = 0; row < rows; row++) {
+        const double *c = inertia->modal->shape + (first + row) * modes;
+        out[row] = 0;
+        for (size_t i = 0; i < modes; i++)
+            out[row] += c[i] * inertia->deviation[i];
+    }
+}
+
+double inertia_energy(const inertia *inertia)
+{
+    double sum = 0;
+    for (size_t i = 0; i < inertia->modal->modes; i++) {
+        const double w = inertia->stretch * inertia->modal->frequency[i];
+        sum += w * w *
+               (inertia->deviation[i] * inertia->deviation[i] +
+                inertia->velocity[i] * inertia->velocity[i]) /
+               2;
+    }
+    return sum;
+}
