@@ -184,9 +184,10 @@ static void test_oracle(void **state)
 
 /* ---- the plant of a scene --------------------------------------------- */
 
-#define LINEAR                                                                                         \
-    "kinematics=linear;simulate.influence=undeformed;simulate.plant={kinematics: linear, hysteresis: " \
-    "0};simulate.sensors={noise: 0};simulate.amplifiers={step: 0};"
+#define LINEAR                                                                                     \
+    "kinematics=linear;simulate.influence=undeformed;"                                             \
+    "simulate.plant={kinematics: linear, hysteresis: 0};"                                          \
+    "simulate.sensors={noise: 0};simulate.amplifiers={step: 0};"
 #define IDLE "simulate.events=[{at: 0, missed_ticks: 100000}]"
 
 typedef struct bench {
