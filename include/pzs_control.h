@@ -23,8 +23,8 @@
  *   with lower <= v <= upper, |v - v_last| <= step limit,
  * where e = wanted - (measured - predicted). The control step has no vibration
  * model: `pzs check` prints the range of tick rates at which it is stable on a structure with mass.
- * Options around the tick (estimator, feed-forward, converter steps, fault detector) are declared
- * in pzs_loop.h.
+ * Options around the tick (estimator, damper of vibration, feed-forward, converter steps, fault
+ * detector) are declared in pzs_loop.h.
  */
 #ifndef PZS_CONTROL_H
 #define PZS_CONTROL_H

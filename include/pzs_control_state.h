@@ -79,9 +79,11 @@ typedef struct pzs_control_state {
     pzs_real *step_limit;    /* [inputs] largest change of a voltage in one step (V) */
     pzs_real *weighted;      /* [2][outputs] weighted error W^2 (e - B base), and the expected
                                 measurements (m) */
-    uint8_t *repeats;     /* [outputs] ticks in which a measurement repeated although it should have
-                             moved */
-    pzs_real base_energy; /* |W B base|^2 (m2) */
+    uint8_t *repeats; /* [outputs] ticks in which a measurement repeated although it should have
+                         moved */
+    const pzs_real *damping; /* [inputs] damping gradient of a damped tick (m2/V); NULL: undamped */
+    pzs_real share;          /* part of the static gradient that a damped tick follows */
+    pzs_real base_energy;    /* |W B base|^2 (m2) */
     pzs_real largest_column; /* square root of the largest diagonal entry of H (m/V) */
     bool has_step_limits; /* some step limit is shorter than the distance between the voltage limits
                            */
@@ -142,6 +144,30 @@ typedef struct pzs_estimate_state {
                        */
     uint8_t stage;
 } pzs_estimate_state;
+
+typedef struct pzs_damper_state {
+    struct pzs_control *control;
+    const struct pzs_vibration *tables;
+    pzs_real *late; /* [3][width] position, velocity over angular frequency and static position by
+                       loads of each mode when the readings of the present tick were taken (m) */
+    pzs_real *now;  /* [3][width] the same at the present tick (m) */
+    pzs_real *velocity_before; /* [width] velocity over angular frequency at the last tick (m) */
+    pzs_real *residual_modes;  /* [width] part of `residual` that is subtracted mode by mode (m) */
+    pzs_real *work;            /* [2][width] modal vectors of one computation */
+    pzs_real *equilibrium; /* [delay + 1][width] static position by the voltages of the last ticks
+                              (m) */
+    pzs_real *expected;    /* [delay + 1][sensors] static readings under the voltages of the last
+                              ticks */
+    pzs_real *predicted;   /* [sensors] readings that voltages and modes predict */
+    pzs_real *innovation;  /* [sensors] reading - predicted reading */
+    pzs_real *sensed;      /* [sensors] last readings */
+    pzs_real *residual;    /* [sensors] low-passed innovation */
+    pzs_real *damping;     /* [inputs] damping gradient handed to the control step (m2/V) */
+    uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
+                       */
+    uint16_t newest;  /* row of `equilibrium` and `expected` that belongs to the present voltages */
+    uint8_t stage;
+} pzs_damper_state;
 
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;

@@ -232,6 +232,104 @@ extern const pzs_block_type pzs_estimator_block;
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_estimate)) + PZS_ALIGNED(PZS_ESTIMATE_BYTES(sensors)) +     \
                 (size_t)(outputs) * sizeof(pzs_real))
 
+/* ---- vibration: modes observed and damped by the tick (lib/control/vibration.c) */
+
+/*
+ * Vibration modes of the structure and the gains of the damped tick, computed by the host for one
+ * tick rate. The coordinate of a mode is in metres: a mode of coordinate 1 moves the outputs by an
+ * RMS value of 1. All arrays are const, in flash.
+ */
+typedef struct pzs_vibration {
+    uint32_t format, scene; /* format and scene of the problem */
+    uint32_t crc;           /* checksum of everything below; see pzs_vibration_seal */
+    uint16_t inputs, outputs, sensors, modes;
+    uint16_t delay;          /* age of the readings (ticks) */
+    const pzs_real *shape;   /* [outputs][modes] displacement of the outputs in each mode (1) */
+    const pzs_real *reading; /* [sensors][modes] reading of the sensors in each mode; NULL: the
+                                sensors are the outputs */
+    const pzs_real *direct;  /* [sensors][inputs] static reading per volt; NULL: the sensors are
+                                the outputs */
+    const pzs_real *gain;    /* [outputs][sensors] shape per reading that the modes do not explain;
+                                NULL: the sensors are the outputs */
+    const pzs_real *precision; /* [sensors] inverse variance of the sensors' noise over that of the
+                                  observer's design; NULL: 1 */
+    const pzs_real *modal;     /* [modes][inputs] static coordinate of each mode per volt (m/V) */
+    const pzs_real *turn;     /* [4][modes] propagators of the deviation from the equilibrium and of
+                                 the velocity over one tick, by rows */
+    const pzs_real *observer; /* [3][modes][modes] gains for position, velocity and load */
+    const pzs_real *explain;  /* [modes][modes] coordinates that fit readings by least squares */
+    const pzs_real *damping;  /* [modes][inputs] damping gradient per deviation of a mode (m/V) */
+    const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency times tick) */
+    pzs_real share; /* part of the way to the static optimum in one tick, 0 < share <= 1 */
+    pzs_real mix;   /* part of the deviation that is taken from the change of the velocity, 0 to 1;
+                       the rest is position minus equilibrium */
+    pzs_real slow;  /* gain of the low-pass filter of what the modes do not explain, 0 to 1 */
+} pzs_vibration;
+
+/* Set format and checksum of tables that a firmware has built itself. Errors: ARGUMENT. */
+pzs_status pzs_vibration_seal(pzs_vibration *tables);
+
+/* Results of the damper that a program may read. */
+typedef struct pzs_damper_info {
+    const pzs_real *position; /* [modes] estimated coordinate of each mode at the present tick (m)
+                               */
+    const pzs_real *velocity; /* [modes] its velocity over its angular frequency (m) */
+    const pzs_real *load;     /* [modes] its static coordinate by loads (m) */
+    pzs_real deviation;  /* amplitude of vibration: root of the sum over the modes of the squares of
+                            deviation from the equilibrium and velocity (m, RMS over the outputs) */
+    pzs_real innovation; /* RMS of reading - predicted reading in the last frame (m) */
+    int32_t where;       /* index that belongs to the last status, or -1 */
+} pzs_damper_info;
+
+typedef struct pzs_damper {
+    pzs_damper_info info;
+    pzs_damper_state state;
+} pzs_damper;
+
+/* Bytes of workspace for a damper. */
+#define PZS_FOURS(n) (((size_t)(n) + 3u) / 4u * 4u)
+#define PZS_DAMPER_BYTES(modes, inputs, sensors, delay)                                            \
+    (sizeof(pzs_real) * ((10u + (size_t)(delay) + 1u) * PZS_FOURS(modes) +                         \
+                         (4u + (size_t)(delay) + 1u) * PZS_FOURS(sensors) + PZS_FOURS(inputs)) +   \
+     (size_t)(sensors))
+
+/*
+ * Lay out a damper in the workspace; control and tables must outlive it. The structure is taken to
+ * be at rest under the present voltages.
+ * Errors: ARGUMENT (also tables of other counts), STAGE, FORMAT, CRC, NONFINITE, WORKSPACE (where =
+ * bytes needed).
+ */
+pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_vibration *tables,
+                           void *work, size_t bytes);
+
+/*
+ * Before each pzs_tick: observe the modes from the readings, estimate the shape in which the
+ * structure would rest under the present voltages and loads, and make the next pzs_tick a damped
+ * one. The shape is then passed to pzs_tick as the measurement.
+ *   readings [sensors]  in   taken `delay` ticks ago; NULL: no frame arrived
+ *   shape    [outputs]  out  (m)
+ * A reading that is missing (not finite, or off by more than 1e12) or stuck counts as its
+ * low-passed residual. Without a usable reading the modes are predicted only. Warnings: SENSOR,
+ * HELD (no reading is usable). Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape);
+
+/*
+ * To be called before the next tick where ticks were missed: predict the modes over these ticks, in
+ * which the present voltages were given out. Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks);
+
+/*
+ * The damper as a block of PZS_PHASE_SHAPE, in place of the estimator. Tables: pzs_vibration.
+ * Object: pzs_damper.
+ */
+extern const pzs_block_type pzs_vibration_block;
+#define PZS_VIBRATION_BLOCK_BYTES(modes, inputs, outputs, sensors, delay)                          \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_damper)) +                                                  \
+                PZS_ALIGNED(PZS_DAMPER_BYTES(modes, inputs, sensors, delay)) +                     \
+                (size_t)(outputs) * sizeof(pzs_real))
+
 /* ---- feed-forward of known loads and temperatures (lib/control/feed_forward.c) */
 
 /*

@@ -87,9 +87,9 @@ const command_entry command_table[COMMANDS] = {
          NULL,
          "C tables for a firmware",
          "Writes a C header with the tables of the scene for the library on a device. The image "
-         "says how much of the computation the device does itself. The control step has no "
-         "vibration model: where the materials have densities and vibration makes the control loop "
-         "unstable at the scene's rate, no tables are written unless --quasi-static asks for them. "
+         "says how much of the computation the device does itself. Where the materials have "
+         "densities and vibration would make the control step unstable at the scene's rate, the "
+         "tick observes and damps the vibration modes; --quasi-static leaves that out. "
          "target.free needs the control image.",
          {"pzs tables plate-50-patches --image linear --prefix plate -o plate.h",
           "pzs tables plate-closed-loop --quasi-static --prefix loop -o .", NULL}},
@@ -206,8 +206,8 @@ const option_entry option_table[OPTIONS] = {
                       "the scene needs kinematics: nonlinear); default control"},
     [OPTION_QUASI_STATIC] =
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
-         "also where vibration makes the control loop unstable at the scene's rate; the header "
-         "then says so and defines PREFIX_QUASI_STATIC"},
+         "a tick without vibration model, also where vibration makes it unstable at the scene's "
+         "rate; the header then says so and defines PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
                        "start of every name; default the scene's name"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_TABLES),

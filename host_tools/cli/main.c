@@ -6,6 +6,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include "../model/certificate_make.h"
+#include "../model/damper.h"
+#include "../tables/loop_blocks.h"
 #include "../model/design_build.h"
 #include "../model/estimator.h"
 #include "help.h"
@@ -537,26 +539,45 @@ static const char *table_path(const options *options, const char *prefix, char p
     return path;
 }
 
+/* Whether the tick of the tables damps vibration; if not, `reason` says why. */
+static int is_damped(const analysis *analysis, char *reason)
+{
+    estimator estimator;
+    damper damper;
+    if (estimator_open(&estimator, analysis, reason) < 0)
+        return 0;
+    const int estimates = loop_estimates(analysis->design.scene);
+    int is_used = 0;
+    if (damper_open(&damper, analysis, estimates ? &estimator : NULL, reason) == 0) {
+        is_used = damper.is_used;
+        snprintf(reason, SCENE_ERROR, "%s", damper.reason);
+        damper_close(&damper);
+    }
+    estimator_close(&estimator);
+    return is_used;
+}
+
 /*
- * Refuse tables for a control loop that vibration makes unstable, unless the options permit this.
- * Returns 0, or -1 with error filled.
+ * Refuse tables for a control loop that vibration makes unstable and whose tick cannot damp it,
+ * unless the options permit this. Returns 0, or -1 with error filled.
  */
 static int judge_loop(analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
     const scene *scene = analysis->design.scene;
+    char reason[SCENE_ERROR];
     if (analysis->design.problem.inputs == 0)
         return 0;
     certificate_make(&analysis->certificate, analysis);
-    if (analysis->quasi_static || !certificate_refuses(certificate))
+    if (analysis->quasi_static || !certificate_refuses(certificate) || is_damped(analysis, reason))
         return 0;
     return scene_fault(
         scene, scene->simulate.at, error,
-        "unstable at %g ticks a second: the control step has no vibration model, first "
+        "unstable at %g ticks a second: the control step has no vibration model (%s), first "
         "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; "
         "--quasi-static writes "
         "the tables all the same",
-        certificate->rate, certificate_first(certificate), certificate->radius,
+        certificate->rate, reason, certificate_first(certificate), certificate->radius,
         certificate->stable_rate);
 }
 

@@ -189,10 +189,14 @@ static int equip(simulation *simulation, char *error)
     if ((simulation->estimates || simulation->feeds) &&
         estimator_open(&simulation->estimator, simulation->nominal, error) < 0)
         return -1;
+    const estimator *few = simulation->estimates ? &simulation->estimator : NULL;
+    if (damper_open(&simulation->damper, simulation->nominal, few, error) < 0)
+        return -1;
     simulation->blocks = calloc(1, sizeof *simulation->blocks);
     if (!simulation->blocks)
         return no_memory(simulation->nominal, error);
-    loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator);
+    loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator,
+                     &simulation->damper);
     return 0;
 }
 
@@ -279,6 +283,7 @@ void simulate_close(simulation *simulation)
     }
     free(simulation->phase);
     estimator_close(&simulation->estimator);
+    damper_close(&simulation->damper);
     free(simulation->blocks);
     device_remove(simulation->folder);
     plant_close(&simulation->plant);

@@ -134,8 +134,9 @@ static int keep(loop *loop, int tick, char *error)
 /*
  * Compute the readings passed to the controller. Sensors give the readings of `delay` ticks ago;
  * the change that the model predicts since then is added, so that the controller compares readings
- * and prediction of the same tick. A stuck reading, identical to the last bit, is passed on
- * unchanged, so that the controller can detect the stuck sensor.
+ * and prediction of the same tick. The damper takes readings as old as they are. A stuck reading,
+ * identical to the last bit, is passed on unchanged, so that the controller can detect the stuck
+ * sensor.
  */
 static void read_sensors(loop *loop, int tick)
 {
@@ -151,7 +152,7 @@ static void read_sensors(loop *loop, int tick)
         const double reading = tick < loop->sensor[i].frozen_until
                                    ? loop->reading[i]
                                    : imperfections_sense(&wiring, i, shown[i] + noise);
-        if (delay == 0)
+        if (delay == 0 || loop->simulation->damper.is_used)
             loop->sensed[i] = reading;
         else if (tick == 0 || reading < loop->reading[i] || reading > loop->reading[i] ||
                  isnan(loop->sensed[i]))

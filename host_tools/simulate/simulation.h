@@ -19,7 +19,7 @@
 #define SIMULATION_H
 
 #include "device.h"
-#include "../model/estimator.h"
+#include "../model/damper.h"
 #include "plant.h"
 
 struct loop_blocks;
@@ -104,6 +104,7 @@ typedef struct simulation {
     struct loop_blocks *blocks; /* block list, the same as in a firmware of the scene */
     estimator estimator; /* estimator gains and known loads; empty unless `estimates` or `feeds` is
                             set */
+    damper damper;       /* tables of the damped tick; unused for a quasi-static plant */
     int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
                                         are fed forward; the amplifiers have a resolution or a dead
                                         band */

@@ -16,11 +16,6 @@
 #error "the program needs another precision: compile it and the library with its -DPZS_REAL_BITS"
 #endif
 
-/*
- * The control step has no vibration model.
- * Every rate up to 0.443 ticks a second is stable.
- */
-
 #define EXAMPLE_INPUTS 4
 #define EXAMPLE_OUTPUTS 9
 #define EXAMPLE_CONTROL_BYTES PZS_CONTROL_BYTES(4, 9)
@@ -77,6 +72,11 @@ static const pzs_real example_target[9] = {
     PZS_R(0), PZS_R(0.0010000000000000002), PZS_R(-0.0020000000000000005), PZS_R(0),
     PZS_R(0.0020000000000000005),
 };
+/*
+ * The control step has no vibration model.
+ * Every rate up to 0.443 ticks a second is stable.
+ */
+
 /* blocks of the control tick in the order in which they run; `pzs simulate` runs the same list */
 #define EXAMPLE_BLOCKS 1
 #define EXAMPLE_READINGS 9

@@ -3,6 +3,7 @@
 #include "loop_blocks.h"
 #include <ctype.h>
 #include <string.h>
+#include "../../lib/core/guard.h"
 
 /* ---- conditions -------------------------------------------------------- */
 
@@ -21,15 +22,36 @@ int loop_quantises(const scene *scene)
     return scene->simulate.step > 0 || scene->simulate.dead_band > 0;
 }
 
-static int always(const scene *scene)
+static bool is_always(const loop_blocks *blocks)
 {
-    (void)scene;
-    return 1;
+    (void)blocks;
+    return true;
 }
 
-static int finds(const scene *scene)
+static bool has_feed_forward(const loop_blocks *blocks)
 {
-    return scene->simulate.finds;
+    return loop_feeds(blocks->design->scene);
+}
+
+/* The damper estimates the shape itself. */
+static bool has_estimator(const loop_blocks *blocks)
+{
+    return loop_estimates(blocks->design->scene) && !blocks->damper->is_used;
+}
+
+static bool has_damper(const loop_blocks *blocks)
+{
+    return blocks->damper->is_used;
+}
+
+static bool has_amplifier(const loop_blocks *blocks)
+{
+    return loop_quantises(blocks->design->scene);
+}
+
+static bool has_detector(const loop_blocks *blocks)
+{
+    return blocks->design->scene->simulate.finds;
 }
 
 /* ---- tables for the host ---------------------------------------------- */
@@ -45,6 +67,11 @@ static const void *known_tables(loop_blocks *blocks)
 static const void *estimator_tables(loop_blocks *blocks)
 {
     return &blocks->estimator->tables;
+}
+
+static const void *damper_tables(loop_blocks *blocks)
+{
+    return &blocks->damper->tables;
 }
 
 static const void *problem_tables(loop_blocks *blocks)
@@ -67,7 +94,7 @@ static const void *detection_tables(loop_blocks *blocks)
 
 /* ---- tables as source ------------------------------------------------- */
 
-static void write_known(const emitter *emitter, const loop_blocks *blocks)
+static void write_known(emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file,
             "/* feed-forward tables of shape and readings */\n"
@@ -79,7 +106,7 @@ static void write_known(const emitter *emitter, const loop_blocks *blocks)
         fputs("NULL};\n", emitter->file);
 }
 
-static void write_amplifier(const emitter *emitter, const loop_blocks *blocks)
+static void write_amplifier(emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file,
             "/* converter step and dead band of the amplifiers (V) */\n"
@@ -87,13 +114,79 @@ static void write_amplifier(const emitter *emitter, const loop_blocks *blocks)
             emitter->prefix, blocks->amplifier.step, blocks->amplifier.dead_band);
 }
 
-static void write_detection(const emitter *emitter, const loop_blocks *blocks)
+static void write_detection(emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(
         emitter->file,
         "/* delay of the measurements (ticks), amplitude of the test signal (V; 0: default) */\n"
         "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
         emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
+}
+
+/* Arrays of the damper in the order in which they are declared. */
+static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
+{
+    const size_t n = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
+    const size_t few = tables->reading ? sensors : 0;
+    emit_reals(emitter, "mode_shape", tables->shape, tables->outputs * n,
+               "displacement of each target node (row) in each observed mode (column)");
+    if (few)
+        emit_reals(emitter, "mode_reading", tables->reading, few * n,
+                   "change of each reading (row) in each observed mode (column)");
+    emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, few * inputs);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, tables->gain, few * tables->outputs);
+    if (tables->precision)
+        emit_reals(emitter, "precision", tables->precision, sensors,
+                   "relative inverse variance of the noise of each reading");
+    emit_reals(emitter, "modal", tables->modal, n * inputs,
+               "static coordinate of each mode (row) per volt of each amplifier (column)");
+    emit_reals(emitter, "turn", tables->turn, 4 * n, "propagator of each mode over one tick");
+    emit_reals(emitter, "observer", tables->observer, 3 * n * n,
+               "observer gains for position, velocity and load of each mode");
+    emit_reals(emitter, "explain", tables->explain, n * n,
+               "least-squares fit of the modes to readings");
+    emit_reals(emitter, "damping", tables->damping, n * inputs,
+               "damping gradient of each amplifier (column) per deviation of each mode (row)");
+    emit_reals(emitter, "inverse_angle", tables->inverse_angle, n,
+               "inverse angle that each mode turns in a tick (1/rad)");
+}
+
+/* The name of an array that other blocks share, or NULL without few sensors. */
+static void write_shared(const emitter *emitter, const void *table, const char *name)
+{
+    if (table)
+        fprintf(emitter->file, "%s_%s, ", emitter->prefix, name);
+    else
+        fputs("NULL, ", emitter->file);
+}
+
+static void write_damper(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_vibration *tables = &blocks->damper->tables;
+    const uint16_t counts[5] = {tables->inputs, tables->outputs, tables->sensors, tables->modes,
+                                tables->delay};
+    const double settings[3] = {tables->share, tables->mix, tables->slow};
+    fprintf(emitter->file, "/* natural frequencies of the observed modes (Hz):");
+    for (int i = 0; i < blocks->damper->modes; i++)
+        fprintf(emitter->file, "%s%.5g", i % 10 == 0 ? "\n * " : " ", blocks->damper->frequency[i]);
+    fprintf(emitter->file, "\n */\n#define %s_MODES %u\n", emitter->upper, tables->modes);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    write_damper_arrays(emitter, tables);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
+    emit_begin(emitter, "vibration", "vibration", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_mode_shape, ", tables->inputs,
+            tables->outputs, tables->sensors, tables->modes, tables->delay, emitter->prefix);
+    write_shared(emitter, tables->reading, "mode_reading");
+    write_shared(emitter, tables->direct, "direct");
+    write_shared(emitter, tables->gain, "gain");
+    write_shared(emitter, tables->precision, "precision");
+    static const char *const rest[] = {"modal",   "turn",    "observer",
+                                       "explain", "damping", "inverse_angle"};
+    for (size_t i = 0; i < sizeof rest / sizeof *rest; i++)
+        fprintf(emitter->file, "%s_%s, ", emitter->prefix, rest[i]);
+    for (int i = 0; i < 3; i++)
+        fprintf(emitter->file, "PZS_R(%.17g), ", settings[i]);
+    fputs("\n};\n", emitter->file);
 }
 
 /* ---- the table -------------------------------------------------------- */
@@ -104,32 +197,36 @@ static void write_detection(const emitter *emitter, const loop_blocks *blocks)
  */
 static const struct {
     const pzs_block_type *type;
-    int (*is_present)(const scene *s);
+    bool (*is_present)(const loop_blocks *l);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(const emitter *w, const loop_blocks *l); /* NULL: the tables are written with
+    void (*write)(emitter *w, const loop_blocks *l); /* NULL: the tables are written with
                                                               their arrays */
     const char *type_name, *tables_name, *bytes;
 } block_types[] = {
-    {&pzs_feed_forward_block, loop_feeds, known_tables, write_known, "feed_forward", "known_loads",
-     "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
-    {&pzs_estimator_block, loop_estimates, estimator_tables, NULL, "estimator", "estimator",
+    {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
+     "known_loads", "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
+    {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
      "ESTIMATOR_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
-    {&pzs_step_block, always, problem_tables, NULL, "step", "problem",
+    {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
+     "VIBRATION_BLOCK_BYTES(%_MODES, %_INPUTS, %_OUTPUTS, %_READINGS, %_DELAY)"},
+    {&pzs_step_block, is_always, problem_tables, NULL, "step", "problem",
      "STEP_BLOCK_BYTES(%_INPUTS, %_OUTPUTS)"},
-    {&pzs_amplifier_block, loop_quantises, amplifier_tables, write_amplifier, "amplifier",
+    {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",
      "amplifier", "AMPLIFIER_BLOCK_BYTES(%_INPUTS)"},
-    {&pzs_fault_detector_block, finds, detection_tables, write_detection, "fault_detector",
+    {&pzs_fault_detector_block, has_detector, detection_tables, write_detection, "fault_detector",
      "fault_detection", "FAULT_DETECTOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS, %_DELAY)"},
 };
 enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
-void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator)
+void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
+                      const damper *damper)
 {
     memset(blocks, 0, sizeof *blocks);
     blocks->design = design;
     blocks->estimator = estimator;
+    blocks->damper = damper;
     for (int k = 0; k < BLOCK_TYPES; k++)
-        if (block_types[k].is_present(design->scene))
+        if (block_types[k].is_present(blocks))
             blocks->block[blocks->count++] =
                 (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
 }
@@ -152,7 +249,7 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
     fprintf(emitter->file, "#define %s_LOOP_BYTES \\\n    (PZS_LOOP_BYTES(%s_BLOCKS, %s_INPUTS)",
             emitter->upper, emitter->upper, emitter->upper);
     for (int k = 0; k < BLOCK_TYPES; k++) {
-        if (!block_types[k].is_present(blocks->design->scene))
+        if (!block_types[k].is_present(blocks))
             continue;
         fputs(" + \\\n     PZS_", emitter->file);
         write_macro(emitter, block_types[k].bytes);
@@ -164,7 +261,7 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 {
     const scene *scene = blocks->design->scene;
     for (int k = 0; k < BLOCK_TYPES; k++)
-        if (block_types[k].write && block_types[k].is_present(scene))
+        if (block_types[k].write && block_types[k].is_present(blocks))
             block_types[k].write(emitter, blocks);
     const int readings =
         loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
@@ -176,7 +273,7 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
             emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
             scene->simulate.delay, emitter->prefix, emitter->upper);
     for (int k = 0; k < BLOCK_TYPES; k++)
-        if (block_types[k].is_present(scene))
+        if (block_types[k].is_present(blocks))
             fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", block_types[k].type_name,
                     emitter->prefix, block_types[k].tables_name);
     fputs("};\n", emitter->file);

@@ -6,12 +6,13 @@
 #ifndef LOOP_BLOCKS_H
 #define LOOP_BLOCKS_H
 
-#include "../model/estimator.h"
+#include "../model/damper.h"
 #include "emit.h"
 
 typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
+    const damper *damper;
     pzs_known_loads known_loads; /* tables of the blocks that are stored nowhere else */
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
@@ -29,12 +30,14 @@ int loop_quantises(const scene *scene);
 
 /*
  * Fill the list of blocks of a scene, in the order in which a tick runs them. The list points into
- * *blocks, the design and the estimator.
+ * *blocks, the design, the estimator and the damper.
  *   design     in  after design_control
  *   estimator  in  after estimator_open; all zero where the scene has neither an estimator nor
  *                  feed-forward
+ *   damper     in  after damper_open
  */
-void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator);
+void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
+                      const damper *damper);
 
 /*
  * Write the tables of the blocks, PREFIX_blocks and PREFIX_LOOP_BYTES, after the tables of

@@ -341,13 +341,42 @@ static void write_feed_forward(emitter *emitter, const char *what,
             emitter->prefix, array);
 }
 
+/*
+ * Vibration of the control loop as a comment: modes that the tick damps, or the certificate of a
+ * tick without vibration model, and PREFIX_QUASI_STATIC where that tick is unstable.
+ */
+static void write_stability(const emitter *emitter, const certificate *certificate,
+                            const damper *damper)
+{
+    char text[3 * SCENE_ERROR];
+    if (damper->is_used)
+        damper_text(damper, text);
+    else
+        certificate_text(certificate, text);
+    if (!text[0])
+        return;
+    fprintf(emitter->file, "/*\n * ");
+    for (const char *p = text; *p; p++)
+        fprintf(emitter->file, *p == '\n' ? "\n * " : "%c", *p);
+    fputs("\n */\n", emitter->file);
+    if (!damper->is_used && certificate_refuses(certificate))
+        fprintf(emitter->file, "#define %s_QUASI_STATIC 1\n", emitter->upper);
+    fputs("\n", emitter->file);
+}
+
 static int write_blocks(emitter *emitter, const analysis *analysis)
 {
     estimator estimator;
+    damper damper;
     loop_blocks blocks;
     char error[SCENE_ERROR];
     if (estimator_open(&estimator, analysis, error) < 0)
         return -1;
+    const int estimates = loop_estimates(analysis->design.scene);
+    if (damper_open(&damper, analysis, estimates ? &estimator : NULL, error) < 0) {
+        estimator_close(&estimator);
+        return -1;
+    }
     if (estimator.shape_table.inputs > 0) {
         fprintf(emitter->file, "#define %s_LOADS %u\n", emitter->upper,
                 estimator.shape_table.inputs);
@@ -360,10 +389,12 @@ static int write_blocks(emitter *emitter, const analysis *analysis)
                            "change of each reading (row) under each load of the scene (column)");
     if (estimator.sensors > 0)
         write_estimator(emitter, &estimator);
-    loop_blocks_fill(&blocks, &analysis->design, &estimator);
+    loop_blocks_fill(&blocks, &analysis->design, &estimator, &damper);
+    write_stability(emitter, &analysis->certificate, &damper);
     loop_blocks_write(emitter, &blocks);
     loop_names_write(emitter, analysis);
     estimator_close(&estimator);
+    damper_close(&damper);
     return 0;
 }
 
@@ -389,23 +420,6 @@ static void write_head(const emitter *emitter, const analysis *analysis, const c
             "-DPZS_REAL_BITS\"\n#endif\n\n",
             scene->name, image, scene->about ? scene->about : "", units, emitter->upper,
             emitter->upper, PZS_TABLE_FORMAT, emitter->upper, emitter->upper);
-}
-
-/* Stability of the control loop under vibration, as a comment, and PREFIX_QUASI_STATIC where it is
- * unstable. */
-static void write_certificate(const emitter *emitter, const certificate *certificate)
-{
-    char text[3 * SCENE_ERROR];
-    certificate_text(certificate, text);
-    if (!text[0])
-        return;
-    fprintf(emitter->file, "/*\n * ");
-    for (const char *p = text; *p; p++)
-        fprintf(emitter->file, *p == '\n' ? "\n * " : "%c", *p);
-    fputs("\n */\n", emitter->file);
-    if (certificate_refuses(certificate))
-        fprintf(emitter->file, "#define %s_QUASI_STATIC 1\n", emitter->upper);
-    fputs("\n", emitter->file);
 }
 
 /* Preprocessor checks that a nonlinear image is compiled with options it can run with. */
@@ -439,8 +453,6 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
     write_head(&emitter, analysis, tables_image_name[image]);
     if (image == TABLES_NONLINEAR)
         write_demands(&emitter, analysis);
-    if (controlled)
-        write_certificate(&emitter, &analysis->certificate);
     if (controlled)
         fprintf(file,
                 "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n"

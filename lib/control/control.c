@@ -173,11 +173,9 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
     }
 }
 
-/* The step, once target gradient and target energy are known; missed = |W (e - B base)|^2. */
-static pzs_status solve_step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
-                             const pzs_real *shown, pzs_real missed)
+/* Iteration limit and rounding-error bound of a step; missed = |W (e - B base)|^2. */
+static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control, pzs_real missed)
 {
-    const int32_t clash = start_step(optimiser, control);
     optimiser->iterations = 0;
     optimiser->iteration_limit = control->settings.iteration_limit < PZS_STEP_ITERATIONS
                                      ? control->settings.iteration_limit
@@ -185,7 +183,11 @@ static pzs_status solve_step(pzs_optimiser *optimiser, pzs_control *control, con
     optimiser->target_rounding = PZS_EPSILON *
                                  PZS_SQRT(optimiser->target_energy + missed + SMALLEST_SQUARE) *
                                  control->state.largest_column;
-    optimise(optimiser, control, wanted, shown);
+}
+
+/* Report a step; clash: first input whose step limit and voltage limits do not overlap, or -1. */
+static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
+{
     control->state.behind = PZS_BEHIND_PREDICTION;
     control->info.iterations = (uint16_t)optimiser->iterations;
     control->info.iterations_most = control->info.iterations > control->info.iterations_most
@@ -196,15 +198,49 @@ static pzs_status solve_step(pzs_optimiser *optimiser, pzs_control *control, con
     return finish(control, clash < 0 ? PZS_OK : PZS_W_STEP_LIMIT, clash);
 }
 
-/* One step towards `wanted` from the shape `shown`. */
-static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
-                       const pzs_real *shown)
+/*
+ * Change a step from the base, which is the present voltages, into one of a damped tick: the
+ * gradient of the static problem counts with the factor state.share, and `damping` is subtracted
+ * from it. All energies shrink by share^2; returns |W (e - B base)|^2 as it then is, raised so that
+ * the rounding-error bound covers the damping gradient too.
+ */
+static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
+                            const pzs_real *damping, pzs_real missed)
 {
-    const pzs_real missed = project_target(optimiser, control, wanted, shown);
+    const pzs_real share = control->state.share, column = control->state.largest_column;
+    pzs_real largest = 0;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        const pzs_real size = number_absolute(damping[i]);
+        largest = size > largest ? size : largest;
+        optimiser->target_gradient[i] = share * optimiser->target_gradient[i] +
+                                        (1 - share) * optimiser->regularisation_gradient[i] +
+                                        damping[i];
+    }
+    const pzs_real height = column > 0 ? largest / column : 0;
+    optimiser->target_energy *= share * share;
+    return share * share * missed + height * height;
+}
+
+/*
+ * One step towards `wanted` from the shape `shown`.
+ *   damping [inputs] in  damping gradient of a damped tick (m2/V); NULL: the whole step
+ */
+static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
+                       const pzs_real *shown, const pzs_real *damping)
+{
+    pzs_real missed = project_target(optimiser, control, wanted, shown);
     if (!number_is_finite(optimiser->target_energy + missed))
         return finish(control, PZS_E_NONFINITE,
                       pzs_guard_nonfinite(wanted, control->state.problem->outputs));
-    return solve_step(optimiser, control, wanted, shown, missed);
+    if (damping != NULL)
+        missed = damp_target(optimiser, control, damping, missed);
+    const int32_t clash = start_step(optimiser, control);
+    set_work_limits(optimiser, control, missed);
+    if (damping != NULL)
+        pzs_boxls_optimise(optimiser);
+    else
+        optimise(optimiser, control, wanted, shown);
+    return finish_step(optimiser, control, clash);
 }
 
 pzs_status pzs_step(pzs_control *control, const pzs_real *error)
@@ -215,7 +251,7 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
     pzs_optimiser *optimiser = &control->state.optimiser;
     if (control->state.behind == PZS_BEHIND_GRADIENT)
         rebase(optimiser, control);
-    return step(optimiser, control, error, control->state.predicted);
+    return step(optimiser, control, error, control->state.predicted, NULL);
 }
 
 /* ---- tick ------------------------------------------------------------ */
@@ -235,6 +271,12 @@ void pzs_control_predict(pzs_control *control)
 void pzs_control_moved(pzs_control *control)
 {
     control->state.behind = PZS_BEHIND_GRADIENT;
+}
+
+void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping)
+{
+    control->state.share = share;
+    control->state.damping = damping;
 }
 
 /* Keep the last voltages, clamped to the limits now in force. */
@@ -260,9 +302,9 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     const uint32_t unusable = measured != NULL ? pzs_sensor_check(&all, measured, &where) : 0;
     if (unusable == m)
         return hold_voltages(optimiser, control, where);
-    const pzs_status stepped =
-        step(optimiser, control, wanted,
-             measured != NULL && unusable == 0 ? measured : expected(control));
+    const pzs_status stepped = step(
+        optimiser, control, wanted,
+        measured != NULL && unusable == 0 ? measured : expected(control), control->state.damping);
     if (stepped == PZS_E_NONFINITE)
         return hold_voltages(optimiser, control, control->info.where);
     rebase(optimiser, control);

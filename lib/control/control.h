@@ -17,4 +17,13 @@ void pzs_control_predict(pzs_control *control);
  * the new voltages. */
 void pzs_control_moved(pzs_control *control);
 
+/*
+ * Make the next ticks damped ticks: from the present voltages, a tick minimises the static problem
+ * with its gradient multiplied by `share`, minus the damping gradient. A step of no change is
+ * always allowed, so voltages at rest are those of the undamped tick. share             in  part of
+ * the static gradient, 0 < share <= 1 damping [inputs]  in  damping gradient (m2/V), read in each
+ * tick; NULL: undamped ticks again
+ */
+void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping);
+
 #endif

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "pzs.h"
 #include "bridge.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../../host_tools/model/analysis.h"
+#include "../../host_tools/model/mass.h"
+#include "../../host_tools/model/vibration.h"
 
 typedef struct inside {
     scene scene;
@@ -96,4 +99,54 @@ void bridge_close(bridge *b)
     free(in);
     free(b->u);
     memset(b, 0, sizeof *b);
+}
+
+static void fill_modes(bridge_modes *m, const bridge *b, const vibration *vibration)
+{
+    const inside *in = b->inside;
+    const design *design = &in->analysis.design;
+    const size_t inputs = design->structure.input.count;
+    double *column = calloc((size_t)b->targets, sizeof *column);
+    for (int k = 0; k < m->modes && column; k++) {
+        design_shape(design, vibration->shape + (size_t)k * (size_t)b->dof, column);
+        m->frequency[k] = sqrt(vibration->square[k]);
+        for (int i = 0; i < b->targets; i++)
+            m->shape[i * m->modes + k] = column[i];
+        for (int j = 0; j < b->amplifiers; j++)
+            m->modal[k * b->amplifiers + j] = vibration_static(vibration, design, k, j);
+        m->load[k] = design->loads ? vibration_static(vibration, design, k, b->amplifiers) : 0;
+    }
+    for (int i = 0; i < b->targets && design->loads; i++)
+        m->load_shape[i] = b->influence[(size_t)i * inputs + (size_t)b->amplifiers];
+    free(column);
+}
+
+int bridge_modes_open(bridge_modes *m, const bridge *b, int modes, char *error)
+{
+    const inside *in = b->inside;
+    vibration vibration;
+    memset(m, 0, sizeof *m);
+    if (vibration_solve(&vibration, &in->analysis.design, modes, MASS_LUMPED, error) < 0)
+        return -1;
+    m->modes = vibration.count;
+    const size_t n = (size_t)m->modes, targets = (size_t)b->targets;
+    m->frequency = calloc(n, sizeof *m->frequency);
+    m->shape = calloc(n * targets, sizeof *m->shape);
+    m->modal = calloc(n * (size_t)b->amplifiers, sizeof *m->modal);
+    m->load = calloc(n, sizeof *m->load);
+    m->load_shape = calloc(targets, sizeof *m->load_shape);
+    if (m->frequency && m->shape && m->modal && m->load && m->load_shape)
+        fill_modes(m, b, &vibration);
+    vibration_free(&vibration);
+    return 0;
+}
+
+void bridge_modes_close(bridge_modes *m)
+{
+    free(m->frequency);
+    free(m->shape);
+    free(m->modal);
+    free(m->load);
+    free(m->load_shape);
+    memset(m, 0, sizeof *m);
 }

@@ -49,4 +49,18 @@ typedef struct bridge {
 int bridge_open(bridge *b, const char *scene, const char *const *set, int sets, char *error);
 void bridge_close(bridge *b);
 
+/* Modal model of a scene: shapes of the target nodes and static responses, for modes of mass 1. */
+typedef struct bridge_modes {
+    int modes;
+    double *frequency;  /* [modes] angular frequencies (rad/s) */
+    double *shape;      /* [targets][modes] */
+    double *modal;      /* [modes][amplifiers] static coordinate per volt */
+    double *load;       /* [modes] static coordinate by the first load */
+    double *load_shape; /* [targets] static shape by the first load */
+} bridge_modes;
+
+/* Of an open bridge whose scene has densities. Returns 0, or -1 with error [400] filled. */
+int bridge_modes_open(bridge_modes *m, const bridge *b, int modes, char *error);
+void bridge_modes_close(bridge_modes *m);
+
 #endif

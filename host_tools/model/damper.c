@@ -1,0 +1,423 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Tables of the damped tick of a scene (damper.h). */
+#include "damper.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/control/vibration.h"
+#include "../../lib/model/model.h"
+#include "mass.h"
+
+/* Largest number of modes among which those to observe are chosen. */
+enum { MODE_LIMIT = 200 };
+
+/* A mode whose RMS displacement of the outputs is below this part of its largest displacement is
+ * not observed. */
+static const double visible = 1e-3;
+
+/* Largest low-pass gain without modes, and this gain over damping ratio times angle of mode 1. */
+static const double slow_limit = 0.02, slow_part = 0.5;
+
+/* Work of damper_open. */
+typedef struct builder {
+    damper *damper;
+    const analysis *analysis;
+    const estimator *estimator; /* NULL: every target node is measured */
+    const vibration *vibration;
+    vibration more; /* modes computed here, where those of the certificate are too few */
+    damper_settings settings;
+    damper_model model;
+    double interval; /* s */
+    size_t targets, sensors, amplifiers;
+    size_t *mode; /* [modes] index of each observed mode in `vibration` */
+    double *angle, *ratio, *overlap, *lift, *square, *precision; /* as in damper_model */
+    double *column;                                              /* [targets] */
+    double *shape, *reading, *modal;                             /* C of outputs and sensors, g */
+    damper_gains gains;
+} builder;
+
+/* ---- choice of modes -------------------------------------------------- */
+
+/* Displacement of the target nodes in a mode of mass 1, without the free functions of the target.
+ */
+static void mode_shape(const builder *builder, size_t mode, double *shape)
+{
+    const design *design = &builder->analysis->design;
+    const size_t dof = (size_t)design->mesh.free_dof;
+    design_shape(design, builder->vibration->shape + mode * dof, shape);
+    design_take_free(design, shape);
+}
+
+static double rms(const double *x, size_t n)
+{
+    double sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += x[i] * x[i];
+    return sqrt(sum / (double)n);
+}
+
+static bool is_visible(const builder *builder, size_t mode)
+{
+    mode_shape(builder, mode, builder->column);
+    return rms(builder->column, builder->targets) > visible * builder->vibration->largest[mode];
+}
+
+static double angle_of(const builder *builder, size_t mode)
+{
+    return sqrt(builder->vibration->square[mode]) * builder->interval;
+}
+
+/* Largest number of observed modes: amplifiers that move, and sensors - 1. */
+static size_t mode_limit(const builder *builder)
+{
+    const design *design = &builder->analysis->design;
+    size_t moving = 0;
+    for (int k = 0; k < design->amplifiers; k++)
+        moving += !design_is_held(design, k);
+    return moving < builder->sensors ? moving : builder->sensors - 1;
+}
+
+/* List the observed modes. Returns their number. */
+static size_t list_modes(builder *builder)
+{
+    const size_t limit = mode_limit(builder), count = (size_t)builder->vibration->count;
+    size_t n = 0;
+    for (size_t i = (size_t)vibration_first(builder->vibration); i < count && n < limit; i++)
+        if (angle_of(builder, i) <= builder->settings.observed && is_visible(builder, i))
+            builder->mode[n++] = i;
+    return n;
+}
+
+/* Whether modes beyond the known ones may have to be observed. */
+static bool needs_more(const builder *builder, size_t found)
+{
+    const int count = builder->vibration->count;
+    return found < mode_limit(builder) && count > 0 &&
+           angle_of(builder, (size_t)count - 1) <= builder->settings.observed;
+}
+
+/*
+ * Choose the observed modes; compute more modes as long as some may be missing. Returns 0, or -1
+ * with error filled.
+ */
+static int choose_modes(builder *builder, char *error)
+{
+    const design *design = &builder->analysis->design;
+    const int most = design->mesh.free_dof - design->mesh.prescribed_count;
+    size_t found = list_modes(builder);
+    while (needs_more(builder, found) && builder->vibration->count < most &&
+           builder->vibration->count < MODE_LIMIT) {
+        const int number =
+            2 * builder->vibration->count < MODE_LIMIT ? 2 * builder->vibration->count : MODE_LIMIT;
+        vibration next;
+        if (vibration_solve(&next, design, number, MASS_LUMPED, error) < 0)
+            return -1;
+        vibration_free(&builder->more);
+        builder->more = next;
+        builder->vibration = &builder->more;
+        found = list_modes(builder);
+    }
+    builder->model.modes = found;
+    return 0;
+}
+
+/* ---- arrays ----------------------------------------------------------- */
+
+/* An array of a table: its address and its number of entries. */
+typedef struct array {
+    double **at;
+    size_t count;
+} array;
+
+/* Take all arrays of the tables and of the work from one block of memory. */
+static int take_memory(builder *builder)
+{
+    damper *damper = builder->damper;
+    damper_gains *gains = &builder->gains;
+    const size_t n = builder->model.modes, inputs = builder->amplifiers;
+    const array all[] = {{&damper->frequency, n},
+                         {&builder->shape, builder->targets * n},
+                         {&builder->reading, builder->sensors * n},
+                         {&builder->modal, n * inputs},
+                         {&builder->precision, builder->sensors},
+                         {&builder->angle, n},
+                         {&builder->ratio, n},
+                         {&builder->overlap, n * n},
+                         {&builder->lift, inputs * n},
+                         {&builder->square, n},
+                         {&gains->turn, 4 * n},
+                         {&gains->observer, 3 * n * n},
+                         {&gains->explain, n * n},
+                         {&gains->damping, n * inputs},
+                         {&gains->inverse_angle, n}};
+    const size_t arrays = sizeof all / sizeof *all;
+    size_t total = 0;
+    for (size_t i = 0; i < arrays; i++)
+        total += all[i].count + 1;
+    double *at = damper->memory = calloc(total, sizeof *at);
+    for (size_t i = 0; i < arrays && at; i++) {
+        *all[i].at = at;
+        at += all[i].count + 1;
+    }
+    return at ? 0 : -1;
+}
+
+/* Damping ratio of a mode. */
+static double damping_ratio(const builder *builder, size_t mode)
+{
+    (void)mode;
+    return builder->analysis->design.scene->dynamics.damping;
+}
+
+/* Readings of the sensors in a mode of mass 1; column `k` of the table of readings. */
+static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
+{
+    const design *design = &builder->analysis->design;
+    const scene *scene = design->scene;
+    const double *u = builder->vibration->shape + mode * (size_t)design->mesh.free_dof;
+    const size_t n = builder->model.modes;
+    size_t sensor = 0;
+    for (int r = 0; r < scene->estimate.readings; r++) {
+        const int output = scene->estimate.reading[r].output;
+        for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++)
+            builder->reading[sensor++ * n + k] =
+                pzs_model_observe_row(&design->structure, u, (uint32_t)row) * scale;
+    }
+}
+
+/* Shapes, readings and static coordinates of all observed modes, scaled to an RMS shape of 1. */
+static void fill_modes(builder *builder)
+{
+    const design *design = &builder->analysis->design;
+    const size_t n = builder->model.modes;
+    for (size_t k = 0; k < n; k++) {
+        const size_t mode = builder->mode[k];
+        mode_shape(builder, mode, builder->column);
+        const double size = rms(builder->column, builder->targets), scale = 1 / size;
+        for (size_t i = 0; i < builder->targets; i++)
+            builder->shape[i * n + k] = builder->column[i] * scale;
+        if (builder->estimator)
+            fill_readings(builder, mode, k, scale);
+        for (size_t j = 0; j < builder->amplifiers; j++)
+            builder->modal[k * builder->amplifiers + j] =
+                size * vibration_static(builder->vibration, design, (int)mode, (int)j);
+        builder->angle[k] = angle_of(builder, mode);
+        builder->ratio[k] = damping_ratio(builder, mode);
+        builder->damper->frequency[k] = builder->vibration->frequency[mode];
+    }
+}
+
+/* Noise of each sensor of an estimate. noise [sensors] out */
+static void fill_noise(const builder *builder, double *noise)
+{
+    const design *design = &builder->analysis->design;
+    const scene_estimate *estimate = &design->scene->estimate;
+    for (int r = 0; r < estimate->readings; r++) {
+        const int output = estimate->reading[r].output;
+        const int rows = design->named_first[output + 1] - design->named_first[output];
+        for (int i = 0; i < rows; i++)
+            *noise++ = estimate->reading[r].noise;
+    }
+}
+
+/*
+ * Precision of the readings: their inverse variance, scaled so that the weighted readings of a mode
+ * have an RMS value of about 1. Rows of a target with free functions count by their weight, so that
+ * the free functions do not show in any mode.
+ */
+static void fill_precision(builder *builder)
+{
+    const design *design = &builder->analysis->design;
+    const size_t n = builder->model.modes;
+    const double *table = builder->estimator ? builder->reading : builder->shape;
+    double sum = 0;
+    if (builder->estimator)
+        fill_noise(builder, builder->precision);
+    for (size_t i = 0; i < builder->sensors; i++) {
+        double *precision = &builder->precision[i];
+        if (builder->estimator)
+            *precision = 1 / (*precision * *precision);
+        else
+            *precision = design->free_functions > 0 ? design->weight[i] * design->weight[i] : 1;
+        for (size_t k = 0; k < n; k++)
+            sum += *precision * table[i * n + k] * table[i * n + k];
+    }
+    const double mean = n > 0 ? sum / (double)(n * builder->sensors) : 1;
+    for (size_t i = 0; i < builder->sensors; i++)
+        builder->precision[i] /= mean;
+}
+
+/* Products of the shapes with each other, with the influence, and of the readings. */
+static void fill_products(builder *builder)
+{
+    const design *design = &builder->analysis->design;
+    const size_t n = builder->model.modes, inputs = builder->amplifiers;
+    const double *table = builder->estimator ? builder->reading : builder->shape;
+    for (size_t i = 0; i < builder->sensors; i++)
+        for (size_t k = 0; k < n; k++)
+            for (size_t l = 0; l < n; l++)
+                builder->overlap[k * n + l] +=
+                    builder->precision[i] * table[i * n + k] * table[i * n + l];
+    for (size_t i = 0; i < builder->targets; i++) {
+        const double square = design->weight[i] * design->weight[i];
+        for (size_t k = 0; k < n; k++) {
+            const double weighted = square * builder->shape[i * n + k];
+            builder->square[k] += weighted * builder->shape[i * n + k];
+            for (size_t j = 0; j < inputs; j++)
+                builder->lift[j * n + k] += weighted * design->influence[i * inputs + j];
+        }
+    }
+}
+
+/* ---- tables ----------------------------------------------------------- */
+
+/* Low-pass gain of the residual: smaller where the first mode is not observed and rings for long.
+ */
+static double residual_gain(const builder *builder)
+{
+    const vibration *vibration = builder->vibration;
+    const size_t first = (size_t)vibration_first(vibration);
+    if (builder->model.modes > 0 || first >= (size_t)vibration->count)
+        return builder->settings.slow;
+    const double decay = damping_ratio(builder, first) * angle_of(builder, first);
+    return fmin(slow_part * decay, slow_limit);
+}
+
+static void fill_tables(builder *builder)
+{
+    const design *design = &builder->analysis->design;
+    const estimator *estimator = builder->estimator;
+    const damper_gains *gains = &builder->gains;
+    const bool is_weighted = estimator || design->free_functions > 0;
+    builder->damper->tables = (pzs_vibration){
+        .scene = design->problem.scene,
+        .inputs = (uint16_t)builder->amplifiers,
+        .outputs = (uint16_t)builder->targets,
+        .sensors = (uint16_t)builder->sensors,
+        .modes = (uint16_t)builder->model.modes,
+        .delay = (uint16_t)design->scene->simulate.delay,
+        .shape = builder->shape,
+        .reading = estimator ? builder->reading : NULL,
+        .direct = estimator ? estimator->tables.direct : NULL,
+        .gain = estimator ? estimator->tables.gain : NULL,
+        .precision = is_weighted ? builder->precision : NULL,
+        .modal = builder->modal,
+        .turn = gains->turn,
+        .observer = gains->observer,
+        .explain = gains->explain,
+        .damping = gains->damping,
+        .inverse_angle = gains->inverse_angle,
+        .share = gains->share,
+        .mix = gains->mix,
+        .slow = gains->slow,
+    };
+    (void)pzs_vibration_seal(&builder->damper->tables);
+}
+
+static int build(builder *builder, char *error)
+{
+    const scene *scene = builder->analysis->design.scene;
+    if (choose_modes(builder, error) < 0)
+        return -1;
+    if (take_memory(builder) < 0)
+        return scene_fault(scene, scene->simulate.at, error, "out of memory");
+    fill_modes(builder);
+    fill_precision(builder);
+    fill_products(builder);
+    builder->settings.slow = residual_gain(builder);
+    damper_model *model = &builder->model;
+    model->inputs = builder->amplifiers;
+    model->sensors = builder->sensors;
+    model->angle = builder->angle;
+    model->ratio = builder->ratio;
+    model->modal = builder->modal;
+    model->overlap = builder->overlap;
+    model->lift = builder->lift;
+    model->square = builder->square;
+    if (damper_compute(&builder->gains, model, &builder->settings) < 0)
+        return scene_fault(scene, scene->simulate.at, error,
+                           "the observer of %zu modes cannot be computed; add sensors or lower "
+                           "the rate",
+                           model->modes);
+    fill_tables(builder);
+    builder->damper->modes = (int)model->modes;
+    builder->damper->is_used = true;
+    return 0;
+}
+
+/* Whether every reading of the estimate is a displacement. */
+static bool reads_displacements(const scene *scene)
+{
+    for (int i = 0; i < scene->estimate.readings; i++)
+        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
+            return false;
+    return true;
+}
+
+/* Whether the damper can be made for a loop that needs it; if not, the reason is filled. */
+static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
+{
+    const scene *scene = analysis->design.scene;
+    if (estimator && !reads_displacements(scene))
+        snprintf(damper->reason, sizeof damper->reason,
+                 "a reading of the estimate is electric, which the damper does not observe");
+    else if (scene->simulate.delay > PZS_DELAY_LIMIT)
+        snprintf(damper->reason, sizeof damper->reason, "delay of %d ticks: at most %d",
+                 scene->simulate.delay, PZS_DELAY_LIMIT);
+    return !damper->reason[0];
+}
+
+int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error)
+{
+    const certificate *certificate = &analysis->certificate;
+    const design *design = &analysis->design;
+    memset(damper, 0, sizeof *damper);
+    if (analysis->quasi_static || !certificate_refuses(certificate) ||
+        !is_possible(damper, analysis, estimator))
+        return 0;
+    builder builder = {.damper = damper,
+                       .analysis = analysis,
+                       .estimator = estimator,
+                       .vibration = &certificate->vibration,
+                       .settings = damper_default_settings(),
+                       .interval = 1 / certificate->rate,
+                       .targets = (size_t)design->targets,
+                       .amplifiers = (size_t)design->amplifiers};
+    builder.sensors = estimator ? (size_t)estimator->sensors : builder.targets;
+    damper->rate = certificate->rate;
+    builder.mode = calloc(builder.amplifiers + 1, sizeof *builder.mode);
+    builder.column = calloc(builder.targets + 1, sizeof *builder.column);
+    const int failed =
+        builder.mode && builder.column
+            ? build(&builder, error)
+            : scene_fault(design->scene, design->scene->simulate.at, error, "out of memory");
+    free(builder.mode);
+    free(builder.column);
+    vibration_free(&builder.more);
+    if (failed)
+        damper_close(damper);
+    return failed;
+}
+
+void damper_close(damper *damper)
+{
+    free(damper->memory);
+    memset(damper, 0, sizeof *damper);
+}
+
+void damper_text(const damper *damper, char text[SCENE_ERROR])
+{
+    const int n = damper->modes;
+    if (n == 0)
+        snprintf(text, SCENE_ERROR,
+                 "The tick follows the static optimum slowly, at %g ticks a second with readings "
+                 "%u ticks old; every mode is too fast to be observed.",
+                 damper->rate, damper->tables.delay);
+    else
+        snprintf(text, SCENE_ERROR,
+                 "The tick observes and damps vibration: %d modes from %.4g to %.4g Hz, at %g "
+                 "ticks a second with readings %u ticks old.",
+                 n, damper->frequency[0], damper->frequency[n - 1], damper->rate,
+                 damper->tables.delay);
+}

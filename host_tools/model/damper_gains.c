@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Gains of the damper (damper_gains.h). */
+#include "damper_gains.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DOUBLINGS = 60 };
+
+/* Relative change of the Riccati solution at which the doubling has converged. */
+static const double converged = 1e-14;
+
+/* Variance of the position in a tick, which keeps the equation regular. */
+static const double position_noise = 1e-12;
+
+/* Regularisation of the least-squares fit of modes to readings, relative to the mean diagonal. */
+static const double ridge = 1e-9;
+
+damper_settings damper_default_settings(void)
+{
+    return (damper_settings){.damping = 0.75,
+                             .cut = 0.6,
+                             .observed = 2,
+                             .follow = 0.317,
+                             .follow_limit = 0.15,
+                             .mix = 0.75,
+                             .kick = 0.25,
+                             .drift = 0.21,
+                             .slow = 0.005,
+                             .is_gradient = false};
+}
+
+/* ---- dense matrices --------------------------------------------------- */
+
+/* out = a b, or a' b where `transposed`; all [n][n], out different from a and b. */
+static void multiply(double *out, const double *a, const double *b, size_t n, bool transposed)
+{
+    memset(out, 0, n * n * sizeof *out);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++) {
+            const double factor = transposed ? a[k * n + i] : a[i * n + k];
+            for (size_t j = 0; j < n && factor != 0; j++)
+                out[i * n + j] += factor * b[k * n + j];
+        }
+}
+
+static void symmetrise(double *a, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < i; j++)
+            a[i * n + j] = a[j * n + i] = (a[i * n + j] + a[j * n + i]) / 2;
+}
+
+static void exchange_rows(double *a, size_t n, size_t i, size_t k)
+{
+    for (size_t j = 0; j < n && i != k; j++) {
+        const double kept = a[i * n + j];
+        a[i * n + j] = a[k * n + j];
+        a[k * n + j] = kept;
+    }
+}
+
+static size_t pivot_row(const double *a, size_t n, size_t column)
+{
+    size_t best = column;
+    for (size_t i = column + 1; i < n; i++)
+        if (fabs(a[i * n + column]) > fabs(a[best * n + column]))
+            best = i;
+    return best;
+}
+
+/*
+ * x = a^-1 by Gauss-Jordan elimination with partial pivoting; a is overwritten. Returns 0, or -1
+ * where a is singular.
+ */
+static int invert(double *a, double *x, size_t n)
+{
+    memset(x, 0, n * n * sizeof *x);
+    for (size_t i = 0; i < n; i++)
+        x[i * n + i] = 1;
+    for (size_t p = 0; p < n; p++) {
+        const size_t row = pivot_row(a, n, p);
+        exchange_rows(a, n, p, row);
+        exchange_rows(x, n, p, row);
+        const double pivot = a[p * n + p];
+        if (!(fabs(pivot) > 0) || !isfinite(pivot))
+            return -1;
+        for (size_t i = 0; i < n; i++) {
+            const double factor = i == p ? 1 - 1 / pivot : a[i * n + p] / pivot;
+            for (size_t j = 0; j < n && factor != 0; j++) {
+                a[i * n + j] -= factor * a[p * n + j];
+                x[i * n + j] -= factor * x[p * n + j];
+            }
+        }
+    }
+    return 0;
+}
+
+/* ---- Riccati equation ------------------------------------------------- */
+
+/* Matrices of the doubling, all [n][n]. */
+typedef struct doubling {
+    size_t n;
+    double *a, *g, *h;             /* iterates; h converges to the solution */
+    double *w, *work, *aw, *other; /* inverse of 1 + g h, a w, and products */
+    double *memory;
+} doubling;
+
+static int doubling_open(doubling *doubling, size_t n)
+{
+    double **const all[] = {&doubling->a,    &doubling->g,  &doubling->h,    &doubling->w,
+                            &doubling->work, &doubling->aw, &doubling->other};
+    const size_t count = sizeof all / sizeof *all;
+    doubling->n = n;
+    doubling->memory = calloc(count * n * n + 1, sizeof *doubling->memory);
+    for (size_t i = 0; i < count && doubling->memory; i++)
+        *all[i] = doubling->memory + i * n * n;
+    return doubling->memory ? 0 : -1;
+}
+
+/* h += next; returns the largest relative change of an entry. */
+static double renew(doubling *doubling, const double *next)
+{
+    double change = 0, size = 0;
+    for (size_t i = 0; i < doubling->n * doubling->n; i++) {
+        doubling->h[i] += next[i];
+        change = fmax(change, fabs(next[i]));
+        size = fmax(size, fabs(doubling->h[i]));
+        if (!isfinite(doubling->h[i]))
+            return (double)NAN;
+    }
+    symmetrise(doubling->h, doubling->n);
+    return size > 0 ? change / size : 0;
+}
+
+/*
+ * One doubling: with w = (1 + g h)^-1, h += a' h w a, g += a w g a', a = a w a. Returns the
+ * relative change of h, NAN where it fails.
+ */
+static double advance(doubling *doubling)
+{
+    const size_t n = doubling->n;
+    multiply(doubling->work, doubling->g, doubling->h, n, false);
+    for (size_t i = 0; i < n; i++)
+        doubling->work[i * n + i] += 1;
+    if (invert(doubling->work, doubling->w, n) != 0)
+        return (double)NAN;
+    multiply(doubling->aw, doubling->a, doubling->w, n, false);
+    multiply(doubling->work, doubling->w, doubling->a, n, false);
+    multiply(doubling->other, doubling->h, doubling->work, n, false);
+    multiply(doubling->work, doubling->a, doubling->other, n, true);
+    const double change = renew(doubling, doubling->work);
+    multiply(doubling->work, doubling->aw, doubling->g, n, false);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            for (size_t k = 0; k < n; k++)
+                doubling->g[i * n + j] += doubling->work[i * n + k] * doubling->a[j * n + k];
+    symmetrise(doubling->g, n);
+    multiply(doubling->work, doubling->aw, doubling->a, n, false);
+    memcpy(doubling->a, doubling->work, n * n * sizeof *doubling->a);
+    return change;
+}
+
+void damper_propagator(double angle, double ratio, double r[4])
+{
+    const double root = sqrt(1 - ratio * ratio), decay = exp(-ratio * angle);
+    const double c = decay * cos(angle * root), s = decay * sin(angle * root) / root;
+    r[0] = c + ratio * s;
+    r[1] = s;
+    r[2] = -s;
+    r[3] = c - ratio * s;
+}
+
+/* Transposed transition matrix, measurement information and process noise of the modes. */
+static void fill(doubling *doubling, const damper_model *model, const damper_settings *settings)
+{
+    const size_t n = model->modes, all = 3 * n;
+    for (size_t i = 0; i < n; i++) {
+        double r[4];
+        const double fall = model->angle[0] / model->angle[i] / sqrt((double)model->sensors);
+        const double kick = settings->kick * fall, drift = settings->drift * fall;
+        damper_propagator(model->angle[i], model->ratio[i], r);
+        doubling->a[i * all + i] = r[0];
+        doubling->a[(n + i) * all + i] = r[1];
+        doubling->a[(2 * n + i) * all + i] = 1 - r[0];
+        doubling->a[i * all + n + i] = r[2];
+        doubling->a[(n + i) * all + n + i] = r[3];
+        doubling->a[(2 * n + i) * all + n + i] = -r[2];
+        doubling->a[(2 * n + i) * all + 2 * n + i] = 1;
+        doubling->h[i * all + i] = position_noise;
+        doubling->h[(n + i) * all + n + i] = kick * kick;
+        doubling->h[(2 * n + i) * all + 2 * n + i] = drift * drift;
+        for (size_t j = 0; j < n; j++)
+            doubling->g[i * all + j] = model->overlap[i * n + j];
+    }
+}
+
+/* observer [3 n][n] = P_q (1 + J P_qq)^-1, P_q the first n columns of P, J the overlap. */
+static int fill_observer(double *observer, doubling *doubling, const damper_model *model)
+{
+    const size_t n = model->modes, all = 3 * n;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            double sum = i == j ? 1 : 0;
+            for (size_t k = 0; k < n; k++)
+                sum += model->overlap[i * n + k] * doubling->h[k * all + j];
+            doubling->work[i * n + j] = sum;
+        }
+    if (invert(doubling->work, doubling->w, n) != 0)
+        return -1;
+    for (size_t i = 0; i < all; i++)
+        for (size_t j = 0; j < n; j++) {
+            observer[i * n + j] = 0;
+            for (size_t k = 0; k < n; k++)
+                observer[i * n + j] += doubling->h[i * all + k] * doubling->w[k * n + j];
+        }
+    return 0;
+}
+
+static int solve_observer(damper_gains *gains, const damper_model *model,
+                          const damper_settings *settings)
+{
+    doubling doubling;
+    double change = 1;
+    if (doubling_open(&doubling, 3 * model->modes) != 0)
+        return -1;
+    fill(&doubling, model, settings);
+    for (int i = 0; i < DOUBLINGS && change > converged; i++)
+        change = advance(&doubling);
+    const int failed =
+        change <= 100 * converged ? fill_observer(gains->observer, &doubling, model) : -1;
+    if (!failed && gains->covariance)
+        memcpy(gains->covariance, doubling.h, doubling.n * doubling.n * sizeof *doubling.h);
+    free(doubling.memory);
+    return failed;
+}
+
+/* explain = (C'C)^-1, slightly regularised. */
+static int fill_explain(double *explain, const damper_model *model)
+{
+    const size_t n = model->modes;
+    double *copy = malloc((n * n + 1) * sizeof *copy), trace = 0;
+    if (!copy)
+        return -1;
+    memcpy(copy, model->overlap, n * n * sizeof *copy);
+    for (size_t i = 0; i < n; i++)
+        trace += copy[i * n + i];
+    for (size_t i = 0; i < n; i++)
+        copy[i * n + i] += ridge * trace / (double)n;
+    const int failed = invert(copy, explain, n);
+    free(copy);
+    return failed;
+}
+
+/* ---- damping ---------------------------------------------------------- */
+
+/* Part of the deviation of a mode by which its equilibrium moves in a tick. */
+static double damping_of(double angle, const damper_settings *settings)
+{
+    const double fade = fmin(fmax(2 - angle / settings->cut, 0), 1);
+    return settings->damping * angle * fade;
+}
+
+static void fill_damping(double *damping, const damper_model *model,
+                         const damper_settings *settings)
+{
+    for (size_t i = 0; i < model->modes; i++) {
+        const double part = damping_of(model->angle[i], settings);
+        for (size_t j = 0; j < model->inputs; j++) {
+            const double gradient = settings->is_gradient
+                                        ? model->square[i] * model->modal[i * model->inputs + j]
+                                        : model->lift[j * model->modes + i];
+            damping[i * model->inputs + j] = part * gradient;
+        }
+    }
+}
+
+int damper_compute(damper_gains *gains, const damper_model *model, const damper_settings *settings)
+{
+    const size_t n = model->modes;
+    for (size_t i = 0; i < n; i++) {
+        double r[4];
+        damper_propagator(model->angle[i], model->ratio[i], r);
+        for (size_t k = 0; k < 4; k++)
+            gains->turn[k * n + i] = r[k];
+        gains->inverse_angle[i] = 1 / model->angle[i];
+    }
+    fill_damping(gains->damping, model, settings);
+    gains->share = settings->follow_limit;
+    if (n > 0)
+        gains->share = fmin(settings->follow * model->angle[0], settings->follow_limit);
+    gains->mix = settings->mix;
+    gains->slow = settings->slow;
+    if (n == 0)
+        return 0;
+    return solve_observer(gains, model, settings) == 0 ? fill_explain(gains->explain, model) : -1;
+}

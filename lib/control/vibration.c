@@ -1,0 +1,530 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Damper: the vibration modes of the structure, observed from the readings and damped by the
+ * control step.
+ *
+ * A mode with the static coordinate g v under voltages v and the static coordinate w under loads
+ * turns about its equilibrium: with the deviation d = q - g v - w and the velocity p over the
+ * angular frequency, one tick under constant voltages makes (d, p) := R (d, p). An observer of
+ * fixed gain estimates q, p and w of each mode from readings that are `delay` ticks old: it
+ * corrects the state that it predicted for their time, and predicts from there to the present tick.
+ *
+ * The control step then minimises
+ *
+ *   share * |W (B v + C w + r - z)|^2 / 2  -  v . sum_i damping_i d_i  +  |W B (v - v_last)|^2 / 2
+ *
+ * up to terms that do not depend on v, within all limits; r is what the modes do not explain,
+ * through a low-pass filter. The damping term takes energy out of the modes: it moves the voltages
+ * at a rate that is in phase with the deviation, and a rate that the step limit cuts keeps its
+ * phase. No change is always allowed, so the sum of the energy of the modes and of the static
+ * objective never rises, whatever the limits, the step limits and the held inputs are (for exact
+ * modes that are observed without error; mix 0). At rest d = p = 0, and the voltages are those of
+ * the undamped tick.
+ *
+ * The deviation that is damped is a mean of q - g v - w and of the change of the velocity in one
+ * tick over the angle that the mode turns in it: that form does not depend on g.
+ *
+ * Work of a tick: at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
+ * sensors multiply-adds beside those of the step. Nothing depends on the data.
+ */
+#include <string.h>
+#include "vibration.h"
+#include "control.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+#include "sensor_check.h"
+
+#define READY 1u
+/* A reading that deviates by more than this from its prediction counts as missing; sums of squares
+ * up to it do not overflow. */
+#define DEVIATION_LIMIT PZS_R(1e12)
+
+/* ---- tables ----------------------------------------------------------- */
+
+uint32_t pzs_vibration_crc(const pzs_vibration *tables)
+{
+    const size_t n = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
+    const uint16_t counts[5] = {tables->inputs, tables->outputs, tables->sensors, tables->modes,
+                                tables->delay};
+    const pzs_real settings[3] = {tables->share, tables->mix, tables->slow};
+    const size_t size = sizeof(pzs_real);
+    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    crc = pzs_guard_array_crc(crc, tables->shape, tables->outputs * n, size);
+    crc = pzs_guard_array_crc(crc, tables->reading, sensors * n, size);
+    crc = pzs_guard_array_crc(crc, tables->direct, sensors * inputs, size);
+    crc = pzs_guard_array_crc(crc, tables->gain, tables->outputs * sensors, size);
+    crc = pzs_guard_array_crc(crc, tables->precision, sensors, size);
+    crc = pzs_guard_array_crc(crc, tables->modal, n * inputs, size);
+    crc = pzs_guard_array_crc(crc, tables->turn, 4 * n, size);
+    crc = pzs_guard_array_crc(crc, tables->observer, 3 * n * n, size);
+    crc = pzs_guard_array_crc(crc, tables->explain, n * n, size);
+    crc = pzs_guard_array_crc(crc, tables->damping, n * inputs, size);
+    crc = pzs_guard_array_crc(crc, tables->inverse_angle, n, size);
+    return ~pzs_guard_crc(crc, settings, sizeof settings);
+}
+
+static bool are_complete(const pzs_vibration *tables)
+{
+    const bool few = tables->reading != NULL;
+    const bool is_either = (tables->direct != NULL) == few && (tables->gain != NULL) == few;
+    const bool has_sensors = few ? tables->sensors > 0 : tables->sensors == tables->outputs;
+    return tables->shape != NULL && tables->modal != NULL && tables->turn != NULL &&
+           tables->observer != NULL && tables->explain != NULL && tables->damping != NULL &&
+           tables->inverse_angle != NULL && is_either && has_sensors;
+}
+
+pzs_status pzs_vibration_seal(pzs_vibration *tables)
+{
+    if (tables == NULL || !are_complete(tables))
+        return PZS_E_ARGUMENT;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->crc = pzs_vibration_crc(tables);
+    return PZS_OK;
+}
+
+static bool is_finite_array(const pzs_real *x, size_t n)
+{
+    return x == NULL || pzs_guard_nonfinite(x, (uint32_t)n) < 0;
+}
+
+static bool are_finite(const pzs_vibration *tables)
+{
+    const size_t n = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
+    return is_finite_array(tables->shape, tables->outputs * n) &&
+           is_finite_array(tables->reading, sensors * n) &&
+           is_finite_array(tables->direct, sensors * inputs) &&
+           is_finite_array(tables->gain, tables->outputs * sensors) &&
+           is_finite_array(tables->precision, sensors) &&
+           is_finite_array(tables->modal, n * inputs) && is_finite_array(tables->turn, 4 * n) &&
+           is_finite_array(tables->observer, 3 * n * n) &&
+           is_finite_array(tables->explain, n * n) &&
+           is_finite_array(tables->damping, n * inputs) &&
+           is_finite_array(tables->inverse_angle, n);
+}
+
+static bool are_in_range(const pzs_vibration *tables)
+{
+    return tables->delay <= PZS_DELAY_LIMIT && tables->share > 0 && tables->share <= 1 &&
+           tables->mix >= 0 && tables->mix <= 1 && tables->slow >= 0 && tables->slow <= 1;
+}
+
+static pzs_status check(const pzs_vibration *tables, const pzs_problem *problem)
+{
+    if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
+        return PZS_E_FORMAT;
+    const bool fits = tables->inputs == problem->inputs && tables->outputs == problem->outputs;
+    if (!fits || !are_complete(tables) || !are_in_range(tables))
+        return PZS_E_ARGUMENT;
+    if (pzs_vibration_crc(tables) != tables->crc)
+        return PZS_E_CRC;
+    return are_finite(tables) ? PZS_OK : PZS_E_NONFINITE;
+}
+
+/* ---- modes ------------------------------------------------------------ */
+
+/* y [rows] = a [rows][modes] x, which is 0 without modes. */
+static void multiply_modes(pzs_real *y, const pzs_real *a, const pzs_real *x, size_t rows,
+                           size_t modes)
+{
+    if (modes == 0)
+        memset(y, 0, rows * sizeof *y);
+    else
+        pzs_product_matrix(y, a, x, rows, modes);
+}
+
+static size_t width_of(const pzs_damper *damper)
+{
+    return PZS_FOURS(damper->state.tables->modes);
+}
+
+static size_t sensor_width(const pzs_damper *damper)
+{
+    return PZS_FOURS(damper->state.tables->sensors);
+}
+
+/*
+ * Row of a ring of the last voltages: age 0 is that of the present ones, age `delay` that of the
+ * voltages in force when the readings of the present tick were taken.
+ */
+static size_t row_of(const pzs_damper *damper, uint32_t age)
+{
+    const uint32_t rows = damper->state.tables->delay + 1u;
+    return (damper->state.newest + rows - age) % rows;
+}
+
+static pzs_real *equilibrium_of(const pzs_damper *damper, uint32_t age)
+{
+    return damper->state.equilibrium + row_of(damper, age) * width_of(damper);
+}
+
+static pzs_real *expected_of(const pzs_damper *damper, uint32_t age)
+{
+    return damper->state.expected + row_of(damper, age) * sensor_width(damper);
+}
+
+/* Compute static coordinates and readings under the present voltages into the newest row. */
+static void record_voltages(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    pzs_control *control = damper->state.control;
+    pzs_product_matrix(equilibrium_of(damper, 0), tables->modal, control->state.voltage,
+                       tables->modes, tables->inputs);
+    if (tables->direct != NULL) {
+        pzs_product_matrix(expected_of(damper, 0), tables->direct, control->state.voltage,
+                           tables->sensors, tables->inputs);
+    } else {
+        pzs_control_predict(control);
+        memcpy(expected_of(damper, 0), control->state.predicted,
+               tables->sensors * sizeof(pzs_real));
+    }
+}
+
+/* Predict the state x [3][width] of all modes one tick on, under voltages with this equilibrium. */
+static void predict(const pzs_damper *damper, pzs_real *x, const pzs_real *equilibrium)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const size_t n = tables->modes, width = width_of(damper);
+    const pzs_real *turn = tables->turn;
+    pzs_real *position = x, *velocity = x + width;
+    const pzs_real *load = x + 2 * width;
+    for (size_t i = 0; i < n; i++) {
+        const pzs_real rest = equilibrium[i] + load[i];
+        const pzs_real deviation = position[i] - rest, speed = velocity[i];
+        position[i] = rest + (turn[i] * deviation + turn[n + i] * speed);
+        velocity[i] = turn[2 * n + i] * deviation + turn[3 * n + i] * speed;
+    }
+}
+
+/* Move to the next tick: the present voltages become the newest of the ring. */
+static void advance(pzs_damper *damper)
+{
+    damper->state.newest =
+        (uint16_t)((damper->state.newest + 1u) % (damper->state.tables->delay + 1u));
+    record_voltages(damper);
+    predict(damper, damper->state.late, equilibrium_of(damper, damper->state.tables->delay));
+}
+
+/* Predict the state at the present tick from the corrected state at the time of the readings. */
+static void catch_up(pzs_damper *damper)
+{
+    const size_t width = width_of(damper);
+    memcpy(damper->state.velocity_before, damper->state.now + width, width * sizeof(pzs_real));
+    memcpy(damper->state.now, damper->state.late, 3 * width * sizeof(pzs_real));
+    for (uint32_t age = damper->state.tables->delay; age-- > 0;)
+        predict(damper, damper->state.now, equilibrium_of(damper, age));
+}
+
+/* ---- readings --------------------------------------------------------- */
+
+/* [sensors][modes] readings in each mode. */
+static const pzs_real *readings_table(const pzs_vibration *tables)
+{
+    return tables->reading != NULL ? tables->reading : tables->shape;
+}
+
+/* Readings that the voltages in force and the modes predict for the time of the readings. */
+static void predict_readings(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const pzs_real *equilibrium = equilibrium_of(damper, tables->delay);
+    const pzs_real *expected = expected_of(damper, tables->delay);
+    pzs_real *deviation = damper->state.work, *predicted = damper->state.predicted;
+    for (uint32_t i = 0; i < tables->modes; i++)
+        deviation[i] = damper->state.late[i] - equilibrium[i];
+    multiply_modes(predicted, readings_table(tables), deviation, tables->sensors, tables->modes);
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        predicted[i] += expected[i];
+}
+
+/* Residual of one sensor: low-passed innovation minus its part that the modes explain. */
+static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const pzs_real *row = readings_table(tables) + (size_t)sensor * tables->modes;
+    pzs_real rest = damper->state.residual[sensor];
+    for (uint32_t i = 0; i < tables->modes; i++)
+        rest -= row[i] * damper->state.residual_modes[i];
+    return rest;
+}
+
+/* Replace the innovations of unusable readings by their residuals. Returns the number of them. */
+static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
+{
+    uint32_t unusable = 0;
+    for (uint32_t i = 0; i < damper->state.tables->sensors; i++) {
+        pzs_real *innovation = &damper->state.innovation[i];
+        if (!sensor_is_unusable(&damper->state.repeats[i], readings[i]) &&
+            number_absolute(*innovation) <= DEVIATION_LIMIT)
+            continue;
+        *innovation = residual_of(damper, i);
+        *where = unusable++ == 0 ? (int32_t)i : *where;
+    }
+    return unusable;
+}
+
+/* Set the innovations of a frame. Returns the number of unusable readings. */
+static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *where)
+{
+    const uint32_t sensors = damper->state.tables->sensors;
+    pzs_real *innovation = damper->state.innovation;
+    const sensor_check all = {sensors, damper->state.predicted, damper->state.sensed, innovation,
+                              damper->state.repeats};
+    predict_readings(damper);
+    const uint32_t rejected = pzs_sensor_check(&all, readings, where);
+    const pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
+    const bool is_usable = rejected == 0 && energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
+    return is_usable ? 0 : replace_unusable(damper, readings, where);
+}
+
+/* fit [modes] = readings table' times the innovations, weighted by their precision. */
+static void project_innovation(pzs_damper *damper, pzs_real *fit)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const pzs_real *innovation = damper->state.innovation;
+    pzs_real energy = 0;
+    if (tables->precision != NULL) {
+        pzs_real *weighted = damper->state.predicted;
+        for (uint32_t i = 0; i < tables->sensors; i++)
+            weighted[i] = tables->precision[i] * innovation[i];
+        energy = pzs_product_dot(weighted, innovation, tables->sensors);
+        innovation = weighted;
+    } else {
+        energy = pzs_product_dot(innovation, innovation, tables->sensors);
+    }
+    damper->info.innovation = PZS_SQRT(energy / (pzs_real)tables->sensors);
+    pzs_product_sum_rows(fit, readings_table(tables), tables->modes, innovation, tables->sensors,
+                         tables->modes);
+}
+
+/* Correct the state at the time of the readings, and filter what the modes do not explain. */
+static void correct(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const size_t n = tables->modes, width = width_of(damper);
+    pzs_real *fit = damper->state.work, *change = damper->state.work + width;
+    pzs_real *residual = damper->state.residual;
+    project_innovation(damper, fit);
+    for (size_t part = 0; part < 3; part++) {
+        pzs_real *state = damper->state.late + part * width;
+        pzs_product_matrix(change, tables->observer + part * n * n, fit, n, n);
+        for (size_t i = 0; i < n; i++)
+            state[i] += change[i];
+    }
+    pzs_product_matrix(change, tables->explain, fit, n, n);
+    for (size_t i = 0; i < n; i++)
+        damper->state.residual_modes[i] +=
+            tables->slow * (change[i] - damper->state.residual_modes[i]);
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        residual[i] += tables->slow * (damper->state.innovation[i] - residual[i]);
+}
+
+/* ---- results ---------------------------------------------------------- */
+
+/* Deviation of the modes from their equilibrium, and the damping gradient. */
+static void damp(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const size_t width = width_of(damper);
+    const pzs_real *position = damper->state.now, *velocity = position + width,
+                   *load = velocity + width, *before = damper->state.velocity_before,
+                   *equilibrium = equilibrium_of(damper, 0);
+    pzs_real *damped = damper->state.work, energy = 0;
+    for (size_t i = 0; i < tables->modes; i++) {
+        const pzs_real deviation = position[i] - load[i] - equilibrium[i];
+        const pzs_real turned = (before[i] - velocity[i]) * tables->inverse_angle[i];
+        damped[i] = deviation + tables->mix * (turned - deviation);
+        energy += deviation * deviation + velocity[i] * velocity[i];
+    }
+    damper->info.deviation = PZS_SQRT(energy);
+    pzs_product_sum_rows(damper->state.damping, tables->damping, tables->inputs, damped,
+                         tables->modes, tables->inputs);
+    pzs_control_damp(damper->state.control, tables->share, damper->state.damping);
+}
+
+/*
+ * Shape in which the structure would rest under the present voltages and loads, from sensors that
+ * measure it: B v + C w + residual.
+ */
+static void measured_shape(pzs_damper *damper, pzs_real *shape)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const pzs_real *load = damper->state.now + 2 * width_of(damper),
+                   *predicted = damper->state.control->state.predicted;
+    pzs_real *part = damper->state.work;
+    for (size_t i = 0; i < tables->modes; i++)
+        part[i] = load[i] - damper->state.residual_modes[i];
+    multiply_modes(shape, tables->shape, part, tables->outputs, tables->modes);
+    for (uint32_t i = 0; i < tables->outputs; i++)
+        shape[i] += predicted[i] + damper->state.residual[i];
+}
+
+/* The same shape from few sensors: B v + C w + gain times residual. */
+static void estimated_shape(pzs_damper *damper, pzs_real *shape)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const pzs_real *load = damper->state.now + 2 * width_of(damper);
+    pzs_real *rest = damper->state.predicted;
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        rest[i] = residual_of(damper, i);
+    pzs_control_predict(damper->state.control);
+    pzs_product_matrix(shape, tables->gain, rest, tables->outputs, tables->sensors);
+    for (uint32_t i = 0; i < tables->outputs; i++) {
+        const pzs_real *row = tables->shape + (size_t)i * tables->modes;
+        shape[i] += damper->state.control->state.predicted[i];
+        for (uint32_t k = 0; k < tables->modes; k++)
+            shape[i] += row[k] * load[k];
+    }
+}
+
+/* ---- calls ------------------------------------------------------------ */
+
+static pzs_status finish(pzs_damper *damper, pzs_status status, int32_t where)
+{
+    damper->info.where = where;
+    return status;
+}
+
+/* Point the arrays of the damper into the workspace. */
+static void lay_out(pzs_damper *damper, pzs_real *at)
+{
+    const size_t width = width_of(damper), sensors = sensor_width(damper);
+    const size_t rows = damper->state.tables->delay + 1u;
+    damper->state.late = at;
+    damper->state.now = at + 3 * width;
+    damper->state.velocity_before = at + 6 * width;
+    damper->state.residual_modes = at + 7 * width;
+    damper->state.work = at + 8 * width;
+    damper->state.equilibrium = at + 10 * width;
+    at += (10 + rows) * width;
+    damper->state.predicted = at;
+    damper->state.innovation = at + sensors;
+    damper->state.sensed = at + 2 * sensors;
+    damper->state.residual = at + 3 * sensors;
+    damper->state.expected = at + 4 * sensors;
+    at += (4 + rows) * sensors;
+    damper->state.damping = at;
+    at += PZS_FOURS(damper->state.tables->inputs);
+    damper->state.repeats = (uint8_t *)at;
+    damper->info.position = damper->state.now;
+    damper->info.velocity = damper->state.now + width;
+    damper->info.load = damper->state.now + 2 * width;
+}
+
+/* Structure at rest under the present voltages, which have been given out for long. */
+static void set_initial_state(pzs_damper *damper)
+{
+    const size_t bytes = width_of(damper) * sizeof(pzs_real);
+    for (uint32_t i = 0; i <= damper->state.tables->delay; i++) {
+        damper->state.newest = (uint16_t)i;
+        record_voltages(damper);
+    }
+    memcpy(damper->state.late, equilibrium_of(damper, 0), bytes);
+    memcpy(damper->state.now, equilibrium_of(damper, 0), bytes);
+}
+
+pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_vibration *tables,
+                           void *work, size_t bytes)
+{
+    if (damper == NULL)
+        return PZS_E_ARGUMENT;
+    memset(damper, 0, sizeof *damper);
+    if (control == NULL || tables == NULL || work == NULL)
+        return finish(damper, PZS_E_ARGUMENT, -1);
+    const pzs_status status =
+        control->state.stage == CONTROL_READY ? check(tables, control->state.problem) : PZS_E_STAGE;
+    if (status != PZS_OK)
+        return finish(damper, status, -1);
+    const size_t need =
+        PZS_DAMPER_BYTES(tables->modes, tables->inputs, tables->sensors, tables->delay);
+    const int32_t missing = guard_missing_bytes(work, bytes, need);
+    if (missing >= 0)
+        return finish(damper, PZS_E_WORKSPACE, missing);
+    memset(work, 0, need);
+    damper->state.control = control;
+    damper->state.tables = tables;
+    lay_out(damper, work);
+    set_initial_state(damper);
+    damper->state.stage = READY;
+    return finish(damper, PZS_OK, -1);
+}
+
+pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape)
+{
+    if (damper == NULL || shape == NULL)
+        return PZS_E_ARGUMENT;
+    if (damper->state.stage != READY)
+        return PZS_E_STAGE;
+    const pzs_vibration *tables = damper->state.tables;
+    uint32_t unusable = tables->sensors;
+    int32_t where = -1;
+    advance(damper);
+    if (readings != NULL)
+        unusable = compare(damper, readings, &where);
+    if (unusable < tables->sensors)
+        correct(damper);
+    catch_up(damper);
+    damp(damper);
+    if (tables->gain != NULL)
+        estimated_shape(damper, shape);
+    else
+        measured_shape(damper, shape);
+    if (readings == NULL || unusable == 0)
+        return finish(damper, PZS_OK, -1);
+    return finish(damper, unusable < tables->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
+}
+
+pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks)
+{
+    if (damper == NULL)
+        return PZS_E_ARGUMENT;
+    if (damper->state.stage != READY)
+        return PZS_E_STAGE;
+    for (uint16_t i = 0; i < ticks; i++) {
+        advance(damper);
+        catch_up(damper);
+    }
+    return finish(damper, PZS_OK, -1);
+}
+
+/* ---- block ------------------------------------------------------------ */
+
+static size_t workspace_of(const pzs_vibration *tables)
+{
+    return PZS_ALIGNED(
+        PZS_DAMPER_BYTES(tables->modes, tables->inputs, tables->sensors, tables->delay));
+}
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    const pzs_vibration *vibration = tables;
+    return PZS_VIBRATION_BLOCK_BYTES(vibration->modes, vibration->inputs, problem->outputs,
+                                     vibration->sensors, vibration->delay);
+}
+
+/* `self` holds the damper, then its workspace, then the shape. */
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_vibration *vibration = tables;
+    pzs_damper *damper = self;
+    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *damper);
+    const pzs_status status =
+        pzs_damper_init(damper, signals->control, vibration, work, workspace_of(vibration));
+    signals->where = damper->info.where;
+    signals->sensors = vibration->sensors;
+    return status;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_damper *damper = self;
+    pzs_real *shape = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *damper) +
+                               workspace_of(damper->state.tables));
+    const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
+    signals->measured = shape;
+    signals->where = damper->info.where;
+    return status;
+}
+
+const pzs_block_type pzs_vibration_block = {"vibration", PZS_PHASE_SHAPE, block_bytes, block_init,
+                                            block_tick};
