@@ -3,8 +3,9 @@
 #include "laminate.h"
 #include <math.h>
 #include <string.h>
+#include "natural_base.h"
 
-enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5 };
+enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5, SHEAR = 8 };
 
 /* Voigt component of each strain of the element. */
 static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
@@ -169,8 +170,9 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
                                        0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
 
 /*
- * Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z, and the area ratio c1 c2. All are 1
- * where the scene's element has no metric.
+ * Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z of an element along lines of curvature,
+ * and the area ratio c1 c2. All are 1 where the scene's element has no metric. The shares of any
+ * other element are 1, because natural_stiffness and natural_stress take the metric into account.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
                         double share[6])
@@ -178,8 +180,53 @@ static double metric_at(const scene_element *element, const laminate_place *plac
     const double height = element->metric ? z : 0;
     const double c1 = 1 + place->k[0] * height, c2 = 1 + place->k[1] * height;
     const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
-    memcpy(share, all, sizeof all);
-    return c1 * c2;
+    for (int i = 0; i < 6; i++)
+        share[i] = place->is_general ? 1 : all[i];
+    return place->is_general ? natural_area_ratio(element, place, z) : c1 * c2;
+}
+
+double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z)
+{
+    double share[6];
+    return metric_at(element, place, z, share);
+}
+
+/*
+ * Stiffness c [6][6] of a ply at height z in the element's own directions: t' C t. Along lines of
+ * curvature it is the ply's own, and the shares of metric_at are applied to it.
+ */
+static void natural_stiffness(const scene_element *element, const laminate_place *place,
+                              const laminate_ply *ply, double z, double c[6][6])
+{
+    double t[6][6], half[6][6];
+    memcpy(c, ply->c, 36 * sizeof(double));
+    if (!place->is_general)
+        return;
+    natural_strain_map(element, place, z, t);
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) {
+            half[i][j] = 0;
+            for (int k = 0; k < 6; k++)
+                half[i][j] += ply->c[i][k] * t[k][j];
+        }
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) {
+            c[i][j] = 0;
+            for (int k = 0; k < 6; k++)
+                c[i][j] += t[k][i] * half[k][j];
+        }
+}
+
+/* Stress at height z in the element's own directions: t' stress; see natural_stiffness. */
+static void natural_stress(const scene_element *element, const laminate_place *place, double z,
+                           const double stress[6], double natural[6])
+{
+    double t[6][6];
+    memcpy(natural, stress, 6 * sizeof *natural);
+    if (!place->is_general)
+        return;
+    natural_strain_map(element, place, z, t);
+    turn_back(t, stress, natural);
 }
 
 /*
@@ -196,13 +243,14 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
         const double half = (ply->z[1] - ply->z[0]) / 2;
         for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
-            double share[6];
+            double share[6], c[6][6];
             const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
             const double function[2] = {1, (z - middle) / laminate->thickness};
+            natural_stiffness(element, place, ply, z, c);
             for (int i = 0; i < N; i++)
                 for (int j = 0; j < N; j++)
                     d[i][j] += weight * function[is_difference[i]] * function[is_difference[j]] *
-                               ply->c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
+                               c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
         }
     }
 }
@@ -247,12 +295,13 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
     const double half = (ply->z[1] - ply->z[0]) / 2, middle = (laminate->z[0] + laminate->z[1]) / 2;
     for (int g = 0; g < POINTS; g++) {
         const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
-        double share[6];
+        double share[6], natural[6];
         const double weight = half * gauss_w[g] * metric_at(element, place, z, share) *
                               field_at(laminate, element, place, field, z);
+        natural_stress(element, place, z, stress, natural);
         for (int i = 0; i < N; i++)
             h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
-                     stress[voigt[i]] / share[voigt[i]];
+                     natural[voigt[i]] / share[voigt[i]];
     }
 }
 
@@ -347,7 +396,8 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
                               const laminate_place *place, double inverse[N][N], int mode,
                               double flexibility[2])
 {
-    const double f = element->rho * bending_flexibility(inverse, laminate->thickness) / 12;
+    const double rho = element->rho * place->bubble_share;
+    const double f = rho * bending_flexibility(inverse, laminate->thickness) / 12;
     for (int a = 0; a < 2; a++)
         flexibility[a] = f * place->chord[a] * place->chord[a];
     for (int a = 0; a < 2 && element->rho > 0; a++)
@@ -356,41 +406,76 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
+ * Strains of a mode that the transverse shears are coupled with, the shears included, in index [N].
+ * Plies are turned about e3 alone, so they are the shears themselves, unless the director of the
+ * element is not normal to it. Returns their number.
+ */
+static int shear_block(double m[N][N], int mode, int index[N])
+{
+    int n = 0, is_coupled = 0;
+    for (int i = 0; i < SHEAR; i++)
+        is_coupled |= m[i][SHEAR] != 0 || m[i][SHEAR + 1] != 0;
+    for (int i = is_coupled ? 0 : SHEAR; i < N; i++)
+        if (kept(mode, i))
+            index[n++] = i;
+    return n;
+}
+
+/*
  * Add flexibility[a] to the transverse shear compliance of a mode, for the shears that the mode
- * contains. Plies are turned about e3 alone, so the shears are coupled with no other strain, and
- * their block of the mode's compliance is the inverse of their block of its stiffness.
+ * contains.
  */
 static int soften_shear(double m[N][N], int mode, const double flexibility[2])
 {
-    double s[2][2] = {{m[8][8], m[8][9]}, {m[9][8], m[9][9]}};
-    const int first = !kept(mode, 8), last = kept(mode, 9);
-    const int n = last - first + 1;
-    if (n <= 0)
+    double s[N][N];
+    int index[N];
+    const int n = shear_block(m, mode, index);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            s[i][j] = m[index[i]][index[j]];
+    if (!kept(mode, SHEAR) && !kept(mode, SHEAR + 1))
         return 0;
-    if (invert(&s[first][first], n, 2) < 0)
+    if (invert(&s[0][0], n, N) < 0)
         return -1;
-    for (int a = first; a <= last; a++)
-        s[a][a] += flexibility[a];
-    if (invert(&s[first][first], n, 2) < 0)
+    for (int i = 0; i < n; i++)
+        if (index[i] >= SHEAR)
+            s[i][i] += flexibility[index[i] - SHEAR];
+    if (invert(&s[0][0], n, N) < 0)
         return -1;
-    for (int a = first; a <= last; a++)
-        for (int b = first; b <= last; b++)
-            m[8 + a][8 + b] = s[a][b];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            m[index[i]][index[j]] = s[i][j];
     return 0;
+}
+
+/*
+ * Compliance [N][N] of the in-plane strains with 33 free of stress and the transverse shears held
+ * at 0: the inverse of d without its coupling with the shears.
+ */
+static int plane_compliance(double d[N][N], double compliance[N][N])
+{
+    double uncoupled[N][N];
+    memcpy(uncoupled, d, sizeof uncoupled);
+    for (int i = 0; i < SHEAR; i++)
+        for (int j = SHEAR; j < N; j++)
+            uncoupled[i][j] = uncoupled[j][i] = 0;
+    return inverse_of(uncoupled, compliance);
 }
 
 int laminate_modes(const laminate *laminate, const scene_element *element,
                    const laminate_place *place, double packed[4][LAMINATE_PACKED])
 {
-    static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
-    double d[N][N], inverse[N][N], m[N][N], flexibility[2];
+    const double *skew = place->skew;
+    const double mode_weight[4] = {1, 1 / (3 - skew[0] * skew[0]), 1 / (3 - skew[1] * skew[1]),
+                                   1 / 9.0};
+    double d[N][N], inverse[N][N], plane[N][N], m[N][N], flexibility[2];
     integrate_stiffness(laminate, element, place, d);
     if (element->lin33 && relax_e33(d) < 0)
         return -1;
-    if (inverse_of(d, inverse) < 0)
+    if (inverse_of(d, inverse) < 0 || plane_compliance(d, plane) < 0)
         return -1;
     for (int mode = 0; mode < 4; mode++) {
-        shear_flexibility(laminate, element, place, inverse, mode, flexibility);
+        shear_flexibility(laminate, element, place, plane, mode, flexibility);
         if (mode_matrix(d, inverse, mode, element->hr, m) < 0 ||
             soften_shear(m, mode, flexibility) < 0)
             return -1;
@@ -417,7 +502,7 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 
 /*
  * Thickness strain that a field would cause in the mean over the package if each ply thickened
- * freely.
+ * freely, as the strain 33 of the element: along its director.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
@@ -434,7 +519,7 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
             thickening += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
                           (ply->z[1] - ply->z[0]) / laminate->thickness;
     }
-    return thickening;
+    return place->is_general ? thickening * place->base[2][2] * place->base[2][2] : thickening;
 }
 
 /* Stiffness D with the part of e33 that is linear in z relaxed (lin33). */

@@ -10,6 +10,7 @@
 #ifndef LAMINATE_H
 #define LAMINATE_H
 
+#include <stdbool.h>
 #include "../scene/scene.h"
 
 enum { LAMINATE_STRAINS = 10, LAMINATE_PACKED = 55, LAMINATE_LAYERS = 32 };
@@ -33,12 +34,25 @@ typedef struct laminate {
     double thickness;
 } laminate;
 
-/* Position of a package: the plies present there, and the geometry of the element. */
+/*
+ * Position of a package: the plies present there, and the geometry of the element.
+ *
+ * On an element along lines of curvature the base vectors are (1 + k_a z) e_a, and the plies' axes
+ * are those of the surface. On any other quadrilateral the base vectors at height z are the columns
+ * of base + z slope, in material axes (axis 3 normal to the element).
+ */
 typedef struct laminate_place {
     uint32_t present_plies; /* bit i is set where ply i is present */
     double k[2];            /* principal curvatures, for the exact metric */
     double chord[2]; /* lengths of the element along theta1, theta2, for the shear flexibility */
     double area;
+    double bubble_share; /* part of the element option rho that is used; 1 along lines of curvature
+                          */
+    double skew[2];  /* alpha_1, alpha_2: the area varies as 1 + alpha_1 xi2 + alpha_2 xi1; 0 along
+                        lines of curvature */
+    bool is_general; /* not along lines of curvature: base and slope are used */
+    double base[3][3], slope[3][3]; /* base vectors in the reference surface (1), and their change
+                                       with the height (1/m); 3 is the director */
 } laminate_place;
 
 /*
@@ -48,8 +62,13 @@ typedef struct laminate_place {
 int laminate_build(const scene *scene, laminate *laminate, char *error);
 
 /*
- * Stiffness D of the four modes times area/3^(r1+r2), as packed lower triangles. d [4][55] out.
- * Returns 0, or -1 where no ply is present.
+ * Area at height z over that of the reference surface; 1 where the scene's element has no metric.
+ */
+double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z);
+
+/*
+ * Stiffness D of the four modes times area {1, 1/(3 - alpha_1^2), 1/(3 - alpha_2^2), 1/9}, as
+ * packed lower triangles. d [4][55] out. Returns 0, or -1 where no ply is present.
  */
 int laminate_modes(const laminate *laminate, const scene_element *element,
                    const laminate_place *place, double d[4][LAMINATE_PACKED]);

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/model/shell.h"
+#include "corner_tables.h"
+#include "quad_types.h"
+#include "vector.h"
 #include "warp.h"
 
 static const double full_turn = 6.283185307179586;
@@ -37,14 +40,50 @@ static void cell_lines(const mesh *mesh, int element, int *i, int *j)
     *j = element % mesh->scene->line[1].elements;
 }
 
+/* Smallest range of a parameter that contains the nodes of an element. */
+static void node_range(const mesh *mesh, int element, int a, double range[2])
+{
+    range[0] = HUGE_VAL;
+    range[1] = -HUGE_VAL;
+    for (int r = 0; r < 4; r++) {
+        const double theta = mesh->theta[mesh->element[element][r]][a];
+        range[0] = fmin(range[0], theta);
+        range[1] = fmax(range[1], theta);
+    }
+}
+
 void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2])
 {
     int i, j;
+    if (mesh->quads) {
+        node_range(mesh, element, 0, theta1);
+        node_range(mesh, element, 1, theta2);
+        return;
+    }
     cell_lines(mesh, element, &i, &j);
     for (int k = 0; k < 2; k++) {
         theta1[k] = mesh->scene->line[0].point[i + k];
         theta2[k] = mesh->scene->line[1].point[j + k];
     }
+}
+
+/* Nodes and elements of a general mesh. */
+static void place_quads(mesh *mesh)
+{
+    const quad_mesh *quads = mesh->quads;
+    for (int n = 0; n < mesh->nodes; n++) {
+        surface_point *point = &mesh->point[n];
+        memset(point, 0, sizeof *point);
+        memcpy(point->x, quads->position[n], sizeof point->x);
+        memcpy(point->e[0], quads->axis[n], sizeof point->e[0]);
+        memcpy(point->e[2], quads->director[n], sizeof point->e[2]);
+        vector_cross(point->e[2], point->e[0], point->e[1]);
+        point->a[0] = point->a[1] = 1;
+        memcpy(mesh->theta[n], point->x, sizeof mesh->theta[n]);
+    }
+    for (int e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++)
+            mesh->element[e][r] = (uint16_t)quads->element[e][r];
 }
 
 static void place_nodes(mesh *mesh)
@@ -113,87 +152,23 @@ int mesh_select(const mesh *mesh, const scene_where *where, int *node)
 
 /* ---- element types --------------------------------------------------- */
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double distance(const double a[3], const double b[3])
 {
     const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(dot(d, d));
-}
-
-/*
- * One corner of an element: its surface point, the neighbouring corner along theta_a, and the sign
- * of the way there towards increasing theta_a.
- */
-typedef struct corner_pair {
-    const surface_point *own, *other;
-    int a;
-    double sign, length;
-} corner_pair;
-
-/*
- * Corner tables of local kinematics: components are interpolated in the triad that turns with the
- * surface; derivatives use A, k and B of the corner.
- */
-static void local_tables(const corner_pair *c, const laminate *laminate, double s[3][3],
-                         double t[3][3], double g_mean[3], double g_diff[3])
-{
-    const double slope = c->sign / (c->own->a[c->a] * c->length), k = c->own->k[c->a];
-    const double turn = c->a == 0 ? c->own->b[1] : c->own->b[0];
-    const int a = c->a, b = 1 - a;
-    for (int i = 0; i < 3; i++) {
-        t[i][i] = slope;
-        s[i][i] = -slope;
-    }
-    s[a][b] += turn;
-    s[b][a] -= turn;
-    s[a][2] += k;
-    s[2][a] -= k;
-    g_mean[a] = 1 + k * (laminate->z[0] + laminate->z[1]) / 2;
-    g_diff[a] = k;
-}
-
-/*
- * Corner tables of Cartesian kinematics: differences of vectors between the corners, in the
- * corner's own triad, divided by the length of the chord.
- */
-static void cartesian_tables(const corner_pair *c, const laminate *laminate, double s[3][3],
-                             double t[3][3], double g_mean[3], double g_diff[3])
-{
-    const double slope = c->sign / distance(c->own->x, c->other->x),
-                 middle = (laminate->z[0] + laminate->z[1]) / 2;
-    double step[3], turn[3];
-    for (int i = 0; i < 3; i++) {
-        turn[i] = c->other->e[2][i] - c->own->e[2][i];
-        step[i] = c->other->x[i] - c->own->x[i] + middle * turn[i];
-    }
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
-            t[i][j] = slope * dot(c->own->e[i], c->other->e[j]);
-        s[i][i] = -slope;
-        g_mean[i] = slope * dot(c->own->e[i], step);
-        g_diff[i] = slope * dot(c->own->e[i], turn);
-    }
+    return vector_length(d);
 }
 
 static void corner_tables(const mesh *mesh, int element, pzs_element_type *type)
 {
-    static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
-    static const double sign[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+    corner_data data = {.is_cartesian = mesh->scene->element.cartesian != 0,
+                        .middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2};
     double range[2][2];
     mesh_cell(mesh, element, range[0], range[1]);
+    for (int a = 0; a < 2; a++)
+        data.range[a] = range[a][1] - range[a][0];
     for (int r = 0; r < 4; r++)
-        for (int a = 0; a < 2; a++) {
-            const corner_pair pair = {&mesh->point[mesh->element[element][r]],
-                                      &mesh->point[mesh->element[element][neighbour[r][a]]], a,
-                                      sign[r][a], range[a][1] - range[a][0]};
-            (mesh->scene->element.cartesian ? cartesian_tables : local_tables)(
-                &pair, &mesh->laminate, type->s[r][a], type->t[r][a], type->g_mean[r][a],
-                type->g_diff[r][a]);
-        }
+        data.point[r] = &mesh->point[mesh->element[element][r]];
+    corner_tables_fill(&data, type);
 }
 
 /* Distances between the midpoints of opposite straight sides. */
@@ -224,6 +199,7 @@ static laminate_place element_place(const mesh *mesh, int element)
     for (int a = 0; a < 2; a++)
         place.k[a] = centre.k[a];
     centre_chords(mesh, mesh->element[element], place.chord);
+    place.bubble_share = 1;
     place.area = scene->element.exact_area
                      ? surface_area(&scene->surface, t[0], t[1])
                      : centre.a[0] * centre.a[1] * (t[0][1] - t[0][0]) * (t[1][1] - t[1][0]);
@@ -241,11 +217,11 @@ static laminate_place element_place(const mesh *mesh, int element)
 
 /*
  * Whether two arrays are equal up to the rounding of node positions: within 1e-12 of their largest
- * entry.
+ * entry, or of `scale` where all entries are smaller.
  */
-static int alike(const double *x, const double *y, size_t n)
+static int alike(const double *x, const double *y, size_t n, double scale)
 {
-    double largest = 0, difference = 0;
+    double largest = scale, difference = 0;
     for (size_t i = 0; i < n; i++) {
         largest = fmax(largest, fabs(x[i]));
         difference = fmax(difference, fabs(x[i] - y[i]));
@@ -253,16 +229,23 @@ static int alike(const double *x, const double *y, size_t n)
     return difference <= 1e-12 * largest;
 }
 
+static int same_place(const laminate_place *x, const laminate_place *y)
+{
+    const double flat = 1 / x->chord[0];
+    return alike(&x->area, &y->area, 1, 0) && x->present_plies == y->present_plies &&
+           alike(x->chord, y->chord, 2, 0) && alike(x->k, y->k, 2, flat) &&
+           alike(&x->bubble_share, &y->bubble_share, 1, 0) && alike(x->skew, y->skew, 2, 1) &&
+           alike(&x->base[0][0], &y->base[0][0], 9, 1) &&
+           alike(&x->slope[0][0], &y->slope[0][0], 9, flat);
+}
+
 static int same_type(const pzs_element_type *x, const laminate_place *at_x,
                      const pzs_element_type *y, const laminate_place *at_y)
 {
-    return at_x->present_plies == at_y->present_plies &&
-           alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72) &&
-           alike(&x->t[0][0][0][0], &y->t[0][0][0][0], 72) &&
-           alike(&x->g_mean[0][0][0], &y->g_mean[0][0][0], 24) &&
-           alike(&x->g_diff[0][0][0], &y->g_diff[0][0][0], 24) &&
-           alike(&at_x->area, &at_y->area, 1) && alike(at_x->chord, at_y->chord, 2) &&
-           alike(at_x->k, at_y->k, 2);
+    return same_place(at_x, at_y) && alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72, 0) &&
+           alike(&x->t[0][0][0][0], &y->t[0][0][0][0], 72, 0) &&
+           alike(&x->g_mean[0][0][0], &y->g_mean[0][0][0], 24, 0) &&
+           alike(&x->g_diff[0][0][0], &y->g_diff[0][0][0], 24, 1 / at_x->chord[0]);
 }
 
 static int find_type(const mesh *mesh, const pzs_element_type *type, const laminate_place *place)
@@ -271,6 +254,27 @@ static int find_type(const mesh *mesh, const pzs_element_type *type, const lamin
         if (same_type(type, place, &mesh->type[k], &mesh->place[k]))
             return k;
     return -1;
+}
+
+int mesh_type_of(mesh *mesh, pzs_element_type *type, const laminate_place *place, double warp_share,
+                 char *error)
+{
+    const scene *scene = mesh->scene;
+    const int known = find_type(mesh, type, place);
+    if (known >= 0)
+        return known;
+    if (laminate_modes(&mesh->laminate, &scene->element, place, type->d) < 0)
+        return scene_fault(
+            scene, scene->at_layers, error,
+            "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
+            "without patches");
+    if (warp_fill(type, warp_share) < 0)
+        return scene_fault(scene, scene->at_surface, error,
+                           "an element of %g x %g is degenerate; use other mesh lines",
+                           place->chord[0], place->chord[1]);
+    mesh->type[mesh->types] = *type;
+    mesh->place[mesh->types] = *place;
+    return mesh->types++;
 }
 
 /* Share of the warp in the membrane shear of an element (warp.h). */
@@ -282,25 +286,6 @@ static double warp_share(const mesh *mesh, const laminate_place *place)
     return mesh->scene->element.tau * sum / (12 * mesh->laminate.thickness);
 }
 
-/* Add an element type whose corner tables and thickness are filled. Returns 0, or -1 with error
- * filled. */
-static int add_type(mesh *mesh, pzs_element_type *type, const laminate_place *place, char *error)
-{
-    const scene *scene = mesh->scene;
-    if (laminate_modes(&mesh->laminate, &scene->element, place, type->d) < 0)
-        return scene_fault(
-            scene, scene->at_layers, error,
-            "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
-            "without patches");
-    if (warp_fill(type, warp_share(mesh, place)) < 0)
-        return scene_fault(scene, scene->at_surface, error,
-                           "an element of %g x %g is degenerate; use other mesh lines",
-                           place->chord[0], place->chord[1]);
-    mesh->type[mesh->types] = *type;
-    mesh->place[mesh->types++] = *place;
-    return 0;
-}
-
 static int build_types(mesh *mesh, char *error)
 {
     for (int e = 0; e < mesh->elements; e++) {
@@ -310,9 +295,8 @@ static int build_types(mesh *mesh, char *error)
         const laminate_place place = element_place(mesh, e);
         type.thickness = mesh->laminate.thickness;
         type.skew[2] = place.chord[1] / place.chord[0];
-        const int known = find_type(mesh, &type, &place);
-        const int k = known < 0 ? mesh->types : known;
-        if (known < 0 && add_type(mesh, &type, &place, error) < 0)
+        const int k = mesh_type_of(mesh, &type, &place, warp_share(mesh, &place), error);
+        if (k < 0)
             return -1;
         mesh->element_type[e] = (uint16_t)k;
     }
@@ -400,22 +384,47 @@ static int list_prescribed(mesh *mesh, const double *values)
     return of_dof && mesh->prescribed_dof && mesh->prescribed_value ? 0 : -1;
 }
 
-static void number_dof(mesh *mesh)
+/* Number the free dof of one node. */
+static void number_node(mesh *mesh, int node)
+{
+    uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;
+    for (unsigned i = 0; i < mesh->dof_per_node; i++)
+        if (dof[i] != PZS_CONSTRAINED)
+            dof[i] = (uint16_t)(mesh->free_dof++ & 0xFFFF);
+}
+
+static void number_quads(mesh *mesh)
+{
+    for (int n = 0; n < mesh->nodes; n++)
+        number_node(mesh, mesh->quads->order ? (int)mesh->quads->order[n] : n);
+}
+
+/* Mark the dof that the general mesh itself holds at 0. */
+static void constrain_quads(mesh *mesh)
+{
+    for (int n = 0; n < mesh->nodes && mesh->quads->constrained; n++)
+        for (unsigned i = 0; i < mesh->dof_per_node; i++)
+            if (mesh->quads->constrained[n] >> i & 1u)
+                mesh->node_dof[(size_t)n * mesh->dof_per_node + i] = PZS_CONSTRAINED;
+}
+
+static void number_lines(mesh *mesh)
 {
     const int closed[2] = {is_closed(mesh->scene, 0), is_closed(mesh->scene, 1)};
     const int width_2_fast = mesh->lines[1] * (1 + closed[0]),
               width_1_fast = mesh->lines[0] * (1 + closed[1]);
     const int fast = width_2_fast <= width_1_fast ? 1 : 0, slow = 1 - fast;
-    mesh->free_dof = 0;
     for (int p = 0; p < mesh->lines[slow]; p++)
         for (int q = 0; q < mesh->lines[fast]; q++) {
             const int line = closed[slow] ? folded(p, mesh->lines[slow]) : p;
-            const int node = fast == 1 ? mesh_node(mesh, line, q) : mesh_node(mesh, q, line);
-            uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;
-            for (unsigned i = 0; i < mesh->dof_per_node; i++)
-                if (dof[i] != PZS_CONSTRAINED)
-                    dof[i] = (uint16_t)(mesh->free_dof++ & 0xFFFF);
+            number_node(mesh, fast == 1 ? mesh_node(mesh, line, q) : mesh_node(mesh, q, line));
         }
+}
+
+static void number_dof(mesh *mesh)
+{
+    mesh->free_dof = 0;
+    (mesh->quads ? number_quads : number_lines)(mesh);
 }
 
 static void find_envelope(mesh *mesh)
@@ -482,6 +491,8 @@ static int build_numbers(mesh *mesh, char *error)
     const scene *scene = mesh->scene;
     int *node = calloc((size_t)mesh->nodes, sizeof *node), status = -1;
     double *values = calloc((size_t)mesh->nodes * mesh->dof_per_node, sizeof *values);
+    if (mesh->quads)
+        constrain_quads(mesh);
     if (!node || !values)
         scene_fault(scene, scene->line[0].at, error,
                     "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
@@ -503,25 +514,31 @@ static int build_numbers(mesh *mesh, char *error)
     return status;
 }
 
-static int fill(mesh *mesh, char *error)
+/* Refuse a closed direction with too few elements around it. */
+static int check_lines(const scene *scene, char *error)
 {
-    const scene *scene = mesh->scene;
-    if (laminate_build(scene, &mesh->laminate, error) < 0)
-        return -1;
     for (int a = 0; a < 2; a++)
         if (is_closed(scene, a) && scene->line[a].elements < 3)
             return scene_fault(
                 scene, scene->line[a].at, error,
                 "%d elements around a closed direction are too few; use at least 3, better 12",
                 scene->line[a].elements);
+    return 0;
+}
+
+static int fill(mesh *mesh, char *error)
+{
+    const scene *scene = mesh->scene;
+    if (laminate_build(scene, &mesh->laminate, error) < 0)
+        return -1;
     if (!allocate(mesh))
         return scene_fault(scene, scene->line[0].at, error,
                            "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
-    place_nodes(mesh);
+    (mesh->quads ? place_quads : place_nodes)(mesh);
     if (build_numbers(mesh, error) < 0)
         return -1;
     find_envelope(mesh);
-    if (build_types(mesh, error) < 0)
+    if ((mesh->quads ? quad_types_build : build_types)(mesh, error) < 0)
         return -1;
     if (build_stiffness(mesh) < 0)
         return scene_fault(scene, scene->line[0].at, error,
@@ -533,12 +550,47 @@ static int fill(mesh *mesh, char *error)
 int mesh_build(mesh *mesh, const scene *scene, char *error)
 {
     memset(mesh, 0, sizeof *mesh);
+    if (check_lines(scene, error) < 0)
+        return -1;
     mesh->scene = scene;
     mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
     for (int a = 0; a < 2; a++)
         mesh->lines[a] = scene->line[a].elements + (is_closed(scene, a) ? 0 : 1);
     mesh->nodes = mesh->lines[0] * mesh->lines[1];
     mesh->elements = scene->line[0].elements * scene->line[1].elements;
+    if (fill(mesh, error) == 0)
+        return 0;
+    mesh_free(mesh);
+    return -1;
+}
+
+/* Refuse what the tables cannot hold, and a formulation that needs lines of curvature. */
+static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
+{
+    if (quads->nodes >= PZS_CONSTRAINED || quads->elements >= PZS_CONSTRAINED)
+        return scene_fault(scene, scene->line[0].at, error,
+                           "%zu nodes and %zu elements; the tables hold at most %u of each",
+                           quads->nodes, quads->elements, PZS_CONSTRAINED - 1u);
+    if (!scene->element.cartesian)
+        return scene_fault(scene, scene->at_surface, error,
+                           "the published element needs a mesh along lines of curvature; use "
+                           "`element: improved` for a general mesh");
+    return quad_check_edges(scene, quads, error);
+}
+
+int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
+                     char *error)
+{
+    memset(mesh, 0, sizeof *mesh);
+    if (check_quads(scene, quads, error) < 0)
+        return -1;
+    mesh->scene = scene;
+    mesh->quads = quads;
+    mesh->accept_irregular = accept_irregular;
+    mesh->dof_per_node = (unsigned)scene->element.unknowns;
+    mesh->nodes = mesh->lines[0] = (int)quads->nodes;
+    mesh->lines[1] = 1;
+    mesh->elements = (int)quads->elements;
     if (fill(mesh, error) == 0)
         return 0;
     mesh_free(mesh);

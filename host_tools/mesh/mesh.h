@@ -11,15 +11,35 @@
 #include "laminate.h"
 #include "pzs.h"
 #include "../scene/surface.h"
+#include "../quads/quad_mesh.h"
+
+/* What is to be reported about a general mesh: numbers of elements, and the worst of them. */
+typedef struct quad_report {
+    int locking; /* too thin for the irregular mesh around them, and accepted: bending is far too
+                    stiff, free edges and inextensional motions most of all */
+    int coarse;  /* thin, irregular and curved over their length: bending is too stiff, as without
+                    the shear flexibility of coarse meshes */
+    int strips;  /* distorted elements along the straight lines of a thin twisted strip */
+    int narrow;  /* one corner is wide: the area at the corner is below 0.3 of that at the centre */
+    double thinness; /* largest curvature times length^2/thickness of the locking or coarse ones */
+    double irregularity; /* largest irregularity of these (quad_regularity.h) */
+    double jacobian;     /* smallest area at a corner over that at the centre, all elements */
+} quad_report;
 
 typedef struct mesh {
     const scene *scene;
+    const quad_mesh *quads; /* the general mesh that this mesh was built from, or NULL: a mesh along
+                               lines of curvature */
+    bool accept_irregular;  /* elements that are too thin for an irregular mesh are reported, not
+                               refused */
+    quad_report quad_report;
     laminate laminate;
-    int lines[2]; /* node lines along theta1, theta2; a closed direction has no last line */
+    int lines[2]; /* node lines along theta1, theta2; a closed direction has no last line. General
+                     mesh: all nodes, 1 */
     int nodes, elements, types, free_dof;
     unsigned dof_per_node;
     surface_point *point;     /* [nodes] position, triad, metric and curvatures */
-    double (*theta)[2];       /* [nodes] parameters theta1, theta2 */
+    double (*theta)[2];       /* [nodes] parameters theta1, theta2; general mesh: x, y */
     uint16_t (*element)[4];   /* [elements] four nodes each, in corner order; theta2 fastest */
     uint16_t *element_type;   /* [elements] element type of each element */
     pzs_element_type *type;   /* [types] corner tables */
@@ -37,6 +57,24 @@ typedef struct mesh {
  * the mesh empty.
  */
 int mesh_build(mesh *mesh, const scene *scene, char *error);
+
+/*
+ * Build the mesh of a scene from a general mesh of quadrilaterals in place of the scene's surface
+ * and mesh lines. Scene and quads must outlive the mesh. accept_irregular  in  elements that are
+ * too thin for an irregular mesh are not refused Returns 0, or -1 with error filled and the mesh
+ * empty.
+ */
+int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
+                     char *error);
+
+/*
+ * Number of the element type with these tables and this place, added if it is new; or -1 with error
+ * filled. The corner tables, thickness and skew of the type must be filled, d and warp are filled
+ * here.
+ *   warp_share in  share of the warp in the membrane shear (warp.h)
+ */
+int mesh_type_of(mesh *mesh, pzs_element_type *type, const laminate_place *place, double warp_share,
+                 char *error);
 void mesh_free(mesh *mesh);
 
 /* Node at line i of theta1 and line j of theta2; line numbers of closed directions wrap around. */

@@ -159,7 +159,7 @@ static int solve(tilt_system *s, double c[ROWS])
         size = fmax(size, fabs(s->y[i]));
     const int rank = reduce(s, order);
     for (int i = rank; i < TILTS; i++)
-        if (!(fabs(s->y[i]) <= 1e-12 * size))
+        if (!(fabs(s->y[i]) <= 1e-8 * size))
             return -1;
     for (int k = 0; k < rank; k++)
         value[order[k]] = s->y[k] / s->a[k][k];

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Irregularity of a general mesh (quad_regularity.h). */
+#include "quad_regularity.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "vector.h"
+
+/* ---- edges -------------------------------------------------------------- */
+
+static int compare_edges(const void *left, const void *right)
+{
+    const quad_edge *x = left, *y = right;
+    for (int i = 0; i < 2; i++)
+        if (x->node[i] != y->node[i])
+            return x->node[i] < y->node[i] ? -1 : 1;
+    return (x->element > y->element) - (x->element < y->element);
+}
+
+void quad_edges(const quad_mesh *mesh, quad_edge *edge)
+{
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int s = 0; s < 4; s++) {
+            const uint32_t from = mesh->element[e][s], to = mesh->element[e][(s + 1) % 4];
+            quad_edge *own = &edge[4 * e + (size_t)s];
+            own->reversed = from > to;
+            own->node[0] = own->reversed ? to : from;
+            own->node[1] = own->reversed ? from : to;
+            own->element = (uint32_t)e;
+        }
+    qsort(edge, 4 * mesh->elements, sizeof *edge, compare_edges);
+}
+
+static int same_edge(const quad_edge *x, const quad_edge *y)
+{
+    return x->node[0] == y->node[0] && x->node[1] == y->node[1];
+}
+
+/* ---- nodes -------------------------------------------------------------- */
+
+/* Sums over the edges at a node: the vectors to its neighbours and their lengths. */
+typedef struct edge_sum {
+    double vector[3], length;
+    int is_border;
+} edge_sum;
+
+static void add_edge(const quad_mesh *mesh, const quad_edge *edge, int is_border, edge_sum *sum)
+{
+    for (int end = 0; end < 2; end++) {
+        const double *from = mesh->position[edge->node[end]],
+                     *to = mesh->position[edge->node[1 - end]];
+        const double step[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+        edge_sum *own = &sum[edge->node[end]];
+        for (int i = 0; i < 3; i++)
+            own->vector[i] += step[i];
+        own->length += vector_length(step);
+        own->is_border |= is_border;
+    }
+}
+
+int quad_irregularity(const quad_mesh *mesh, const quad_edge *edge, double *irregularity)
+{
+    edge_sum *sum = calloc(mesh->nodes, sizeof *sum);
+    if (!sum)
+        return -1;
+    for (size_t k = 0; k < 4 * mesh->elements;) {
+        size_t count = 1;
+        while (k + count < 4 * mesh->elements && same_edge(&edge[k], &edge[k + count]))
+            count++;
+        add_edge(mesh, &edge[k], count == 1, sum);
+        k += count;
+    }
+    for (size_t n = 0; n < mesh->nodes; n++) {
+        const double normal = vector_dot(sum[n].vector, mesh->director[n]);
+        for (int i = 0; i < 3; i++)
+            sum[n].vector[i] -= normal * mesh->director[n][i];
+        irregularity[n] = 0;
+        if (!sum[n].is_border && sum[n].length > 0)
+            irregularity[n] = vector_length(sum[n].vector) / sum[n].length;
+    }
+    free(sum);
+    return 0;
+}
+
+/* ---- rule --------------------------------------------------------------- */
+
+/*
+ * Gate of the asymptotic part: 1 where both directions of the element are asymptotic, 0 where
+ * |B_11 B_22| reaches B_12^2/2, as on cylinders, spheres and along lines of curvature.
+ */
+static double asymptotic_gate(const quad_geometry *g)
+{
+    const double *b = g->curvature, square = b[2] * b[2];
+    if (!(square * g->length[0] * g->length[0] > 1e-12))
+        return 0;
+    return fmax(0, 1 - 2 * fabs(b[0] * b[1]) / square);
+}
+
+quad_rule quad_rule_of(const quad_geometry *g, double thickness, double irregularity)
+{
+    const double *b = g->curvature, *length = g->length;
+    const double bent[3] = {fabs(b[0]) * length[0] * length[0], fabs(b[1]) * length[1] * length[1],
+                            fabs(b[2]) * length[0] * length[1]};
+    quad_rule rule;
+    rule.thinness = fmax(bent[0], fmax(bent[1], bent[2])) / thickness;
+    rule.irregularity = fmax(fabs(g->skew[0]) + fabs(g->skew[1]), irregularity);
+    const double rough = rule.irregularity * rule.thinness / 3;
+    const double clipped = fmin(fmax((rule.irregularity - 0.2) / 0.1, 0), 1);
+    const double lock = rule.thinness * clipped / 70, thin = rule.thinness / 16;
+    rule.bubble_share = 1 / (1 + rough * rough);
+    rule.lock = lock * lock;
+    rule.asymptotic = asymptotic_gate(g) * rule.bubble_share / (1 + thin * thin);
+    return rule;
+}

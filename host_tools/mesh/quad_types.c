@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Element types of a general mesh (quad_types.h). */
+#include "quad_types.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "corner_tables.h"
+#include "quad_regularity.h"
+#include "vector.h"
+
+/* ---- topology ----------------------------------------------------------- */
+
+static int check_pair(const scene *scene, const quad_edge *edge, char *error)
+{
+    if (edge[0].reversed != edge[1].reversed)
+        return 0;
+    return scene_fault(scene, scene->at_surface, error,
+                       "the elements %u and %u have their outer faces on different sides of the "
+                       "edge from node %u to node %u; orient all elements alike",
+                       edge[0].element, edge[1].element, edge[0].node[0], edge[0].node[1]);
+}
+
+static int check_sorted(const scene *scene, const quad_edge *edge, size_t count, char *error)
+{
+    for (size_t k = 0; k + 1 < count; k++) {
+        const int same =
+            edge[k].node[0] == edge[k + 1].node[0] && edge[k].node[1] == edge[k + 1].node[1];
+        if (same && k + 2 < count && edge[k].node[0] == edge[k + 2].node[0] &&
+            edge[k].node[1] == edge[k + 2].node[1])
+            return scene_fault(
+                scene, scene->at_surface, error,
+                "the edge from node %u to node %u belongs to the elements %u, %u and "
+                "%u; at most two may share an edge",
+                edge[k].node[0], edge[k].node[1], edge[k].element, edge[k + 1].element,
+                edge[k + 2].element);
+        if (same && check_pair(scene, &edge[k], error) < 0)
+            return -1;
+    }
+    return 0;
+}
+
+int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error)
+{
+    quad_edge *edge = calloc(4 * quads->elements, sizeof *edge);
+    if (!edge)
+        return scene_fault(scene, scene->at_surface, error,
+                           "%zu elements do not fit into memory; use fewer", quads->elements);
+    quad_edges(quads, edge);
+    const int status = check_sorted(scene, edge, 4 * quads->elements, error);
+    free(edge);
+    return status;
+}
+
+/* ---- one element -------------------------------------------------------- */
+
+/* Unit vectors of the material axes as rows: the direction projected, its normal, the element's. */
+static void material_axes(const quad_geometry *g, const double direction[3], double axes[3][3])
+{
+    const double along = vector_dot(direction, g->normal);
+    for (int i = 0; i < 3; i++) {
+        axes[0][i] = direction[i] - along * g->normal[i];
+        axes[2][i] = g->normal[i];
+    }
+    if (!(vector_length(axes[0]) > 1e-6 * vector_length(direction)))
+        memcpy(axes[0], g->base[0], sizeof axes[0]);
+    vector_normalise(axes[0]);
+    vector_cross(axes[2], axes[0], axes[1]);
+}
+
+/* alpha with what is rounding error of the node positions set to 0. */
+static void set_skew(const quad_geometry *g, double skew[2])
+{
+    for (int a = 0; a < 2; a++)
+        skew[a] = fabs(g->skew[a]) > 1e-13 ? g->skew[a] : 0;
+}
+
+static laminate_place quad_place(const quad_geometry *g, const quad_region *region,
+                                 const quad_rule *rule)
+{
+    laminate_place place = {.present_plies = region->present_plies,
+                            .area = g->area,
+                            .bubble_share = rule->bubble_share,
+                            .is_general = true};
+    double axes[3][3];
+    material_axes(g, region->direction, axes);
+    set_skew(g, place.skew);
+    memcpy(place.k, g->principal, sizeof place.k);
+    memcpy(place.chord, g->length, sizeof place.chord);
+    for (int i = 0; i < 3; i++) {
+        for (int a = 0; a < 2; a++) {
+            place.base[i][a] = 2 * vector_dot(axes[i], g->base[a]) / g->length[a];
+            place.slope[i][a] = 2 * vector_dot(axes[i], g->turn[a]) / g->length[a];
+        }
+        place.base[i][2] = vector_dot(axes[i], g->director);
+    }
+    return place;
+}
+
+/* Corner tables, thickness and skew of an element. */
+static void start_type(const mesh *mesh, int element, const quad_geometry *g,
+                       pzs_element_type *type)
+{
+    corner_data data = {.is_cartesian = true,
+                        .length = {g->length[0], g->length[1]},
+                        .middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2};
+    for (int r = 0; r < 4; r++)
+        data.point[r] = &mesh->point[mesh->element[element][r]];
+    memset(type, 0, sizeof *type);
+    corner_tables_fill(&data, type);
+    type->thickness = mesh->laminate.thickness;
+    set_skew(g, type->skew);
+    type->skew[2] = g->length[1] / g->length[0];
+}
+
+static int add_quad(mesh *mesh, int element, const quad_geometry *g, const quad_rule *rule,
+                    char *error)
+{
+    const quad_mesh *quads = mesh->quads;
+    const uint32_t region = quads->element_region ? quads->element_region[element] : 0;
+    const double tau = mesh->scene->element.tau, h = mesh->laminate.thickness;
+    const double *b = g->curvature, *length = g->length;
+    const laminate_place place = quad_place(g, &quads->region[region], rule);
+    const double sum = length[0] * length[0] * b[0] + length[1] * length[1] * b[1];
+    pzs_element_type type;
+    start_type(mesh, element, g, &type);
+    const int before = mesh->types;
+    const int k = mesh_type_of(mesh, &type, &place, tau * sum / (12 * h), error);
+    if (k < 0)
+        return -1;
+    mesh->element_type[element] = (uint16_t)k;
+    for (int a = 0; a < 2 && k == before; a++)
+        mesh->type[k].warp[5 + 2 * a] +=
+            tau * rule->asymptotic * b[2] * length[a] * length[a] / (6 * h);
+    return 0;
+}
+
+/* ---- checks ------------------------------------------------------------- */
+
+enum { NAMED = 4 }; /* elements named in a message */
+
+static int check_shape(const scene *scene, int element, int status, const quad_geometry *g,
+                       char *error)
+{
+    if (status < 0)
+        return scene_fault(scene, scene->at_surface, error,
+                           "element %d has no extent, or a number in it is not finite", element);
+    if (g->jacobian < 0.1)
+        return scene_fault(scene, scene->at_surface, error,
+                           "element %d is nearly a triangle: at a corner its area falls to %.3g of "
+                           "that at its centre, at least 0.1 is needed; use other quadrilaterals",
+                           element, g->jacobian);
+    if (g->upright < 0.5)
+        return scene_fault(scene, scene->at_surface, error,
+                           "a director of element %d is %.0f degrees off its normal, at most 60 "
+                           "are possible; use smaller elements, or orient the element like its "
+                           "neighbours",
+                           element, acos(fmax(-1, g->upright)) * 57.29577951308232);
+    return 0;
+}
+
+/* Whether an element is too coarse for its curvature: L^2 |B| > 8 h on a thin, irregular mesh. */
+static int is_coarse(const quad_rule *rule, const quad_geometry *g, double h)
+{
+    return rule->thinness > 8 && h < 1e-3 * fmax(g->length[0], g->length[1]) &&
+           rule->irregularity > 0.1;
+}
+
+static void add_to_report(quad_report *report, const quad_rule *rule, const quad_geometry *g,
+                          double h)
+{
+    const int locks = rule->lock > QUAD_LOCK;
+    const int coarse = !locks && (rule->bubble_share < 0.5 || is_coarse(rule, g, h));
+    report->locking += locks;
+    report->coarse += coarse;
+    report->strips += rule->asymptotic > 0 && rule->thinness > 5 && rule->irregularity > 0.1;
+    report->narrow += g->jacobian < 0.3;
+    report->jacobian = fmin(report->jacobian, g->jacobian);
+    if (locks || coarse) {
+        report->thinness = fmax(report->thinness, rule->thinness);
+        report->irregularity = fmax(report->irregularity, rule->irregularity);
+    }
+}
+
+/* List the numbers of the first locking elements. named [NAMED] in */
+static void name_elements(const int *named, int count, char *text, size_t size)
+{
+    size_t at = 0;
+    for (int i = 0; i < count && i < NAMED && at < size; i++)
+        at += (size_t)snprintf(text + at, size - at, "%s%d", i ? ", " : "", named[i]);
+    if (count > NAMED && at < size)
+        snprintf(text + at, size - at, " and %d more", count - NAMED);
+}
+
+static int refuse_locking(const mesh *mesh, const int *named, double lock, char *error)
+{
+    const quad_report *report = &mesh->quad_report;
+    char list[80];
+    name_elements(named, report->locking, list, sizeof list);
+    return scene_fault(
+        mesh->scene, mesh->scene->at_surface, error,
+        "elements %s are too thin for an irregular mesh (curvature x length^2/thickness up to %.3g, "
+        "irregularity up to %.2g), bending would be far too stiff; mesh along lines of curvature, "
+        "use a smoother mesh or elements of %.2g of the length, or accept the error by "
+        "`accept_irregular: true`",
+        list, report->thinness, report->irregularity, pow(QUAD_LOCK / lock, 0.25));
+}
+
+/* ---- all elements ------------------------------------------------------- */
+
+/* Largest irregularity of the nodes of an element. */
+static double of_nodes(const quad_mesh *quads, int element, const double *irregularity)
+{
+    double largest = 0;
+    for (int r = 0; r < 4; r++)
+        largest = fmax(largest, irregularity[quads->element[element][r]]);
+    return largest;
+}
+
+static int build_all(mesh *mesh, const double *irregularity, char *error)
+{
+    const double h = mesh->laminate.thickness;
+    quad_report *report = &mesh->quad_report;
+    int named[NAMED];
+    double lock = 0;
+    report->jacobian = 1;
+    for (int e = 0; e < mesh->elements; e++) {
+        quad_geometry g;
+        const int status = quad_geometry_fill(mesh->quads, (size_t)e, &g);
+        if (check_shape(mesh->scene, e, status, &g, error) < 0)
+            return -1;
+        const quad_rule rule = quad_rule_of(&g, h, of_nodes(mesh->quads, e, irregularity));
+        if (rule.lock > QUAD_LOCK && report->locking < NAMED)
+            named[report->locking] = e;
+        lock = fmax(lock, rule.lock);
+        add_to_report(report, &rule, &g, h);
+        if (add_quad(mesh, e, &g, &rule, error) < 0)
+            return -1;
+    }
+    if (report->locking > 0 && !mesh->accept_irregular)
+        return refuse_locking(mesh, named, lock, error);
+    return 0;
+}
+
+/* Curvatures of the nodes: means of those of their elements. */
+static void set_node_curvatures(mesh *mesh)
+{
+    for (int n = 0; n < mesh->nodes; n++)
+        mesh->point[n].b[0] = 0; /* counts elements until the end of this function */
+    for (int e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++) {
+            surface_point *point = &mesh->point[mesh->element[e][r]];
+            const double *k = mesh->place[mesh->element_type[e]].k;
+            point->b[0] += 1;
+            for (int a = 0; a < 2; a++)
+                point->k[a] += (k[a] - point->k[a]) / point->b[0];
+        }
+    for (int n = 0; n < mesh->nodes; n++)
+        mesh->point[n].b[0] = 0;
+}
+
+int quad_types_build(mesh *mesh, char *error)
+{
+    const quad_mesh *quads = mesh->quads;
+    quad_edge *edge = calloc(4 * quads->elements, sizeof *edge);
+    double *irregularity = calloc(quads->nodes, sizeof *irregularity);
+    int status = -1;
+    if (edge && irregularity) {
+        quad_edges(quads, edge);
+        status = quad_irregularity(quads, edge, irregularity);
+    }
+    if (status < 0)
+        scene_fault(mesh->scene, mesh->scene->at_surface, error,
+                    "%zu elements do not fit into memory; use fewer", quads->elements);
+    else
+        status = build_all(mesh, irregularity, error);
+    if (status == 0)
+        set_node_curvatures(mesh);
+    free(edge);
+    free(irregularity);
+    return status;
+}

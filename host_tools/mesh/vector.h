@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Vectors in space. */
+#ifndef VECTOR_H
+#define VECTOR_H
+
+#include <math.h>
+
+static inline double vector_dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double vector_length(const double a[3])
+{
+    return sqrt(vector_dot(a, a));
+}
+
+/* c = a x b */
+static inline void vector_cross(const double a[3], const double b[3], double c[3])
+{
+    for (int i = 0; i < 3; i++)
+        c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* Divide a by its length. Returns 0, or -1 with a unchanged where it has no direction. */
+static inline int vector_normalise(double a[3])
+{
+    const double length = vector_length(a);
+    if (!(length > 0) || !isfinite(length))
+        return -1;
+    for (int i = 0; i < 3; i++)
+        a[i] /= length;
+    return 0;
+}
+
+#endif
