@@ -3,7 +3,6 @@
 #include "laminate.h"
 #include <math.h>
 #include <string.h>
-#include "natural_base.h"
 
 enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5, SHEAR = 8 };
 
@@ -182,7 +181,8 @@ static double metric_at(const scene_element *element, const laminate_place *plac
     const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
     for (int i = 0; i < 6; i++)
         share[i] = place->is_general ? 1 : all[i];
-    return place->is_general ? natural_area_ratio(element, place, z) : c1 * c2;
+    return place->is_general ? natural_area_ratio(&place->natural, element->metric ? z : 0)
+                             : c1 * c2;
 }
 
 double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z)
@@ -202,7 +202,7 @@ static void natural_stiffness(const scene_element *element, const laminate_place
     memcpy(c, ply->c, 36 * sizeof(double));
     if (!place->is_general)
         return;
-    natural_strain_map(element, place, z, t);
+    natural_strain_map(&place->natural, element->metric ? z : 0, t);
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             half[i][j] = 0;
@@ -225,7 +225,7 @@ static void natural_stress(const scene_element *element, const laminate_place *p
     memcpy(natural, stress, 6 * sizeof *natural);
     if (!place->is_general)
         return;
-    natural_strain_map(element, place, z, t);
+    natural_strain_map(&place->natural, element->metric ? z : 0, t);
     turn_back(t, stress, natural);
 }
 
@@ -519,7 +519,8 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
             thickening += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
                           (ply->z[1] - ply->z[0]) / laminate->thickness;
     }
-    return place->is_general ? thickening * place->base[2][2] * place->base[2][2] : thickening;
+    return place->is_general ? thickening * place->natural.base[2][2] * place->natural.base[2][2]
+                             : thickening;
 }
 
 /* Stiffness D with the part of e33 that is linear in z relaxed (lin33). */

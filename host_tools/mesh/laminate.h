@@ -12,6 +12,7 @@
 
 #include <stdbool.h>
 #include "../scene/scene.h"
+#include "natural_base.h"
 
 enum { LAMINATE_STRAINS = 10, LAMINATE_PACKED = 55, LAMINATE_LAYERS = 32 };
 
@@ -38,8 +39,7 @@ typedef struct laminate {
  * Position of a package: the plies present there, and the geometry of the element.
  *
  * On an element along lines of curvature the base vectors are (1 + k_a z) e_a, and the plies' axes
- * are those of the surface. On any other quadrilateral the base vectors at height z are the columns
- * of base + z slope, in material axes (axis 3 normal to the element).
+ * are those of the surface. Any other quadrilateral has a natural_base.
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* bit i is set where ply i is present */
@@ -50,9 +50,8 @@ typedef struct laminate_place {
                           */
     double skew[2];  /* alpha_1, alpha_2: the area varies as 1 + alpha_1 xi2 + alpha_2 xi1; 0 along
                         lines of curvature */
-    bool is_general; /* not along lines of curvature: base and slope are used */
-    double base[3][3], slope[3][3]; /* base vectors in the reference surface (1), and their change
-                                       with the height (1/m); 3 is the director */
+    bool is_general; /* not along lines of curvature */
+    natural_base natural; /* base vectors of such an element */
 } laminate_place;
 
 /*

@@ -6,7 +6,7 @@
 #include <string.h>
 #include "../../lib/model/shell.h"
 #include "corner_tables.h"
-#include "quad_types.h"
+#include "element_types.h"
 #include "vector.h"
 #include "warp.h"
 
@@ -215,68 +215,6 @@ static laminate_place element_place(const mesh *mesh, int element)
     return place;
 }
 
-/*
- * Whether two arrays are equal up to the rounding of node positions: within 1e-12 of their largest
- * entry, or of `scale` where all entries are smaller.
- */
-static int alike(const double *x, const double *y, size_t n, double scale)
-{
-    double largest = scale, difference = 0;
-    for (size_t i = 0; i < n; i++) {
-        largest = fmax(largest, fabs(x[i]));
-        difference = fmax(difference, fabs(x[i] - y[i]));
-    }
-    return difference <= 1e-12 * largest;
-}
-
-static int same_place(const laminate_place *x, const laminate_place *y)
-{
-    const double flat = 1 / x->chord[0];
-    return alike(&x->area, &y->area, 1, 0) && x->present_plies == y->present_plies &&
-           alike(x->chord, y->chord, 2, 0) && alike(x->k, y->k, 2, flat) &&
-           alike(&x->bubble_share, &y->bubble_share, 1, 0) && alike(x->skew, y->skew, 2, 1) &&
-           alike(&x->base[0][0], &y->base[0][0], 9, 1) &&
-           alike(&x->slope[0][0], &y->slope[0][0], 9, flat);
-}
-
-static int same_type(const pzs_element_type *x, const laminate_place *at_x,
-                     const pzs_element_type *y, const laminate_place *at_y)
-{
-    return same_place(at_x, at_y) && alike(&x->s[0][0][0][0], &y->s[0][0][0][0], 72, 0) &&
-           alike(&x->t[0][0][0][0], &y->t[0][0][0][0], 72, 0) &&
-           alike(&x->g_mean[0][0][0], &y->g_mean[0][0][0], 24, 0) &&
-           alike(&x->g_diff[0][0][0], &y->g_diff[0][0][0], 24, 1 / at_x->chord[0]);
-}
-
-static int find_type(const mesh *mesh, const pzs_element_type *type, const laminate_place *place)
-{
-    for (int k = mesh->types - 1; k >= 0; k--)
-        if (same_type(type, place, &mesh->type[k], &mesh->place[k]))
-            return k;
-    return -1;
-}
-
-int mesh_type_of(mesh *mesh, pzs_element_type *type, const laminate_place *place, double warp_share,
-                 char *error)
-{
-    const scene *scene = mesh->scene;
-    const int known = find_type(mesh, type, place);
-    if (known >= 0)
-        return known;
-    if (laminate_modes(&mesh->laminate, &scene->element, place, type->d) < 0)
-        return scene_fault(
-            scene, scene->at_layers, error,
-            "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
-            "without patches");
-    if (warp_fill(type, warp_share) < 0)
-        return scene_fault(scene, scene->at_surface, error,
-                           "an element of %g x %g is degenerate; use other mesh lines",
-                           place->chord[0], place->chord[1]);
-    mesh->type[mesh->types] = *type;
-    mesh->place[mesh->types] = *place;
-    return mesh->types++;
-}
-
 /* Share of the warp in the membrane shear of an element (warp.h). */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
@@ -286,7 +224,7 @@ static double warp_share(const mesh *mesh, const laminate_place *place)
     return mesh->scene->element.tau * sum / (12 * mesh->laminate.thickness);
 }
 
-static int build_types(mesh *mesh, char *error)
+static int build_types(mesh *mesh, type_list *list, char *error)
 {
     for (int e = 0; e < mesh->elements; e++) {
         pzs_element_type type;
@@ -295,12 +233,40 @@ static int build_types(mesh *mesh, char *error)
         const laminate_place place = element_place(mesh, e);
         type.thickness = mesh->laminate.thickness;
         type.skew[2] = place.chord[1] / place.chord[0];
-        const int k = mesh_type_of(mesh, &type, &place, warp_share(mesh, &place), error);
+        const int k = type_list_add(list, &type, &place, warp_share(mesh, &place), error);
         if (k < 0)
             return -1;
         mesh->element_type[e] = (uint16_t)k;
     }
     return 0;
+}
+
+/* Curvatures of the nodes of a general mesh: means of those of their elements. */
+static void set_node_curvatures(mesh *mesh)
+{
+    int *elements_at = calloc((size_t)mesh->nodes, sizeof *elements_at);
+    for (int e = 0; e < mesh->elements && elements_at; e++)
+        for (int r = 0; r < 4; r++) {
+            const int n = mesh->element[e][r];
+            const double *k = mesh->place[mesh->element_type[e]].k;
+            elements_at[n]++;
+            for (int a = 0; a < 2; a++)
+                mesh->point[n].k[a] += (k[a] - mesh->point[n].k[a]) / elements_at[n];
+        }
+    free(elements_at);
+}
+
+static int build_all_types(mesh *mesh, char *error)
+{
+    type_list list = {mesh->scene, &mesh->laminate, mesh->type, mesh->place, 0};
+    const int status =
+        mesh->quads ? quad_types_build(&list, mesh->quads, mesh->point, mesh->accept_irregular,
+                                       mesh->element_type, &mesh->quad_report, error)
+                    : build_types(mesh, &list, error);
+    mesh->types = list.count;
+    if (status == 0 && mesh->quads)
+        set_node_curvatures(mesh);
+    return status;
 }
 
 /* ---- numbering -------------------------------------------------------- */
@@ -538,7 +504,7 @@ static int fill(mesh *mesh, char *error)
     if (build_numbers(mesh, error) < 0)
         return -1;
     find_envelope(mesh);
-    if ((mesh->quads ? quad_types_build : build_types)(mesh, error) < 0)
+    if (build_all_types(mesh, error) < 0)
         return -1;
     if (build_stiffness(mesh) < 0)
         return scene_fault(scene, scene->line[0].at, error,
@@ -587,7 +553,7 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
     mesh->scene = scene;
     mesh->quads = quads;
     mesh->accept_irregular = accept_irregular;
-    mesh->dof_per_node = (unsigned)scene->element.unknowns;
+    mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
     mesh->nodes = mesh->lines[0] = (int)quads->nodes;
     mesh->lines[1] = 1;
     mesh->elements = (int)quads->elements;

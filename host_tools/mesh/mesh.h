@@ -11,20 +11,7 @@
 #include "laminate.h"
 #include "pzs.h"
 #include "../scene/surface.h"
-#include "../quads/quad_mesh.h"
-
-/* What is to be reported about a general mesh: numbers of elements, and the worst of them. */
-typedef struct quad_report {
-    int locking; /* too thin for the irregular mesh around them, and accepted: bending is far too
-                    stiff, free edges and inextensional motions most of all */
-    int coarse;  /* thin, irregular and curved over their length: bending is too stiff, as without
-                    the shear flexibility of coarse meshes */
-    int strips;  /* distorted elements along the straight lines of a thin twisted strip */
-    int narrow;  /* one corner is wide: the area at the corner is below 0.3 of that at the centre */
-    double thinness; /* largest curvature times length^2/thickness of the locking or coarse ones */
-    double irregularity; /* largest irregularity of these (quad_regularity.h) */
-    double jacobian;     /* smallest area at a corner over that at the centre, all elements */
-} quad_report;
+#include "quad_types.h"
 
 typedef struct mesh {
     const scene *scene;
@@ -67,14 +54,6 @@ int mesh_build(mesh *mesh, const scene *scene, char *error);
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
                      char *error);
 
-/*
- * Number of the element type with these tables and this place, added if it is new; or -1 with error
- * filled. The corner tables, thickness and skew of the type must be filled, d and warp are filled
- * here.
- *   warp_share in  share of the warp in the membrane shear (warp.h)
- */
-int mesh_type_of(mesh *mesh, pzs_element_type *type, const laminate_place *place, double warp_share,
-                 char *error);
 void mesh_free(mesh *mesh);
 
 /* Node at line i of theta1 and line j of theta2; line numbers of closed directions wrap around. */

@@ -20,29 +20,27 @@ static void inverse_base(double j[3][3], double b[3][3])
         }
 }
 
-/* Base vectors at height z, the columns of j [3][3], of an element that is_general. */
-static void base_at(const scene_element *element, const laminate_place *place, double z,
-                    double j[3][3])
+/* Base vectors at height z, the columns of j [3][3]. */
+static void base_at(const natural_base *natural, double z, double j[3][3])
 {
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++)
-            j[i][a] = place->base[i][a] + (element->metric ? z : 0) * place->slope[i][a];
+            j[i][a] = natural->base[i][a] + z * natural->slope[i][a];
 }
 
-double natural_area_ratio(const scene_element *element, const laminate_place *place, double z)
+double natural_area_ratio(const natural_base *natural, double z)
 {
     double at_z[3][3], at_0[3][3];
-    base_at(element, place, z, at_z);
-    base_at(element, place, 0, at_0);
+    base_at(natural, z, at_z);
+    base_at(natural, 0, at_0);
     return determinant(at_z) / determinant(at_0);
 }
 
-void natural_strain_map(const scene_element *element, const laminate_place *place, double z,
-                        double t[6][6])
+void natural_strain_map(const natural_base *natural, double z, double t[6][6])
 {
     static const int first[6] = {0, 1, 2, 1, 0, 0}, second[6] = {0, 1, 2, 2, 2, 1};
     double base[3][3], b[3][3];
-    base_at(element, place, z, base);
+    base_at(natural, z, base);
     inverse_base(base, b);
     for (int m = 0; m < 6; m++)
         for (int n = 0; n < 6; n++) {

@@ -41,7 +41,8 @@ typedef struct quad_rule {
     double bubble_share; /* g = 1/(1 + (iota s/3)^2): part of the element option rho that is used */
     double lock;         /* factor by which bending would have to be stiffened for stresses to stay
                             smooth: [s clip((iota - 0.2)/0.1, 0, 1)/70]^2; nothing is stiffened, but
-                            above QUAD_LOCK the mesh is refused unless irregular meshes are accepted */
+                            above QUAD_LOCK the mesh is refused, unless irregular ones are
+                            accepted */
     double asymptotic;   /* part of the bending strains that is added to the mean strain 12 of an
                             element along asymptotic lines (twisted strips); 0 on lines of curvature
                           */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Element types of a general mesh (quad_types.h). */
 #include "quad_types.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,48 +89,59 @@ static laminate_place quad_place(const quad_geometry *g, const quad_region *regi
     memcpy(place.chord, g->length, sizeof place.chord);
     for (int i = 0; i < 3; i++) {
         for (int a = 0; a < 2; a++) {
-            place.base[i][a] = 2 * vector_dot(axes[i], g->base[a]) / g->length[a];
-            place.slope[i][a] = 2 * vector_dot(axes[i], g->turn[a]) / g->length[a];
+            place.natural.base[i][a] = 2 * vector_dot(axes[i], g->base[a]) / g->length[a];
+            place.natural.slope[i][a] = 2 * vector_dot(axes[i], g->turn[a]) / g->length[a];
         }
-        place.base[i][2] = vector_dot(axes[i], g->director);
+        place.natural.base[i][2] = vector_dot(axes[i], g->director);
     }
     return place;
 }
 
+/* What a general mesh is built into. */
+typedef struct quad_build {
+    type_list *list;
+    const quad_mesh *quads;
+    const surface_point *point;
+    const double *irregularity; /* [nodes] */
+    uint16_t *element_type;
+    quad_report *report;
+} quad_build;
+
 /* Corner tables, thickness and skew of an element. */
-static void start_type(const mesh *mesh, int element, const quad_geometry *g,
+static void start_type(const quad_build *build, int element, const quad_geometry *g,
                        pzs_element_type *type)
 {
+    const laminate *laminate = build->list->laminate;
     corner_data data = {.is_cartesian = true,
                         .length = {g->length[0], g->length[1]},
-                        .middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2};
+                        .middle = (laminate->z[0] + laminate->z[1]) / 2};
     for (int r = 0; r < 4; r++)
-        data.point[r] = &mesh->point[mesh->element[element][r]];
+        data.point[r] = &build->point[build->quads->element[element][r]];
     memset(type, 0, sizeof *type);
     corner_tables_fill(&data, type);
-    type->thickness = mesh->laminate.thickness;
+    type->thickness = laminate->thickness;
     set_skew(g, type->skew);
     type->skew[2] = g->length[1] / g->length[0];
 }
 
-static int add_quad(mesh *mesh, int element, const quad_geometry *g, const quad_rule *rule,
+static int add_quad(quad_build *build, int element, const quad_geometry *g, const quad_rule *rule,
                     char *error)
 {
-    const quad_mesh *quads = mesh->quads;
+    const quad_mesh *quads = build->quads;
     const uint32_t region = quads->element_region ? quads->element_region[element] : 0;
-    const double tau = mesh->scene->element.tau, h = mesh->laminate.thickness;
+    const double tau = build->list->scene->element.tau, h = build->list->laminate->thickness;
     const double *b = g->curvature, *length = g->length;
     const laminate_place place = quad_place(g, &quads->region[region], rule);
     const double sum = length[0] * length[0] * b[0] + length[1] * length[1] * b[1];
     pzs_element_type type;
-    start_type(mesh, element, g, &type);
-    const int before = mesh->types;
-    const int k = mesh_type_of(mesh, &type, &place, tau * sum / (12 * h), error);
+    start_type(build, element, g, &type);
+    const int before = build->list->count;
+    const int k = type_list_add(build->list, &type, &place, tau * sum / (12 * h), error);
     if (k < 0)
         return -1;
-    mesh->element_type[element] = (uint16_t)k;
+    build->element_type[element] = (uint16_t)k;
     for (int a = 0; a < 2 && k == before; a++)
-        mesh->type[k].warp[5 + 2 * a] +=
+        build->list->type[k].warp[5 + 2 * a] +=
             tau * rule->asymptotic * b[2] * length[a] * length[a] / (6 * h);
     return 0;
 }
@@ -191,15 +203,16 @@ static void name_elements(const int *named, int count, char *text, size_t size)
         snprintf(text + at, size - at, " and %d more", count - NAMED);
 }
 
-static int refuse_locking(const mesh *mesh, const int *named, double lock, char *error)
+static int refuse_locking(const quad_build *build, const int *named, double lock, char *error)
 {
-    const quad_report *report = &mesh->quad_report;
+    const scene *scene = build->list->scene;
+    const quad_report *report = build->report;
     char list[80];
     name_elements(named, report->locking, list, sizeof list);
     return scene_fault(
-        mesh->scene, mesh->scene->at_surface, error,
-        "elements %s are too thin for an irregular mesh (curvature x length^2/thickness up to %.3g, "
-        "irregularity up to %.2g), bending would be far too stiff; mesh along lines of curvature, "
+        scene, scene->at_surface, error,
+        "elements %s are too thin for an irregular mesh (curvature x length^2/thickness up to "
+        "%.3g, irregularity up to %.2g), bending would be far too stiff; mesh along lines of curvature, "
         "use a smoother mesh or elements of %.2g of the length, or accept the error by "
         "`accept_irregular: true`",
         list, report->thinness, report->irregularity, pow(QUAD_LOCK / lock, 0.25));
@@ -208,73 +221,57 @@ static int refuse_locking(const mesh *mesh, const int *named, double lock, char 
 /* ---- all elements ------------------------------------------------------- */
 
 /* Largest irregularity of the nodes of an element. */
-static double of_nodes(const quad_mesh *quads, int element, const double *irregularity)
+static double of_nodes(const quad_build *build, int element)
 {
     double largest = 0;
     for (int r = 0; r < 4; r++)
-        largest = fmax(largest, irregularity[quads->element[element][r]]);
+        largest = fmax(largest, build->irregularity[build->quads->element[element][r]]);
     return largest;
 }
 
-static int build_all(mesh *mesh, const double *irregularity, char *error)
+static int build_all(quad_build *build, bool accept_irregular, char *error)
 {
-    const double h = mesh->laminate.thickness;
-    quad_report *report = &mesh->quad_report;
+    const double h = build->list->laminate->thickness;
+    quad_report *report = build->report;
     int named[NAMED];
     double lock = 0;
-    report->jacobian = 1;
-    for (int e = 0; e < mesh->elements; e++) {
+    for (int e = 0; e < (int)build->quads->elements; e++) {
         quad_geometry g;
-        const int status = quad_geometry_fill(mesh->quads, (size_t)e, &g);
-        if (check_shape(mesh->scene, e, status, &g, error) < 0)
+        const int status = quad_geometry_fill(build->quads, (size_t)e, &g);
+        if (check_shape(build->list->scene, e, status, &g, error) < 0)
             return -1;
-        const quad_rule rule = quad_rule_of(&g, h, of_nodes(mesh->quads, e, irregularity));
+        const quad_rule rule = quad_rule_of(&g, h, of_nodes(build, e));
         if (rule.lock > QUAD_LOCK && report->locking < NAMED)
             named[report->locking] = e;
         lock = fmax(lock, rule.lock);
         add_to_report(report, &rule, &g, h);
-        if (add_quad(mesh, e, &g, &rule, error) < 0)
+        if (add_quad(build, e, &g, &rule, error) < 0)
             return -1;
     }
-    if (report->locking > 0 && !mesh->accept_irregular)
-        return refuse_locking(mesh, named, lock, error);
+    if (report->locking > 0 && !accept_irregular)
+        return refuse_locking(build, named, lock, error);
     return 0;
 }
 
-/* Curvatures of the nodes: means of those of their elements. */
-static void set_node_curvatures(mesh *mesh)
+int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,
+                     bool accept_irregular, uint16_t *element_type, quad_report *report,
+                     char *error)
 {
-    for (int n = 0; n < mesh->nodes; n++)
-        mesh->point[n].b[0] = 0; /* counts elements until the end of this function */
-    for (int e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++) {
-            surface_point *point = &mesh->point[mesh->element[e][r]];
-            const double *k = mesh->place[mesh->element_type[e]].k;
-            point->b[0] += 1;
-            for (int a = 0; a < 2; a++)
-                point->k[a] += (k[a] - point->k[a]) / point->b[0];
-        }
-    for (int n = 0; n < mesh->nodes; n++)
-        mesh->point[n].b[0] = 0;
-}
-
-int quad_types_build(mesh *mesh, char *error)
-{
-    const quad_mesh *quads = mesh->quads;
     quad_edge *edge = calloc(4 * quads->elements, sizeof *edge);
     double *irregularity = calloc(quads->nodes, sizeof *irregularity);
+    quad_build build = {list, quads, point, irregularity, element_type, report};
     int status = -1;
+    memset(report, 0, sizeof *report);
+    report->jacobian = 1;
     if (edge && irregularity) {
         quad_edges(quads, edge);
         status = quad_irregularity(quads, edge, irregularity);
     }
     if (status < 0)
-        scene_fault(mesh->scene, mesh->scene->at_surface, error,
+        scene_fault(list->scene, list->scene->at_surface, error,
                     "%zu elements do not fit into memory; use fewer", quads->elements);
     else
-        status = build_all(mesh, irregularity, error);
-    if (status == 0)
-        set_node_curvatures(mesh);
+        status = build_all(&build, accept_irregular, error);
     free(edge);
     free(irregularity);
     return status;
