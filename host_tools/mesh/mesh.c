@@ -370,7 +370,7 @@ static void constrain_quads(mesh *mesh)
 {
     for (int n = 0; n < mesh->nodes && mesh->quads->constrained; n++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++)
-            if (mesh->quads->constrained[n] >> i & 1u)
+            if ((unsigned)mesh->quads->constrained[n] >> i & 1u)
                 mesh->node_dof[(size_t)n * mesh->dof_per_node + i] = PZS_CONSTRAINED;
 }
 

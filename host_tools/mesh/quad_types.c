@@ -212,8 +212,8 @@ static int refuse_locking(const quad_build *build, const int *named, double lock
     return scene_fault(
         scene, scene->at_surface, error,
         "elements %s are too thin for an irregular mesh (curvature x length^2/thickness up to "
-        "%.3g, irregularity up to %.2g), bending would be far too stiff; mesh along lines of curvature, "
-        "use a smoother mesh or elements of %.2g of the length, or accept the error by "
+        "%.3g, irregularity up to %.2g), bending would be far too stiff; mesh along lines of "
+        "curvature, use a smoother mesh or elements of %.2g of the length, or accept the error by "
         "`accept_irregular: true`",
         list, report->thinness, report->irregularity, pow(QUAD_LOCK / lock, 0.25));
 }
