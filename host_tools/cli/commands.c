@@ -179,6 +179,9 @@ const option_entry option_table[OPTIONS] = {
                       "estimate the discretisation error: repeats the computation on meshes with a "
                       "half and, where possible, a quarter of the elements in each direction; for "
                       "about a third more work"},
+    [OPTION_PATH] = {"--path", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_SOLVE),
+                     "follow the load path from the reference state by the arc-length method, "
+                     "through limit points, and name limit points and bifurcations"},
     [OPTION_REPORT] = {"--report", NULL, "FILE.html", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
                        "pictures and tables in one page"},

@@ -28,6 +28,7 @@ typedef enum option_id {
     OPTION_JSON,
     OPTION_STRICT,
     OPTION_ERROR,
+    OPTION_PATH,
     OPTION_REPORT,
     OPTION_SVG,
     OPTION_VTU,

@@ -19,6 +19,7 @@
 #include "options.h"
 #include "outfile.h"
 #include "print.h"
+#include "print_path.h"
 #include "print_simulate.h"
 #include "print_vibration.h"
 #include "../system/progress.h"
@@ -228,15 +229,35 @@ static int solved(const options *options, analysis *analysis, const double *u)
     return status;
 }
 
+/*
+ * Compute the displacement of the scene, along the load path where the options ask for it. Returns
+ * 0, or an exit code after printing an error message.
+ */
+static int solve_scene(const options *options, analysis *analysis, double *u)
+{
+    char error[SCENE_ERROR];
+    if (!options->follows_path)
+        return analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
+    if (load_path_follow(&analysis->load_path, analysis, error) < 0)
+        return complain(error, OPTIONS_WRONG);
+    if (!analysis->load_path.is_complete) {
+        progress_stop();
+        (options->as_json ? print_ended_path_json : print_load_path)(analysis,
+                                                                     &analysis->load_path);
+        return complain(error, 1);
+    }
+    return analysis_continue(analysis, u, error) == 0 ? 0 : complain(error, 1);
+}
+
 static int command_solve(const options *options, analysis *analysis)
 {
-    char error[SCENE_ERROR] = "out of memory";
     double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
     progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
-    const int failed = u && analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
+    const int failed = u ? solve_scene(options, analysis, u) : complain("out of memory", 1);
     /* A nonlinear path that ends early still provides an equilibrium, which is printed. */
-    const int status = u && (!failed || analysis->nonlinear) ? solved(options, analysis, u) : 0;
+    const int has_shape = !failed || (analysis->nonlinear && !options->follows_path);
+    const int status = u && has_shape ? solved(options, analysis, u) : 0;
     free(u);
     return failed ? failed : status;
 }

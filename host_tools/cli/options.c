@@ -179,6 +179,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_JSON: options->as_json = 1; return 0;
     case OPTION_STRICT: options->is_strict = 1; return 0;
     case OPTION_QUASI_STATIC: options->quasi_static = 1; return 0;
+    case OPTION_PATH: options->follows_path = 1; return 0;
     case OPTION_ERROR: options->estimates_error = 1; return 0;
     case OPTION_REPORT: return take_file(&options->report, value);
     case OPTION_SVG: return take_file(&options->svg, value);

@@ -20,6 +20,7 @@ typedef struct options {
     int sets, limits, as_json, is_strict;
     int number; /* number of vibration modes; 0: not given */
     int quasi_static;
+    int follows_path;    /* follow the load path through limit points */
     int estimates_error; /* estimate the discretisation error from coarser meshes */
     const char *report, *svg, *vtu, *csv, *output, *prefix;
     int words; /* number of arguments of the whole command line, which the report prints */

@@ -8,6 +8,7 @@
 #include "../../lib/model/model.h"
 #include "print_mesh_error.h"
 #include "print_outputs.h"
+#include "print_path.h"
 #include "print_vibration.h"
 #include "../text/words.h"
 #include "../tables/tables.h"
@@ -231,6 +232,8 @@ void print_solve(analysis *analysis, const double *value)
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n",
                analysis->linear_error, analysis->design.scene->tolerance,
                analysis->nonlinear ? "nonlinear is needed" : "linear is enough");
+    if (analysis->load_path.points > 0)
+        print_load_path(analysis, &analysis->load_path);
     if (analysis->nonlinear)
         print_path(analysis);
     else
@@ -309,6 +312,8 @@ void print_solve_json(analysis *analysis, const double *value)
     json_close(&json, '}');
     if (design->electrodes.count > 0)
         print_electrodes_json(&json, analysis);
+    if (analysis->load_path.points > 0)
+        print_load_path_json(&json, analysis, &analysis->load_path);
     print_mesh_error_json(&json, &analysis->mesh_error);
     json_close(&json, '}');
 }

@@ -253,14 +253,14 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-static int solve_applied(analysis *analysis, double *u, char *error)
+static int solve_applied(analysis *analysis, int warm, double *u, char *error)
 {
     const design *design = &analysis->design;
     double *voltage = calloc((size_t)design->amplifiers + 1, sizeof *voltage);
     if (!voltage)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     design_applied(design, voltage);
-    const int failed = analysis_reach(analysis, voltage, 0, u, error);
+    const int failed = analysis_reach(analysis, voltage, warm, u, error);
     free(voltage);
     return failed;
 }
@@ -290,10 +290,10 @@ static int solve_auto(analysis *analysis, double *u, char *error)
     if (!linear)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     analysis->nonlinear = 0;
-    int failed = solve_applied(analysis, linear, error);
+    int failed = solve_applied(analysis, 0, linear, error);
     analysis->nonlinear = 1;
     if (!failed)
-        failed = solve_applied(analysis, u, error);
+        failed = solve_applied(analysis, 0, u, error);
     analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, u);
     if (analysis->linear_error <= analysis->design.scene->tolerance) {
         analysis->nonlinear = 0;
@@ -317,7 +317,13 @@ int analysis_solve(analysis *analysis, double *u, char *error)
         analysis->nonlinear = 1;
         analysis->linear_error = (double)NAN;
     }
-    return solve_applied(analysis, u, error);
+    return solve_applied(analysis, 0, u, error);
+}
+
+int analysis_continue(analysis *analysis, double *u, char *error)
+{
+    analysis->nonlinear = 1;
+    return solve_applied(analysis, 1, u, error);
 }
 
 int analysis_influence(analysis *analysis, char *error)
@@ -406,6 +412,7 @@ double analysis_stiffening(analysis *analysis)
 void analysis_free(analysis *analysis)
 {
     certificate_free(&analysis->certificate);
+    load_path_free(&analysis->load_path);
     equilibrium_close(&analysis->equilibrium);
     design_free(&analysis->design);
     free(analysis->work);

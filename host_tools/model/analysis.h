@@ -8,6 +8,7 @@
 
 #include "certificate.h"
 #include "equilibrium.h"
+#include "load_path.h"
 #include "mesh_error.h"
 #include "plausible.h"
 
@@ -33,6 +34,7 @@ typedef struct analysis {
     int quasi_static;        /* write tables even where vibration makes the control loop unstable */
     double linear_error;     /* kinematics auto: difference of the linear from the nonlinear
                                 displacement, relative */
+    load_path load_path;     /* the load path to the last displacement, where it was asked for */
     mesh_error mesh_error;   /* estimated discretisation error, where it was asked for */
     plausible warnings;      /* warnings on the scene and on its results so far */
 } analysis;
@@ -54,6 +56,12 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
  * Returns 0, or -1 with error filled.
  */
 int analysis_solve(analysis *analysis, double *u, char *error);
+
+/*
+ * The same from the last equilibrium of the solver, as load_path_follow leaves it, with nonlinear
+ * kinematics.
+ */
+int analysis_continue(analysis *analysis, double *u, char *error);
 
 /*
  * Displacement under other voltages, as analysis_solve.

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* A load path on standard output (print_path.h). */
+#include "print_path.h"
+#include <stdio.h>
+#include "print_outputs.h"
+
+static const char *const event_name[] = {
+    [LOAD_PATH_LIMIT] = "limit point", [LOAD_PATH_BIFURCATION] = "bifurcation"};
+
+/* Whether output k is a displacement with one value, which the table lists. */
+static int is_listed(const analysis *analysis, int k)
+{
+    return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;
+}
+
+static const double *row_of(const load_path *path, int point)
+{
+    return path->value + (size_t)point * (size_t)path->rows;
+}
+
+/* ---- text ------------------------------------------------------------- */
+
+static void print_head_of_points(const analysis *analysis)
+{
+    const scene *scene = analysis->design.scene;
+    printf("\n  %6s %12s %16s", "point", "load factor", "negative pivots");
+    for (int k = 0; k < scene->outputs; k++)
+        if (is_listed(analysis, k))
+            printf(" %15.15s", scene->output[k].name);
+    putchar('\n');
+}
+
+void print_load_path(const analysis *analysis, const load_path *path)
+{
+    printf("  load path: %d points, %d linear solves%s\n", path->points, path->linear_solves,
+           path->is_complete ? "" : "; it does not reach the full load");
+    for (int i = 0; i < path->events; i++)
+        printf("  %s at load factor %.6g, between points %d and %d\n",
+               event_name[path->event[i].type], path->event[i].load_factor,
+               path->event[i].point + 1, path->event[i].point + 2);
+    if (path->events == 0)
+        puts("  no limit point and no bifurcation");
+    print_head_of_points(analysis);
+    for (int i = 0; i < path->points; i++) {
+        printf("  %6d %12.6f %16d", i + 1, path->point[i].load_factor,
+               path->point[i].negative_pivots);
+        for (int k = 0; k < analysis->design.scene->outputs; k++)
+            if (is_listed(analysis, k))
+                printf(" %15.7e", analysis_output(analysis, k, 0, row_of(path, i)));
+        putchar('\n');
+    }
+    putchar('\n');
+}
+
+/* ---- JSON ------------------------------------------------------------- */
+
+static void json_event(json *json, const load_path_event *event)
+{
+    json_open(json, NULL, '{');
+    json_string(json, "type", event_name[event->type]);
+    json_number(json, "load_factor", event->load_factor);
+    json_number(json, "after_point", event->point + 1);
+    json_close(json, '}');
+}
+
+static void json_point(json *json, const analysis *analysis, const load_path *path, int i)
+{
+    const scene *scene = analysis->design.scene;
+    json_open(json, NULL, '{');
+    json_number(json, "load_factor", path->point[i].load_factor);
+    json_number(json, "negative_pivots", path->point[i].negative_pivots);
+    json_open(json, "outputs", '{');
+    for (int k = 0; k < scene->outputs; k++)
+        if (is_listed(analysis, k))
+            json_number(json, scene->output[k].name,
+                        analysis_output(analysis, k, 0, row_of(path, i)));
+    json_close(json, '}');
+    json_close(json, '}');
+}
+
+void print_load_path_json(json *json, const analysis *analysis, const load_path *path)
+{
+    json_open(json, "path", '{');
+    json_bool(json, "complete", path->is_complete);
+    json_number(json, "linear_solves", path->linear_solves);
+    json_open(json, "events", '[');
+    for (int i = 0; i < path->events; i++)
+        json_event(json, &path->event[i]);
+    json_close(json, ']');
+    json_open(json, "points", '[');
+    for (int i = 0; i < path->points; i++)
+        json_point(json, analysis, path, i);
+    json_close(json, ']');
+    json_close(json, '}');
+}
+
+void print_ended_path_json(const analysis *analysis, const load_path *path)
+{
+    json json = {stdout, 0, {0}};
+    json_open(&json, NULL, '{');
+    print_load_path_json(&json, analysis, path);
+    json_close(&json, '}');
+}
