@@ -49,8 +49,10 @@ const command_entry command_table[COMMANDS] = {
          "nodes is a table with a row for each node, one of several electrodes a row for each "
          "electrode. The solver residual "
          "and the solver error estimate are those of the linear solve; the discretisation error is "
-         "not in them: --error estimates it from coarser meshes.",
-         {"pzs solve scordelis-lo --error",
+         "not in them: --error estimates it from coarser meshes. A nonlinear solution is repeated "
+         "with twice as many load steps; a warning says where the answer depends on them, or is "
+         "unstable; --path then follows the load path.",
+         {"pzs solve scordelis-lo --error", "pzs solve hinged-roof --path",
           "pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8",
           "pzs solve hemisphere --report hemisphere.html --vtu hemisphere.vtu", NULL}},
     [COMMAND_SHAPE] =

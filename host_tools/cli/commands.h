@@ -55,7 +55,7 @@ typedef enum argument_kind {
     ARGUMENT_TEXT
 } argument_kind;
 
-enum { COMMAND_EXAMPLES = 3 };
+enum { COMMAND_EXAMPLES = 4 };
 
 typedef struct command_entry {
     const char *name;

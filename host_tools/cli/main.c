@@ -9,6 +9,7 @@
 #include "../model/damper.h"
 #include "../tables/loop_blocks.h"
 #include "../model/design_build.h"
+#include "../model/follow_path.h"
 #include "../model/estimator.h"
 #include "help.h"
 #include "../system/interrupt.h"
@@ -207,6 +208,17 @@ static int solve_error(const options *options, analysis *analysis, const double 
                           &analysis->mesh_error);
 }
 
+/* Warn where the equilibrium is unstable or depends on the way of loading. */
+static void check_path(analysis *analysis, const double *u)
+{
+    const int is_followed = analysis->load_path.points > 0;
+    const int is_reached = !PZS_IS_ERROR(analysis->status);
+    progress_stage("load path");
+    plausible_path(&analysis->warnings, analysis->design.scene,
+                   is_followed || !is_reached ? (double)NAN : analysis_path_difference(analysis, u),
+                   analysis->equilibrium.solver.info.negative_pivots);
+}
+
 static int solved(const options *options, analysis *analysis, const double *u)
 {
     const pzs_structure *structure = &analysis->design.structure;
@@ -217,6 +229,8 @@ static int solved(const options *options, analysis *analysis, const double *u)
     pzs_observe(structure, u, value);
     plausible_result(&analysis->warnings, &analysis->design.mesh, u, !analysis->nonlinear,
                      "the solution");
+    if (analysis->nonlinear)
+        check_path(analysis, u);
     int status = solve_error(options, analysis, value);
     progress_stop();
     if (status == 0)

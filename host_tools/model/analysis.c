@@ -326,6 +326,43 @@ int analysis_continue(analysis *analysis, double *u, char *error)
     return solve_applied(analysis, 1, u, error);
 }
 
+/* Solve with twice as many load steps. u [free_dof] out. Returns the status of the solver. */
+static pzs_status solve_in_more_steps(analysis *analysis, double *u)
+{
+    pzs_solver *solver = &analysis->equilibrium.solver;
+    const pzs_solver_info info = solver->info;
+    const pzs_solver_settings settings = solver->settings;
+    solver->settings.load_steps = (uint16_t)(2 * settings.load_steps);
+    solver->settings.solve_limit = 2 * settings.solve_limit;
+    pzs_solver_reset(solver);
+    const pzs_status status = pzs_equilibrium(solver, analysis->equilibrium.full_input);
+    memcpy(u, solver->info.displacement, (size_t)analysis->design.mesh.free_dof * sizeof *u);
+    solver->settings = settings;
+    solver->info = info;
+    return status;
+}
+
+double analysis_path_difference(analysis *analysis, const double *u)
+{
+    const equilibrium *equilibrium = &analysis->equilibrium;
+    double difference = (double)NAN;
+    if (analysis->design.scene->contact.given || analysis->design.mesh.prescribed_count > 0 ||
+        equilibrium->circuit_work)
+        return difference;
+    double *other = malloc((size_t)analysis->design.mesh.free_dof * sizeof *other);
+    void *state = malloc(equilibrium_state_bytes(equilibrium));
+    if (other && state) {
+        equilibrium_save(equilibrium, state);
+        difference = PZS_IS_ERROR(solve_in_more_steps(analysis, other))
+                         ? HUGE_VAL
+                         : distance(analysis, other, u);
+        equilibrium_restore(&analysis->equilibrium, state);
+    }
+    free(other);
+    free(state);
+    return difference;
+}
+
 int analysis_influence(analysis *analysis, char *error)
 {
     const pzs_structure *structure = &analysis->design.structure;

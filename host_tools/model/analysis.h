@@ -64,6 +64,16 @@ int analysis_solve(analysis *analysis, double *u, char *error);
 int analysis_continue(analysis *analysis, double *u, char *error);
 
 /*
+ * Solve once more with twice as many load steps, and compare: a large difference says that the
+ * displacement depends on the way of loading, and that it may not lie on the load path. The solver
+ * is left as before.
+ *   u [free_dof] in  displacement of analysis_solve with nonlinear kinematics
+ * Returns the difference relative to the displacement; HUGE_VAL where the load is not reached; NAN
+ * for scenes with contact, prescribed displacements or open electrodes, and without memory.
+ */
+double analysis_path_difference(analysis *analysis, const double *u);
+
+/*
  * Displacement under other voltages, as analysis_solve.
  *   voltage [amplifiers]  in
  *   warm                  in   nonlinear: start from the last shape, not from the reference state

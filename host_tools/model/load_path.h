@@ -8,10 +8,6 @@
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H
 
-#include <stddef.h>
-
-struct analysis;
-
 /* One equilibrium of the path. */
 typedef struct load_path_point {
     double load_factor;  /* 1: full load */
@@ -42,15 +38,7 @@ typedef struct load_path {
     int is_complete;                         /* whether the path has reached the full load */
 } load_path;
 
-/*
- * Follow the path from the reference state to the full load, and leave the solver of the analysis
- * at the last point.
- *   analysis in/out  with an equilibrium solver in the reference state; without contact, prescribed
- *                    displacements and open electrodes
- * A path that ends early is kept: is_complete is 0 and error says where it ended. Returns 0, or -1
- * with error filled.
- */
-int load_path_follow(load_path *path, struct analysis *analysis, char *error);
+/* Release the memory of a path, which is then empty. */
 void load_path_free(load_path *path);
 
 #endif

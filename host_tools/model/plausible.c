@@ -9,7 +9,12 @@
 
 /* ---- rules ------------------------------------------------------------ */
 
-typedef enum subject_type { SUBJECT_SCENE, SUBJECT_RESULT, SUBJECT_VOLTAGES } subject_type;
+typedef enum subject_type {
+    SUBJECT_SCENE,
+    SUBJECT_RESULT,
+    SUBJECT_VOLTAGES,
+    SUBJECT_PATH
+} subject_type;
 
 #define CHECK_UNITS                                                                                \
     "compare the number with the scene's units, or write it with a unit of its own, as "
@@ -33,6 +38,11 @@ static const struct rule {
     {"resolution", SUBJECT_SCENE, measure_resolution, 0, 1,
      "times the size that resolves the bending there",
      "the displacement under the load may come out too small; use more elements"},
+    {"path", SUBJECT_PATH, measure_path, 0, 0.01, "of the displacement",
+     "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
+    {"stability", SUBJECT_PATH, measure_stability, 0, 0, "negative pivots",
+     "a structure leaves an unstable equilibrium; use another mesh or more load steps, or follow "
+     "the load path with --path"},
     {"found_field", SUBJECT_VOLTAGES, measure_found_field, 0, 1e6, "V/m", CHECK_FIELD},
     {"modulus", SUBJECT_SCENE, measure_modulus, 1e5, 2e12, "Pa", CHECK_UNITS "210 GPa"},
     {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
@@ -123,6 +133,16 @@ void plausible_voltages(plausible *warnings, const scene *scene, const double *v
 {
     const subject of = {.scene = scene, .voltage = voltage, .name = name};
     apply_all(warnings, SUBJECT_VOLTAGES, &of);
+}
+
+void plausible_path(plausible *warnings, const scene *scene, double difference,
+                    unsigned negative_pivots)
+{
+    const subject of = {.scene = scene,
+                        .name = "",
+                        .path_difference = difference,
+                        .negative_pivots = negative_pivots};
+    apply_all(warnings, SUBJECT_PATH, &of);
 }
 
 /* ---- output ----------------------------------------------------------- */

@@ -48,6 +48,14 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *u, in
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
                         const char *name);
 
+/*
+ * Apply the rules on the way to an equilibrium.
+ *   difference      in  of analysis_path_difference
+ *   negative_pivots in  of the tangent at the equilibrium
+ */
+void plausible_path(plausible *warnings, const scene *scene, double difference,
+                    unsigned negative_pivots);
+
 /* Print the warnings as a block of lines; nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);
 

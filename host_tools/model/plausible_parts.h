@@ -12,6 +12,8 @@ typedef struct subject {
     const double *u, *voltage;
     int is_linear;
     const char *name;
+    double path_difference;   /* of analysis_path_difference */
+    unsigned negative_pivots; /* of the tangent at the equilibrium */
 } subject;
 
 enum { WHAT = 200 };
@@ -32,6 +34,7 @@ measure measure_limit_field, measure_applied_field, measure_resolution;
 
 /* Rules on computed voltages and displacements (plausible_result.c). */
 measure measure_found_field, measure_displacement, measure_strain;
+measure measure_path, measure_stability;
 
 /*
  * The k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where there

@@ -155,3 +155,22 @@ int measure_strain(const subject *of, int k, measured *found)
              where[0], where[1]);
     return 1;
 }
+
+/* ---- load path -------------------------------------------------------- */
+
+int measure_path(const subject *of, int k, measured *found)
+{
+    found->value = of->path_difference;
+    snprintf(found->what, WHAT, "%s",
+             isinf(of->path_difference)
+                 ? "twice as many load steps do not reach the load"
+                 : "twice as many load steps end at another equilibrium, which differs by");
+    return k == 0;
+}
+
+int measure_stability(const subject *of, int k, measured *found)
+{
+    found->value = of->negative_pivots;
+    snprintf(found->what, WHAT, "the equilibrium is unstable");
+    return k == 0;
+}

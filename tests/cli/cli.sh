@@ -444,6 +444,9 @@ run 0 solve scordelis-lo --error --json && json "(lambda e: abs(e['extrapolated'
 run 0 solve scordelis-lo --error && grep -q 'extrapolated' "$dir/out"; check 'solve --error: a table' $?
 run 0 shape plate-50-patches --error --json && json "j['discretisation']['results']['shape error']['value']==j['shape_error']"; check 'shape --error' $?
 run 0 modes plate-50-patches --number 2 --error --json && json "j['discretisation']['results']['mode 2']['value']==j['frequency'][1]"; check 'modes --error' $?
+run 0 solve hinged-roof --path --set mesh.theta1.elements=8 --set mesh.theta2.elements=8 --json && json "[e['type'] for e in j['path']['events']]==['limit point']*2 and abs(j['path']['events'][0]['load_factor']*3000/2225-1)<.01 and j['path']['complete'] and j['path']['points'][0]['outputs']['centre']==0"; check 'solve --path' $?
+run 2 solve scordelis-lo --path && says 'needs kinematics: nonlinear'; check 'solve --path: a linear scene' $?
+run 1 solve tests/rigs/scenes/pulled-cylinder.yaml --strict && grep -q '^  path: .*twice as many load steps' "$dir/out"; check 'solve: an answer off the load path is a warning' $?
 run 2 solve bimorph-actuator --error && says 'mesh.theta1 has 5 elements, which cannot be halved'; check 'solve --error: a mesh that cannot be halved' $?
 run 2 solve mirror --error && says 'no output with a single value'; check 'solve --error: no output' $?
 run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-50-patches --number 2.5 && says '--number' && run 2 check plate-50-patches --number 3 && says 'belongs to modes'; check 'modes: a wrong number' $?
