@@ -86,6 +86,8 @@ typedef enum pzs_status {
        it: the shell has passed through itself, or both of its faces would touch. */
     PZS_W_BEHIND,
     PZS_W_UNSTABLE, /* the equilibrium is unstable: the tangent has negative pivots */
+    PZS_W_OUTPUT, /* the last gate has corrected the voltage of input `where`: it was not a number,
+                     or beyond its limits, because working memory was damaged */
 
     /* Errors: outputs are untouched. */
     PZS_E_ARGUMENT = 64, /* a null pointer, or a size, index or setting out of range */

@@ -97,7 +97,7 @@ typedef struct pzs_control {
 /* Bytes of workspace for a controller. */
 #define PZS_CONTROL_BYTES(inputs, outputs)                                                         \
     (sizeof(pzs_real) *                                                                            \
-         ((2u * (size_t)(inputs) + 18u) * PZS_CONTROL_WIDTH(inputs) + 5u * (size_t)(outputs)) +    \
+         ((2u * (size_t)(inputs) + 21u) * PZS_CONTROL_WIDTH(inputs) + 5u * (size_t)(outputs)) +    \
      (size_t)(inputs) + (size_t)(outputs))
 
 /*

@@ -59,6 +59,16 @@ typedef struct pzs_optimiser {
     bool is_optimal;
 } pzs_optimiser;
 
+/*
+ * Progress of a scrub: a slice of some tables is read in each tick, and their checksum is compared
+ * after each pass over all of them.
+ */
+typedef struct pzs_scrub {
+    uint32_t position; /* byte at which the next slice starts */
+    uint32_t crc;      /* checksum of the bytes before it */
+    bool has_failed;   /* the last pass had a wrong checksum */
+} pzs_scrub;
+
 /* What must be renewed because voltages were changed outside a step. */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
@@ -72,6 +82,8 @@ typedef struct pzs_control_state {
     pzs_optimiser optimiser;
     pzs_real *lower, *upper; /* [inputs] limits in force (V): those of the table, narrowed by
                                 pzs_hold */
+    pzs_real *held[3];       /* [inputs] voltage at which an input is held (V), NaN: not held; three
+                                copies, of which two outvote a damaged third */
     pzs_real *voltage;       /* [inputs] present voltages (V) */
     pzs_real *predicted;     /* [outputs] predicted shape B v (m) */
     pzs_real *disturbance;   /* [outputs] measured - predicted shape (m) */
@@ -88,6 +100,8 @@ typedef struct pzs_control_state {
     bool has_step_limits; /* some step limit is shorter than the distance between the voltage limits
                            */
     pzs_control_behind behind;
+    uint16_t scrub_row; /* row of the Hessian that is compared next with its source */
+    void *work;         /* workspace */
     uint8_t stage;
 } pzs_control_state;
 
@@ -180,12 +194,24 @@ typedef struct pzs_amplifier_state {
     pzs_real *given; /* [inputs] voltages that the amplifiers give (V) */
 } pzs_amplifier_state;
 
-typedef struct pzs_loop_state {
+/* What a tick needs to find everything else. All of it stays as it is from tick to tick. */
+typedef struct pzs_loop_core {
     const struct pzs_block *blocks; /* [count] the list of blocks */
-    void **self;                    /* [count] memory of each block */
-    pzs_real *voltage;              /* [inputs] voltages of the last tick without an error (V) */
-    uint16_t sensors;               /* number of readings */
+    uint8_t *memory;                /* workspace, from its first multiple of 8 bytes on */
+    struct pzs_control *control;
+    void *control_work;         /* workspace of the controller */
+    const pzs_real *influence;  /* [outputs][inputs] B of the controller (m/V) */
+    const pzs_real *known_now;  /* [loads] as passed to pzs_loop_know, or NULL */
+    const pzs_real *known_next; /* [loads] */
+    uint32_t limit_sum;         /* checksum of voltage limits and step limits */
+    uint32_t influence_crc;     /* checksum of an influence matrix computed on the device */
+    uint16_t sensors;           /* number of readings */
     uint8_t count, stage;
+} pzs_loop_core;
+
+typedef struct pzs_loop_state {
+    pzs_loop_core core[3]; /* three copies, of which two outvote a damaged third */
+    pzs_scrub problem_scrub, influence_scrub;
 } pzs_loop_state;
 
 #endif

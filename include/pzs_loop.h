@@ -62,6 +62,7 @@ typedef struct pzs_loop_signals {
     const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, or
                                    NULL */
     const uint8_t *electrode;   /* [inputs] pzs_electrode_state, or NULL: no block has set it */
+    const void *tables;         /* tables of the block that runs, from the list */
     uint16_t sensors; /* number of readings that the blocks after this one need, which is the length
                          of `readings` */
     int32_t where;    /* out: index that goes with the status of a block, or -1 */
@@ -90,19 +91,15 @@ typedef struct pzs_block {
 
 #define PZS_BLOCK_LIMIT 16 /* most blocks in a list */
 
-/*
- * Inputs of the loop that a program may set before each tick. NULL, the value after
- * pzs_loop_init: no load is known.
- */
-typedef struct pzs_loop_settings {
-    const pzs_real *known_now;  /* [loads] values of the known loads when the readings were taken */
-    const pzs_real *known_next; /* [loads] values of the known loads under the next voltages */
-} pzs_loop_settings;
-
 /* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
-    const pzs_real *voltage;  /* [inputs] the voltages to give out, updated by each tick without an
-                                 error: finite and inside the limits (V) */
+    /*
+     * [inputs] the voltages to give out (V): the frame that the last tick without an error has
+     * published, finite and inside the limits. Two frames take turns, so a frame stays as it is
+     * during the next tick. See pzs_loop_voltages for interrupts.
+     */
+    const pzs_real *volatile voltage;
+    volatile uint32_t frames; /* number of frames published so far */
     const pzs_real *measured; /* [outputs] measured shape that the last tick used (m), or NULL: none
                                */
     const uint8_t *electrode; /* [inputs] pzs_electrode_state after the last tick, or NULL: no fault
@@ -114,7 +111,6 @@ typedef struct pzs_loop_info {
 } pzs_loop_info;
 
 typedef struct pzs_loop {
-    pzs_loop_settings settings;
     pzs_loop_info info;
     pzs_loop_state state;
 } pzs_loop;
@@ -125,8 +121,7 @@ typedef struct pzs_loop {
  */
 #define PZS_ALIGNED(bytes) (((size_t)(bytes) + 7u) / 8u * 8u)
 #define PZS_LOOP_BYTES(blocks, inputs)                                                             \
-    (8u + PZS_ALIGNED((size_t)(blocks) * sizeof(void *)) +                                         \
-     PZS_ALIGNED((size_t)(inputs) * sizeof(pzs_real)))
+    (8u + 0u * (size_t)(blocks) + PZS_ALIGNED(5u * (size_t)(inputs) * sizeof(pzs_real)))
 
 /*
  * Check a list of blocks and their tables, and lay the loop out in the workspace.
@@ -153,7 +148,15 @@ pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
 pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
 
 /*
- * One control tick: all blocks in the order of their list.
+ * Values of the known loads in the coming ticks: when the readings were taken, and under the next
+ * voltages. NULL, as after pzs_loop_init: no load is known.
+ *   now, next [loads] in  read in each tick, until another call; they belong to the caller
+ * Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *next);
+
+/*
+ * One control tick: all blocks in the order of their list, then the last gate.
  *   wanted   [outputs] in  target shape (m)
  *   readings [sensors] in  readings of the estimator's sensors; without an estimator the measured
  *                          shape [outputs] (m). NaN where a sensor gives nothing; NULL: no frame
@@ -164,8 +167,29 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
  * last tick. After HELD of the step block they keep them inside the limits in force. After HELD of
  * the estimator (no usable reading) the last deviations are kept, and the step still follows the
  * target.
+ *
+ * The last gate compares each voltage with the limits in flash and with the voltages given in the
+ * last tick. One beyond voltage limits or step limit is cut, one that is not finite is replaced by
+ * the last one (warning OUTPUT, which takes precedence over other warnings): working memory was
+ * damaged. A tick starts by deriving pointers, counts and limits again from the list of blocks,
+ * three copies of which two outvote a damaged third; it compares a row of the Hessian with its
+ * source, all of it in `inputs` ticks, and 64 bytes of the problem with its checksum, all of it in
+ * bytes / 64 ticks. Error CRC: the tables of the problem are damaged, found after at most two such
+ * rounds, or at once in the limits. Damage of the loop therefore never reaches the amplifiers
+ * beyond limits and step limits, except between the tick and the moment at which a frame is read.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
+
+/*
+ * Copy the frame published last, for a part of the program that does not wait for the tick: an
+ * interrupt that feeds converters, or a task of lower priority.
+ *   voltage [inputs] out (V)
+ * The frame is whole: the tick fills the other one and then moves info.voltage and info.frames,
+ * which are volatile, as are its writes to a frame. On a processor that reorders writes, or with a
+ * DMA, put the barrier of the processor behind the tick. Warning: HELD (ticks kept interrupting the
+ * copy: `voltage` is to be ignored). Errors: ARGUMENT, STAGE.
+ */
+pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
 /*
  * The memory of the block of one type in the list: for the blocks of the library the object named

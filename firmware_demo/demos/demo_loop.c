@@ -58,9 +58,7 @@ static int tick(void)
 
 static int know(void)
 {
-    loop.settings.known_now = known[0];
-    loop.settings.known_next = known[1];
-    return board_receive(known, sizeof known);
+    return board_receive(known, sizeof known) && pzs_loop_know(&loop, known[0], known[1]) == PZS_OK;
 }
 
 static int hold(uint32_t input)

@@ -445,7 +445,7 @@ static void count_tick(const loop *loop, simulate_count *count)
     count->iterations += loop->iterations;
     count->iterations_most =
         loop->iterations > count->iterations_most ? loop->iterations : count->iterations_most;
-    count->status[loop->status <= PZS_W_UNSTABLE ? loop->status : 0]++;
+    count->status[loop->status <= PZS_W_OUTPUT ? loop->status : 0]++;
 }
 
 static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate_law law,
@@ -493,7 +493,7 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch
 long simulate_ran(const simulate_count *count)
 {
     long run = 0;
-    for (int k = 0; k <= PZS_W_UNSTABLE; k++)
+    for (int k = 0; k <= PZS_W_OUTPUT; k++)
         run += count->status[k];
     return run;
 }

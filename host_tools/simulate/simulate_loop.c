@@ -353,10 +353,9 @@ static const pzs_block_type clamp_block = {"clamp", PZS_PHASE_STEP, law_bytes, l
 static int ask_board(loop *loop, char *error)
 {
     const size_t n = (size_t)loop->design->amplifiers, loads = (size_t)loop->design->loads;
-    const double *now = loop->controller.settings.known_now;
     if (loop->simulation->feeds) {
-        device_know(&loop->board, now, loop->coming, loads);
-        device_know(&loop->twin, now, loop->coming, loads);
+        device_know(&loop->board, loop->present, loop->coming, loads);
+        device_know(&loop->twin, loop->present, loop->coming, loads);
     }
     const int status = device_tick(&loop->board, loop->wanted, loop->sensed, loop->command,
                                    loop->state, &loop->iterations, error);
@@ -471,7 +470,7 @@ static pzs_status counted(const loop *loop, pzs_status status)
     const int is_other = loop->law != LAW_CONTROLLER || loop->board.board;
     if (PZS_IS_ERROR(status))
         return status;
-    if (is_other && block && block->phase != PZS_PHASE_STEP)
+    if (is_other && (!block || block->phase != PZS_PHASE_STEP))
         return PZS_OK;
     return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
@@ -482,8 +481,8 @@ static int command(loop *loop, int tick, char *error)
     if (loop->simulation->estimates && is_other)
         follow(loop);
     if (loop->simulation->feeds) {
-        loop->controller.settings.known_now = sense_known(loop, tick);
-        loop->controller.settings.known_next = loop->coming;
+        loop->present = sense_known(loop, tick);
+        (void)pzs_loop_know(&loop->controller, loop->present, loop->coming);
     }
     loop->message = error;
     const pzs_status status = pzs_loop_tick(&loop->controller, loop->wanted, loop->sensed);

@@ -90,6 +90,7 @@ typedef struct loop {
     double *predicted;      /* [targets] displacements that the model predicts under the command */
     double *known, *coming; /* [loads] load factors known to the controller, of this tick and of the
                                next one */
+    const double *present;  /* [loads] known load factors when the readings were taken */
     double missed; /* weighted norm of the difference between true and measured shape, over the norm
                       of the scene's target */
     uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop

@@ -88,7 +88,7 @@ typedef struct simulate_count {
     long not_finite; /* voltages that are not finite */
     long iterations; /* iterations of the optimiser, in all ticks */
     int iterations_most;
-    long status[PZS_W_UNSTABLE + 1]; /* number of ticks with each status */
+    long status[PZS_W_OUTPUT + 1]; /* number of ticks with each status */
     long missed;
     long found, wrong; /* electrodes that the fault detector found; number of those without a fault
                         */

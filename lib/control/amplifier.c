@@ -63,6 +63,13 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_AMPLIFIER_BLOCK_BYTES(problem->inputs);
 }
 
+/* Let the block point to its tables and its array. */
+static void place(pzs_amplifier_state *state, const pzs_amplifier *amplifier)
+{
+    state->tables = amplifier;
+    state->given = (void *)((uint8_t *)state + PZS_ALIGNED(sizeof *state));
+}
+
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_amplifier *amplifier = tables;
@@ -70,8 +77,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     pzs_amplifier_state *state = self;
     if (!(amplifier->step >= 0) || !(amplifier->dead_band >= 0))
         return PZS_E_ARGUMENT;
-    state->tables = amplifier;
-    state->given = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *state));
+    place(state, amplifier);
     memcpy(state->given, control->state.voltage,
            control->state.problem->inputs * sizeof *state->given);
     return PZS_OK;
@@ -79,7 +85,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
-    const pzs_amplifier_state *state = self;
+    pzs_amplifier_state *state = self;
+    place(state, signals->tables);
     return pzs_quantise(signals->control, state->given, state->tables->step,
                         state->tables->dead_band);
 }

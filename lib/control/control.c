@@ -21,6 +21,7 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 #include "sensor_check.h"
+#include "step_bounds.h"
 
 #define SMALLEST_SQUARE                                                                            \
     PZS_BY_BITS(1e-31f, 1e-292) /* smallest square without loss of digits by underflow (m2) */
@@ -28,9 +29,8 @@
 /* ---- step ------------------------------------------------------------ */
 
 /*
- * Bounds of this step: step limits cut by voltage limits. Rounding may narrow the range of a step
- * limit, never widen it. Returns the number of inputs whose step limit and voltage limits do not
- * overlap.
+ * Bounds of this step: step limits cut by voltage limits. Returns the number of inputs whose step
+ * limit and voltage limits do not overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
                                 const pzs_real *restrict v, const pzs_real *restrict step_limit,
@@ -39,12 +39,7 @@ static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
 {
     uint32_t clashes = 0;
     for (size_t i = 0; i < width; i++) {
-        const pzs_real last = v[i], most = step_limit[i], down = last - most, up = last + most;
-        const pzs_real inner =
-            last - down > most ? down + PZS_EPSILON * number_absolute(down) : down;
-        const pzs_real outer = up - last > most ? up - PZS_EPSILON * number_absolute(up) : up;
-        const pzs_real from = inner < last ? inner : last;
-        const pzs_real to = outer > last ? outer : last;
+        const pzs_real from = step_down(v[i], step_limit[i]), to = step_up(v[i], step_limit[i]);
         const pzs_real low = from > lower[i] ? from : lower[i];
         const pzs_real high = to < upper[i] ? to : upper[i];
         clashes += low > high ? 1u : 0u;
@@ -360,9 +355,10 @@ static pzs_status check(const pzs_problem *problem, const pzs_real *influence, i
     return *where >= 0 || !number_is_finite(problem->regularisation) ? PZS_E_NONFINITE : PZS_OK;
 }
 
-/* Point the arrays of the controller into the workspace. */
-static void lay_out(pzs_control *control, pzs_real *at)
+void pzs_control_place(pzs_control *control, void *work)
 {
+    pzs_real *at = work;
+    control->state.work = work;
     const uint32_t n = control->state.problem->inputs, m = control->state.problem->outputs,
                    width = (uint32_t)PZS_CONTROL_WIDTH(n);
     pzs_optimiser *optimiser = &control->state.optimiser;
@@ -376,6 +372,8 @@ static void lay_out(pzs_control *control, pzs_real *at)
     control->state.lower = at, at += width;
     control->state.upper = at, at += width;
     control->state.step_limit = at, at += width;
+    for (int copy = 0; copy < 3; copy++)
+        control->state.held[copy] = at, at += width;
     control->state.predicted = at, at += m;
     control->state.disturbance = at, at += m;
     control->state.measured = at, at += m;
@@ -388,11 +386,7 @@ static void lay_out(pzs_control *control, pzs_real *at)
     control->info.upper = control->state.upper;
 }
 
-/*
- * Row k of H: from the table, or the sum over the outputs of W^2 B_ik B_i; symmetric to the last
- * bit.
- */
-static void form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
+void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
     const uint32_t n = control->state.problem->inputs, m = control->state.problem->outputs,
                    width = control->state.optimiser.width;
@@ -414,14 +408,12 @@ static void form_row(const pzs_control *control, const pzs_real *table, uint32_t
 /* Bounds before the first step. Without step limits they are always the voltage limits. */
 static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
+    pzs_control_share_bounds(optimiser, control);
     if (control->state.has_step_limits) {
         memcpy(optimiser->lower, control->state.lower,
                optimiser->inputs * sizeof *optimiser->lower);
         memcpy(optimiser->upper, control->state.upper,
                optimiser->inputs * sizeof *optimiser->upper);
-    } else {
-        optimiser->lower = control->state.lower;
-        optimiser->upper = control->state.upper;
     }
 }
 
@@ -436,21 +428,15 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
         control->state.lower[i] = problem->lower[i];
         control->state.upper[i] = problem->upper[i];
         control->state.step_limit[i] = problem->step_limit[i];
-        control->state.has_step_limits |=
-            problem->step_limit[i] < problem->upper[i] - problem->lower[i];
+        pzs_control_set_held(control, i, (pzs_real)NAN);
         optimiser->voltage[i] =
             number_clamp(problem->reference_voltage[i], problem->lower[i], problem->upper[i]);
         optimiser->diagonal[i] = optimiser->hessian[(size_t)i * optimiser->width + i];
         optimiser->free_set[i] = 1;
     }
+    pzs_control_find_step_limits(control);
     set_initial_bounds(optimiser, control);
-    const pzs_real stiffest = pzs_product_largest(optimiser->diagonal, optimiser->width);
-    control->state.largest_column = PZS_SQRT(stiffest);
-    optimiser->pivot_floor = 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
-    optimiser->inverse_trace_bound =
-        problem->regularisation > BOXLS_DEPENDENT * optimiser->pivot_floor * stiffest
-            ? (pzs_real)optimiser->inputs / problem->regularisation
-            : 0;
+    pzs_control_set_constants(control);
     rebase(optimiser, control);
     pzs_tableau_rebuild(optimiser);
 }
@@ -476,9 +462,9 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     if (lacking >= 0)
         return finish(control, PZS_E_WORKSPACE, lacking);
     memset(work, 0, need);
-    lay_out(control, work);
+    pzs_control_place(control, work);
     for (uint32_t k = 0; k < problem->inputs; k++)
-        form_row(control, influence == NULL ? problem->hessian : NULL, k);
+        pzs_control_form_row(control, influence == NULL ? problem->hessian : NULL, k);
     pzs_optimiser *optimiser = &control->state.optimiser;
     const int32_t overflow =
         pzs_guard_nonfinite(optimiser->hessian, optimiser->inputs * optimiser->width);
@@ -517,6 +503,7 @@ pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage)
         return finish(control, PZS_E_NONFINITE, input);
     control->state.lower[input] = control->state.upper[input] =
         number_clamp(voltage, problem->lower[input], problem->upper[input]);
+    pzs_control_set_held(control, input, control->state.lower[input]);
     return finish(control, PZS_OK, -1);
 }
 
@@ -529,6 +516,7 @@ pzs_status pzs_release(pzs_control *control, uint16_t input)
         return finish(control, PZS_E_ARGUMENT, input);
     control->state.lower[input] = control->state.problem->lower[input];
     control->state.upper[input] = control->state.problem->upper[input];
+    pzs_control_set_held(control, input, (pzs_real)NAN);
     return finish(control, PZS_OK, -1);
 }
 

@@ -26,4 +26,47 @@ void pzs_control_moved(pzs_control *control);
  */
 void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping);
 
+/*
+ * Record at which voltage an input is held (V), NaN: not held. To be called beside every change of
+ * state.lower and state.upper that is to last beyond the tick of a loop.
+ */
+void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
+
+/* ---- parts of the initialisation that a loop repeats (control.c, restore.c) */
+
+/* Point the arrays of the controller into its workspace. The problem is set. */
+void pzs_control_place(pzs_control *control, void *work);
+
+/*
+ * Row k of H: from the table of the problem, or, without one, the sum over the outputs of W^2 B_ik
+ * B_i; symmetric to the last bit.
+ */
+void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
+
+/* Find out whether some step limit is shorter than the distance between the voltage limits. */
+void pzs_control_find_step_limits(pzs_control *control);
+
+/* Without step limits, the bounds of a step are the limits in force: both share their arrays. */
+void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
+
+/* Numbers of the optimiser that follow from the diagonal of H and the regularisation. */
+void pzs_control_set_constants(pzs_control *control);
+
+/*
+ * Derive again, at the start of a tick of a loop, what damaged memory may have changed: pointers
+ * and counts, limits in force, step limits, and one row of the Hessian.
+ *   influence [outputs][inputs] in  as passed to pzs_control_init
+ *   work                        in  workspace of the controller
+ * Without damage no bit changes. Work: about 30 operations an input.
+ */
+void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
+                         const pzs_real *influence, void *work);
+
+/*
+ * Start anew from the voltages in state.voltage, which have just been corrected: the whole Hessian
+ * is compared with its source, tableau and prediction are computed anew.
+ *   influence [outputs][inputs] in  as passed to pzs_control_init
+ */
+void pzs_control_recover(pzs_control *control, const pzs_real *influence);
+
 #endif

@@ -61,6 +61,21 @@ static pzs_status finish(pzs_estimate *estimate, pzs_status status, int32_t wher
     return status;
 }
 
+/* Let the estimate point to its controller, its tables and its arrays. */
+static void place(pzs_estimate *estimate, pzs_control *control, const pzs_estimator *tables,
+                  void *work)
+{
+    const size_t padded = PADDED(tables->sensors);
+    pzs_real *first = work;
+    estimate->state.control = control;
+    estimate->state.tables = tables;
+    estimate->state.expected = first;
+    estimate->state.sensed = first + padded;
+    estimate->state.difference = first + 2 * padded;
+    estimate->state.repeats = (uint8_t *)(first + 3 * padded);
+    estimate->state.stage = READY;
+}
+
 pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
                              const pzs_estimator *tables, void *work, size_t bytes)
 {
@@ -73,19 +88,12 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
         control->state.stage == CONTROL_READY ? check(tables, control) : PZS_E_STAGE;
     if (status != PZS_OK)
         return finish(estimate, status, -1);
-    const size_t need = PZS_ESTIMATE_BYTES(tables->sensors), padded = PADDED(tables->sensors);
+    const size_t need = PZS_ESTIMATE_BYTES(tables->sensors);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
     if (missing >= 0)
         return finish(estimate, PZS_E_WORKSPACE, missing);
     memset(work, 0, need);
-    pzs_real *first = work;
-    estimate->state.control = control;
-    estimate->state.tables = tables;
-    estimate->state.expected = first;
-    estimate->state.sensed = first + padded;
-    estimate->state.difference = first + 2 * padded;
-    estimate->state.repeats = (uint8_t *)(first + 3 * padded);
-    estimate->state.stage = READY;
+    place(estimate, control, tables, work);
     return finish(estimate, PZS_OK, -1);
 }
 
@@ -119,14 +127,19 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_ESTIMATOR_BLOCK_BYTES(estimator->sensors, problem->outputs);
 }
 
+static void *work_of(pzs_estimate *estimate)
+{
+    return (uint8_t *)estimate + PZS_ALIGNED(sizeof *estimate);
+}
+
 /* `self` holds the estimate, then its workspace, then the shape. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_estimator *estimator = tables;
     pzs_estimate *estimate = self;
-    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *estimate);
-    const pzs_status status = pzs_estimate_init(estimate, signals->control, estimator, work,
-                                                PZS_ESTIMATE_BYTES(estimator->sensors));
+    const pzs_status status =
+        pzs_estimate_init(estimate, signals->control, estimator, work_of(estimate),
+                          PZS_ESTIMATE_BYTES(estimator->sensors));
     signals->where = estimate->info.where;
     signals->sensors = estimator->sensors;
     return status;
@@ -143,6 +156,7 @@ static pzs_real *shape_of(pzs_estimate *estimate)
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_estimate *estimate = self;
+    place(estimate, signals->control, signals->tables, work_of(estimate));
     signals->measured = NULL;
     if (signals->readings == NULL)
         return PZS_OK;

@@ -106,6 +106,19 @@ static void lay_out(pzs_fault_detector *detector, void *work)
     detector->info.electrode = detector->state.electrode;
 }
 
+/* Let the detector point to its controller and its arrays. */
+static void place(pzs_fault_detector *detector, pzs_control *control, uint16_t delay, void *work)
+{
+    detector->state.control = control;
+    detector->state.delay = delay;
+    if (detector->state.oldest > delay)
+        detector->state.oldest = 0;
+    lay_out(detector, work);
+    for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++)
+        if (detector->state.test[k].input >= control->state.problem->inputs)
+            detector->state.test[k].input = NO_INPUT;
+}
+
 /*
  * Compute the diagonal of B'W^2 B, with 1 for an electrode that has no effect on the shape. The
  * diagonal of the Hessian cannot be used, because it contains the regularisation.
@@ -204,9 +217,7 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     if (missing >= 0)
         return finish(detector, PZS_E_WORKSPACE, missing);
     memset(work, 0, need);
-    detector->state.control = control;
-    detector->state.delay = delay;
-    lay_out(detector, work);
+    place(detector, control, delay, work);
     for (uint32_t j = 0; j < problem->inputs; j++)
         detector->settings.amplitude[j] = default_amplitude(problem, j);
     const pzs_real least = 4 * (pzs_real)problem->inputs * PZS_EPSILON;
@@ -416,6 +427,7 @@ static void set_test_voltages(pzs_fault_detector *detector)
                                  test->lower, test->upper);
         control->state.lower[j] = test->set;
         control->state.upper[j] = test->set;
+        pzs_control_set_held(control, j, test->set);
     }
 }
 
@@ -435,6 +447,7 @@ static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
     const uint32_t j = test->input;
     detector->state.control->state.lower[j] = test->lower;
     detector->state.control->state.upper[j] = test->upper;
+    pzs_control_set_held(detector->state.control, j, (pzs_real)NAN);
     mark_cleared(detector, j);
     test->input = NO_INPUT;
 }
@@ -452,6 +465,7 @@ static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
         test->is_dead ? number_clamp(0, test->lower, test->upper) : control->state.voltage[j];
     control->state.lower[j] = control->state.voltage[j];
     control->state.upper[j] = control->state.voltage[j];
+    pzs_control_set_held(control, j, control->state.voltage[j]);
     pzs_control_moved(control);
     detector->state.electrode[j] = PZS_ELECTRODE_HELD;
     detector->info.found++;
@@ -591,17 +605,21 @@ static void set_amplitude(pzs_fault_detector *detector, pzs_real amplitude)
     }
 }
 
+static void *work_of(pzs_fault_detector *detector)
+{
+    return (uint8_t *)detector + PZS_ALIGNED(sizeof *detector);
+}
+
 /* `self` holds the detector, then its workspace. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_fault_detection *detection = tables;
     const pzs_problem *problem = signals->control->state.problem;
     pzs_fault_detector *detector = self;
-    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *detector);
     if (!(detection->amplitude >= 0) || !number_is_finite(detection->amplitude))
         return PZS_E_ARGUMENT;
     const pzs_status status = pzs_fault_detector_init(
-        detector, signals->control, detection->delay, work,
+        detector, signals->control, detection->delay, work_of(detector),
         PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, detection->delay));
     signals->where = detector->info.where;
     if (status == PZS_OK && detection->amplitude > 0)
@@ -612,6 +630,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_fault_detector *detector = self;
+    const pzs_fault_detection *detection = signals->tables;
+    place(detector, signals->control, detection->delay, work_of(detector));
+    detector->state.stage = READY;
     const pzs_status status = pzs_fault_detector_tick(detector, signals->measured);
     signals->electrode = detector->info.electrode;
     signals->where = detector->info.where;

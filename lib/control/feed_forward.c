@@ -80,6 +80,14 @@ static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *
     return table->outputs == rows ? PZS_OK : PZS_E_ARGUMENT;
 }
 
+/* Let the block point to its tables and its arrays. */
+static void place(pzs_feed_forward_state *state, const pzs_known_loads *loads)
+{
+    state->tables = loads;
+    state->readings = (void *)((uint8_t *)state + PZS_ALIGNED(sizeof *state));
+    state->wanted = state->readings + readings_table(loads)->outputs;
+}
+
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_known_loads *loads = tables;
@@ -92,9 +100,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
         return status;
     if (readings_table(loads)->inputs != loads->shape->inputs)
         return PZS_E_ARGUMENT;
-    state->tables = loads;
-    state->readings = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *state));
-    state->wanted = state->readings + signals->sensors;
+    place(state, loads);
     return PZS_OK;
 }
 
@@ -123,6 +129,7 @@ static int32_t find_nonfinite_value(const pzs_loop_signals *signals, uint32_t lo
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_feed_forward_state *state = self;
+    place(state, signals->tables);
     signals->where = find_nonfinite_value(signals, state->tables->shape->inputs);
     if (signals->where >= 0)
         return PZS_E_NONFINITE;

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The control loop: a list of blocks, all laid out in one workspace and run in the order of the
- * list.
+ * list; then the last gate.
  *
- * The workspace holds, each part aligned to 8 bytes: a pointer to each block, the voltages to give
- * out, the blocks.
+ * The workspace holds, each part aligned to 8 bytes: two frames of voltages, three copies of the
+ * voltages given last, the blocks.
  */
 #include <string.h>
 #include "pzs_loop.h"
 #include "control.h"
+#include "output_gate.h"
+#include "problem.h"
+#include "scrub.h"
 #include "../core/guard.h"
 
 #define READY 1u
@@ -75,48 +78,100 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
 
 /* ---- layout ----------------------------------------------------------- */
 
-static const pzs_problem *problem_of(const pzs_loop *loop)
+/* The trusted part of a loop, after its three copies have been compared. */
+static pzs_loop_core *trusted(pzs_loop *loop)
 {
-    const size_t step = find_step(loop->state.blocks, loop->state.count);
-    return loop->state.blocks[step].tables;
+    pzs_loop_core *core = loop->state.core;
+    pzs_guard_vote(&core[0], &core[1], &core[2], sizeof core[0]);
+    return core;
 }
 
-static size_t bytes_of(const pzs_loop *loop, size_t k)
+/* Make the other copies of the trusted part equal to the first one, after it has been changed. */
+static void copy_core(pzs_loop *loop)
 {
-    const pzs_block *block = &loop->state.blocks[k];
-    return PZS_ALIGNED(block->type->block_bytes(block->tables, problem_of(loop)));
+    loop->state.core[1] = loop->state.core[0];
+    loop->state.core[2] = loop->state.core[0];
 }
 
-static size_t bytes_needed(const pzs_loop *loop)
+static const pzs_problem *problem_of(const pzs_loop_core *core)
 {
-    size_t need = PZS_LOOP_BYTES(loop->state.count, problem_of(loop)->inputs);
-    for (size_t k = 0; k < loop->state.count; k++)
-        need += bytes_of(loop, k);
+    return core->blocks[find_step(core->blocks, core->count)].tables;
+}
+
+static size_t bytes_of(const pzs_block *block, const pzs_problem *problem)
+{
+    return PZS_ALIGNED(block->type->block_bytes(block->tables, problem));
+}
+
+/* Memory of block k. */
+static void *memory_of(const pzs_loop_core *core, const pzs_problem *problem, size_t k)
+{
+    uint8_t *memory = core->memory + PZS_LOOP_BYTES(core->count, problem->inputs) -
+                      PZS_LOOP_BYTES(core->count, 0);
+    for (size_t i = 0; i < k; i++)
+        memory += bytes_of(&core->blocks[i], problem);
+    return memory;
+}
+
+static size_t bytes_needed(const pzs_loop_core *core)
+{
+    const pzs_problem *problem = problem_of(core);
+    size_t need = PZS_LOOP_BYTES(core->count, problem->inputs);
+    for (size_t k = 0; k < core->count; k++)
+        need += bytes_of(&core->blocks[k], problem);
     return need;
 }
 
-/* Place the pointers of the loop in the workspace, from its first multiple of 8 bytes on. */
-static void lay_out(pzs_loop *loop, void *work)
+/* Frame 0 or 1 of the voltages. */
+static pzs_real *frame_of(const pzs_loop_core *core, const pzs_problem *problem, uint32_t number)
 {
-    uint8_t *next = (uint8_t *)work + (8u - (uintptr_t)work % 8u) % 8u;
-    loop->state.self = (void *)next;
-    next += PZS_ALIGNED(loop->state.count * sizeof(void *));
-    loop->state.voltage = (void *)next;
-    next += PZS_ALIGNED(problem_of(loop)->inputs * sizeof(pzs_real));
-    for (size_t k = 0; k < loop->state.count; k++) {
-        loop->state.self[k] = next;
-        next += bytes_of(loop, k);
-    }
+    return (pzs_real *)(void *)core->memory + (number & 1u) * (size_t)problem->inputs;
+}
+
+/* The last gate, with the frame to fill next. */
+static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
+{
+    const pzs_problem *problem = problem_of(core);
+    output_gate gate = {.problem = problem,
+                        .held = core->control->state.held,
+                        .frame = frame_of(core, problem, loop->info.frames + 1u)};
+    for (uint32_t copy = 0; copy < 3; copy++)
+        gate.last[copy] = frame_of(core, problem, 0) + (2u + copy) * (size_t)problem->inputs;
+    return gate;
+}
+
+/* Let the program see the frame that the gate has just filled. */
+static void publish(pzs_loop *loop, const pzs_loop_core *core)
+{
+    const uint32_t frames = loop->info.frames + 1u;
+    loop->info.voltage = frame_of(core, problem_of(core), frames);
+    loop->info.frames = frames;
 }
 
 /* ---- init ------------------------------------------------------------- */
 
 static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals)
 {
-    const pzs_block *block = &loop->state.blocks[k];
+    const pzs_loop_core *core = loop->state.core;
+    const pzs_block *block = &core->blocks[k];
     signals->where = -1;
-    const pzs_status status = block->type->block_init(loop->state.self[k], block->tables, signals);
+    signals->tables = block->tables;
+    const pzs_status status =
+        block->type->block_init(memory_of(core, problem_of(core), k), block->tables, signals);
     return status == PZS_OK ? PZS_OK : finish(loop, status, block->type, signals->where);
+}
+
+/* The voltages of the controller are those given last, and the published frame. */
+static void start_gate(pzs_loop *loop)
+{
+    const pzs_loop_core *core = loop->state.core;
+    const output_gate gate = gate_of(loop, core);
+    for (uint32_t i = 0; i < gate.problem->inputs; i++) {
+        gate.frame[i] = core->control->state.voltage[i];
+        for (int copy = 0; copy < 3; copy++)
+            gate.last[copy][i] = core->control->state.voltage[i];
+    }
+    publish(loop, core);
 }
 
 /*
@@ -125,31 +180,48 @@ static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals
  */
 static pzs_status init_others(pzs_loop *loop)
 {
-    pzs_loop_signals signals = {.control = loop->info.control,
-                                .sensors = problem_of(loop)->outputs};
-    const size_t step = find_step(loop->state.blocks, loop->state.count);
-    for (size_t k = loop->state.count; k-- > 0;) {
+    pzs_loop_core *core = loop->state.core;
+    pzs_loop_signals signals = {.control = core->control, .sensors = problem_of(core)->outputs};
+    const size_t step = find_step(core->blocks, core->count);
+    for (size_t k = core->count; k-- > 0;) {
         const pzs_status status = k == step ? PZS_OK : init_block(loop, k, &signals);
         if (status != PZS_OK)
             return status;
     }
-    loop->state.sensors = signals.sensors;
-    memcpy(loop->state.voltage, loop->info.control->info.voltage,
-           problem_of(loop)->inputs * sizeof(pzs_real));
-    loop->state.stage = READY;
+    core->sensors = signals.sensors;
+    core->stage = READY;
+    copy_core(loop);
+    start_gate(loop);
     return finish(loop, PZS_OK, NULL, -1);
+}
+
+/* Checksum of an influence matrix that was computed on the device; 0 without one. */
+static uint32_t device_influence_crc(const pzs_loop_core *core)
+{
+    const pzs_problem *problem = problem_of(core);
+    const size_t count = (size_t)problem->inputs * problem->outputs;
+    if (core->influence == NULL)
+        return 0;
+    return ~pzs_guard_array_crc(GUARD_CRC_START, core->influence, count, sizeof(pzs_real));
 }
 
 static pzs_status init_step(pzs_loop *loop, const pzs_real *influence)
 {
+    pzs_loop_core *core = loop->state.core;
     pzs_loop_signals signals = {.influence = influence};
-    const size_t step = find_step(loop->state.blocks, loop->state.count);
+    const size_t step = find_step(core->blocks, core->count);
     const pzs_status status = init_block(loop, step, &signals);
     if (status != PZS_OK)
         return status;
-    loop->info.control = signals.control;
-    return signals.control != NULL ? PZS_OK
-                                   : finish(loop, PZS_E_STAGE, loop->state.blocks[step].type, -1);
+    if (signals.control == NULL)
+        return finish(loop, PZS_E_STAGE, core->blocks[step].type, -1);
+    core->control = signals.control;
+    core->control_work = signals.control->state.work;
+    core->influence = influence;
+    core->influence_crc = device_influence_crc(core);
+    core->limit_sum = pzs_output_limit_sum(problem_of(core));
+    loop->info.control = core->control;
+    return PZS_OK;
 }
 
 pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
@@ -163,65 +235,90 @@ pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
     pzs_status status = check_list(loop, blocks, count);
     if (status != PZS_OK)
         return status;
-    loop->state.blocks = blocks;
-    loop->state.count = (uint8_t)count;
-    const int32_t missing = guard_missing_bytes(work, bytes, bytes_needed(loop));
+    pzs_loop_core *core = loop->state.core;
+    core->blocks = blocks;
+    core->count = (uint8_t)count;
+    const int32_t missing = guard_missing_bytes(work, bytes, bytes_needed(core));
     if (missing >= 0)
         return finish(loop, PZS_E_WORKSPACE, NULL, missing);
-    lay_out(loop, work);
+    core->memory = (uint8_t *)work + (8u - (uintptr_t)work % 8u) % 8u;
     status = init_step(loop, influence);
-    if (status != PZS_OK)
-        return status;
-    loop->info.voltage = loop->state.voltage;
-    return init_others(loop);
+    return status == PZS_OK ? init_others(loop) : status;
 }
 
 pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
 {
     if (loop == NULL)
         return PZS_E_ARGUMENT;
-    if (loop->state.stage != READY)
+    const pzs_loop_core *core = trusted(loop);
+    if (core->stage != READY)
         return PZS_E_STAGE;
     if (voltage == NULL)
         return finish(loop, PZS_E_ARGUMENT, NULL, -1);
-    const uint16_t inputs = problem_of(loop)->inputs;
+    const uint16_t inputs = problem_of(core)->inputs;
     const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
     if (bad >= 0)
         return finish(loop, PZS_E_NONFINITE, NULL, bad);
     for (uint16_t j = 0; j < inputs; j++) /* also those that a test signal holds */
-        (void)pzs_release(loop->info.control, j);
-    (void)pzs_control_start(loop->info.control, voltage);
+        (void)pzs_release(core->control, j);
+    (void)pzs_control_start(core->control, voltage);
     return init_others(loop);
+}
+
+pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *next)
+{
+    if (loop == NULL)
+        return PZS_E_ARGUMENT;
+    pzs_loop_core *core = trusted(loop);
+    if (core->stage != READY)
+        return PZS_E_STAGE;
+    core->known_now = now;
+    core->known_next = next;
+    copy_core(loop);
+    return PZS_OK;
 }
 
 /* ---- tick ------------------------------------------------------------- */
 
-/*
- * After an error: return the controller to the voltages last given out, if a block may have changed
- * them.
- */
-static pzs_status fail(pzs_loop *loop, pzs_status status, const pzs_block_type *block,
-                       int32_t where)
+/* Return the controller to the voltages last given out. */
+static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 {
-    pzs_control *control = loop->info.control;
-    if (block->phase >= PZS_PHASE_STEP) {
-        memcpy(control->state.voltage, loop->state.voltage,
-               control->state.problem->inputs * sizeof *control->state.voltage);
-        pzs_control_moved(control);
-    }
-    return finish(loop, status, block, where);
+    const output_gate gate = gate_of(loop, core);
+    const size_t bytes = gate.problem->inputs * sizeof(pzs_real);
+    pzs_guard_vote(gate.last[0], gate.last[1], gate.last[2], bytes);
+    memcpy(core->control->state.voltage, gate.last[0], bytes);
+    pzs_control_moved(core->control);
+}
+
+/* Read the next slice of the tables. Returns whether they are intact as far as is known. */
+static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_problem *problem)
+{
+    scrub_part part[PROBLEM_PARTS];
+    const size_t count = (size_t)problem->inputs * problem->outputs;
+    const scrub_part device_influence = {core->influence, count * sizeof(pzs_real)};
+    pzs_problem_parts(problem, part);
+    if (!pzs_scrub_slice(&loop->state.problem_scrub, part, PROBLEM_PARTS, problem->crc))
+        return false;
+    return core->influence == NULL ||
+           pzs_scrub_slice(&loop->state.influence_scrub, &device_influence, 1, core->influence_crc);
 }
 
 /* Run all blocks. Returns the status that takes precedence, and stores its block and index. */
-static pzs_status run(pzs_loop *loop, pzs_loop_signals *signals)
+static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals)
 {
+    const pzs_problem *problem = problem_of(core);
+    uint8_t *memory = memory_of(core, problem, 0);
     pzs_status result = finish(loop, PZS_OK, NULL, -1);
-    for (size_t k = 0; k < loop->state.count; k++) {
-        const pzs_block_type *type = loop->state.blocks[k].type;
+    for (size_t k = 0; k < core->count; k++) {
+        const pzs_block_type *type = core->blocks[k].type;
         signals->where = -1;
-        const pzs_status status = type->block_tick(loop->state.self[k], signals);
-        if (PZS_IS_ERROR(status))
-            return fail(loop, status, type, signals->where);
+        signals->tables = core->blocks[k].tables;
+        const pzs_status status = type->block_tick(memory, signals);
+        memory += bytes_of(&core->blocks[k], problem);
+        if (PZS_IS_ERROR(status)) {
+            restore_voltages(loop, core);
+            return finish(loop, status, type, signals->where);
+        }
         const bool takes_precedence = result == PZS_OK || type->phase == PZS_PHASE_STEP;
         if (status != PZS_OK && takes_precedence)
             result = finish(loop, status, type, signals->where);
@@ -229,36 +326,87 @@ static pzs_status run(pzs_loop *loop, pzs_loop_signals *signals)
     return result;
 }
 
+/* Let the voltages of the controller pass the last gate, and publish them. */
+static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status status)
+{
+    int32_t where;
+    const output_gate gate = gate_of(loop, core);
+    const pzs_status passed =
+        pzs_output_gate(&gate, core->control->state.voltage, core->limit_sum, &where);
+    if (PZS_IS_ERROR(passed)) {
+        restore_voltages(loop, core);
+        return finish(loop, passed, NULL, where);
+    }
+    publish(loop, core);
+    if (passed == PZS_OK)
+        return status;
+    pzs_control_recover(core->control, core->influence);
+    return finish(loop, passed, NULL, where);
+}
+
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings)
 {
     if (loop == NULL || wanted == NULL)
         return PZS_E_ARGUMENT;
-    if (loop->state.stage != READY)
+    const pzs_loop_core *core = trusted(loop);
+    if (core->stage != READY)
         return PZS_E_STAGE;
-    pzs_loop_signals signals = {.control = loop->info.control,
+    const pzs_problem *problem = problem_of(core);
+    loop->info.control = core->control;
+    pzs_control_restore(core->control, problem, core->influence, core->control_work);
+    if (!scrub_tables(loop, core, problem))
+        return finish(loop, PZS_E_CRC, NULL, -1);
+    pzs_loop_signals signals = {.control = core->control,
                                 .wanted = wanted,
                                 .readings = readings,
                                 .measured = readings,
-                                .known_now = loop->settings.known_now,
-                                .known_next = loop->settings.known_next,
-                                .sensors = loop->state.sensors};
-    const pzs_status status = run(loop, &signals);
+                                .known_now = core->known_now,
+                                .known_next = core->known_next,
+                                .sensors = core->sensors};
+    const pzs_status status = run(loop, core, &signals);
     loop->info.measured = signals.measured;
     loop->info.electrode = signals.electrode;
-    if (PZS_IS_ERROR(status))
-        return status;
-    const pzs_control *control = loop->info.control;
-    memcpy(loop->state.voltage, control->info.voltage,
-           control->state.problem->inputs * sizeof *loop->state.voltage);
-    return status;
+    return PZS_IS_ERROR(status) ? status : give_out(loop, core, status);
+}
+
+/* ---- for the program ---------------------------------------------------- */
+
+/* The trusted part of a loop that must not be changed. Returns whether the loop is ready. */
+static bool read_core(const pzs_loop *loop, pzs_loop_core *core)
+{
+    pzs_loop_core copy[3];
+    memcpy(copy, loop->state.core, sizeof copy);
+    pzs_guard_vote(&copy[0], &copy[1], &copy[2], sizeof copy[0]);
+    *core = copy[0];
+    return core->stage == READY;
+}
+
+pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage)
+{
+    pzs_loop_core core;
+    if (loop == NULL || voltage == NULL)
+        return PZS_E_ARGUMENT;
+    if (!read_core(loop, &core))
+        return PZS_E_STAGE;
+    const pzs_problem *problem = problem_of(&core);
+    for (int tries = 0; tries < 4; tries++) {
+        const uint32_t frames = loop->info.frames;
+        const volatile pzs_real *frame = frame_of(&core, problem, frames);
+        for (uint32_t i = 0; i < problem->inputs; i++)
+            voltage[i] = frame[i];
+        if (loop->info.frames == frames)
+            return PZS_OK;
+    }
+    return PZS_W_HELD;
 }
 
 void *pzs_loop_find(const pzs_loop *loop, const pzs_block_type *type)
 {
-    if (loop == NULL || loop->state.stage != READY)
+    pzs_loop_core core;
+    if (loop == NULL || !read_core(loop, &core))
         return NULL;
-    for (size_t k = 0; k < loop->state.count; k++)
-        if (loop->state.blocks[k].type == type)
-            return loop->state.self[k];
+    for (size_t k = 0; k < core.count; k++)
+        if (core.blocks[k].type == type)
+            return memory_of(&core, problem_of(&core), k);
     return NULL;
 }

@@ -1,21 +1,35 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksum of the voltage problem (control.h). */
+/* Checksum of the voltage problem (control.h, problem.h). */
 #include "control.h"
+#include "problem.h"
 #include "../core/guard.h"
+
+void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS])
+{
+    const size_t n = problem->inputs, m = problem->outputs, real = sizeof(pzs_real);
+    const scrub_part all[PROBLEM_PARTS] = {
+        {&problem->inputs, sizeof problem->inputs},
+        {&problem->outputs, sizeof problem->outputs},
+        {problem->influence, problem->influence != NULL ? m * n * real : 0},
+        {problem->hessian, problem->hessian != NULL ? n * n * real : 0},
+        {problem->weight, problem->weight != NULL ? m * real : 0},
+        {problem->lower, problem->lower != NULL ? n * real : 0},
+        {problem->upper, problem->upper != NULL ? n * real : 0},
+        {problem->step_limit, problem->step_limit != NULL ? n * real : 0},
+        {problem->reference_voltage, problem->reference_voltage != NULL ? n * real : 0},
+        {&problem->regularisation, real}};
+    for (uint32_t k = 0; k < PROBLEM_PARTS; k++)
+        part[k] = all[k];
+}
 
 uint32_t pzs_problem_crc(const pzs_problem *problem)
 {
-    const size_t n = problem->inputs, m = problem->outputs;
-    const uint16_t counts[2] = {problem->inputs, problem->outputs};
-    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, problem->influence, m * n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, problem->hessian, n * n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, problem->weight, m, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, problem->lower, n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, problem->upper, n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, problem->step_limit, n, sizeof(pzs_real));
-    crc = pzs_guard_array_crc(crc, problem->reference_voltage, n, sizeof(pzs_real));
-    return ~pzs_guard_crc(crc, &problem->regularisation, sizeof problem->regularisation);
+    scrub_part part[PROBLEM_PARTS];
+    uint32_t crc = GUARD_CRC_START;
+    pzs_problem_parts(problem, part);
+    for (uint32_t k = 0; k < PROBLEM_PARTS; k++)
+        crc = pzs_guard_crc(crc, part[k].data, part[k].bytes);
+    return ~crc;
 }
 
 pzs_status pzs_problem_seal(pzs_problem *problem)

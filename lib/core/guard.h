@@ -34,6 +34,18 @@ static inline int32_t guard_missing_bytes(const void *work, size_t bytes, size_t
  */
 uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_t size);
 
+/*
+ * Replace three copies of some data by what two of them agree on, bit by bit: a bit that has
+ * flipped in one copy is restored. bytes in  length of each copy, a multiple of 4
+ */
+void pzs_guard_vote(void *one, void *two, void *three, size_t bytes);
+
+/*
+ * Checksum of `count` numbers, continued from sum: every single flipped bit changes it. Cheaper
+ * than a CRC.
+ */
+uint32_t pzs_guard_sum(uint32_t sum, const pzs_real *x, uint32_t count);
+
 /* CRC of sparse rows over `dof` columns, continued from crc. */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof);
 

@@ -20,6 +20,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_UNSTABLE: return "unstable equilibrium: the tangent has negative pivots";
     case PZS_W_BEHIND:
         return "a part of the shell that faces away from the contact body lies in it";
+    case PZS_W_OUTPUT: return "the last gate has corrected a voltage: working memory was damaged";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";

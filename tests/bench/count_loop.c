@@ -97,7 +97,7 @@ static pzs_status start(void)
 {
     pzs_status status = pzs_loop_init(&loop, blocks, sizeof blocks / sizeof *blocks, NULL,
                                       loop_work, sizeof loop_work);
-    loop.settings.known_now = loop.settings.known_next = load;
+    (void)pzs_loop_know(&loop, load, load);
     if (status == PZS_OK)
         status = pzs_control_init(&control, &demo_problem, NULL, control_work, sizeof control_work);
     if (status == PZS_OK)

@@ -264,8 +264,8 @@ static void test_same_bits(void **state)
         hand_open(&h, &r);
         assert_int_equal(start(&r), PZS_OK);
         assert_memory_equal(r.loop.info.voltage, h.control.info.voltage, N * sizeof(pzs_real));
-        r.loop.settings.known_now = options & FEEDS ? r.now : NULL;
-        r.loop.settings.known_next = options & FEEDS ? r.next : NULL;
+        if (options & FEEDS)
+            assert_int_equal(pzs_loop_know(&r.loop, r.now, r.next), PZS_OK);
         for (int tick = 0; tick < TICKS; tick++) {
             const int frame = tick % 11 != 7;
             act(&r, h.control.info.voltage, tick);
@@ -563,8 +563,7 @@ static void test_bad_known_load(void **state)
     act(&r, r.loop.info.voltage, 0);
     assert_int_equal(pzs_loop_tick(&r.loop, r.wanted, r.measured), PZS_OK);
     memcpy(before, r.loop.info.voltage, sizeof before);
-    r.loop.settings.known_now = r.now;
-    r.loop.settings.known_next = r.next;
+    assert_int_equal(pzs_loop_know(&r.loop, r.now, r.next), PZS_OK);
     for (int i = 0; i < 2; i++) {
         act(&r, before, 1);
         (i == 0 ? r.now : r.next)[i + 1] = i == 0 ? (pzs_real)NAN : (pzs_real)HUGE_VAL;

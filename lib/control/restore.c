@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Damage of working memory, as by radiation or by a wrong pointer of the firmware. At the start of
+ * each tick of a loop everything that does not change from tick to tick is derived again from the
+ * tables in flash, so that damage lasts for one tick at most; the Hessian is compared row by row,
+ * so that its damage lasts for as many ticks as there are inputs. What changes from tick to tick is
+ * corrected by the measurements and by the optimiser's own checks.
+ */
+#include "boxls.h"
+#include "boxls_tableau.h"
+#include "control.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+
+void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage)
+{
+    for (int copy = 0; copy < 3; copy++)
+        control->state.held[copy][input] = voltage;
+}
+
+void pzs_control_find_step_limits(pzs_control *control)
+{
+    const pzs_problem *problem = control->state.problem;
+    control->state.has_step_limits = false;
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        control->state.has_step_limits |=
+            problem->step_limit[i] < problem->upper[i] - problem->lower[i];
+}
+
+void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control)
+{
+    if (control->state.has_step_limits)
+        return;
+    optimiser->lower = control->state.lower;
+    optimiser->upper = control->state.upper;
+}
+
+/* Smallest pivot floor: rounding errors of a tableau that is built once. */
+static pzs_real least_pivot_floor(const pzs_optimiser *optimiser)
+{
+    return 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
+}
+
+void pzs_control_set_constants(pzs_control *control)
+{
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const pzs_real stiffest = pzs_product_largest(optimiser->diagonal, optimiser->width);
+    const pzs_real regularisation = control->state.problem->regularisation;
+    const pzs_real least = least_pivot_floor(optimiser);
+    const bool is_plausible =
+        optimiser->pivot_floor >= least && optimiser->pivot_floor <= BOXLS_DEPENDENT * least;
+    optimiser->pivot_floor = is_plausible ? optimiser->pivot_floor : least;
+    control->state.largest_column = PZS_SQRT(stiffest);
+    optimiser->inverse_trace_bound = regularisation > BOXLS_DEPENDENT * least * stiffest
+                                         ? (pzs_real)optimiser->inputs / regularisation
+                                         : 0;
+}
+
+/* Limits in force and step limits: those of the tables, narrowed to a voltage where held. */
+static void restore_limits(pzs_control *control)
+{
+    const pzs_problem *problem = control->state.problem;
+    pzs_real *const *held = control->state.held;
+    pzs_guard_vote(held[0], held[1], held[2], problem->inputs * sizeof *held[0]);
+    for (uint32_t i = 0; i < problem->inputs; i++) {
+        const bool is_held = number_is_finite(held[0][i]);
+        const pzs_real voltage = number_clamp(held[0][i], problem->lower[i], problem->upper[i]);
+        control->state.lower[i] = is_held ? voltage : problem->lower[i];
+        control->state.upper[i] = is_held ? voltage : problem->upper[i];
+        control->state.step_limit[i] = problem->step_limit[i];
+    }
+}
+
+/* ---- Hessian ----------------------------------------------------------- */
+
+/* Entry j of row k of H as its source has it: the table, or the entry on the other side. */
+static pzs_real source_entry(const pzs_control *control, const pzs_real *table, uint32_t k,
+                             uint32_t j)
+{
+    const pzs_optimiser *optimiser = &control->state.optimiser;
+    if (table != NULL)
+        return table[(size_t)k * optimiser->inputs + j] +
+               (j == k ? control->state.problem->regularisation : 0);
+    return j == k ? optimiser->diagonal[k] : optimiser->hessian[(size_t)j * optimiser->width + k];
+}
+
+/* First entry of row k that differs from its source, or the number of inputs. */
+static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
+{
+    const pzs_optimiser *optimiser = &control->state.optimiser;
+    const pzs_real *row = optimiser->hessian + (size_t)k * optimiser->width;
+    uint32_t j = 0;
+    while (j < optimiser->inputs && row[j] >= source_entry(control, table, k, j) &&
+           row[j] <= source_entry(control, table, k, j))
+        j++;
+    return j;
+}
+
+/* Form rows k and j of H again, with their entries on the other side and on the diagonal. */
+static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k, uint32_t j)
+{
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const uint32_t first = k < j ? k : j, last = k < j ? j : k;
+    pzs_control_form_row(control, table, first);
+    for (uint32_t i = first; table == NULL && i < optimiser->inputs; i++)
+        optimiser->hessian[(size_t)i * optimiser->width + first] =
+            optimiser->hessian[(size_t)first * optimiser->width + i];
+    pzs_control_form_row(control, table, last);
+    optimiser->diagonal[first] = optimiser->hessian[(size_t)first * optimiser->width + first];
+    optimiser->diagonal[last] = optimiser->hessian[(size_t)last * optimiser->width + last];
+}
+
+/* Compare row k of H with its source. Returns whether it had to be repaired. */
+static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
+{
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const pzs_real diagonal = optimiser->hessian[(size_t)k * optimiser->width + k];
+    const uint32_t j = find_difference(control, table, k);
+    const bool is_same = optimiser->diagonal[k] >= diagonal && optimiser->diagonal[k] <= diagonal;
+    if (j == optimiser->inputs && is_same)
+        return false;
+    repair_rows(control, table, k, j < optimiser->inputs ? j : k);
+    return true;
+}
+
+/* Number of inputs in the active set. The marks of the free set become exactly 0 or 1. */
+static uint32_t count_active(pzs_optimiser *optimiser)
+{
+    uint32_t active = 0;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        optimiser->free_set[i] = optimiser->free_set[i] > 0 ? 1 : 0;
+        active += optimiser->free_set[i] > 0 ? 0u : 1u;
+    }
+    return active;
+}
+
+/* The next row of the Hessian; after the last one, the numbers that follow from all of them. */
+static void scrub_next_row(pzs_control *control, const pzs_real *table)
+{
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const uint32_t k = control->state.scrub_row < optimiser->inputs ? control->state.scrub_row : 0;
+    const bool is_repaired = scrub_row(control, table, k);
+    control->state.scrub_row = (uint16_t)(k + 1u);
+    if (k + 1u == optimiser->inputs || is_repaired) {
+        optimiser->active_count = count_active(optimiser);
+        optimiser->inverse_trace = 0;
+        pzs_control_set_constants(control);
+    }
+    if (is_repaired)
+        pzs_tableau_rebuild(optimiser);
+}
+
+/* ---- controller --------------------------------------------------------- */
+
+static const pzs_real *hessian_table(const pzs_problem *problem, const pzs_real *influence)
+{
+    return influence == NULL ? problem->hessian : NULL;
+}
+
+void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
+                         const pzs_real *influence, void *work)
+{
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    control->state.problem = problem;
+    control->state.influence = influence != NULL ? influence : problem->influence;
+    control->state.stage = CONTROL_READY;
+    pzs_control_place(control, work);
+    restore_limits(control);
+    pzs_control_find_step_limits(control);
+    pzs_control_share_bounds(optimiser, control);
+    scrub_next_row(control, hessian_table(problem, influence));
+}
+
+void pzs_control_recover(pzs_control *control, const pzs_real *influence)
+{
+    pzs_optimiser *optimiser = &control->state.optimiser;
+    const pzs_problem *problem = control->state.problem;
+    for (uint32_t k = 0; k < problem->inputs; k++) {
+        (void)scrub_row(control, hessian_table(problem, influence), k);
+        optimiser->free_set[k] = 1;
+    }
+    for (uint32_t i = 0; i < problem->outputs; i++)
+        if (!number_is_finite(control->state.disturbance[i]))
+            control->state.disturbance[i] = 0;
+    pzs_control_set_constants(control);
+    pzs_tableau_rebuild(optimiser);
+    pzs_control_moved(control);
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Scrub of tables (scrub.h). */
+#include "scrub.h"
+#include "../core/guard.h"
+
+/*
+ * End of a pass: compare the checksum, and start the next pass. Returns whether this pass or the
+ * one before it had the right checksum.
+ */
+static bool end_pass(pzs_scrub *scrub, uint32_t crc)
+{
+    const bool is_wrong = ~scrub->crc != crc;
+    const bool is_intact = !is_wrong || !scrub->has_failed;
+    scrub->has_failed = is_wrong;
+    scrub->position = 0;
+    return is_intact;
+}
+
+bool pzs_scrub_slice(pzs_scrub *scrub, const scrub_part *part, uint32_t parts, uint32_t crc)
+{
+    size_t room = SCRUB_BYTES, before = 0;
+    if (scrub->position == 0)
+        scrub->crc = GUARD_CRC_START;
+    for (uint32_t k = 0; k < parts && room > 0; k++) {
+        const size_t skipped = scrub->position > before ? scrub->position - before : 0;
+        before += part[k].bytes;
+        if (skipped >= part[k].bytes)
+            continue;
+        const size_t rest = part[k].bytes - skipped, count = rest < room ? rest : room;
+        scrub->crc = pzs_guard_crc(scrub->crc, (const uint8_t *)part[k].data + skipped, count);
+        scrub->position += (uint32_t)count;
+        room -= count;
+    }
+    return room == 0 || end_pass(scrub, crc);
+}
