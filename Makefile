@@ -137,6 +137,7 @@ $(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
 $(call for_variants,loop_blocks,64 32 san64 san32,)
 $(call for_variants,vibration_block,64 32,@tests/rigs/damped_loop.o @host_tools/model/damper_gains.o @bridge64.o)
+$(call for_variants,flips,64 32 san64 san32,)
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
@@ -162,6 +163,17 @@ $(foreach t,path path_tables path_oracle,$(call for_variants,$(t),64,@tests/rigs
 $(call for_variants,path_ends,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,path_precision,64 32,@bridge64.o)
 
+# The demonstration's plate with few sensors and a load, as tables for the tests of the loop.
+GATE_PLATE := plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' \
+    --set limits.slew=20 --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' \
+    --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' --image control --prefix plate
+$(B)/tables/gate_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(GATE_PLATE) -o $@ >/dev/null 2>&1
+GATE_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_flips.o)
+$(GATE_OBJECTS): $(B)/tables/gate_plate.h
+$(GATE_OBJECTS): INCLUDE += -I$(B)/tables
+
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
@@ -182,7 +194,8 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    tests/unit/test_thin.c tests/rigs/round_shell.c tests/rigs/testdata.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
 	    -o $(B)/hard && $(B)/hard
 
-# 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched.
+# 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
+# a million flipped bits.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
@@ -191,6 +204,8 @@ check-long: setup-test
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_faults.c tests/rigs/testdata.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) -I$(B)/tables \
+	    tests/unit/test_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
 	    && $(B)/long-simulate

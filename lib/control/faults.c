@@ -114,9 +114,13 @@ static void place(pzs_fault_detector *detector, pzs_control *control, uint16_t d
     if (detector->state.oldest > delay)
         detector->state.oldest = 0;
     lay_out(detector, work);
-    for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++)
-        if (detector->state.test[k].input >= control->state.problem->inputs)
-            detector->state.test[k].input = NO_INPUT;
+    guard_repair_bool(&detector->state.is_stale);
+    for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {
+        pzs_test_signal *test = &detector->state.test[k];
+        test->input = test->input < control->state.problem->inputs ? test->input : NO_INPUT;
+        guard_repair_bool(&test->is_upper);
+        guard_repair_bool(&test->is_dead);
+    }
 }
 
 /*

@@ -24,11 +24,11 @@ uint32_t pzs_output_limit_sum(const pzs_problem *problem);
  *   voltage [inputs] in/out  (V)
  *   limit_sum        in      checksum of the limits when the tables were last known to be intact
  *   where            out     first corrected input, or -1
- * A voltage is cut to the step limit around the voltage given last, and to the voltage limits. An
- * input that is held, or whose last voltage is outside its limits, goes to its limit at once:
- * voltage limits take precedence over the step limit. A voltage that is not finite becomes the last
- * one. Warning: OUTPUT (a voltage was corrected). Error: CRC (limits damaged: the voltages given
- * last do not change and the frame must not be used).
+ * A voltage is cut to the step limit around the voltage given last, and to the voltage limits,
+ * which take precedence. The voltage of pzs_hold is exempt from the step limit: a held input may go
+ * there at once. A voltage that is not finite becomes the last one. Warning: OUTPUT (a voltage was
+ * corrected). Error: CRC (limits damaged: the voltages given last do not change and the frame must
+ * not be used).
  */
 pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t limit_sum,
                            int32_t *where);

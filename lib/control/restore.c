@@ -74,27 +74,25 @@ static void restore_limits(pzs_control *control)
 
 /* ---- Hessian ----------------------------------------------------------- */
 
-/* Entry j of row k of H as its source has it: the table, or the entry on the other side. */
-static pzs_real source_entry(const pzs_control *control, const pzs_real *table, uint32_t k,
-                             uint32_t j)
-{
-    const pzs_optimiser *optimiser = &control->state.optimiser;
-    if (table != NULL)
-        return table[(size_t)k * optimiser->inputs + j] +
-               (j == k ? control->state.problem->regularisation : 0);
-    return j == k ? optimiser->diagonal[k] : optimiser->hessian[(size_t)j * optimiser->width + k];
-}
-
-/* First entry of row k that differs from its source, or the number of inputs. */
+/*
+ * First entry of row k of H that differs from its source, or the number of inputs. The source is
+ * the row of the table; without a table, the entries on the other side of the diagonal.
+ */
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
     const pzs_optimiser *optimiser = &control->state.optimiser;
+    const uint32_t n = optimiser->inputs;
     const pzs_real *row = optimiser->hessian + (size_t)k * optimiser->width;
-    uint32_t j = 0;
-    while (j < optimiser->inputs && row[j] >= source_entry(control, table, k, j) &&
-           row[j] <= source_entry(control, table, k, j))
-        j++;
-    return j;
+    const pzs_real *source = table != NULL ? table + (size_t)k * n : optimiser->hessian + k;
+    const size_t stride = table != NULL ? 1u : optimiser->width;
+    for (uint32_t j = 0; j < n; j++) {
+        const bool has_sum = j == k && table != NULL;
+        const pzs_real expected =
+            has_sum ? source[j] + control->state.problem->regularisation : source[j * stride];
+        if (!(row[j] >= expected && row[j] <= expected))
+            return j;
+    }
+    return n;
 }
 
 /* Form rows k and j of H again, with their entries on the other side and on the diagonal. */
@@ -166,6 +164,9 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
+    guard_repair_bool(&optimiser->is_verified);
+    if (optimiser->checked_next >= optimiser->inputs)
+        optimiser->checked_next = 0;
     restore_limits(control);
     pzs_control_find_step_limits(control);
     pzs_control_share_bounds(optimiser, control);

@@ -9,6 +9,7 @@
  */
 static bool end_pass(pzs_scrub *scrub, uint32_t crc)
 {
+    guard_repair_bool(&scrub->has_failed);
     const bool is_wrong = ~scrub->crc != crc;
     const bool is_intact = !is_wrong || !scrub->has_failed;
     scrub->has_failed = is_wrong;

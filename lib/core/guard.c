@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Checksums and tests for finite numbers (guard.h). */
-#include <string.h>
 #include "guard.h"
 
 /*
@@ -62,27 +61,18 @@ uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 
 void pzs_guard_vote(void *one, void *two, void *three, size_t bytes)
 {
-    uint8_t *const copy[3] = {one, two, three};
-    for (size_t i = 0; i + sizeof(uint32_t) <= bytes; i += sizeof(uint32_t)) {
+    uint8_t *x = one, *y = two, *z = three;
+    const uint8_t *const end = x + bytes;
+    for (; x < end; x += sizeof(uint32_t), y += sizeof(uint32_t), z += sizeof(uint32_t)) {
         uint32_t a, b, c;
-        memcpy(&a, copy[0] + i, sizeof a);
-        memcpy(&b, copy[1] + i, sizeof b);
-        memcpy(&c, copy[2] + i, sizeof c);
+        memcpy(&a, x, sizeof a);
+        memcpy(&b, y, sizeof b);
+        memcpy(&c, z, sizeof c);
         if (a == b && b == c)
             continue;
         const uint32_t most = (a & b) | (a & c) | (b & c);
-        for (int k = 0; k < 3; k++)
-            memcpy(copy[k] + i, &most, sizeof most);
+        memcpy(x, &most, sizeof most);
+        memcpy(y, &most, sizeof most);
+        memcpy(z, &most, sizeof most);
     }
-}
-
-uint32_t pzs_guard_sum(uint32_t sum, const pzs_real *x, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t word[sizeof *x / sizeof(uint32_t)];
-        memcpy(word, &x[i], sizeof word);
-        for (uint32_t k = 0; k < sizeof word / sizeof *word; k++)
-            sum = (sum << 1 | sum >> 31) + word[k];
-    }
-    return sum;
 }

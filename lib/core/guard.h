@@ -3,6 +3,7 @@
 #ifndef PZS_LIB_GUARD_H
 #define PZS_LIB_GUARD_H
 
+#include <string.h>
 #include "pzs_base.h"
 
 #define GUARD_CRC_START 0xFFFFFFFFu
@@ -40,11 +41,23 @@ uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_
  */
 void pzs_guard_vote(void *one, void *two, void *three, size_t bytes);
 
-/*
- * Checksum of `count` numbers, continued from sum: every single flipped bit changes it. Cheaper
- * than a CRC.
- */
-uint32_t pzs_guard_sum(uint32_t sum, const pzs_real *x, uint32_t count);
+/* Make a truth value whose memory may be damaged true or false: any byte but 0 is true. */
+static inline void guard_repair_bool(bool *flag)
+{
+    uint8_t byte;
+    memcpy(&byte, flag, sizeof byte);
+    *flag = byte != 0;
+}
+
+/* Continue a checksum with a number: every single flipped bit changes it. Cheaper than a CRC. */
+static inline uint32_t guard_add(uint32_t sum, pzs_real x)
+{
+    uint32_t word[sizeof x / sizeof(uint32_t)];
+    memcpy(word, &x, sizeof word);
+    for (uint32_t k = 0; k < sizeof word / sizeof *word; k++)
+        sum = (sum << 1 | sum >> 31) + word[k];
+    return sum;
+}
 
 /* CRC of sparse rows over `dof` columns, continued from crc. */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof);

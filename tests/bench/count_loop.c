@@ -7,6 +7,7 @@
  */
 #include "pzs.h"
 #include "../../firmware_demo/boards/board.h"
+#include "../../lib/control/output_gate.h"
 #include "../../lib/core/guard.h"
 #include "../../firmware_demo/demos/print.h"
 #include <string.h>
@@ -109,6 +110,20 @@ static pzs_status start(void)
     return status;
 }
 
+/* Instructions of the last gate on voltages that it need not correct. */
+static uint32_t count_gate(void)
+{
+    static pzs_real last[3][DEMO_INPUTS], frame[DEMO_INPUTS];
+    output_gate gate = {&demo_problem, control.state.held, {last[0], last[1], last[2]}, frame};
+    const uint32_t sum = pzs_output_limit_sum(&demo_problem);
+    int32_t where;
+    for (int k = 0; k < 3; k++)
+        memcpy(last[k], control.info.voltage, sizeof last[k]);
+    const uint32_t from = board_count();
+    (void)pzs_output_gate(&gate, control.state.voltage, sum, &where);
+    return board_instructions(from, board_count());
+}
+
 int main(void)
 {
     uint32_t hand_total = 0, hand_most = 0, loop_total = 0, loop_most = 0, different = 0;
@@ -138,6 +153,7 @@ int main(void)
     print_count("loop", loop_total / TICKS);
     print_count("hand_worst", hand_most);
     print_count("loop_worst", loop_most);
+    print_count("gate", count_gate());
     print_text("\nbits");
     print_hex("voltages", ~crc);
     print_count("different", different);
