@@ -165,11 +165,11 @@ $(call for_variants,path_precision,64 32,@bridge64.o)
 
 # The demonstration's plate with few sensors and a load, as tables for the tests of the loop.
 GATE_PLATE := plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' \
-    --set limits.slew=20 --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' \
+    --set limits.step_limit=20 --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' \
     --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' --image control --prefix plate
 $(B)/tables/gate_plate.h: $(B)/pzs
 	@mkdir -p $(@D)
-	$< tables $(GATE_PLATE) -o $@ >/dev/null 2>&1
+	$< tables $(GATE_PLATE) -o $@ >/dev/null
 GATE_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_flips.o)
 $(GATE_OBJECTS): $(B)/tables/gate_plate.h
 $(GATE_OBJECTS): INCLUDE += -I$(B)/tables

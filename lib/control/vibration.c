@@ -423,6 +423,15 @@ static void set_initial_state(pzs_damper *damper)
     memcpy(damper->state.now, equilibrium_of(damper, 0), bytes);
 }
 
+/* Let the damper point to its controller, its tables and its arrays. */
+static void place(pzs_damper *damper, pzs_control *control, const pzs_vibration *tables, void *work)
+{
+    damper->state.control = control;
+    damper->state.tables = tables;
+    damper->state.stage = READY;
+    lay_out(damper, work);
+}
+
 pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_vibration *tables,
                            void *work, size_t bytes)
 {
@@ -441,11 +450,8 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
     if (missing >= 0)
         return finish(damper, PZS_E_WORKSPACE, missing);
     memset(work, 0, need);
-    damper->state.control = control;
-    damper->state.tables = tables;
-    lay_out(damper, work);
+    place(damper, control, tables, work);
     set_initial_state(damper);
-    damper->state.stage = READY;
     return finish(damper, PZS_OK, -1);
 }
 
@@ -502,14 +508,18 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
                                      vibration->sensors, vibration->delay);
 }
 
+static void *work_of(pzs_damper *damper)
+{
+    return (uint8_t *)damper + PZS_ALIGNED(sizeof *damper);
+}
+
 /* `self` holds the damper, then its workspace, then the shape. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_vibration *vibration = tables;
     pzs_damper *damper = self;
-    void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *damper);
-    const pzs_status status =
-        pzs_damper_init(damper, signals->control, vibration, work, workspace_of(vibration));
+    const pzs_status status = pzs_damper_init(damper, signals->control, vibration, work_of(damper),
+                                              workspace_of(vibration));
     signals->where = damper->info.where;
     signals->sensors = vibration->sensors;
     return status;
@@ -518,9 +528,14 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_damper *damper = self;
-    pzs_real *shape = (void *)((uint8_t *)self + PZS_ALIGNED(sizeof *damper) +
-                               workspace_of(damper->state.tables));
+    const pzs_vibration *tables = signals->tables;
+    pzs_real *shape = (void *)((uint8_t *)work_of(damper) + workspace_of(tables));
+    place(damper, signals->control, tables, work_of(damper));
     const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
+    if (!number_is_finite(damper->info.deviation)) { /* damaged memory: start anew, at rest */
+        memset(work_of(damper), 0, workspace_of(tables));
+        set_initial_state(damper);
+    }
     signals->measured = shape;
     signals->where = damper->info.where;
     return status;
