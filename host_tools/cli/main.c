@@ -265,6 +265,9 @@ static int solve_scene(const options *options, analysis *analysis, double *u)
 
 static int command_solve(const options *options, analysis *analysis)
 {
+    char error[SCENE_ERROR];
+    if (analysis_needs_structure(analysis, "pzs solve", error) < 0)
+        return complain(error, OPTIONS_WRONG);
     double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
     progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
@@ -624,6 +627,8 @@ static int judge_loop(analysis *analysis, char *error)
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {
     const scene *scene = analysis->design.scene;
+    if (image != TABLES_CONTROL && analysis_needs_structure(analysis, "this image", error) < 0)
+        return -1;
     if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && scene->target.given)) &&
         analysis_influence(analysis, error) < 0)
         return -1;

@@ -7,6 +7,7 @@
 #include <string.h>
 #include "../../lib/model/model.h"
 #include "print_mesh_error.h"
+#include "print_matrix.h"
 #include "print_outputs.h"
 #include "print_path.h"
 #include "print_vibration.h"
@@ -68,31 +69,35 @@ static void json_sensors(json *json, const analysis *analysis)
     estimator_close(&estimator);
 }
 
-void print_head(const analysis *analysis, const char *influence)
+/* Print the size of the mesh, the element type and the condition of the stiffness. */
+static void print_structure(const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
     const mesh *mesh = &analysis->design.mesh;
-    printf("%s: %s\n", scene->name, scene->about ? scene->about : "");
     printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n",
            scene->line[0].elements, scene->line[1].elements, mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
     printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
            scene->element.dof_per_node);
-    if (words_unitless(scene))
-        puts("  units: the scene names none; any consistent ones, angles in rad");
     if (analysis->model.info.condition > 0)
         printf("  condition %.1e after scaling: %s\n", analysis->model.info.condition,
                precision_needed(analysis));
+}
+
+void print_head(const analysis *analysis, const char *influence)
+{
+    const scene *scene = analysis->design.scene;
+    printf("%s: %s\n", scene->name, scene->about ? scene->about : "");
+    if (words_unitless(scene))
+        puts("  units: the scene names none; any consistent ones, angles in rad");
+    (analysis->source->has_structure ? print_structure : print_matrix)(analysis);
     print_sensors(analysis, influence);
 }
 
-static void json_head(json *json, const analysis *analysis)
+static void json_structure(json *json, const analysis *analysis)
 {
     const mesh *mesh = &analysis->design.mesh;
-    json_string(json, "scene", analysis->design.scene->name);
-    json_number(json, "real_bits", PZS_REAL_BITS);
-    json_string(json, "unit_length", analysis->design.scene->unit_length);
     json_number(json, "elements", mesh->elements);
     json_number(json, "kinds", mesh->types);
     json_number(json, "nodes", mesh->nodes);
@@ -102,6 +107,14 @@ static void json_head(json *json, const analysis *analysis)
                 analysis->design.scene->element.cartesian ? "cartesian" : "local");
     json_string(json, "metric", analysis->design.scene->element.metric ? "exact" : "flat");
     json_number(json, "condition", analysis->model.info.condition);
+}
+
+static void json_head(json *json, const analysis *analysis)
+{
+    json_string(json, "scene", analysis->design.scene->name);
+    json_number(json, "real_bits", PZS_REAL_BITS);
+    json_string(json, "unit_length", analysis->design.scene->unit_length);
+    (analysis->source->has_structure ? json_structure : print_matrix_json)(json, analysis);
     plausible_json(json, &analysis->warnings);
     json_sensors(json, analysis);
 }
@@ -117,6 +130,7 @@ static int image_size(const analysis *analysis, tables_image image, tables_size 
 {
     const int controlled = analysis->design.problem.inputs > 0;
     FILE *nowhere = (image == TABLES_CONTROL && !controlled) ||
+                            (image != TABLES_CONTROL && !analysis->source->has_structure) ||
                             (image != TABLES_CONTROL && analysis->design.free_functions > 0) ||
                             (image == TABLES_NONLINEAR && !analysis->equilibrium.full_input)
                         ? NULL

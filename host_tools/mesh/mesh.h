@@ -56,6 +56,13 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
 
 void mesh_free(mesh *mesh);
 
+/*
+ * Build a mesh of points without elements: the outputs of the scene's measured influence matrix,
+ * with one dof each. Coordinates that the scene does not give are NAN, and so are theta1, theta2.
+ * Returns 0, or -1 with error filled and the mesh empty.
+ */
+int mesh_points(mesh *mesh, const scene *scene, char *error);
+
 /* Node at line i of theta1 and line j of theta2; line numbers of closed directions wrap around. */
 int mesh_node(const mesh *mesh, int i, int j);
 

@@ -84,12 +84,14 @@ static pzs_status open_electrodes(analysis *analysis)
                              : PZS_OK;
 }
 
-int analysis_prepare(analysis *analysis, const scene *scene, char *error)
+/*
+ * Assemble and factor the stiffness. Where the kinematics is not linear, set up the equilibrium
+ * solver as well.
+ */
+static int open_structure(analysis *analysis, char *error)
 {
-    memset(analysis, 0, sizeof *analysis);
-    if (design_build(&analysis->design, scene, error) < 0)
-        return -1;
     const pzs_structure *structure = &analysis->design.structure;
+    const scene *scene = analysis->design.scene;
     analysis->work_bytes = PZS_MODEL_BYTES(
         structure->free_dof, pzs_linalg_reals(structure->first_column, structure->free_dof));
     analysis->work = malloc(analysis->work_bytes);
@@ -97,26 +99,68 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
                                                         analysis->work_bytes)
                                        : PZS_E_WORKSPACE;
     if (status == PZS_OK && analysis->design.mesh.prescribed_count > 0 &&
-        scene->kinematics == KINEMATICS_LINEAR) {
-        scene_fault(scene, scene->support[0].at, error,
-                    "kinematics: linear cannot prescribe the value of a support; set kinematics: "
-                    "nonlinear");
-        analysis_free(analysis);
-        return -1;
-    }
+        scene->kinematics == KINEMATICS_LINEAR)
+        return scene_fault(scene, scene->support[0].at, error,
+                           "kinematics: linear cannot prescribe the value of a support; set "
+                           "kinematics: nonlinear");
     if (status == PZS_OK)
         status = open_electrodes(analysis);
     if (status == PZS_OK)
         status = factor_reference_state(analysis);
-    analysis->nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
     if (scene->kinematics != KINEMATICS_LINEAR &&
         (status == PZS_OK || scene->contact.given || analysis->design.mesh.prescribed_count > 0))
         status = equilibrium_open(&analysis->equilibrium, &analysis->design, &analysis->model);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
+}
+
+static pzs_status displace_structure(analysis *analysis, const double *value, double *u)
+{
+    pzs_status status = factor_reference_state(analysis);
     if (status == PZS_OK)
+        status = analysis_electrodes(analysis, value);
+    return status == PZS_OK ? pzs_solve(&analysis->model, analysis->input_value, u) : status;
+}
+
+static pzs_status structure_influence(analysis *analysis)
+{
+    pzs_status status = factor_reference_state(analysis);
+    if (status == PZS_OK)
+        status = pzs_influence(&analysis->model, analysis->influence);
+    return status == PZS_OK && analysis->electric.state.model
+               ? pzs_influence_open(&analysis->electric, analysis->influence)
+               : status;
+}
+
+const analysis_source analysis_of_structure = {true, open_structure, displace_structure,
+                                               structure_influence};
+
+int analysis_prepare(analysis *analysis, const scene *scene, char *error)
+{
+    memset(analysis, 0, sizeof *analysis);
+    analysis->source = scene->influence.given ? &analysis_of_matrix : &analysis_of_structure;
+    analysis->nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
+    if (design_build(&analysis->design, scene, error) < 0)
+        return -1;
+    if (analysis->source->open(analysis, error) == 0)
         return 0;
-    analysis_explain(analysis, status, error);
     analysis_free(analysis);
     return -1;
+}
+
+int analysis_needs_structure(const analysis *analysis, const char *what, char *error)
+{
+    const scene *scene = analysis->design.scene;
+    if (analysis->source->has_structure)
+        return 0;
+    return scene_fault(scene, scene->influence.at, error,
+                       "%s needs a structure, and this scene has none: it has a measured influence "
+                       "matrix; use check, shape, simulate, or tables --image control",
+                       what);
+}
+
+pzs_status analysis_displace(analysis *analysis, const double *value, double *u)
+{
+    return analysis->source->displace(analysis, value, u);
 }
 
 int analysis_ended_early(const analysis *analysis)
@@ -223,12 +267,8 @@ static pzs_status reach_nonlinear(analysis *analysis, const double *value, int w
 
 static pzs_status reach_linear(analysis *analysis, const double *value, double *u)
 {
-    analysis->status = factor_reference_state(analysis);
     const double begin = analysis_now();
-    if (analysis->status == PZS_OK)
-        analysis->status = analysis_electrodes(analysis, value);
-    if (analysis->status == PZS_OK)
-        analysis->status = pzs_solve(&analysis->model, analysis->input_value, u);
+    analysis->status = analysis_displace(analysis, value, u);
     analysis->seconds.solve = analysis_now() - begin;
     return analysis->status;
 }
@@ -372,11 +412,7 @@ int analysis_influence(analysis *analysis, char *error)
                                  sizeof *analysis->influence);
     if (!analysis->influence)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    pzs_status status = factor_reference_state(analysis);
-    if (status == PZS_OK)
-        status = pzs_influence(&analysis->model, analysis->influence);
-    if (status == PZS_OK && analysis->electric.state.model)
-        status = pzs_influence_open(&analysis->electric, analysis->influence);
+    const pzs_status status = analysis->source->influence(analysis);
     if (status != PZS_OK)
         return analysis_explain(analysis, status, error);
     return design_control(&analysis->design, analysis->influence, error);

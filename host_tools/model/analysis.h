@@ -12,7 +12,30 @@
 #include "mesh_error.h"
 #include "plausible.h"
 
+struct analysis;
+
+/*
+ * Where the displacements of an analysis come from: a structure, whose stiffness is factored, or a
+ * measured influence matrix (analysis_matrix.c). Everything after the influence matrix is the same
+ * for both.
+ */
+typedef struct analysis_source {
+    bool has_structure; /* there are elements, a stiffness, loads and mass */
+    /*
+     * Prepare what displacements are computed from, after the design. Returns 0, or -1 with error
+     * filled.
+     */
+    int (*open)(struct analysis *analysis, char *error);
+    /* Linear displacement. value [inputs] in, u [free_dof] out */
+    pzs_status (*displace)(struct analysis *analysis, const double *value, double *u);
+    /* Fill analysis->influence [outputs][inputs], which is allocated. */
+    pzs_status (*influence)(struct analysis *analysis);
+} analysis_source;
+
+extern const analysis_source analysis_of_structure, analysis_of_matrix;
+
 typedef struct analysis {
+    const analysis_source *source; /* where displacements come from */
     design design;
     pzs_model model;
     void *work;
@@ -56,6 +79,16 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
  * Returns 0, or -1 with error filled.
  */
 int analysis_solve(analysis *analysis, double *u, char *error);
+
+/* Returns 0 where the scene has a structure, else -1 with error filled: `what` needs one. */
+int analysis_needs_structure(const analysis *analysis, const char *what, char *error);
+
+/*
+ * Linear displacement under input values.
+ *   value [inputs]  in
+ *   u [free_dof]    out
+ */
+pzs_status analysis_displace(analysis *analysis, const double *value, double *u);
 
 /*
  * The same from the last equilibrium of the solver, as load_path_follow leaves it, with nonlinear

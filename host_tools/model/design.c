@@ -140,19 +140,42 @@ void design_node_areas(const mesh *mesh, double *area)
             area[mesh->element[e][r]] += mesh->place[mesh->element_type[e]].area / 4;
 }
 
+int design_row(const design *design, int target)
+{
+    const scene_influence *influence = &design->scene->influence;
+    return influence->given ? influence->row[target] : target;
+}
+
+/* Fill error: the value of a target row is not finite. Returns -1. */
+static int refuse_value(const design *design, int target, scene_at at, char *error)
+{
+    const expr_point place = mesh_place(&design->mesh, design->target_node[target]);
+    if (isnan(place.theta1))
+        return scene_fault(design->scene, at, error,
+                           "the target value or free function is not a finite number at output "
+                           "%d, x = %g, y = %g; correct its formula",
+                           design_row(design, target) + 1, place.x, place.y);
+    return scene_fault(design->scene, at, error,
+                       "the target value or free function is not a finite number at "
+                       "theta1 = %g, theta2 = %g; correct its formula",
+                       place.theta1, place.theta2);
+}
+
 int design_target_values(const design *design, const expr *wanted, scene_at at, double *value,
                          char *error)
 {
     const mesh *mesh = &design->mesh;
+    const int rows = expr_rows(wanted);
+    if (rows >= 0 && !design->scene->influence.given && rows != design->targets)
+        return scene_fault(design->scene, at, error,
+                           "%d values for %d target nodes; give one for each, in the order of the "
+                           "tables, or coordinates beside the values",
+                           rows, design->targets);
     for (int i = 0; i < design->targets; i++) {
         const expr_point place = mesh_place(mesh, design->target_node[i]);
-        value[i] = expr_value(wanted, &place);
+        value[i] = expr_row_value(wanted, &place, design_row(design, i));
         if (!isfinite(value[i]))
-            return scene_fault(design->scene, at, error,
-                               "the target value or free function is not a finite number at "
-                               "theta1 = %g, theta2 = %g; correct its formula",
-                               mesh->theta[design->target_node[i]][0],
-                               mesh->theta[design->target_node[i]][1]);
+            return refuse_value(design, i, at, error);
     }
     design_take_free(design, value);
     return 0;

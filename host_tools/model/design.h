@@ -68,6 +68,12 @@ typedef struct design {
 int design_structure(design *design, char *error);
 
 /*
+ * Build the same for a scene with a measured influence matrix, on a mesh of points: one input for
+ * each amplifier, one output for each row of the matrix. Returns 0, or -1 with error filled.
+ */
+int design_measured(design *design, char *error);
+
+/*
  * Build the voltage problem.
  *   influence [outputs][inputs] in  of the whole structure, from pzs_influence
  * Returns 0, or -1 with error filled.
@@ -107,6 +113,12 @@ void design_temperature_resultants(const mesh *mesh, const scene_load *load, int
 
 /* Patch of a grid, second index fastest, that contains an element, or -1. */
 int design_patch(const mesh *mesh, int element, const scene_patches *patches);
+
+/*
+ * Number of a target row in lists of values: the row of the file for a measured influence matrix,
+ * which may have rows that are ignored.
+ */
+int design_row(const design *design, int target);
 
 /*
  * Target displacement at the target nodes, without the free functions. value [targets] out. Returns

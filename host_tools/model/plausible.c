@@ -48,6 +48,15 @@ static const struct rule {
     {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
     {"piezo_constant", SUBJECT_SCENE, measure_piezo, 1e-13, 1e-8, "m/V", CHECK_UNITS "-210 pm/V"},
     {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
+    {"influence", SUBJECT_SCENE, measure_matrix_entry, 1e-12, 1e-4, "m/V",
+     "compare the matrix with units.length, or write influence.scale, as 1e-6 for micrometres in a "
+     "scene in metres"},
+    {"influence_shape", SUBJECT_SCENE, measure_matrix_shape, 0, 1, "",
+     "the voltages are not unique; if the rows of the file are actuators, write rows: actuators"},
+    {"dead_actuator", SUBJECT_SCENE, measure_dead_column, 1e-4, HUGE_VAL, "",
+     "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
+    {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 0, 1 - 1e-8, "",
+     "the two cannot be told apart; a column may have been written twice"},
 };
 
 /* Whether a number equals that of a warning: same rule, same place, same value. */
@@ -123,6 +132,8 @@ void plausible_scene(plausible *warnings, const scene *scene)
 void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,
                       const char *name)
 {
+    if (mesh->elements == 0)
+        return; /* points have no thickness and no strain */
     const subject of = {
         .scene = mesh->scene, .mesh = mesh, .u = u, .is_linear = is_linear, .name = name};
     apply_all(warnings, SUBJECT_RESULT, &of);

@@ -36,10 +36,9 @@ typedef struct plausible {
 void plausible_scene(plausible *warnings, const scene *scene);
 
 /*
- * Apply the rules on a displacement; of several displacements the worst is kept for each rule.
- *   u [free_dof] in  displacement
- *   is_linear    in  whether it was computed with linear kinematics
- *   name         in  name of the result in the text
+ * Apply the rules on a displacement of a structure; of several displacements the worst is kept for
+ * each rule. u [free_dof] in  displacement is_linear    in  whether it was computed with linear
+ * kinematics name         in  name of the result in the text
  */
 void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,
                       const char *name);

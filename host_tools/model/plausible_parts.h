@@ -32,6 +32,9 @@ typedef int measure(const subject *of, int k, measured *found);
 measure measure_modulus, measure_density, measure_piezo, measure_thickness;
 measure measure_limit_field, measure_applied_field, measure_resolution;
 
+/* Rules on a measured influence matrix (plausible_matrix.c). */
+measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
+
 /* Rules on computed voltages and displacements (plausible_result.c). */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_stability;

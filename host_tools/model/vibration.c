@@ -540,6 +540,10 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     memset(vibration, 0, sizeof *vibration);
     memset(&s, 0, sizeof s);
     s.d = design;
+    if (design->mesh.elements == 0)
+        return scene_fault(design->scene, design->scene->influence.at, error,
+                           "natural frequencies need a structure, and this scene has none: a "
+                           "measured influence matrix tells nothing of mass");
     const int most = design->mesh.free_dof - design->mesh.prescribed_count;
     const int wanted = number < most ? number : most;
     if (mass_build(&s.mass, &design->mesh, lumped, error) < 0)

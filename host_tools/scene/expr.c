@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../data/scatter.h"
 
 enum { CODE = 256, STACK = 64 };
 
@@ -51,10 +52,15 @@ typedef struct instruction {
 } instruction;
 
 struct expr {
-    const char *text;
+    const char *text; /* copy of the source text, stored after the code */
     int length, constant;
+    scatter *scatter;          /* function through scattered points, or NULL */
+    int axes, axis[EXPR_AXES]; /* its coordinates */
+    double spacing;            /* usual distance of its points */
+    double *list;              /* [rows] values of a list, or NULL */
+    int rows;
     instruction code[];
-}; /* text points to the copy of the source text stored after the code */
+};
 
 typedef struct word {
     const char *text;
@@ -299,6 +305,19 @@ static int parse(parser *parser)
     return parser->waiting ? fault(parser, "a ')' is missing") : 0;
 }
 
+/* Allocate an expression with room for its code and a copy of its text. */
+static expr *new_expr(const char *text, size_t length)
+{
+    const size_t code = length * sizeof(instruction);
+    expr *expression = malloc(sizeof *expression + code + strlen(text) + 1);
+    if (!expression)
+        return NULL;
+    memset(expression, 0, sizeof *expression);
+    expression->length = (int)length;
+    expression->text = strcpy((char *)(expression->code + length), text);
+    return expression;
+}
+
 expr *expr_compile(const char *text, int *column, const char **error)
 {
     parser parser = {0};
@@ -310,17 +329,46 @@ expr *expr_compile(const char *text, int *column, const char **error)
         *error = parser.error;
         return NULL;
     }
-    expression = malloc(sizeof *expression + (size_t)parser.length * sizeof *expression->code +
-                        strlen(text) + 1);
+    expression = new_expr(text, (size_t)parser.length);
     if (!expression) {
         *column = 1;
         *error = "out of memory";
         return NULL;
     }
-    expression->length = parser.length;
     expression->constant = parser.constant;
     memcpy(expression->code, parser.code, (size_t)parser.length * sizeof *expression->code);
-    expression->text = strcpy((char *)(expression->code + parser.length), text);
+    return expression;
+}
+
+expr *expr_from_points(const char *text, int axes, const int *axis, size_t count,
+                       const double *point, const double *value)
+{
+    expr *expression = new_expr(text, 0);
+    if (!expression)
+        return NULL;
+    expression->scatter = scatter_open(axes, count, point, value);
+    if (!expression->scatter) {
+        expr_free(expression);
+        return NULL;
+    }
+    expression->axes = axes;
+    memcpy(expression->axis, axis, (size_t)axes * sizeof *axis);
+    expression->spacing = scatter_spacing(expression->scatter);
+    return expression;
+}
+
+expr *expr_from_list(const char *text, size_t count, const double *value)
+{
+    expr *expression = new_expr(text, 0);
+    if (!expression)
+        return NULL;
+    expression->list = malloc((count + 1) * sizeof *value);
+    if (!expression->list) {
+        expr_free(expression);
+        return NULL;
+    }
+    memcpy(expression->list, value, count * sizeof *value);
+    expression->rows = (int)count;
     return expression;
 }
 
@@ -414,7 +462,7 @@ static double zernike(double number, double rho, double phi)
     return sqrt(2 * (n + 1)) * radial(n, m, rho) * (j % 2 ? sin(m * phi) : cos(m * phi));
 }
 
-double expr_value(const expr *expression, const expr_point *at)
+static double formula_value(const expr *expression, const expr_point *at)
 {
     double stack[STACK + 1];
     int i, top = 0;
@@ -436,6 +484,57 @@ double expr_value(const expr *expression, const expr_point *at)
     return stack[0];
 }
 
+/* Coordinates of a point that the scattered points of an expression have. place [3] out */
+static void place_of(const expr *expression, const expr_point *at, double *place)
+{
+    const double all[EXPR_AXES] = {at->x, at->y, at->z, at->theta1, at->theta2};
+    for (int a = 0; a < expression->axes; a++)
+        place[a] = all[expression->axis[a]];
+}
+
+static int is_finite_place(const double *place, int axes)
+{
+    for (int a = 0; a < axes; a++)
+        if (!isfinite(place[a]))
+            return 0;
+    return 1;
+}
+
+double expr_row_value(const expr *expression, const expr_point *at, int row)
+{
+    double place[SCATTER_AXES] = {0, 0, 0};
+    if (expression->list)
+        return row >= 0 && row < expression->rows ? expression->list[row] : (double)NAN;
+    if (!expression->scatter)
+        return formula_value(expression, at);
+    place_of(expression, at, place);
+    if (!is_finite_place(place, expression->axes))
+        return (double)NAN;
+    return scatter_value(expression->scatter, place, NULL);
+}
+
+double expr_value(const expr *expression, const expr_point *at)
+{
+    return expr_row_value(expression, at, -1);
+}
+
+int expr_rows(const expr *expression)
+{
+    return expression->list ? expression->rows : -1;
+}
+
+double expr_gap(const expr *expression, const expr_point *at)
+{
+    double place[SCATTER_AXES] = {0, 0, 0}, distance;
+    if (!expression->scatter || !(expression->spacing > 0))
+        return 0;
+    place_of(expression, at, place);
+    if (!is_finite_place(place, expression->axes))
+        return 0;
+    (void)scatter_value(expression->scatter, place, &distance);
+    return distance / expression->spacing;
+}
+
 int expr_is_constant(const expr *expression)
 {
     return expression->constant;
@@ -447,10 +546,17 @@ int expr_uses_theta(const expr *expression)
     for (i = 0; i < expression->length; i++)
         if (expression->code[i].op == OP_THETA1 || expression->code[i].op == OP_THETA2)
             return 1;
+    for (i = 0; i < expression->axes; i++)
+        if (expression->axis[i] >= 3)
+            return 1;
     return 0;
 }
 
 void expr_free(expr *expression)
 {
+    if (!expression)
+        return;
+    scatter_close(expression->scatter);
+    free(expression->list);
     free(expression);
 }

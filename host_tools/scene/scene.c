@@ -19,6 +19,7 @@ static void free_simulate(scene_simulate *simulate)
     free(simulate->d);
     free(simulate->imperfections.reversed);
     free(simulate->imperfections.swapped);
+    free(simulate->gain);
 }
 
 void scene_free(scene *scene)
@@ -64,6 +65,10 @@ void scene_free(scene *scene)
     free(scene->dynamics.damping_of_mode);
     free(scene->compare);
     free(scene->estimate.reading);
+    free(scene->influence.row);
+    free(scene->influence.matrix);
+    free(scene->influence.place);
+    free(scene->influence.output_name);
     free_simulate(&scene->simulate);
     memset(scene, 0, sizeof *scene);
 }

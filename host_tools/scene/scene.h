@@ -430,6 +430,9 @@ typedef struct scene_simulate {
     scene_kinematics kinematics; /* kinematics of the plant, linear or nonlinear */
     double *stiffness, *d; /* factors of the plant's stiffness and piezoelectric constants that the
                               controller does not know [materials] */
+    double *gain;          /* factors of the columns of a measured matrix in the plant, which the
+                              controller does not know [amplifiers] */
+    double scatter;        /* standard deviation of the relative error of its entries */
     double hysteresis;     /* width of the largest hysteresis loop relative to the voltage range */
     scene_sight sight;
     double noise; /* standard deviation of the noise of measured shapes; the readings of an estimate
@@ -449,6 +452,23 @@ typedef struct scene_simulate {
     scene_event *event;
     scene_at at;
 } scene_simulate;
+
+/*
+ * Measured influence matrix in the place of a structure. Its columns are the actuators of the
+ * scene, one amplifier each. Outputs that the scene ignores are left out of every array but
+ * output_name.
+ */
+typedef struct scene_influence {
+    int given;
+    char file[256];     /* file of the matrix, as the scene names it */
+    int outputs;        /* rows that are used */
+    int file_outputs;   /* rows of the file */
+    int *row;           /* [outputs] number of each row in the file, from 0 */
+    double *matrix;     /* [outputs][amplifiers] displacement per volt */
+    double (*place)[3]; /* [outputs] coordinates x, y, z; NULL where the scene gives none */
+    char (*output_name)[SCENE_NAME]; /* [file_outputs] names, or NULL */
+    scene_at at;
+} scene_influence;
 
 /* Data for vibration in addition to the densities of the materials. */
 typedef struct scene_dynamics {
@@ -504,6 +524,7 @@ typedef struct scene {
     scene_simulate simulate;
     scene_dynamics dynamics;
     scene_control control;
+    scene_influence influence;
     int amplifiers; /* number of amplifiers of all actuators, in the order of the actuators */
     int electrodes; /* number of electrodes of all sensors, in the order of the sensors */
     scene_at at_surface, at_layers;

@@ -45,7 +45,7 @@ static int check_names(const scene *scene, const char *what, const void *items, 
 #define CHECK_NAMES(what, items, count, type)                                                      \
     check_names(scene, what, scene->items, scene->count, sizeof(type), offsetof(type, at), error)
 
-static int check_all_names(const scene *scene, char *error)
+int scene_check_names(const scene *scene, char *error)
 {
     int i, first, count;
     if (CHECK_NAMES("layers", layer, layers, scene_layer) != 0 ||
@@ -414,7 +414,7 @@ static int check_kinematics(const scene *scene, char *error)
 
 int scene_check(scene *scene, char *error)
 {
-    if (check_all_names(scene, error) != 0 || check_layers(scene, error) != 0 ||
+    if (scene_check_names(scene, error) != 0 || check_layers(scene, error) != 0 ||
         check_surface(scene, error) != 0 || check_patches(scene, error) != 0 ||
         check_places(scene, error) != 0)
         return -1;

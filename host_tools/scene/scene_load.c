@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Sections `supports`, `loads` and `contact` of a scene. */
+#include "scene_file.h"
 #include "scene_parts.h"
 
 #include <math.h>
@@ -86,11 +87,12 @@ static int read_fix(reader *reader, int node, void *to, const void *rule)
 
 int read_supports(reader *reader, int node, void *to, const void *rule)
 {
-    static const field place[] = {{"edge", read_edge, offsetof(scene_support, where), NULL, 0},
-                                  {"at", read_at, offsetof(scene_support, where), NULL, 0},
-                                  {"value", read_expr, offsetof(scene_support, value), NULL, 0},
-                                  {"fix", read_fix, 0, NULL, 1},
-                                  {NULL, NULL, 0, NULL, 0}};
+    static const field place[] = {
+        {"edge", read_edge, offsetof(scene_support, where), NULL, 0},
+        {"at", read_at, offsetof(scene_support, where), NULL, 0},
+        {"value", read_place_function, offsetof(scene_support, value), NULL, 0},
+        {"fix", read_fix, 0, NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     int i, k = 0;
     (void)rule;
@@ -188,7 +190,7 @@ static int read_direction(reader *reader, int node, void *to, const void *rule)
                              "a load has one direction; write a second item for '%s'",
                              reader->t->node[node].key);
     text->load->component = (scene_component) * (const int *)rule;
-    return read_expr(reader, node, &text->load->value, NULL);
+    return read_place_function(reader, node, &text->load->value, NULL);
 }
 
 static int read_pressure(reader *reader, int node, void *to, const void *rule)

@@ -17,6 +17,17 @@ field_read read_element, read_materials, read_layers, read_reference, read_patch
 /* Supports, loads and contact (scene_load.c). */
 field_read read_supports, read_loads, read_contact;
 
+/* A measured influence matrix in the place of a structure (scene_influence.c). */
+field_read read_influence;
+
+/* Target of a scene with a measured matrix, whose rows are the outputs of the matrix. */
+field_read read_measured_target;
+
+/*
+ * Check the functions of a scene with a measured matrix. Returns 0, or -1 with error filled.
+ */
+int scene_check_influence(const scene *scene, char *error);
+
 /* Solver settings, actuators, sensors, limits and outputs (scene_task.c). */
 field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_outputs, read_target,
     read_compare;
@@ -60,6 +71,11 @@ extern const int place_components[];
 
 /* Default element formulation of a scene. */
 extern const scene_element element_improved;
+
+/*
+ * Check the names of a scene. Returns 0, or -1 with error filled.
+ */
+int scene_check_names(const scene *scene, char *error);
 
 /*
  * Check what involves several sections of a scene, and move points and patch edges exactly onto

@@ -79,6 +79,47 @@ static const field sections[] = {{"name", read_name, offsetof(scene, name), NULL
                                  {"simulate", read_simulate, 0, NULL, 0},
                                  {NULL, NULL, 0, NULL, 0}};
 
+/* Sections of a scene with a measured influence matrix. */
+static const field measured_sections[] = {{"name", read_name, offsetof(scene, name), NULL, 1},
+                                          {"about", read_text, offsetof(scene, about), NULL, 0},
+                                          {"units", read_units, 0, NULL, 0},
+                                          {"influence", read_influence, 0, NULL, 1},
+                                          {"control", read_control, 0, NULL, 0},
+                                          {"limits", read_limits, 0, NULL, 0},
+                                          {"target", read_measured_target, 0, NULL, 0},
+                                          {"compare", read_compare, 0, NULL, 0},
+                                          {"simulate", read_simulate, 0, NULL, 0},
+                                          {NULL, NULL, 0, NULL, 0}};
+
+static int has_key(const field *fields, const char *key)
+{
+    while (fields->key && strcmp(fields->key, key) != 0)
+        fields++;
+    return fields->key != NULL;
+}
+
+/* Refuse sections of a structure in a scene with a measured matrix. */
+static int check_sections(const tree *tree)
+{
+    for (int i = tree->node[tree->root].first; i; i = tree->node[i].next)
+        if (has_key(sections, tree->node[i].key) && !has_key(measured_sections, tree->node[i].key))
+            return tree_fault_at(tree, tree->node[i].key_at,
+                                 "'%.60s' describes a structure, and 'influence' is a measured "
+                                 "matrix in its place; remove one of the two",
+                                 tree->node[i].key);
+    return 0;
+}
+
+/* Read and check a scene with a measured influence matrix. */
+static int fill_measured(reader *reader, char *error)
+{
+    scene *scene = reader->s;
+    if (check_sections(reader->t) != 0 ||
+        read_map(reader, reader->t->root, measured_sections, scene) != 0)
+        return -1;
+    return scene_check_names(scene, error) != 0 ? -1 : scene_check_influence(scene, error);
+}
+
 static char *duplicate(const char *text)
 {
     char *copy = malloc(strlen(text) + 1);
@@ -125,6 +166,8 @@ static int fill(scene *scene, tree *tree, char *error)
         return tree_fault_at(tree, whole, "out of memory");
     scene->hash = tree->hash;
     set_defaults(scene);
+    if (tree->node[tree->root].kind == TREE_MAP && tree_find(tree, tree->root, "influence"))
+        return fill_measured(&reader, error);
     return read_map(&reader, tree->root, sections, scene) == 0 ? scene_check(scene, error) : -1;
 }
 

@@ -3,6 +3,7 @@
  * Section `simulate` of a scene: plant, sensors, amplifiers and events of the closed-loop
  * simulation.
  */
+#include "scene_file.h"
 #include "scene_parts.h"
 
 #include <stdlib.h>
@@ -70,6 +71,43 @@ static int read_hysteresis(reader *reader, int node, void *to, const void *rule)
     return read_real(reader, node, &simulate->hysteresis, rule);
 }
 
+/* Read one factor for all columns of the matrix, or a mapping of actuators to their factors. */
+static int read_gain(reader *reader, int node, void *to, const void *rule)
+{
+    const scene *scene = reader->s;
+    double **gain = to, all = 1;
+    const int is_map = reader->t->node[node].kind == TREE_MAP;
+    int first, count;
+    (void)rule;
+    if (!is_map && read_real(reader, node, &all, NULL) != 0)
+        return -1;
+    *gain = malloc(((size_t)scene->amplifiers + 1) * sizeof **gain);
+    if (!*gain)
+        return tree_fault(reader->t, node, "out of memory");
+    for (int k = 0; k < scene->amplifiers; k++)
+        (*gain)[k] = all;
+    for (int i = is_map ? reader->t->node[node].first : 0; i; i = reader->t->node[i].next) {
+        if (!scene_find_amplifier(scene, reader->t->node[i].key, &first, &count))
+            return tree_fault_at(reader->t, reader->t->node[i].key_at,
+                                 "there is no actuator '%.60s'; the first one is '%s'",
+                                 reader->t->node[i].key, scene->actuator[0].name);
+        if (read_real(reader, i, *gain + first, NULL) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* The plant of a measured matrix: the matrix with errors. */
+static int read_measured_plant(reader *reader, int node, void *to, const range *loop)
+{
+    const field fields[] = {{"gain", read_gain, offsetof(scene_simulate, gain), NULL, 0},
+                            {"scatter", read_real, offsetof(scene_simulate, scatter), &share, 0},
+                            {"hysteresis", read_hysteresis, 0, loop, 0},
+                            {"creep", read_creep, 0, NULL, 0},
+                            {NULL, NULL, 0, NULL, 0}};
+    return read_map(reader, node, fields, to);
+}
+
 static int read_plant(reader *reader, int node, void *to, const void *rule)
 {
     static const range counted = {1, 200, 0, "must be from 1 to 200"};
@@ -86,6 +124,8 @@ static int read_plant(reader *reader, int node, void *to, const void *rule)
         {"modes", read_int, offsetof(scene_simulate, modes), &counted, 0},
         {NULL, NULL, 0, NULL, 0}};
     (void)rule;
+    if (reader->s->influence.given)
+        return read_measured_plant(reader, node, to, &loop);
     return read_map(reader, node, fields, to);
 }
 
@@ -193,7 +233,7 @@ static int read_event_type(reader *reader, int node, void *to, const void *rule)
     event->type = (scene_event_type) * (const int *)rule;
     switch (event->type) {
     case EVENT_TARGET: return read_real(reader, node, &event->amount, NULL);
-    case EVENT_VALUE: return read_expr(reader, node, &event->value, NULL);
+    case EVENT_VALUE: return read_row_function(reader, node, &event->value, NULL);
     case EVENT_LOAD: return read_load_number(reader, node, event);
     case EVENT_NAN:
     case EVENT_FROZEN: return read_real(reader, node, &event->amount, &share);

@@ -3,6 +3,7 @@
  * Sections of a scene on control and results: equilibrium, actuators, sensors, limits, outputs,
  * target, compare.
  */
+#include "scene_file.h"
 #include "scene_parts.h"
 
 #include <math.h>
@@ -476,9 +477,10 @@ int read_outputs(reader *reader, int node, void *to, const void *rule)
 
 static int read_modes(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {{"name", read_name, offsetof(scene_mode, name), NULL, 1},
-                                   {"value", read_expr, offsetof(scene_mode, value), NULL, 1},
-                                   {NULL, NULL, 0, NULL, 0}};
+    static const field fields[] = {
+        {"name", read_name, offsetof(scene_mode, name), NULL, 1},
+        {"value", read_row_function, offsetof(scene_mode, value), NULL, 1},
+        {NULL, NULL, 0, NULL, 0}};
     scene_target *target = &reader->s->target;
     int i, k = 0;
     (void)to;
@@ -508,7 +510,11 @@ static int read_free_item(reader *reader, int node, scene_mode *to)
             to->value = expr_compile(word[i][1], &column, &why);
             return to->value ? 0 : tree_fault(reader->t, node, "out of memory");
         }
-    return read_expr(reader, node, &to->value, NULL);
+    if (read_row_function(reader, node, &to->value, NULL) != 0)
+        return -1;
+    if (reader->t->node[node].kind != TREE_SCALAR)
+        snprintf(to->name, sizeof to->name, "%.60s", expr_text(to->value));
+    return 0;
 }
 
 static int read_free(reader *reader, int node, void *to, const void *rule)
@@ -528,17 +534,30 @@ static int read_free(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
+
+/* Rows that every target has: values, weights, modes and free functions. */
+#define TARGET_VALUES                                                                              \
+    {"value", read_row_function, offsetof(output_text, value), NULL, 1},                           \
+        {"weight", read_choice, offsetof(output_text, weight_area), target_weights, 0},            \
+        {"modes", read_modes, 0, NULL, 0},                                                         \
+    {                                                                                              \
+        "free", read_free, 0, NULL, 0                                                              \
+    }
+
+static void keep_target(scene *scene, const output_text *text)
+{
+    scene->target.given = 1;
+    scene->target.what = text->output;
+    scene->target.what.reference = (double)NAN;
+    strcpy(scene->target.what.name, "target");
+    scene->target.weight_area = text->weight_area;
+}
+
 int read_target(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
     static const field fields[] = {
-        DIRECTIONS(read_component),
-        PLACE(output.where),
-        {"value", read_expr, offsetof(output_text, value), NULL, 1},
-        {"weight", read_choice, offsetof(output_text, weight_area), weights, 0},
-        {"modes", read_modes, 0, NULL, 0},
-        {"free", read_free, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
+        DIRECTIONS(read_component), PLACE(output.where), TARGET_VALUES, {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     output_text text;
     int status;
@@ -548,37 +567,43 @@ int read_target(reader *reader, int node, void *to, const void *rule)
     scene->target.value = text.value;
     if (status != 0 || finish_output(reader, node, &text) != 0)
         return -1;
-    scene->target.given = 1;
-    scene->target.what = text.output;
-    scene->target.what.reference = (double)NAN;
-    strcpy(scene->target.what.name, "target");
-    scene->target.weight_area = text.weight_area;
+    keep_target(scene, &text);
     if (scene->amplifiers == 0)
         return tree_fault(reader->t, node, "a target needs actuators to reach it; add actuators");
     return 0;
 }
 
+int read_measured_target(reader *reader, int node, void *to, const void *rule)
+{
+    static const field fields[] = {TARGET_VALUES, {NULL, NULL, 0, NULL, 0}};
+    scene *scene = to;
+    output_text text;
+    int status;
+    (void)rule;
+    memset(&text, 0, sizeof text);
+    status = read_map(reader, node, fields, &text);
+    scene->target.value = text.value;
+    text.output.at = node_at(reader, node);
+    text.output.component = COMPONENT_Z;
+    keep_target(scene, &text);
+    return status;
+}
+
 static int read_values(reader *reader, int node, void *to, const void *rule)
 {
     scene_compare *compare = to;
-    int i, k = 0;
+    scene_numbers list;
     (void)rule;
-    if (require_kind(reader, node, TREE_LIST) != 0)
+    if (scene_numbers_read(reader, node, &list) != 0)
         return -1;
-    compare->count = reader->t->node[node].count;
-    if (compare->count != reader->s->amplifiers)
-        return tree_fault(
-            reader->t, node,
-            "%d values for %d amplifiers; give one for each, in the order of actuators, "
-            "theta2 fastest",
-            compare->count, reader->s->amplifiers);
-    compare->value = calloc((size_t)compare->count + 1, sizeof *compare->value);
-    if (!compare->value)
-        return tree_fault(reader->t, node, "out of memory");
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_real(reader, i, &compare->value[k++], NULL) != 0)
-            return -1;
-    return 0;
+    compare->count = list.count;
+    compare->value = list.value;
+    if (compare->count == reader->s->amplifiers)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "%d values for %d amplifiers; give one for each, in the order of actuators, "
+                      "theta2 fastest",
+                      compare->count, reader->s->amplifiers);
 }
 
 int read_compare(reader *reader, int node, void *to, const void *rule)

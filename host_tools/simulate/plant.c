@@ -48,9 +48,35 @@ static int warms(const scene_simulate *simulate)
     return 0;
 }
 
+/* Next number of a sequence that is the same on every computer, uniform in [0, 1). */
+static double draw(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return (*state >> 8) * 0x1p-24;
+}
+
+/*
+ * Multiply the columns of a measured matrix by the gains of the plant, and its entries by random
+ * factors around 1.
+ */
+static void scale_matrix(scene *scene)
+{
+    const scene_simulate *simulate = &scene->simulate;
+    const size_t n = (size_t)scene->amplifiers;
+    uint32_t state = (uint32_t)simulate->seed + 1;
+    for (size_t i = 0; i < (size_t)scene->influence.outputs * n; i++) {
+        double error = -6; /* the sum of twelve uniform numbers has variance 1 */
+        for (int k = 0; k < 12; k++)
+            error += draw(&state);
+        scene->influence.matrix[i] *=
+            (simulate->gain ? simulate->gain[i % n] : 1) * (1 + simulate->scatter * error);
+    }
+}
+
 static int change_scene(scene *scene)
 {
     const scene_simulate *simulate = &scene->simulate;
+    scale_matrix(scene);
     scene->kinematics = simulate->kinematics;
     for (int i = 0; i < scene->materials; i++)
         scale_material(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
@@ -74,6 +100,8 @@ static bool wants_inertia(plant *plant)
             why = "a sensor is an electrode";
     if (scene->contact.given)
         why = "the plant has a contact";
+    if (!plant->analysis.source->has_structure)
+        why = "a measured influence matrix tells nothing of mass";
     if (scene->simulate.inertia_given && !scene->simulate.inertia)
         why = "the scene says inertia: false";
     if (why)
@@ -350,7 +378,7 @@ static int static_displacement(plant *plant, double *u, char *error)
                (size_t)analysis->design.mesh.free_dof * sizeof *u);
         return 0;
     }
-    const pzs_status status = pzs_solve(&analysis->model, plant->amount, u);
+    const pzs_status status = analysis_displace(analysis, plant->amount, u);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 

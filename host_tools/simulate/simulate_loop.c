@@ -30,11 +30,9 @@ static void release(loop *loop, int amplifier)
 
 static void set_target(loop *loop, const scene_event *event)
 {
-    for (int i = 0; i < loop->design->targets; i++) {
-        const expr_point at = mesh_place(&loop->design->mesh, loop->design->target_node[i]);
-        loop->goal[i] = expr_value(event->value, &at);
-    }
-    design_take_free(loop->design, loop->goal);
+    char error[SCENE_ERROR];
+    if (design_target_values(loop->design, event->value, event->at, loop->wish, error) == 0)
+        memcpy(loop->goal, loop->wish, (size_t)loop->design->targets * sizeof *loop->goal);
 }
 
 static void set_load(loop *loop, int load, double amount)

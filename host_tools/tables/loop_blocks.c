@@ -338,7 +338,24 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
     fputs("};\n", emitter->file);
 }
 
-static void write_outputs(const emitter *emitter, const design *design)
+/* Outputs of a measured matrix: their rows in the file, from 1, names and coordinates. */
+static void write_rows(const emitter *emitter, const design *design)
+{
+    const scene_influence *influence = &design->scene->influence;
+    fprintf(emitter->file, "/*\n * Outputs: rows of %s (%s).\n * output  row  x  y  z\n",
+            influence->file, design->scene->unit_length);
+    for (int i = 0; i < design->targets; i++) {
+        const int row = influence->row[i];
+        const char *name = influence->output_name ? influence->output_name[row] : "";
+        fprintf(emitter->file, " * %6d %5d", i, row + 1);
+        for (int a = 0; a < 3 && influence->place; a++)
+            fprintf(emitter->file, "  %.6g", influence->place[i][a]);
+        fprintf(emitter->file, "%s%s\n", *name ? "  " : "", name);
+    }
+    fputs(" */\n", emitter->file);
+}
+
+static void write_nodes(const emitter *emitter, const design *design)
 {
     static const char *const component[] = {"u1", "u2", "u3", "x", "y", "z"};
     static const char *const face[] = {[FACE_OUTER] = "outer face",
@@ -367,6 +384,6 @@ void loop_names_write(emitter *emitter, const analysis *analysis)
     }
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);
-    write_outputs(emitter, design);
+    (design->scene->influence.given ? write_rows : write_nodes)(emitter, design);
     fputs("\n", emitter->file);
 }

@@ -397,7 +397,7 @@ static void test_bad_free(void **state)
     (void)state;
     static const refusal bad[] = {{"target.free=piston", "list"},
                                   {"target.free=[pistn]", "unknown name"},
-                                  {"target.free=[{a: 1}]", "single value"},
+                                  {"target.free=[{a: 1}]", "unknown key 'a'"},
                                   {"target.free=[.nan]", "no number"},
                                   {"target.free=['']", "empty"}};
     static const char *const built[] = {"target.free=[piston, 2]", "target.free=[0]",

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Description of a measured influence matrix (print_matrix.h). */
+#include "print_matrix.h"
+#include <stdio.h>
+#include "../model/matrix_facts.h"
+
+/* Unit of the entries, as " um/V"; empty where the scene names none. text [2 SCENE_NAME + 4] out */
+static const char *unit_of(const scene *scene, char *text)
+{
+    if (*scene->unit_length && *scene->unit_voltage)
+        sprintf(text, " %s/%s", scene->unit_length, scene->unit_voltage);
+    else
+        *text = '\0';
+    return text;
+}
+
+void print_matrix(const analysis *analysis)
+{
+    const scene *scene = analysis->design.scene;
+    const scene_influence *influence = &scene->influence;
+    char unit[2 * SCENE_NAME + 4];
+    matrix_facts facts;
+    printf("  measured influence matrix %s: %d outputs, %d actuators", influence->file,
+           influence->outputs, scene->amplifiers);
+    if (influence->outputs < influence->file_outputs)
+        printf("; %d of %d rows ignored", influence->file_outputs - influence->outputs,
+               influence->file_outputs);
+    putchar('\n');
+    if (matrix_facts_find(&facts, scene) < 0)
+        return;
+    printf("  largest entry %.4g%s", facts.entry, unit_of(scene, unit));
+    if (facts.rank >= 0)
+        printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
+               facts.least, facts.most / facts.least);
+    putchar('\n');
+}
+
+void print_matrix_json(json *json, const analysis *analysis)
+{
+    const scene *scene = analysis->design.scene;
+    matrix_facts facts;
+    json_string(json, "influence_file", scene->influence.file);
+    json_number(json, "outputs", scene->influence.outputs);
+    json_number(json, "ignored_outputs", scene->influence.file_outputs - scene->influence.outputs);
+    if (matrix_facts_find(&facts, scene) < 0)
+        return;
+    json_number(json, "largest_entry", facts.entry);
+    if (facts.rank < 0)
+        return;
+    json_number(json, "rank", facts.rank);
+    json_number(json, "largest_singular_value", facts.most);
+    json_number(json, "smallest_singular_value", facts.least);
+}

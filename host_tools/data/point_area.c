@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Voronoi areas of scattered points (point_area.h): the convex hull cut by half-planes. */
+#include "point_area.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct point {
+    double x, y;
+    size_t index;
+} point;
+
+/* Convex polygon with room for the corners of the hull and one more for each cut. */
+typedef struct polygon {
+    size_t corners;
+    double (*corner)[2];
+} polygon;
+
+/* Twice the area of the triangle a, b, c; positive where the turn is counterclockwise. */
+static double turn(const point *a, const point *b, const point *c)
+{
+    return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
+}
+
+static int left_first(const void *left, const void *right)
+{
+    const point *a = left, *b = right;
+    if (a->x != b->x)
+        return a->x < b->x ? -1 : 1;
+    return (a->y > b->y) - (a->y < b->y);
+}
+
+/*
+ * Convex hull of sorted points by the monotone chain. hull [2 count + 2] out. Returns its number of
+ * corners.
+ */
+static size_t hull_of(const point *sorted, size_t count, point *hull)
+{
+    size_t corners = 0;
+    for (size_t i = 0; i < count; i++) {
+        while (corners >= 2 && turn(&hull[corners - 2], &hull[corners - 1], &sorted[i]) <= 0)
+            corners--;
+        hull[corners++] = sorted[i];
+    }
+    const size_t lower = corners + 1;
+    for (size_t i = count - 1; i-- > 0;) {
+        while (corners >= lower && turn(&hull[corners - 2], &hull[corners - 1], &sorted[i]) <= 0)
+            corners--;
+        hull[corners++] = sorted[i];
+    }
+    return corners > 1 ? corners - 1 : corners;
+}
+
+static double area_of(const polygon *shape)
+{
+    double sum = 0;
+    for (size_t i = 0; i < shape->corners; i++) {
+        const double *a = shape->corner[i], *b = shape->corner[(i + 1) % shape->corners];
+        sum += a[0] * b[1] - a[1] * b[0];
+    }
+    return sum / 2;
+}
+
+/*
+ * Keep the part of `from` where normal . x <= limit, as `to`. The polygon has at most one corner
+ * more afterwards.
+ */
+static void cut(const polygon *from, const double normal[2], double limit, polygon *to)
+{
+    to->corners = 0;
+    for (size_t i = 0; i < from->corners; i++) {
+        const double *a = from->corner[i], *b = from->corner[(i + 1) % from->corners];
+        const double at_a = normal[0] * a[0] + normal[1] * a[1] - limit,
+                     at_b = normal[0] * b[0] + normal[1] * b[1] - limit;
+        if (at_a <= 0)
+            memcpy(to->corner[to->corners++], a, sizeof *to->corner);
+        if ((at_a < 0 && at_b > 0) || (at_a > 0 && at_b < 0)) {
+            const double share = at_a / (at_a - at_b);
+            to->corner[to->corners][0] = a[0] + share * (b[0] - a[0]);
+            to->corner[to->corners++][1] = a[1] + share * (b[1] - a[1]);
+        }
+    }
+}
+
+/* Largest distance of a corner of a polygon from a point. */
+static double reach_of(const polygon *shape, const point *p)
+{
+    double most = 0;
+    for (size_t i = 0; i < shape->corners; i++)
+        most = fmax(most, hypot(shape->corner[i][0] - p->x, shape->corner[i][1] - p->y));
+    return most;
+}
+
+/* Area of the cell of one point; `cell` and `other` are polygons to work with. */
+static double cell_area(const point *points, size_t count, size_t own, const polygon *hull,
+                        polygon *cell, polygon *other)
+{
+    double sharing = 1;
+    const point *p = &points[own];
+    cell->corners = hull->corners;
+    memcpy(cell->corner, hull->corner, hull->corners * sizeof *hull->corner);
+    double reach = reach_of(cell, p);
+    /* Points in the order of x: those beyond twice the reach do not cut the cell. */
+    for (size_t step = 1; step < count; step++) {
+        int is_near = 0;
+        for (int side = 0; side < 2; side++) {
+            if (side ? step > own : own + step >= count)
+                continue;
+            const point *q = side ? &points[own - step] : &points[own + step];
+            const double normal[2] = {q->x - p->x, q->y - p->y};
+            is_near |= fabs(normal[0]) <= 2 * reach;
+            if (normal[0] == 0 && normal[1] == 0)
+                sharing++;
+            else if (hypot(normal[0], normal[1]) <= 2 * reach) {
+                const double middle[2] = {(p->x + q->x) / 2, (p->y + q->y) / 2};
+                const polygon swap = *cell;
+                cut(cell, normal, normal[0] * middle[0] + normal[1] * middle[1], other);
+                *cell = *other;
+                *other = swap;
+                reach = reach_of(cell, p);
+            }
+        }
+        if (!is_near)
+            break;
+    }
+    return area_of(cell) / sharing;
+}
+
+/* Lengths of points on a line: half of the distance to each neighbour. */
+static void lengths(const point *sorted, size_t count, double *area)
+{
+    for (size_t i = 0; i < count; i++)
+        area[i] = 0;
+    for (size_t i = 0; i + 1 < count; i++) {
+        const double length = hypot(sorted[i + 1].x - sorted[i].x, sorted[i + 1].y - sorted[i].y);
+        area[sorted[i].index] += length / 2;
+        area[sorted[i + 1].index] += length / 2;
+    }
+}
+
+static void areas(const point *sorted, size_t count, const polygon *hull, polygon work[2],
+                  double *area)
+{
+    for (size_t i = 0; i < count; i++)
+        area[sorted[i].index] = cell_area(sorted, count, i, hull, &work[0], &work[1]);
+}
+
+int point_areas(size_t count, double (*place)[3], double *area)
+{
+    point *sorted = calloc(count + 1, sizeof *sorted), *hull = calloc(2 * count + 3, sizeof *hull);
+    double(*corner)[2] = calloc(3 * (2 * count + 3), sizeof *corner);
+    const size_t room = 2 * count + 3;
+    const int failed = !sorted || !hull || !corner ? -1 : 0;
+    for (size_t i = 0; i < count && !failed; i++)
+        sorted[i] = (point){place[i][0], place[i][1], i};
+    if (!failed && count > 0) {
+        qsort(sorted, count, sizeof *sorted, left_first);
+        polygon shape = {hull_of(sorted, count, hull), corner};
+        polygon work[2] = {{0, corner + room}, {0, corner + 2 * room}};
+        for (size_t i = 0; i < shape.corners; i++) {
+            corner[i][0] = hull[i].x;
+            corner[i][1] = hull[i].y;
+        }
+        const double size =
+            hypot(sorted[count - 1].x - sorted[0].x, sorted[count - 1].y - sorted[0].y);
+        if (shape.corners < 3 || area_of(&shape) <= 1e-12 * size * size)
+            lengths(sorted, count, area);
+        else
+            areas(sorted, count, &shape, work, area);
+    }
+    free(sorted);
+    free(hull);
+    free(corner);
+    return failed;
+}

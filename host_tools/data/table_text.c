@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Tables of numbers as text (number_table.h). */
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "number_table.h"
+
+/* A cell of a line, without blanks and quotes around it. */
+typedef struct cell {
+    const char *text;
+    size_t length;
+} cell;
+
+typedef struct text_reader {
+    number_table *table;
+    const char *at, *end; /* next byte, and the end of the file */
+    char delimiter;       /* ',', ';', tab, or ' ' for any number of blanks */
+    unsigned long line;   /* number of the line of `cell`, from 1 */
+    cell *cell;           /* [cells] cells of this line */
+    size_t cells, room_cells, room_rows;
+    char *error;
+} text_reader;
+
+static int fault(const text_reader *reader, const char *message)
+{
+    snprintf(reader->error, NUMBER_ERROR, "%lu: %.170s", reader->line, message);
+    return -1;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+/* ---- cells ------------------------------------------------------------ */
+
+static cell trimmed(const char *from, const char *to)
+{
+    while (from < to && is_blank(*from))
+        from++;
+    while (to > from && is_blank(to[-1]))
+        to--;
+    if (to - from >= 2 && *from == '"' && to[-1] == '"') {
+        from++;
+        to--;
+    }
+    return (cell){from, (size_t)(to - from)};
+}
+
+static int add_cell(text_reader *reader, const char *from, const char *to)
+{
+    if (reader->cells == reader->room_cells) {
+        const size_t room = 2 * reader->room_cells + 64;
+        cell *more = realloc(reader->cell, room * sizeof *more);
+        if (!more)
+            return fault(reader, "out of memory");
+        reader->cell = more;
+        reader->room_cells = room;
+    }
+    reader->cell[reader->cells++] = trimmed(from, to);
+    return 0;
+}
+
+/* Split the text of a line into cells. */
+static int split(text_reader *reader, const char *from, const char *to)
+{
+    reader->cells = 0;
+    while (from < to) {
+        const char *stop = from;
+        while (stop < to &&
+               (reader->delimiter == ' ' ? !is_blank(*stop) : *stop != reader->delimiter))
+            stop++;
+        if (add_cell(reader, from, stop) < 0)
+            return -1;
+        from = stop < to ? stop + 1 : to;
+        while (reader->delimiter == ' ' && from < to && is_blank(*from))
+            from++;
+        if (from == to && stop < to && reader->delimiter != ' ')
+            return add_cell(reader, to, to); /* an empty cell after the last delimiter */
+    }
+    return 0;
+}
+
+/* Delimiter of a line: the first of semicolon, comma and tab that it holds, else blanks. */
+static char delimiter_of(const char *from, const char *to)
+{
+    static const char known[] = ";,\t";
+    for (const char *candidate = known; *candidate; candidate++)
+        if (memchr(from, *candidate, (size_t)(to - from)))
+            return *candidate;
+    return ' ';
+}
+
+/* ---- lines ------------------------------------------------------------ */
+
+/* Whether the text of a line holds a byte that no text has. */
+static bool is_binary(const char *from, const char *to)
+{
+    for (; from < to; from++)
+        if ((unsigned char)*from < 32 && !is_blank(*from))
+            return true;
+    return false;
+}
+
+/*
+ * Find the next line with cells. Returns 1 with the cells filled, 0 at the end of the file, or -1
+ * with error filled.
+ */
+static int next_line(text_reader *reader)
+{
+    while (reader->at < reader->end) {
+        const char *from = reader->at;
+        const char *stop = memchr(from, '\n', (size_t)(reader->end - from));
+        const char *to = stop ? stop : reader->end;
+        reader->at = stop ? stop + 1 : reader->end;
+        reader->line++;
+        const cell all = trimmed(from, to);
+        if (is_binary(from, to))
+            return fault(reader, "binary data, not a table; give a text file or a .npy file");
+        if (all.length == 0 || *all.text == '#')
+            continue;
+        if (reader->delimiter == 0)
+            reader->delimiter = delimiter_of(all.text, all.text + all.length);
+        if (reader->delimiter == ' ')
+            return split(reader, all.text, all.text + all.length) < 0 ? -1 : 1;
+        return split(reader, from, to) < 0 ? -1 : 1;
+    }
+    return 0;
+}
+
+/* ---- numbers ---------------------------------------------------------- */
+
+/* Whether a cell is a number, which is stored in *value; nan and inf are numbers. */
+static bool is_number(const cell *cell, double *value)
+{
+    char text[64], *end;
+    if (cell->length == 0 || cell->length >= sizeof text)
+        return false;
+    memcpy(text, cell->text, cell->length);
+    text[cell->length] = '\0';
+    if (strpbrk(text, "xXpP("))
+        return false;
+    *value = strtod(text, &end);
+    return *end == '\0';
+}
+
+/*
+ * Whether a line holds names: none of its cells is a number or empty, except that the first cell
+ * may be the empty place above the names of the rows.
+ */
+static bool holds_names(const text_reader *reader)
+{
+    double value;
+    for (size_t k = 0; k < reader->cells; k++)
+        if (is_number(&reader->cell[k], &value) || (k > 0 && reader->cell[k].length == 0))
+            return false;
+    return reader->cells > 1 || reader->cell[0].length > 0;
+}
+
+static void keep_name(const cell *cell, char *name)
+{
+    const size_t length = cell->length < NUMBER_NAME ? cell->length : NUMBER_NAME - 1;
+    memcpy(name, cell->text, length);
+    name[length] = '\0';
+}
+
+/* Keep the names of the columns: the cells of the first line. */
+static int keep_column_names(text_reader *reader)
+{
+    number_table *table = reader->table;
+    table->column_name = calloc(reader->cells + 1, sizeof *table->column_name);
+    if (!table->column_name)
+        return fault(reader, "out of memory");
+    for (size_t k = 0; k < reader->cells; k++)
+        keep_name(&reader->cell[k], table->column_name[k]);
+    return 0;
+}
+
+/* ---- rows ------------------------------------------------------------- */
+
+/* Make room for one more row of the table. */
+static int grow(text_reader *reader, bool has_row_names)
+{
+    number_table *table = reader->table;
+    if (table->rows < reader->room_rows)
+        return 0;
+    const size_t room = 2 * reader->room_rows + 64;
+    double *value = realloc(table->value, room * table->columns * sizeof *value);
+    table->value = value ? value : table->value;
+    uint32_t *line = realloc(table->line, room * sizeof *line);
+    table->line = line ? line : table->line;
+    number_name *name = has_row_names ? realloc(table->row_name, room * sizeof *name) : NULL;
+    table->row_name = name ? name : table->row_name;
+    if (!value || !line || (has_row_names && !name))
+        return fault(reader, "out of memory");
+    reader->room_rows = room;
+    return 0;
+}
+
+/* Refuse a line with another number of cells than the first one. */
+static int check_length(const text_reader *reader, size_t cells)
+{
+    char message[NUMBER_ERROR];
+    if (reader->cells == cells)
+        return 0;
+    snprintf(message, sizeof message,
+             "%lu values where the lines before have %lu; a value or a delimiter is missing or "
+             "too many",
+             (unsigned long)reader->cells, (unsigned long)cells);
+    return fault(reader, message);
+}
+
+static int check_cell(const text_reader *reader, size_t k)
+{
+    char message[NUMBER_ERROR], name[NUMBER_NAME];
+    const cell *cell = &reader->cell[k];
+    keep_name(cell, name);
+    name[30] = '\0';
+    if (cell->length == 0)
+        snprintf(message, sizeof message, "value %lu is empty; write a number, or nan",
+                 (unsigned long)k + 1);
+    else if (strchr(name, ',') && reader->delimiter != ',')
+        snprintf(message, sizeof message,
+                 "value %lu, '%s', has a comma; write a point for decimals", (unsigned long)k + 1,
+                 name);
+    else
+        snprintf(message, sizeof message,
+                 "value %lu, '%s', is not a number; write numbers between commas, semicolons, "
+                 "tabs or blanks",
+                 (unsigned long)k + 1, name);
+    return fault(reader, message);
+}
+
+/* Append the cells of a line as a row; the first cell is its name where rows have names. */
+static int add_row(text_reader *reader, bool has_row_names)
+{
+    number_table *table = reader->table;
+    if (check_length(reader, table->columns + has_row_names) < 0 || grow(reader, has_row_names) < 0)
+        return -1;
+    if ((table->rows + 1) * table->columns > NUMBER_VALUES)
+        return fault(reader, "too many numbers; a table of at most 8 million is read");
+    for (size_t k = 0; k < table->columns; k++)
+        if (!is_number(&reader->cell[k + has_row_names],
+                       &table->value[table->rows * table->columns + k]))
+            return check_cell(reader, k + has_row_names);
+    if (has_row_names)
+        keep_name(&reader->cell[0], table->row_name[table->rows]);
+    table->line[table->rows++] = (uint32_t)reader->line;
+    return 0;
+}
+
+/* Read all lines: names of the columns where the first line has no numbers, then the rows. */
+static int read_lines(text_reader *reader)
+{
+    double value;
+    int more = next_line(reader);
+    if (more < 0)
+        return -1;
+    if (more == 0)
+        return fault(reader, "no numbers in the file; write a table of numbers");
+    const bool has_names = holds_names(reader);
+    if (has_names && keep_column_names(reader) < 0)
+        return -1;
+    const size_t named = reader->cells;
+    if (has_names)
+        more = next_line(reader);
+    if (more <= 0)
+        return more < 0 ? -1 : fault(reader, "names but no numbers; add the lines of numbers");
+    const bool has_row_names = reader->cells > 1 && !is_number(&reader->cell[0], &value) &&
+                               is_number(&reader->cell[1], &value);
+    if (has_names && check_length(reader, named) < 0)
+        return -1;
+    if (has_names && has_row_names)
+        memmove(reader->table->column_name, reader->table->column_name + 1,
+                (named - 1) * sizeof *reader->table->column_name);
+    reader->table->columns = reader->cells - has_row_names;
+    for (; more > 0; more = next_line(reader))
+        if (add_row(reader, has_row_names) < 0)
+            return -1;
+    return more;
+}
+
+int table_text_read(number_table *table, const char *bytes, size_t count, char *error)
+{
+    static const char mark[] = "\xef\xbb\xbf"; /* byte order mark of UTF-8 */
+    text_reader reader = {.table = table, .at = bytes, .end = bytes + count, .error = error};
+    if (count >= 3 && memcmp(bytes, mark, 3) == 0)
+        reader.at += 3;
+    const int failed = read_lines(&reader);
+    free(reader.cell);
+    return failed;
+}

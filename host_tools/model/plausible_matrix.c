@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Plausibility of a measured influence matrix (plausible_parts.h). */
+#include "plausible_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include "../scene/scene_units.h"
+#include "matrix_facts.h"
+
+/* Largest number of actuators whose columns are compared with each other. */
+enum { COMPARED = 512 };
+
+/* Whether there is a k-th actuator of a measured matrix; found->at is its place then. */
+static int has_column(const subject *of, int k, measured *found)
+{
+    if (!of->scene->influence.given || k >= of->scene->amplifiers)
+        return 0;
+    found->at = of->scene->influence.at;
+    return 1;
+}
+
+int measure_matrix_entry(const subject *of, int k, measured *found)
+{
+    static const units_unit unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
+    matrix_facts facts;
+    int ten;
+    if (k > 0 || !has_column(of, k, found) || matrix_facts_find(&facts, of->scene) < 0)
+        return 0;
+    if (scene_units_ten(of->scene, &unit, &ten) < 0)
+        found->value = facts.entry * pow(10, -ten);
+    snprintf(found->what, WHAT, "largest entry of the influence matrix, %g in the scene's units",
+             facts.entry);
+    return 1;
+}
+
+int measure_matrix_shape(const subject *of, int k, measured *found)
+{
+    if (k > 0 || !has_column(of, k, found))
+        return 0;
+    found->value = (double)of->scene->amplifiers / of->scene->influence.outputs;
+    snprintf(found->what, WHAT, "actuators for each output, %d for %d", of->scene->amplifiers,
+             of->scene->influence.outputs);
+    return 1;
+}
+
+/* Whether the limits of the scene hold an amplifier at one voltage. */
+static int is_held(const scene *scene, int k)
+{
+    int held = 0;
+    for (int i = 0; i < scene->limits.each_count; i++) {
+        const scene_limit *limit = &scene->limits.each[i];
+        if (k >= limit->first && k < limit->first + limit->count)
+            held = limit->lower == limit->upper;
+    }
+    return held;
+}
+
+int measure_dead_column(const subject *of, int k, measured *found)
+{
+    double most = 0;
+    if (!has_column(of, k, found))
+        return 0;
+    for (int i = 0; i < of->scene->amplifiers; i++)
+        most = fmax(most, matrix_column_size(of->scene, i));
+    if (!is_held(of->scene, k))
+        found->value = matrix_column_size(of->scene, k) / most;
+    snprintf(found->what, WHAT, "effect of actuator '%s' over that of the strongest",
+             of->scene->actuator[k].name);
+    return 1;
+}
+
+/* Cosine of the angle between two columns. */
+static double cosine(const scene *scene, int j, int k)
+{
+    const size_t n = (size_t)scene->amplifiers;
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)scene->influence.outputs; i++)
+        sum +=
+            scene->influence.matrix[i * n + (size_t)j] * scene->influence.matrix[i * n + (size_t)k];
+    return sum / (matrix_column_size(scene, j) * matrix_column_size(scene, k));
+}
+
+int measure_repeated_column(const subject *of, int k, measured *found)
+{
+    int other = 0;
+    if (!has_column(of, k, found) || of->scene->amplifiers > COMPARED)
+        return 0;
+    for (int j = 0; j < k; j++) {
+        const double same = fabs(cosine(of->scene, j, k));
+        if (isnan(found->value) || same > found->value) {
+            found->value = same;
+            other = j;
+        }
+    }
+    snprintf(found->what, WHAT, "cosine of the columns of actuators '%s' and '%s'",
+             of->scene->actuator[other].name, of->scene->actuator[k].name);
+    return 1;
+}

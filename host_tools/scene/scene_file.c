@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Numbers of a scene in files of their own (scene_file.h). */
+#include "scene_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const axis_name[EXPR_AXES] = {"x", "y", "z", "theta1", "theta2"};
+
+/* ---- tables ----------------------------------------------------------- */
+
+/* Path of a file that a scene names: beside the scene file unless it is absolute. */
+static char *path_of(const reader *reader, const char *name)
+{
+    const char *scene = reader->t->path;
+    const char *slash = strrchr(scene, '/');
+    const size_t folder = slash && *name != '/' ? (size_t)(slash - scene) + 1 : 0;
+    char *path = malloc(folder + strlen(name) + 1);
+    if (!path)
+        return NULL;
+    memcpy(path, scene, folder);
+    strcpy(path + folder, name);
+    return path;
+}
+
+int scene_table_read(reader *reader, int node, number_table *table)
+{
+    char error[NUMBER_ERROR];
+    memset(table, 0, sizeof *table);
+    if (require_kind(reader, node, TREE_SCALAR) != 0)
+        return -1;
+    char *path = path_of(reader, node_text(reader, node));
+    if (!path)
+        return tree_fault(reader->t, node, "out of memory");
+    const int failed = number_table_read(table, path, error);
+    free(path);
+    if (failed)
+        return tree_fault(reader->t, node, "%s", error);
+    reader->s->hash = (reader->s->hash ^ table->hash) * 16777619u;
+    return 0;
+}
+
+/* Refuse a value of a table that is not finite. */
+static int check_finite(reader *reader, int node, const number_table *table, size_t row,
+                        size_t column)
+{
+    char place[NUMBER_NAME];
+    const double value = table->value[row * table->columns + column];
+    if (isfinite(value))
+        return 0;
+    number_table_place(table, row, column, place);
+    return tree_fault(reader->t, node, "%.80s: %s is %g; write a finite number",
+                      node_text(reader, node), place, value);
+}
+
+static int read_file(reader *reader, int node, void *to, const void *rule)
+{
+    (void)rule;
+    *(int *)to = node;
+    return require_kind(reader, node, TREE_SCALAR);
+}
+
+static int read_list_node(reader *reader, int node, void *to, const void *rule)
+{
+    (void)rule;
+    *(int *)to = node;
+    return require_kind(reader, node, TREE_LIST);
+}
+
+/* ---- functions -------------------------------------------------------- */
+
+/* Columns of a table: its coordinates and the value. */
+typedef struct function_columns {
+    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* coordinates, and the column of each */
+    int value;                                    /* column of the value */
+} function_columns;
+
+typedef struct function_text {
+    int file, columns, value; /* nodes, or 0 */
+    double scale;
+} function_text;
+
+static int find_axis(const char *name)
+{
+    for (int a = 0; a < EXPR_AXES; a++)
+        if (strcmp(axis_name[a], name) == 0)
+            return a;
+    return -1;
+}
+
+/*
+ * Column of a table that the k-th item of `columns` names: by the table's own name, else the k-th
+ * column.
+ */
+static int listed_column(const number_table *table, const char *name, int k)
+{
+    for (size_t i = 0; table->column_name && i < table->columns; i++)
+        if (strcmp(table->column_name[i], name) == 0)
+            return (int)i;
+    return table->column_name || k >= (int)table->columns ? -1 : k;
+}
+
+/* Columns as the scene lists them: coordinates, then the value. */
+static int take_listed(reader *reader, const function_text *text, const number_table *table,
+                       function_columns *columns)
+{
+    int k = 0;
+    for (int i = reader->t->node[text->columns].first; i; i = reader->t->node[i].next, k++) {
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
+            return -1;
+        const int axis = find_axis(node_text(reader, i));
+        const int column = listed_column(table, node_text(reader, i), k);
+        const int is_last = !reader->t->node[i].next;
+        if (column < 0)
+            return tree_fault(reader->t, i, "%.80s has no column '%.60s'; it has %d columns",
+                              node_text(reader, text->file), node_text(reader, i),
+                              (int)table->columns);
+        if (axis < 0 && !is_last)
+            return tree_fault(reader->t, i,
+                              "'%.60s' is no coordinate; write x, y, z, theta1 or theta2, and the "
+                              "value last",
+                              node_text(reader, i));
+        if (is_last) {
+            columns->value = column;
+            continue;
+        }
+        if (columns->axes == 3)
+            return tree_fault(reader->t, i, "more than three coordinates; leave one out");
+        columns->axis[columns->axes] = axis;
+        columns->column[columns->axes++] = column;
+    }
+    return 0;
+}
+
+/* Columns by the names in the table: coordinates by their names, and one other column. */
+static int take_named(reader *reader, const function_text *text, const number_table *table,
+                      function_columns *columns)
+{
+    int values = 0;
+    for (int i = 0; i < (int)table->columns; i++) {
+        const int axis = table->column_name ? find_axis(table->column_name[i]) : -1;
+        if (axis >= 0 && columns->axes < 3) {
+            columns->axis[columns->axes] = axis;
+            columns->column[columns->axes++] = i;
+        } else {
+            columns->value = i;
+            values++;
+        }
+    }
+    if (text->value) {
+        columns->value = number_table_column(table, node_text(reader, text->value));
+        if (columns->value < 0)
+            return tree_fault(reader->t, text->value, "%.80s has no column '%.60s'",
+                              node_text(reader, text->file), node_text(reader, text->value));
+        return 0;
+    }
+    if (values == 1)
+        return 0;
+    return tree_fault(reader->t, text->file,
+                      "%.80s has %d columns of values; write columns: [x, y, value], in the order "
+                      "of its columns",
+                      node_text(reader, text->file), values);
+}
+
+/* Copy coordinates and values of a table. point [rows][axes], value [rows] out */
+static int copy_columns(reader *reader, const function_text *text, const number_table *table,
+                        const function_columns *columns, double *point, double *value)
+{
+    for (size_t i = 0; i < table->rows; i++) {
+        const double *row = table->value + i * table->columns;
+        for (int a = 0; a < columns->axes; a++) {
+            if (check_finite(reader, text->file, table, i, (size_t)columns->column[a]) != 0)
+                return -1;
+            point[i * (size_t)columns->axes + (size_t)a] = row[columns->column[a]];
+        }
+        if (check_finite(reader, text->file, table, i, (size_t)columns->value) != 0)
+            return -1;
+        value[i] = text->scale * row[columns->value];
+    }
+    return 0;
+}
+
+static int make_function(reader *reader, const function_text *text, const number_table *table,
+                         expr **function)
+{
+    function_columns columns;
+    char name[SCENE_NAME + 32];
+    memset(&columns, 0, sizeof columns);
+    if ((text->columns ? take_listed : take_named)(reader, text, table, &columns) != 0)
+        return -1;
+    double *point = calloc(table->rows * 3 + 1, sizeof *point);
+    double *value = calloc(table->rows + 1, sizeof *value);
+    int failed = !point || !value ? tree_fault(reader->t, text->file, "out of memory")
+                                  : copy_columns(reader, text, table, &columns, point, value);
+    snprintf(name, sizeof name, "%.60s, %lu values", node_text(reader, text->file),
+             (unsigned long)table->rows);
+    if (failed == 0) {
+        *function = columns.axes > 0 ? expr_from_points(name, columns.axes, columns.axis,
+                                                        table->rows, point, value)
+                                     : expr_from_list(name, table->rows, value);
+        failed = *function ? 0 : tree_fault(reader->t, text->file, "out of memory");
+    }
+    free(point);
+    free(value);
+    return failed;
+}
+
+static int read_function_file(reader *reader, int node, expr **function)
+{
+    static const field fields[] = {
+        {"file", read_file, offsetof(function_text, file), NULL, 1},
+        {"columns", read_list_node, offsetof(function_text, columns), NULL, 0},
+        {"column", read_file, offsetof(function_text, value), NULL, 0},
+        {"scale", read_real, offsetof(function_text, scale), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    function_text text = {0, 0, 0, 1};
+    number_table table;
+    if (read_map(reader, node, fields, &text) != 0 ||
+        scene_table_read(reader, text.file, &table) != 0)
+        return -1;
+    const int failed = make_function(reader, &text, &table, function);
+    number_table_free(&table);
+    return failed;
+}
+
+int read_row_function(reader *reader, int node, void *to, const void *rule)
+{
+    scene_numbers list = {0, NULL};
+    expr **function = to;
+    char name[40];
+    if (reader->t->node[node].kind == TREE_MAP)
+        return read_function_file(reader, node, function);
+    if (reader->t->node[node].kind != TREE_LIST)
+        return read_expr(reader, node, to, rule);
+    if (scene_numbers_read(reader, node, &list) != 0)
+        return -1;
+    snprintf(name, sizeof name, "list of %d values", list.count);
+    *function = expr_from_list(name, (size_t)list.count, list.value);
+    free(list.value);
+    return *function ? 0 : tree_fault(reader->t, node, "out of memory");
+}
+
+int read_place_function(reader *reader, int node, void *to, const void *rule)
+{
+    expr **function = to;
+    if (reader->t->node[node].kind != TREE_MAP)
+        return read_expr(reader, node, to, rule);
+    if (read_function_file(reader, node, function) != 0)
+        return -1;
+    if (expr_rows(*function) < 0)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "the table has no coordinates; write columns: [x, y, value], or name its "
+                      "columns in its first line");
+}
+
+/* ---- lists ------------------------------------------------------------ */
+
+static int read_list(reader *reader, int node, scene_numbers *numbers)
+{
+    numbers->value = new_items(reader, node, TREE_LIST, sizeof *numbers->value, &numbers->count);
+    if (!numbers->value)
+        return -1;
+    int k = 0;
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_real(reader, i, &numbers->value[k++], NULL) != 0)
+            return -1;
+    return 0;
+}
+
+/* Copy a column of a table; a table of one row is a list too. */
+static int copy_list(reader *reader, const function_text *text, const number_table *table,
+                     scene_numbers *numbers)
+{
+    const int is_row = table->rows == 1 && table->columns > 1 && !text->value;
+    const int column = text->value ? number_table_column(table, node_text(reader, text->value)) : 0;
+    if (column < 0 || (!text->value && !is_row && table->columns > 1))
+        return tree_fault(reader->t, text->value ? text->value : text->file,
+                          "%.80s has %d columns; write column: its name or its number from 1",
+                          node_text(reader, text->file), (int)table->columns);
+    numbers->count = is_row ? (int)table->columns : (int)table->rows;
+    numbers->value = calloc((size_t)numbers->count + 1, sizeof *numbers->value);
+    if (!numbers->value)
+        return tree_fault(reader->t, text->file, "out of memory");
+    for (size_t i = 0; i < (size_t)numbers->count; i++) {
+        const size_t row = is_row ? 0 : i, from = is_row ? i : (size_t)column;
+        if (check_finite(reader, text->file, table, row, from) != 0)
+            return -1;
+        numbers->value[i] = text->scale * table->value[row * table->columns + from];
+    }
+    return 0;
+}
+
+int scene_numbers_read(reader *reader, int node, scene_numbers *numbers)
+{
+    static const field fields[] = {{"file", read_file, offsetof(function_text, file), NULL, 1},
+                                   {"column", read_file, offsetof(function_text, value), NULL, 0},
+                                   {"scale", read_real, offsetof(function_text, scale), NULL, 0},
+                                   {NULL, NULL, 0, NULL, 0}};
+    function_text text = {0, 0, 0, 1};
+    number_table table;
+    int failed;
+    memset(numbers, 0, sizeof *numbers);
+    if (reader->t->node[node].kind == TREE_MAP) {
+        if (read_map(reader, node, fields, &text) != 0 ||
+            scene_table_read(reader, text.file, &table) != 0)
+            return -1;
+        failed = copy_list(reader, &text, &table, numbers);
+        number_table_free(&table);
+    } else {
+        failed = read_list(reader, node, numbers);
+    }
+    if (failed) {
+        free(numbers->value);
+        memset(numbers, 0, sizeof *numbers);
+    }
+    return failed;
+}

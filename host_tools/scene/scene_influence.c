@@ -1,0 +1,499 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Section `influence` of a scene: a measured influence matrix in the place of a structure. Its
+ * columns become the actuators of the scene.
+ */
+#include "scene_file.h"
+#include "scene_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = 3 };
+
+/* The section as it is written, and the table of the matrix. */
+typedef struct influence_text {
+    int file, coordinates, actuators, outputs, ignore, mask; /* nodes, or 0 */
+    int rows_are_actuators;
+    double scale;
+    number_table table;
+    int coordinate_column[AXES]; /* column of x, y, z in the table, or -1 */
+    int *column;                 /* columns of the table without coordinates */
+    int columns;
+    unsigned char *is_ignored; /* [outputs] rows that are left out */
+} influence_text;
+
+static const char *const axis_name[AXES] = {"x", "y", "z"};
+
+static int read_node(reader *reader, int node, void *to, const void *rule)
+{
+    (void)reader;
+    (void)rule;
+    *(int *)to = node;
+    return 0;
+}
+
+/* ---- shape of the matrix ---------------------------------------------- */
+
+/* Separate the columns of coordinates, which a table whose rows are outputs may have. */
+static int separate_columns(reader *reader, influence_text *text)
+{
+    const number_table *table = &text->table;
+    text->column = calloc(table->columns + 1, sizeof *text->column);
+    if (!text->column)
+        return tree_fault(reader->t, text->file, "out of memory");
+    for (int a = 0; a < AXES; a++)
+        text->coordinate_column[a] = -1;
+    for (int k = 0; k < (int)table->columns; k++) {
+        int axis = AXES;
+        for (int a = 0; a < AXES && table->column_name && !text->rows_are_actuators; a++)
+            axis = strcmp(table->column_name[k], axis_name[a]) == 0 ? a : axis;
+        if (axis < AXES)
+            text->coordinate_column[axis] = k;
+        else
+            text->column[text->columns++] = k;
+    }
+    return 0;
+}
+
+static int outputs_of(const influence_text *text)
+{
+    return text->rows_are_actuators ? text->columns : (int)text->table.rows;
+}
+
+static int actuators_of(const influence_text *text)
+{
+    return text->rows_are_actuators ? (int)text->table.rows : text->columns;
+}
+
+/* Entry of the matrix before its scale; place [NUMBER_NAME] out, its place in the file. */
+static double entry(const influence_text *text, int output, int actuator, char *place)
+{
+    const int row = text->rows_are_actuators ? actuator : output,
+              column = text->column[text->rows_are_actuators ? output : actuator];
+    number_table_place(&text->table, (size_t)row, (size_t)column, place);
+    return text->table.value[(size_t)row * text->table.columns + (size_t)column];
+}
+
+/*
+ * Compare a count with that of the matrix. Where it is the count of the other dimension, the matrix
+ * is transposed.
+ */
+static int check_count(reader *reader, int node, const influence_text *text, const char *what,
+                       int count, int is_of_outputs)
+{
+    const int own = is_of_outputs ? outputs_of(text) : actuators_of(text),
+              other = is_of_outputs ? actuators_of(text) : outputs_of(text);
+    if (count == own)
+        return 0;
+    if (count == other)
+        return tree_fault(reader->t, node,
+                          "%d %s, but the matrix has %d outputs and %d actuators: it is "
+                          "transposed; write rows: %s",
+                          count, what, outputs_of(text), actuators_of(text),
+                          text->rows_are_actuators ? "outputs" : "actuators");
+    return tree_fault(reader->t, node,
+                      "%d %s for %d %s of the matrix; give one for each, in the order of the file",
+                      count, what, own, is_of_outputs ? "outputs" : "actuators");
+}
+
+static int check_size(reader *reader, const influence_text *text)
+{
+    if (outputs_of(text) > MOST_OUTPUTS || actuators_of(text) > MOST_ACTUATORS)
+        return tree_fault(reader->t, text->file,
+                          "%d outputs and %d actuators; at most %d and %d are read",
+                          outputs_of(text), actuators_of(text), MOST_OUTPUTS, MOST_ACTUATORS);
+    if (actuators_of(text) == 0)
+        return tree_fault(reader->t, text->file,
+                          "%.80s has coordinates only; add a column for each actuator",
+                          node_text(reader, text->file));
+    return 0;
+}
+
+/* ---- actuators -------------------------------------------------------- */
+
+/* Name of an actuator: from the list of the scene, else from the table, else a number. */
+static int name_actuator(reader *reader, const influence_text *text, int k, int item, char *name)
+{
+    const number_table *table = &text->table;
+    number_name *names = text->rows_are_actuators ? table->row_name : table->column_name;
+    const int index = text->rows_are_actuators ? k : text->column[k];
+    if (item)
+        return read_name(reader, item, name, NULL);
+    if (names)
+        return check_name(reader, names[index], node_at(reader, text->file), name);
+    snprintf(name, SCENE_NAME, "v%d", k + 1);
+    return 0;
+}
+
+static int make_actuators(reader *reader, const influence_text *text)
+{
+    scene *scene = reader->s;
+    const int count = actuators_of(text), list = text->actuators;
+    int item = list ? reader->t->node[list].first : 0;
+    if (list && (require_kind(reader, list, TREE_LIST) != 0 ||
+                 check_count(reader, list, text, "names of actuators", reader->t->node[list].count,
+                             0) != 0))
+        return -1;
+    scene->actuator = calloc((size_t)count + 1, sizeof *scene->actuator);
+    if (!scene->actuator)
+        return tree_fault(reader->t, text->file, "out of memory");
+    for (int k = 0; k < count; k++) {
+        scene_actuator *actuator = &scene->actuator[k];
+        actuator->at = node_at(reader, item ? item : text->file);
+        actuator->grid[0] = actuator->grid[1] = 1;
+        actuator->first = k;
+        if (name_actuator(reader, text, k, item, actuator->name) != 0)
+            return -1;
+        scene->actuators = scene->amplifiers = k + 1;
+        item = item ? reader->t->node[item].next : 0;
+    }
+    return 0;
+}
+
+/* ---- outputs ---------------------------------------------------------- */
+
+/* Names of the outputs, or no names: influence.output_name [outputs of the file]. */
+static int name_outputs(reader *reader, const influence_text *text)
+{
+    const number_table *table = &text->table;
+    number_name *names = text->rows_are_actuators ? table->column_name : table->row_name;
+    const int list = text->outputs;
+    if (!list && !names)
+        return 0;
+    if (list &&
+        (require_kind(reader, list, TREE_LIST) != 0 ||
+         check_count(reader, list, text, "names of outputs", reader->t->node[list].count, 1) != 0))
+        return -1;
+    number_name *name = calloc((size_t)outputs_of(text) + 1, sizeof *name);
+    reader->s->influence.output_name = name;
+    if (!name)
+        return tree_fault(reader->t, text->file, "out of memory");
+    int item = list ? reader->t->node[list].first : 0;
+    for (int i = 0; i < outputs_of(text); i++) {
+        const int index = text->rows_are_actuators ? text->column[i] : i;
+        if (item ? read_name(reader, item, name[i], NULL) != 0
+                 : check_name(reader, names[index], node_at(reader, text->file), name[i]) != 0)
+            return -1;
+        item = item ? reader->t->node[item].next : 0;
+    }
+    return 0;
+}
+
+/* Index of an output by its name or its number from 1, or -1. */
+static int find_output(const reader *reader, const influence_text *text, const char *word)
+{
+    number_name *name = reader->s->influence.output_name;
+    char *end;
+    for (int i = 0; name && i < outputs_of(text); i++)
+        if (strcmp(name[i], word) == 0)
+            return i;
+    const long number = strtol(word, &end, 10);
+    return *word && !*end && number >= 1 && number <= outputs_of(text) ? (int)number - 1 : -1;
+}
+
+static int read_ignored(reader *reader, influence_text *text)
+{
+    const int list = text->ignore;
+    if (!list)
+        return 0;
+    if (require_kind(reader, list, TREE_LIST) != 0)
+        return -1;
+    for (int i = reader->t->node[list].first; i; i = reader->t->node[i].next) {
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
+            return -1;
+        const int output = find_output(reader, text, node_text(reader, i));
+        if (output < 0)
+            return tree_fault(reader->t, i,
+                              "there is no output '%.60s'; give its name, or its number from 1 to "
+                              "%d",
+                              node_text(reader, i), outputs_of(text));
+        text->is_ignored[output] = 1;
+    }
+    return 0;
+}
+
+static int read_mask(reader *reader, influence_text *text)
+{
+    scene_numbers mask;
+    if (!text->mask)
+        return 0;
+    if (scene_numbers_read(reader, text->mask, &mask) != 0)
+        return -1;
+    int failed =
+        check_count(reader, text->mask, text, "entries of the mask", mask.count, 1) != 0 ? -1 : 0;
+    for (int i = 0; i < mask.count && !failed; i++) {
+        if (mask.value[i] != 0 && mask.value[i] != 1)
+            failed = tree_fault(reader->t, text->mask,
+                                "entry %d of the mask is %g; write 1 for an output that is used "
+                                "and 0 for one that is not",
+                                i + 1, mask.value[i]);
+        else
+            text->is_ignored[i] |= mask.value[i] == 0;
+    }
+    free(mask.value);
+    return failed;
+}
+
+/* List the rows that are used: influence.row [outputs]. */
+static int list_rows(reader *reader, influence_text *text)
+{
+    scene_influence *influence = &reader->s->influence;
+    const size_t count = (size_t)outputs_of(text);
+    text->is_ignored = calloc(count + 1, 1);
+    influence->row = calloc(count + 1, sizeof *influence->row);
+    if (!text->is_ignored || !influence->row)
+        return tree_fault(reader->t, text->file, "out of memory");
+    if (read_ignored(reader, text) != 0 || read_mask(reader, text) != 0)
+        return -1;
+    influence->file_outputs = (int)count;
+    for (int i = 0; i < (int)count; i++)
+        if (!text->is_ignored[i])
+            influence->row[influence->outputs++] = i;
+    if (influence->outputs == 0)
+        return tree_fault(reader->t, text->file, "all %d outputs are ignored; use some of them",
+                          (int)count);
+    return 0;
+}
+
+/* ---- coordinates ------------------------------------------------------ */
+
+/* Coordinates of the used outputs from columns of a table. column [AXES] in: -1 where absent */
+static int copy_coordinates(reader *reader, int node, const number_table *table,
+                            const int column[AXES])
+{
+    scene_influence *influence = &reader->s->influence;
+    char where[NUMBER_NAME];
+    influence->place = calloc((size_t)influence->outputs, sizeof *influence->place);
+    if (!influence->place)
+        return tree_fault(reader->t, node, "out of memory");
+    for (int i = 0; i < influence->outputs; i++)
+        for (int a = 0; a < AXES; a++) {
+            const size_t row = (size_t)influence->row[i];
+            const double value =
+                column[a] < 0 ? 0 : table->value[row * table->columns + (size_t)column[a]];
+            influence->place[i][a] = value;
+            if (isfinite(value))
+                continue;
+            number_table_place(table, row, (size_t)column[a], where);
+            return tree_fault(reader->t, node,
+                              "the coordinate %s of an output is %g, at %s; write a finite number",
+                              axis_name[a], value, where);
+        }
+    return 0;
+}
+
+typedef struct coordinate_text {
+    int file, columns;
+} coordinate_text;
+
+/* Columns of x, y, z in a file of coordinates. column [AXES] out */
+static int find_columns(reader *reader, const coordinate_text *text, const number_table *table,
+                        int column[AXES])
+{
+    int k = 0, found = 0;
+    for (int a = 0; a < AXES; a++)
+        column[a] = -1;
+    for (int i = text->columns ? reader->t->node[text->columns].first : 0; i;
+         i = reader->t->node[i].next, k++)
+        for (int a = 0; a < AXES; a++)
+            if (strcmp(node_text(reader, i), axis_name[a]) == 0 && k < (int)table->columns)
+                column[a] = k;
+    for (k = 0; k < (int)table->columns && !text->columns; k++)
+        for (int a = 0; a < AXES; a++)
+            if (table->column_name ? strcmp(table->column_name[k], axis_name[a]) == 0 : k == a)
+                column[a] = k;
+    for (int a = 0; a < AXES; a++)
+        found += column[a] >= 0;
+    if (found > 0)
+        return 0;
+    return tree_fault(reader->t, text->file,
+                      "%.80s has no columns x, y, z; write columns: [x, y], in the order of the "
+                      "file",
+                      node_text(reader, text->file));
+}
+
+/* Coordinates as a list of points [[x, y], ...], as a table. */
+static int list_points(reader *reader, int list, number_table *table)
+{
+    const tree_node *node = reader->t->node;
+    size_t k = 0;
+    table->rows = (size_t)node[list].count;
+    table->columns = AXES;
+    table->value = calloc(table->rows * AXES + 1, sizeof *table->value);
+    if (!table->value)
+        return tree_fault(reader->t, list, "out of memory");
+    for (int i = node[list].first; i; i = node[i].next, k++) {
+        size_t a = 0;
+        if (require_kind(reader, i, TREE_LIST) != 0)
+            return -1;
+        if (node[i].count < 1 || node[i].count > AXES)
+            return tree_fault(reader->t, i, "a point has 1 to 3 coordinates, not %d; write [x, y]",
+                              node[i].count);
+        for (int j = node[i].first; j; j = node[j].next)
+            if (read_real(reader, j, &table->value[k * AXES + a++], NULL) != 0)
+                return -1;
+    }
+    return 0;
+}
+
+/* Coordinates from a section of their own: a list of points, or a file. */
+static int read_coordinates(reader *reader, const influence_text *text)
+{
+    static const field fields[] = {
+        {"file", read_node, offsetof(coordinate_text, file), NULL, 1},
+        {"columns", read_node, offsetof(coordinate_text, columns), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    const int node = text->coordinates;
+    coordinate_text own = {0, 0};
+    number_table table;
+    int column[AXES] = {0, 1, 2}, failed;
+    memset(&table, 0, sizeof table);
+    if (reader->t->node[node].kind == TREE_LIST) {
+        failed = list_points(reader, node, &table);
+    } else {
+        failed = read_map(reader, node, fields, &own) != 0 ||
+                 (own.columns && require_kind(reader, own.columns, TREE_LIST) != 0) ||
+                 scene_table_read(reader, own.file, &table) != 0 ||
+                 find_columns(reader, &own, &table, column) != 0;
+    }
+    if (!failed)
+        failed =
+            check_count(reader, node, text, "points of coordinates", (int)table.rows, 1) != 0 ||
+            copy_coordinates(reader, node, &table, column) != 0;
+    number_table_free(&table);
+    return failed ? -1 : 0;
+}
+
+static int take_coordinates(reader *reader, const influence_text *text)
+{
+    int found = 0;
+    for (int a = 0; a < AXES; a++)
+        found |= text->coordinate_column[a] >= 0;
+    if (found && text->coordinates)
+        return tree_fault(reader->t, text->coordinates,
+                          "the file of the matrix has columns x, y or z already; remove one of the "
+                          "two");
+    if (found)
+        return copy_coordinates(reader, text->file, &text->table, text->coordinate_column);
+    return text->coordinates ? read_coordinates(reader, text) : 0;
+}
+
+/* ---- matrix ----------------------------------------------------------- */
+
+static int copy_matrix(reader *reader, const influence_text *text)
+{
+    scene_influence *influence = &reader->s->influence;
+    const int actuators = actuators_of(text);
+    char place[NUMBER_NAME];
+    double largest = 0;
+    influence->matrix = calloc((size_t)influence->outputs * (size_t)actuators, sizeof(double));
+    if (!influence->matrix)
+        return tree_fault(reader->t, text->file, "out of memory");
+    for (int i = 0; i < influence->outputs; i++)
+        for (int k = 0; k < actuators; k++) {
+            const double value = entry(text, influence->row[i], k, place);
+            if (!isfinite(value))
+                return tree_fault(reader->t, text->file,
+                                  "%.80s: %s is %g; measure it again, or ignore this output "
+                                  "(ignore, mask)",
+                                  node_text(reader, text->file), place, value);
+            influence->matrix[(size_t)i * (size_t)actuators + (size_t)k] = text->scale * value;
+            largest = fmax(largest, fabs(value));
+        }
+    if (largest > 0)
+        return 0;
+    return tree_fault(reader->t, text->file, "%.80s: every entry is 0; no voltage moves an output",
+                      node_text(reader, text->file));
+}
+
+static int build(reader *reader, influence_text *text)
+{
+    if (scene_table_read(reader, text->file, &text->table) != 0 ||
+        separate_columns(reader, text) != 0 || check_size(reader, text) != 0)
+        return -1;
+    if (make_actuators(reader, text) != 0 || name_outputs(reader, text) != 0 ||
+        list_rows(reader, text) != 0 || take_coordinates(reader, text) != 0)
+        return -1;
+    return copy_matrix(reader, text);
+}
+
+static const range not_zero = {0, HUGE_VAL, 1, "must be above 0"};
+
+int read_influence(reader *reader, int node, void *to, const void *rule)
+{
+    static const choice meanings[] = {{"outputs", 0}, {"actuators", 1}, {NULL, 0}};
+    static const field fields[] = {
+        {"file", read_node, offsetof(influence_text, file), NULL, 1},
+        {"rows", read_choice, offsetof(influence_text, rows_are_actuators), meanings, 0},
+        {"scale", read_real, offsetof(influence_text, scale), &not_zero, 0},
+        {"actuators", read_node, offsetof(influence_text, actuators), NULL, 0},
+        {"outputs", read_node, offsetof(influence_text, outputs), NULL, 0},
+        {"coordinates", read_node, offsetof(influence_text, coordinates), NULL, 0},
+        {"ignore", read_node, offsetof(influence_text, ignore), NULL, 0},
+        {"mask", read_node, offsetof(influence_text, mask), NULL, 0},
+        {NULL, NULL, 0, NULL, 0}};
+    scene *scene = to;
+    influence_text text;
+    (void)rule;
+    memset(&text, 0, sizeof text);
+    text.scale = 1;
+    scene->influence.at = node_at(reader, node);
+    const int failed = read_map(reader, node, fields, &text) != 0 || build(reader, &text) != 0;
+    scene->influence.given = 1;
+    if (!failed)
+        snprintf(scene->influence.file, sizeof scene->influence.file, "%.250s",
+                 node_text(reader, text.file));
+    number_table_free(&text.table);
+    free(text.column);
+    free(text.is_ignored);
+    return failed ? -1 : 0;
+}
+
+/* ---- target ----------------------------------------------------------- */
+
+/* Check that a function can be evaluated at the outputs. */
+static int check_function(const scene *scene, const expr *function, scene_at at, char *error)
+{
+    const int rows = expr_rows(function);
+    if (rows >= 0 && rows != scene->influence.file_outputs)
+        return scene_fault(scene, at, error,
+                           "%d values for %d outputs of the matrix; give one for each, ignored "
+                           "ones included",
+                           rows, scene->influence.file_outputs);
+    if (expr_uses_theta(function))
+        return scene_fault(scene, at, error,
+                           "theta1 and theta2 are coordinates of a surface; a measured matrix has "
+                           "x, y, z");
+    if (rows >= 0 || expr_is_constant(function) || scene->influence.place)
+        return 0;
+    return scene_fault(scene, at, error,
+                       "a function of the coordinates, but the outputs have none; add "
+                       "influence.coordinates, or give a list of values");
+}
+
+int scene_check_influence(const scene *scene, char *error)
+{
+    const scene_target *target = &scene->target;
+    if (!target->given)
+        return 0;
+    if (check_function(scene, target->value, target->what.at, error) != 0)
+        return -1;
+    for (int k = 0; k < target->modes; k++)
+        if (check_function(scene, target->mode[k].value, target->mode[k].at, error) != 0)
+            return -1;
+    for (int k = 0; k < target->frees; k++)
+        if (check_function(scene, target->free[k].value, target->free[k].at, error) != 0)
+            return -1;
+    for (int k = 0; k < scene->simulate.events; k++)
+        if (scene->simulate.event[k].value &&
+            check_function(scene, scene->simulate.event[k].value, scene->simulate.event[k].at,
+                           error) != 0)
+            return -1;
+    if (!target->weight_area || scene->influence.place)
+        return 0;
+    return scene_fault(scene, target->what.at, error,
+                       "weight: area needs the places of the outputs; add influence.coordinates");
+}

@@ -1,0 +1,488 @@
+/*
+ * Scenes with a measured influence matrix in the place of a structure: the same answers as from the
+ * structure that the matrix was computed from, in every layout of the file; and files that are
+ * wrong.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#define _XOPEN_SOURCE 700
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include "../../host_tools/model/mass.h"
+#include "../../host_tools/model/modes.h"
+#include "../../host_tools/model/vibration.h"
+#include "../../host_tools/simulate/simulation.h"
+#include "../rigs/scene_assert.h"
+
+enum { PATH = 128 };
+
+/* A folder of this test, with the files that it writes. */
+static char folder[PATH];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    strcpy(folder, "/tmp/pzs-measured-XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static const char *path_of(const char *name)
+{
+    static char path[2][PATH + 64];
+    static int which;
+    which = !which;
+    snprintf(path[which], sizeof path[which], "%s/%s", folder, name);
+    return path[which];
+}
+
+static int remove_folder(void **state)
+{
+    static const char *const names[] = {"scene.yaml", "matrix.csv", "points.csv",
+                                        "wanted.csv", "mask.csv",   "matrix.npy"};
+    (void)state;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        unlink(path_of(names[k]));
+    return rmdir(folder);
+}
+
+static void write_text(const char *name, const char *format, ...)
+{
+    FILE *file = fopen(path_of(name), "w");
+    va_list list;
+    assert_non_null(file);
+    va_start(list, format);
+    vfprintf(file, format, list);
+    va_end(list);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* ---- the matrix of a structure, as if it were measured ----------------- */
+
+/* How the matrix is written to its file. */
+typedef struct layout {
+    const char *delimiter;
+    bool is_transposed, has_coordinates, has_names;
+    double scale;
+} layout;
+
+static double entry(const analysis *a, int output, int actuator)
+{
+    return a->influence[(size_t)output * a->design.structure.input.count + (size_t)actuator];
+}
+
+static void write_names(FILE *file, const analysis *a, const layout *l)
+{
+    char name[SCENE_LABEL];
+    if (l->has_coordinates)
+        fprintf(file, "x%sy%s", l->delimiter, l->delimiter);
+    for (int k = 0; k < a->design.amplifiers; k++) {
+        scene_amplifier_name(a->design.scene, k, name);
+        fprintf(file, "%s%s", k ? l->delimiter : "", name);
+    }
+    fputc('\n', file);
+}
+
+static void write_matrix(const analysis *a, const layout *l)
+{
+    const design *d = &a->design;
+    FILE *file = fopen(path_of("matrix.csv"), "w");
+    assert_non_null(file);
+    if (l->has_names)
+        write_names(file, a, l);
+    const int rows = l->is_transposed ? d->amplifiers : d->targets,
+              columns = l->is_transposed ? d->targets : d->amplifiers;
+    for (int i = 0; i < rows; i++) {
+        if (l->has_coordinates)
+            fprintf(file, "%.17g%s%.17g%s", d->mesh.point[d->target_node[i]].x[0], l->delimiter,
+                    d->mesh.point[d->target_node[i]].x[1], l->delimiter);
+        for (int k = 0; k < columns; k++)
+            fprintf(file, "%s%.17g", k ? l->delimiter : "",
+                    entry(a, l->is_transposed ? k : i, l->is_transposed ? i : k) / l->scale);
+        fputc('\n', file);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+static void write_points(const design *d)
+{
+    FILE *file = fopen(path_of("points.csv"), "w");
+    assert_non_null(file);
+    for (int i = 0; i < d->targets; i++)
+        fprintf(file, "%.17g %.17g\n", d->mesh.point[d->target_node[i]].x[0],
+                d->mesh.point[d->target_node[i]].x[1]);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void open_structure(scene_run *r, const char *changes)
+{
+    open_run(r, "plate-50-patches", changes);
+    if (analysis_influence(&r->analysis, r->error) < 0)
+        fail_msg("%s", r->error);
+}
+
+static void open_measured(scene_run *r, const char *changes)
+{
+    open_run(r, path_of("scene.yaml"), changes);
+    if (analysis_influence(&r->analysis, r->error) < 0)
+        fail_msg("%s", r->error);
+}
+
+static void optimum(scene_run *r, double most, voltages *result)
+{
+    if (voltages_optimum(&r->analysis, within(most), result, r->error) < 0)
+        fail_msg("%s", r->error);
+}
+
+/*
+ * Voltages of both scenes for the same limits agree. The objective has the Hessian B'W^2 B, so
+ * rounding of the weights and of the residuals is amplified by its condition, about 1e5 here.
+ */
+static void assert_same(scene_run *s, scene_run *m, double most)
+{
+    voltages a, b;
+    optimum(s, most, &a);
+    optimum(m, most, &b);
+    assert_near("error", b.error, a.error, 1e-9);
+    assert_int_equal(a.active_limits, b.active_limits);
+    for (int k = 0; k < a.amplifiers; k++)
+        assert_true(fabs(a.voltage[k] - b.voltage[k]) < 1e-9 * 600);
+    for (int i = 0; i < s->analysis.design.targets; i++)
+        assert_true(fabs(a.shape[i] - b.shape[i]) < 1e-9 * 2e-3);
+    voltages_free(&a);
+    voltages_free(&b);
+}
+
+#define MEASURED                                                                                   \
+    "name: measured\nunits: {length: m, force: N, voltage: V, temperature: K}\n"                   \
+    "influence: {file: matrix.csv%s}\nlimits: {voltage: [-600, 600]}\n"                            \
+    "target: {value: '0.1*x*(y-0.1)', weight: %s, free: [%s]}\n"
+
+/*
+ * Law: the matrix of a structure, written to a file in any layout, gives the voltages, the shape
+ * and the error of the structure: with equal weights, with area weights from the coordinates alone,
+ * and with a free function.
+ */
+static void test_same_answer(void **state)
+{
+    (void)state;
+    static const layout layouts[] = {
+        {",", false, true, true, 1},
+        {";", false, false, false, 1e-6},
+        {" ", true, false, true, 1},
+    };
+    static const char *const keys[] = {
+        "",
+        ", scale: 1e-6, coordinates: {file: points.csv, columns: [x, y]}",
+        ", rows: actuators, coordinates: {file: points.csv, columns: [x, y]}",
+    };
+    static const char *const weight[] = {"equal", "area", "area"}, *const frees[] = {"", "", "tip"};
+    for (int k = 0; k < 3; k++) {
+        scene_run s, m;
+        char change[128];
+        snprintf(change, sizeof change,
+                 "limits={voltage: [-600, 600]};target.weight=%s;target.free=[%s]", weight[k],
+                 frees[k]);
+        open_structure(&s, change);
+        layout l = layouts[k];
+        l.has_names = l.has_names && !l.is_transposed;
+        write_matrix(&s.analysis, &l);
+        write_points(&s.analysis.design);
+        write_text("scene.yaml", MEASURED, keys[k], weight[k], frees[k]);
+        open_measured(&m, "");
+        assert_int_equal(m.analysis.design.targets, s.analysis.design.targets);
+        assert_same(&s, &m, 200);
+        assert_same(&s, &m, 100);
+        assert_same(&s, &m, HUGE_VAL);
+        if (l.has_names) {
+            char name[SCENE_LABEL];
+            scene_amplifier_name(&m.scene, 7, name);
+            assert_string_equal(name, "v_2_3");
+        }
+        scene_run_close(&s);
+        scene_run_close(&m);
+    }
+}
+
+/* Law: rows that are ignored, by number or by a mask, may hold anything and change nothing. */
+static void test_ignored(void **state)
+{
+    (void)state;
+    voltages a, b, c;
+    scene_run m;
+    write_text("scene.yaml",
+               "name: m\ninfluence: {file: matrix.csv%s}\nlimits: {voltage: [-1, 1]}\n"
+               "target: {value: [1, 2, 7, 3]}\n",
+               ", ignore: [3]");
+    write_text("matrix.csv", "1 0\n0 1\nnan 1e30\n1 1\n");
+    open_measured(&m, "limits.voltage=[-9, 9]");
+    assert_int_equal(m.scene.influence.outputs, 3);
+    optimum(&m, 9, &a);
+    scene_run_close(&m);
+    write_text("mask.csv", "1\n1\n0\n1\n");
+    open_measured(&m, "influence.ignore=[];influence.mask={file: mask.csv}");
+    optimum(&m, 9, &b);
+    scene_run_close(&m);
+    write_text("matrix.csv", "1 0\n0 1\n1 1\n");
+    open_measured(&m, "influence.ignore=[];target.value=[1, 2, 3]");
+    optimum(&m, 9, &c);
+    scene_run_close(&m);
+    assert_near("first", a.voltage[0], 1, 4 * DBL_EPSILON);
+    assert_near("second", a.voltage[1], 2, 4 * DBL_EPSILON);
+    assert_memory_equal(a.voltage, b.voltage, 2 * sizeof *a.voltage);
+    assert_memory_equal(a.voltage, c.voltage, 2 * sizeof *a.voltage);
+    voltages_free(&a);
+    voltages_free(&b);
+    voltages_free(&c);
+}
+
+/* Law: a held amplifier keeps its voltage, and the others do what they can around it. */
+static void test_held(void **state)
+{
+    (void)state;
+    voltages best;
+    scene_run m;
+    write_text("scene.yaml", "name: m\ninfluence: {file: matrix.csv}\n"
+                             "limits: {voltage: [-9, 9], each: [{actuator: v1, hold: 0.5}]}\n"
+                             "target: {value: [1, 2]}\n");
+    write_text("matrix.csv", "1 1\n0 1\n");
+    open_measured(&m, "");
+    optimum(&m, 9, &best);
+    assert_true(best.voltage[0] == 0.5);
+    assert_near("free", best.voltage[1], 1.25, 4 * DBL_EPSILON); /* mean of 0.5 and 2 */
+    voltages_free(&best);
+    scene_run_close(&m);
+}
+
+/* Law: the bytes of the matrix are part of the scene's hash, so that stale tables do not pass. */
+static void test_hash(void **state)
+{
+    (void)state;
+    scene_run m;
+    write_text("scene.yaml", "name: m\ninfluence: {file: matrix.csv}\ntarget: {value: [1, 2]}\n");
+    write_text("matrix.csv", "1 1\n0 1\n");
+    open_measured(&m, "");
+    const uint32_t first = m.scene.hash;
+    scene_run_close(&m);
+    write_text("matrix.csv", "1 1\n0 2\n");
+    open_measured(&m, "");
+    assert_true(m.scene.hash != first);
+    scene_run_close(&m);
+}
+
+/* ---- targets from files ------------------------------------------------ */
+
+/*
+ * Law: on a structure, a target through scattered points of a linear function is that function at
+ * every node, to rounding.
+ */
+static void test_scattered_target(void **state)
+{
+    (void)state;
+    scene_run f, p;
+    char change[256];
+    FILE *file = fopen(path_of("wanted.csv"), "w");
+    uint32_t random = 4;
+    assert_non_null(file);
+    fputs("x,y,u3\n", file);
+    for (int i = 0; i < 300; i++) {
+        double place[2];
+        for (int a = 0; a < 2; a++) {
+            random = random * 1664525u + 1013904223u;
+            place[a] = 0.2 * (double)(random >> 8) / (1 << 24);
+        }
+        fprintf(file, "%.17g,%.17g,%.17g\n", place[0], place[1], 2 * place[0] - place[1] + 0.1);
+    }
+    assert_int_equal(fclose(file), 0);
+    open_run(&f, "plate-50-patches", "target.value=(2*x - y + 0.1)*1e-3");
+    snprintf(change, sizeof change, "target.value={file: %s, columns: [x, y, u3], scale: 1e-3}",
+             path_of("wanted.csv"));
+    open_run(&p, "plate-50-patches", change);
+    for (int i = 0; i < f.analysis.design.targets; i++)
+        assert_true(fabs(f.analysis.design.target[i] - p.analysis.design.target[i]) < 1e-14);
+    scene_run_close(&f);
+    scene_run_close(&p);
+}
+
+/* ---- simulation -------------------------------------------------------- */
+
+/*
+ * Law: in a closed loop on a plant whose matrix is the scene's times a gain, the controller reaches
+ * the optimum of that plant; without limits that bind, the target.
+ */
+static void test_simulation(void **state)
+{
+    (void)state;
+    scene_run m;
+    simulation run;
+    write_text("scene.yaml", "name: m\ninfluence: {file: matrix.csv}\nlimits: {voltage: [-9, 9]}\n"
+                             "target: {value: [1, 2, 3]}\n"
+                             "simulate: {ticks: 200, plant: {gain: 0.7, scatter: 0.05}}\n");
+    write_text("matrix.csv", "1 0.2 0\n0.1 1 0\n0 0.1 1\n");
+    open_measured(&m, "");
+    if (simulate_open(&run, &m.analysis, m.error) < 0 ||
+        simulate_run(&run, LAW_CONTROLLER, NULL, NULL, m.error) < 0 ||
+        simulate_optima(&run, m.error) < 0)
+        fail_msg("%s", m.error);
+    assert_int_equal(run.count[LAW_CONTROLLER].beyond, 0);
+    assert_true(run.phase[0].optimum < 1e-12);
+    assert_true(run.phase[0].course[LAW_CONTROLLER].steady < 1e-12);
+    const double first = run.plant.scene.influence.matrix[0];
+    assert_true(fabs(first - 0.7) < 0.7 * 6 * 0.05 && first != 0.7);
+    simulate_close(&run);
+    scene_run_close(&m);
+}
+
+/* ---- wrong scenes and files --------------------------------------------- */
+
+#define GOOD "1 0\n0 1\n1 1\n"
+#define SCENE(influence, rest) "name: m\ninfluence: {file: matrix.csv" influence "}\n" rest
+#define TARGET "target: {value: [1, 2, 3]}\n"
+
+/* Law: what is wrong in a scene or its files is one line with place, value and cure. */
+static void test_faults(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *matrix, *scene, *expected;
+    } bad[] = {
+        {GOOD, SCENE("", "target: {value: [1, 2]}\n"), "2 values for 3 outputs"},
+        {GOOD, SCENE("", "target: {value: x}\n"), "the outputs have none; add influence.coord"},
+        {GOOD, SCENE("", "target: {value: theta1}\n"), "a measured matrix has x, y, z"},
+        {GOOD, SCENE("", "target: {value: [1, 2, 3], weight: area}\n"), "needs the places"},
+        {GOOD, SCENE("", "target: {value: [1, .nan, 3]}\n"), ":3:21: 'value: .nan' is no number"},
+        {GOOD, SCENE("", "target: {u3: middle, value: 1}\n"), "unknown key 'u3'"},
+        {GOOD, SCENE("", TARGET "surface: {type: plate}\n"), "'surface' describes a structure"},
+        {GOOD, SCENE("", TARGET "supports: []\n"), "'supports' describes a structure"},
+        {GOOD, SCENE(", rows: columns", TARGET), "'rows: columns' is not known"},
+        {GOOD, SCENE(", scale: 0", TARGET), "must be above 0"},
+        {GOOD, SCENE(", actuators: [a, b, c]", TARGET), "it is transposed; write rows: actuators"},
+        {GOOD, SCENE(", actuators: [a, b, c, d]", TARGET), "4 names of actuators for 2 actuators"},
+        {GOOD, SCENE(", actuators: [a, a]", TARGET), "two actuators named 'a'"},
+        {GOOD, SCENE(", outputs: [a, b]", TARGET), "it is transposed; write rows: actuators"},
+        {GOOD, SCENE(", coordinates: [[0, 0], [1, 0]]", TARGET), "it is transposed"},
+        {GOOD, SCENE(", coordinates: [[0, 0], [1, 0], [1, 1], [2, 1]]", TARGET),
+         "4 points of coordinates for 3 outputs"},
+        {GOOD, SCENE(", coordinates: [[0, 0, 0, 0], [1, 0], [1, 1]]", TARGET), "not 4"},
+        {GOOD, SCENE(", ignore: [4]", TARGET), "there is no output '4'"},
+        {GOOD, SCENE(", ignore: [1, 2, 3]", TARGET), "all 3 outputs are ignored"},
+        {GOOD, SCENE(", mask: [1, 0.5, 0]", TARGET), "entry 2 of the mask is 0.5"},
+        {GOOD, SCENE(", mask: [1, 0]", TARGET), "it is transposed"},
+        {GOOD, SCENE("", TARGET "limits: {each: [{actuator: v3, hold: 0}]}\n"),
+         "there is no actuator 'v3'; the first one is 'v1'"},
+        {GOOD, SCENE("", TARGET "simulate: {ticks: 9, plant: {stiffness: 2}}\n"),
+         "unknown key 'stiffness'"},
+        {GOOD, SCENE("", TARGET "simulate: {ticks: 9, plant: {gain: {v9: 2}}}\n"),
+         "there is no actuator 'v9'"},
+        {GOOD, SCENE("", TARGET "compare: [{name: a, values: [1]}]\n"),
+         "1 values for 2 amplifiers"},
+        {"1 0\n0 nan\n1 1\n", SCENE("", TARGET), "matrix.csv: line 2, column 2 is nan"},
+        {"1 0\n0 1e999\n1 1\n", SCENE("", TARGET), "matrix.csv: line 2, column 2 is inf"},
+        {"1 0\n0\n1 1\n", SCENE("", TARGET), "matrix.csv:2: 1 values where"},
+        {"1 0\n0;1\n1 1\n", SCENE("", TARGET), "matrix.csv:2: "},
+        {"0 0\n0 0\n0 0\n", SCENE("", TARGET), "every entry is 0"},
+        {"", SCENE("", TARGET), "matrix.csv: the file is empty"},
+        {"a,a\n1,0\n0,1\n1,1\n", SCENE("", TARGET), "two actuators named 'a'"},
+        {"x,y\n1,0\n0,1\n1,1\n", SCENE("", TARGET), "has coordinates only"},
+        {"x,v\n1,0\nnan,1\n1,1\n", SCENE("", TARGET),
+         "coordinate x of an output is nan, at line 3"},
+        {"x,v\n1,0\n2,1\n1,1\n", SCENE(", coordinates: [[1], [2], [3]]", TARGET),
+         "has columns x, y or z already"},
+        {GOOD, "name: m\ninfluence: {file: other.csv}\n" TARGET, "2:19: other.csv: cannot read it"},
+        {GOOD, "name: m\ninfluence: {}\n" TARGET, "'file' is missing"},
+        {GOOD, "name: m\ninfluence: {file: [a]}\n" TARGET, "must be a single value"},
+        {GOOD, SCENE("", "target: {value: {file: matrix.csv}}\n"), "write columns: [x, y, value]"},
+        {GOOD, SCENE("", "target: {value: {file: matrix.csv, column: 3}}\n"), "no column '3'"},
+        {GOOD, SCENE("", "target: {value: {file: matrix.csv, columns: [x, y, z, a]}}\n"),
+         "has no column"},
+        {GOOD, SCENE("", "target: {value: {file: matrix.csv, columns: [a, b]}}\n"),
+         "'a' is no coordinate"},
+        {"1 nan\n0 1\n1 1\n",
+         SCENE(", ignore: [1]", "target: {value: {file: matrix.csv, column: 2}}\n"),
+         "matrix.csv: line 1, column 2 is nan"},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        char error[SCENE_ERROR] = "no fault";
+        scene scene;
+        write_text("matrix.csv", "%s", bad[k].matrix);
+        write_text("scene.yaml", "%s", bad[k].scene);
+        const int failed = scene_read(&scene, path_of("scene.yaml"), NULL, 0, error);
+        if (!failed)
+            scene_free(&scene);
+        if (!failed || !strstr(error, bad[k].expected) || strchr(error, '\n'))
+            fail_msg("%s: expected '%s', got '%s'", bad[k].scene, bad[k].expected, error);
+    }
+}
+
+/* Law: unusual matrices are warned of, each by its rule and with its number. */
+static void test_warnings(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *matrix, *rule;
+        double value;
+    } unusual[] = {
+        {"0.02 0\n0 0.03\n0.01 0.01\n", "influence", 0.03},
+        {"2e-14 0\n0 3e-14\n1e-14 1e-14\n", "influence", 3e-14},
+        {"1e-7 0 1e-8\n0 1e-7 3e-8\n", "influence_shape", 1.5},
+        {"1e-7 0\n0 0\n1e-7 0\n", "dead_actuator", 0},
+        {"1e-7 2e-7\n3e-7 6e-7\n1e-7 2e-7\n", "repeated_actuator", 1},
+        {"1e-7 0\n0 1e-7\n1e-7 1e-7\n", NULL, 0},
+    };
+    for (size_t k = 0; k < sizeof unusual / sizeof *unusual; k++) {
+        scene_run m;
+        plausible warnings;
+        memset(&warnings, 0, sizeof warnings);
+        write_text("matrix.csv", "%s", unusual[k].matrix);
+        write_text("scene.yaml",
+                   "name: m\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
+                   "influence: {file: matrix.csv}\n");
+        open_run(&m, path_of("scene.yaml"), "");
+        plausible_scene(&warnings, &m.scene);
+        assert_int_equal(warnings.count, unusual[k].rule != NULL);
+        if (unusual[k].rule) {
+            assert_string_equal(warnings.warning[0].rule, unusual[k].rule);
+            assert_true(fabs(warnings.warning[0].value - unusual[k].value) <=
+                        4 * DBL_EPSILON * unusual[k].value);
+        }
+        scene_run_close(&m);
+    }
+}
+
+/* Law: what needs a structure says so, and that this scene has none. */
+static void test_without_structure(void **state)
+{
+    (void)state;
+    scene_run m;
+    vibration vibration;
+    write_text("matrix.csv", GOOD);
+    write_text("scene.yaml", SCENE("", TARGET));
+    open_measured(&m, "");
+    assert_int_equal(analysis_needs_structure(&m.analysis, "pzs solve", m.error), -1);
+    assert_non_null(strstr(m.error, "pzs solve needs a structure"));
+    assert_int_equal(vibration_solve(&vibration, &m.analysis.design, 3, MASS_LUMPED, m.error), -1);
+    assert_non_null(strstr(m.error, "need a structure"));
+    scene_run_close(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_same_answer),
+        cmocka_unit_test(test_ignored),
+        cmocka_unit_test(test_held),
+        cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_scattered_target),
+        cmocka_unit_test(test_simulation),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_without_structure),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
