@@ -94,6 +94,8 @@ typedef struct pzs_control_state {
     uint8_t *repeats; /* [outputs] ticks in which a measurement repeated although it should have
                          moved */
     const pzs_real *damping; /* [inputs] damping gradient of a damped tick (m2/V); NULL: undamped */
+    pzs_real *carry;         /* [inputs] parts of earlier changes that the amplifiers have not given
+                                (V); NULL: none is carried on */
     pzs_real share;          /* part of the static gradient that a damped tick follows */
     pzs_real base_energy;    /* |W B base|^2 (m2) */
     pzs_real largest_column; /* square root of the largest diagonal entry of H (m/V) */
@@ -177,6 +179,7 @@ typedef struct pzs_damper_state {
     pzs_real *sensed;      /* [sensors] last readings */
     pzs_real *residual;    /* [sensors] low-passed innovation */
     pzs_real *damping;     /* [inputs] damping gradient handed to the control step (m2/V) */
+    pzs_real *carry;  /* [inputs] parts of earlier changes that the amplifiers have not given (V) */
     uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
                        */
     uint16_t newest;  /* row of `equilibrium` and `expected` that belongs to the present voltages */

@@ -313,8 +313,8 @@ typedef struct pzs_damper {
 /* Bytes of workspace for a damper. */
 #define PZS_FOURS(n) (((size_t)(n) + 3u) / 4u * 4u)
 #define PZS_DAMPER_BYTES(modes, inputs, sensors, delay)                                            \
-    (sizeof(pzs_real) * ((10u + (size_t)(delay) + 1u) * PZS_FOURS(modes) +                         \
-                         (4u + (size_t)(delay) + 1u) * PZS_FOURS(sensors) + PZS_FOURS(inputs)) +   \
+    (sizeof(pzs_real) * (((size_t)(delay) + 11u) * PZS_FOURS(modes) +                              \
+                         ((size_t)(delay) + 5u) * PZS_FOURS(sensors) + 2u * PZS_FOURS(inputs)) +   \
      (size_t)(sensors))
 
 /*

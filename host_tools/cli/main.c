@@ -447,7 +447,6 @@ static int command_simulate(const options *options, analysis *analysis)
     progress_stage("stability of the loop");
     if (has_influence)
         certificate_make(&analysis->certificate, analysis);
-    analysis->quasi_static = 1;
     progress_stage("tables of the controller");
     if (!has_influence || simulate_open(&run, analysis, error) < 0) {
         status = complain(error, OPTIONS_WRONG);

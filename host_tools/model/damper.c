@@ -8,6 +8,7 @@
 #include "../../lib/control/vibration.h"
 #include "../../lib/model/model.h"
 #include "mass.h"
+#include "modal.h"
 
 /* Largest number of modes among which those to observe are chosen. */
 enum { MODE_LIMIT = 200 };
@@ -163,11 +164,11 @@ static int take_memory(builder *builder)
     return at ? 0 : -1;
 }
 
-/* Damping ratio of a mode. */
 static double damping_ratio(const builder *builder, size_t mode)
 {
-    (void)mode;
-    return builder->analysis->design.scene->dynamics.damping;
+    const int number = (int)mode - vibration_first(builder->vibration);
+    return modal_damping(&builder->analysis->design.scene->dynamics, number,
+                         sqrt(builder->vibration->square[mode]));
 }
 
 /* Readings of the sensors in a mode of mass 1; column `k` of the table of readings. */

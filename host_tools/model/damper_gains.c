@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "propagator.h"
 
 enum { DOUBLINGS = 60 };
 
@@ -161,16 +162,6 @@ static double advance(doubling *doubling)
     return change;
 }
 
-void damper_propagator(double angle, double ratio, double r[4])
-{
-    const double root = sqrt(1 - ratio * ratio), decay = exp(-ratio * angle);
-    const double c = decay * cos(angle * root), s = decay * sin(angle * root) / root;
-    r[0] = c + ratio * s;
-    r[1] = s;
-    r[2] = -s;
-    r[3] = c - ratio * s;
-}
-
 /* Transposed transition matrix, measurement information and process noise of the modes. */
 static void fill(doubling *doubling, const damper_model *model, const damper_settings *settings)
 {
@@ -179,7 +170,7 @@ static void fill(doubling *doubling, const damper_model *model, const damper_set
         double r[4];
         const double fall = model->angle[0] / model->angle[i] / sqrt((double)model->sensors);
         const double kick = settings->kick * fall, drift = settings->drift * fall;
-        damper_propagator(model->angle[i], model->ratio[i], r);
+        modal_propagator(model->angle[i], model->ratio[i], 1, r);
         doubling->a[i * all + i] = r[0];
         doubling->a[(n + i) * all + i] = r[1];
         doubling->a[(2 * n + i) * all + i] = 1 - r[0];
@@ -280,7 +271,7 @@ int damper_compute(damper_gains *gains, const damper_model *model, const damper_
     const size_t n = model->modes;
     for (size_t i = 0; i < n; i++) {
         double r[4];
-        damper_propagator(model->angle[i], model->ratio[i], r);
+        modal_propagator(model->angle[i], model->ratio[i], 1, r);
         for (size_t k = 0; k < 4; k++)
             gains->turn[k * n + i] = r[k];
         gains->inverse_angle[i] = 1 / model->angle[i];

@@ -57,9 +57,6 @@ typedef struct damper_gains {
     double share, mix, slow;
 } damper_gains;
 
-/* Propagator r [4], by rows, of (deviation, velocity over angular frequency) over one tick. */
-void damper_propagator(double angle, double ratio, double r[4]);
-
 /*
  * Compute the gains. Returns 0, or -1 where memory runs out or the iteration does not converge,
  * as for numbers that are not finite.

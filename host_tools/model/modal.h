@@ -12,6 +12,7 @@
 #ifndef MODAL_H
 #define MODAL_H
 
+#include "propagator.h"
 #include "vibration.h"
 
 typedef struct modal {
@@ -29,13 +30,6 @@ typedef struct modal {
  *   frequency in  w (rad/s)
  */
 double modal_damping(const scene_dynamics *dynamics, int mode, double frequency);
-
-/*
- * Propagator of (deviation d from equilibrium, velocity p = (dd/dt)/w) of one mode over an interval
- * without change of the inputs: d' = r[0] d + r[1] p, p' = r[2] d + r[3] p. It is exact, below and
- * above critical damping.
- */
-void modal_propagator(double frequency, double damping, double interval, double r[4]);
 
 /*
  * Fill the description from modes of the design. Rigid motions are left out.

@@ -235,6 +235,7 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     if (check_range(design, error) < 0 || check_free(design, error) < 0 ||
         plant_open(&simulation->plant, design->scene, error) < 0)
         return -1;
+    nominal->quasi_static |= !simulation->plant.has_inertia;
     const double squares = design_squares(design, design->target, NULL);
     simulation->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(simulation) ? 0 : no_memory(nominal, error);

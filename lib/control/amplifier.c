@@ -7,6 +7,10 @@
  * the voltage once it has summed up to one step. No step is taken that the next tick would take
  * back, which rounding to the whole step does where the plant is stronger than the model. Voltage
  * limits in force take precedence over whole steps.
+ *
+ * A damped tick (vibration.c) asks for small changes from the given voltages again and again, each
+ * of which may be less than a step. What the amplifier does not give of them is carried on to the
+ * next tick, at most one step and the dead band.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -33,6 +37,20 @@ static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
     return above < present ? above : present;
 }
 
+/*
+ * Voltage of an input plus what the amplifier has not given of earlier changes, inside step limit
+ * and voltage limits.
+ */
+static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_real present)
+{
+    const pzs_real voltage = control->state.voltage[j], most = control->state.step_limit[j];
+    if (control->state.carry == NULL || !(control->state.lower[j] < control->state.upper[j]))
+        return voltage;
+    const pzs_real carried =
+        number_clamp(voltage + control->state.carry[j], present - most, present + most);
+    return number_clamp(carried, control->state.lower[j], control->state.upper[j]);
+}
+
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band)
 {
     if (control == NULL || given == NULL || !(step >= 0) || !(dead_band >= 0))
@@ -41,14 +59,18 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
         return PZS_E_STAGE;
     const pzs_problem *problem = control->state.problem;
     for (uint32_t j = 0; j < problem->inputs; j++) {
-        const pzs_real wanted = control->state.voltage[j];
+        const pzs_real voltage = control->state.voltage[j];
         const pzs_real present = number_is_finite(given[j])
                                      ? number_clamp(given[j], problem->lower[j], problem->upper[j])
-                                     : wanted;
+                                     : voltage;
+        const pzs_real wanted = voltage_with_carry(control, j, present);
         const pzs_real stepped = number_absolute(wanted - present) <= dead_band
                                      ? present
                                      : last_step(wanted, present, step);
         given[j] = number_clamp(stepped, control->state.lower[j], control->state.upper[j]);
+        if (control->state.carry != NULL)
+            control->state.carry[j] =
+                number_clamp(wanted - given[j], -(step + dead_band), step + dead_band);
         control->state.voltage[j] = given[j];
     }
     pzs_control_moved(control);

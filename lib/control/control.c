@@ -268,8 +268,10 @@ void pzs_control_moved(pzs_control *control)
     control->state.behind = PZS_BEHIND_GRADIENT;
 }
 
-void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping)
+void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping,
+                      pzs_real *carry)
 {
+    control->state.carry = carry;
     control->state.share = share;
     control->state.damping = damping;
 }

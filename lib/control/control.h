@@ -19,12 +19,14 @@ void pzs_control_moved(pzs_control *control);
 
 /*
  * Make the next ticks damped ticks: from the present voltages, a tick minimises the static problem
- * with its gradient multiplied by `share`, minus the damping gradient. A step of no change is
- * always allowed, so voltages at rest are those of the undamped tick. share             in  part of
- * the static gradient, 0 < share <= 1 damping [inputs]  in  damping gradient (m2/V), read in each
- * tick; NULL: undamped ticks again
+ * with its gradient multiplied by `share`, minus the damping gradient. No change of the voltages
+ * is always allowed, and at rest they are those of the undamped tick.
+ *   share             in      part of the static gradient, 0 < share <= 1
+ *   damping [inputs]  in      damping gradient (m2/V), read in each tick; NULL: undamped ticks
+ * again carry [inputs]    in/out  0 at first, then kept by pzs_quantise (V)
  */
-void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping);
+void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping,
+                      pzs_real *carry);
 
 /*
  * Record at which voltage an input is held (V), NaN: not held. To be called beside every change of

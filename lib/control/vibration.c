@@ -339,7 +339,8 @@ static void damp(pzs_damper *damper)
     damper->info.deviation = PZS_SQRT(energy);
     pzs_product_sum_rows(damper->state.damping, tables->damping, tables->inputs, damped,
                          tables->modes, tables->inputs);
-    pzs_control_damp(damper->state.control, tables->share, damper->state.damping);
+    pzs_control_damp(damper->state.control, tables->share, damper->state.damping,
+                     damper->state.carry);
 }
 
 /*
@@ -404,6 +405,8 @@ static void lay_out(pzs_damper *damper, pzs_real *at)
     damper->state.expected = at + 4 * sensors;
     at += (4 + rows) * sensors;
     damper->state.damping = at;
+    at += PZS_FOURS(damper->state.tables->inputs);
+    damper->state.carry = at;
     at += PZS_FOURS(damper->state.tables->inputs);
     damper->state.repeats = (uint8_t *)at;
     damper->info.position = damper->state.now;

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../host_tools/model/propagator.h"
 #include <cmocka.h>
 #include "bridge.h"
 #include "uniform.h"
@@ -445,8 +446,8 @@ void damped_loop_move_plant(damped_loop *d)
         double r[4], rest = d->load * s->load[k];
         for (size_t j = 0; j < inputs; j++)
             rest += d->error.gain * s->modal[k * inputs + j] * d->voltage[j];
-        damper_propagator(s->omega[k] * d->error.frequency * d->interval,
-                          s->ratio[k] * d->error.ratio, r);
+        modal_propagator(s->omega[k] * d->error.frequency, s->ratio[k] * d->error.ratio,
+                         d->interval, r);
         const double deviation = d->position[k] - rest, speed = d->velocity[k];
         d->position[k] = rest + r[0] * deviation + r[1] * speed;
         d->velocity[k] = r[2] * deviation + r[3] * speed;
