@@ -163,6 +163,7 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.problem = problem;
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
+    control->state.damping = NULL; /* the damper, if there is one, sets it in each tick */
     pzs_control_place(control, work);
     guard_repair_bool(&optimiser->is_verified);
     if (optimiser->checked_next >= optimiser->inputs)
