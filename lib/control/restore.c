@@ -165,6 +165,7 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.stage = CONTROL_READY;
     control->state.damping = NULL; /* the damper, if there is one, sets it in each tick */
     pzs_control_place(control, work);
+    pzs_control_damp(control, 1, NULL, NULL); /* unless the damper of this tick says otherwise */
     guard_repair_bool(&optimiser->is_verified);
     if (optimiser->checked_next >= optimiser->inputs)
         optimiser->checked_next = 0;
