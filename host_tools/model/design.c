@@ -7,6 +7,7 @@
 #include "../../lib/core/guard.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
+#include "../mesh/corner_weight.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
@@ -136,8 +137,10 @@ void design_node_areas(const mesh *mesh, double *area)
 {
     memset(area, 0, (size_t)mesh->nodes * sizeof *area);
     for (int e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++)
-            area[mesh->element[e][r]] += mesh->place[mesh->element_type[e]].area / 4;
+        for (int r = 0; r < 4; r++) {
+            const laminate_place *place = &mesh->place[mesh->element_type[e]];
+            area[mesh->element[e][r]] += place->area / 4 * corner_share(place, r);
+        }
 }
 
 int design_row(const design *design, int target)
@@ -449,10 +452,11 @@ static double consistent_weight(int count, int r, int s)
 
 /*
  * Add a distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r,
- * s) p_s.
+ * s) p_s.  place: of the element, or NULL for an edge
  */
-static void add_distributed(const mesh *mesh, const scene_load *load, const int *node,
-                            const double *value, int count, double size, double *dense)
+static void add_distributed(const mesh *mesh, const scene_load *load, const laminate_place *place,
+                            const int *node, const double *value, int count, double size,
+                            double *dense)
 {
     const int whole = count == 4 ? 36 : 6;
     for (int r = 0; r < count; r++)
@@ -460,8 +464,9 @@ static void add_distributed(const mesh *mesh, const scene_load *load, const int 
             double c[3], carried[3];
             load_vector(mesh, load, node[s], value[s], c);
             carry(mesh, load, node[s], node[r], c, carried);
-            add_force(mesh, load, node[r], size * consistent_weight(count, r, s) / whole, carried,
-                      dense);
+            const double excess = place ? corner_pair_excess(place, r, s) : 0;
+            const double weight = size * consistent_weight(count, r, s) / whole + size * excess;
+            add_force(mesh, load, node[r], weight, carried, dense);
         }
 }
 
@@ -481,12 +486,12 @@ static void face_column(const mesh *mesh, const scene_load *load, const double *
             node[r] = mesh->element[e][r];
             corner[r] = value[node[r]];
         }
-        add_distributed(mesh, load, node, corner, 4, place->area * weight, dense);
+        add_distributed(mesh, load, place, node, corner, 4, place->area * weight, dense);
         for (int r = 0; r < 4 && mesh->scene->element.cartesian && load->component == COMPONENT_U3;
              r++) {
             double c[3];
             load_vector(mesh, load, node[r], corner[r], c);
-            add_lean(mesh, load, e, r, place->area / 4, c, dense);
+            add_lean(mesh, load, e, r, place->area / 4 * corner_jacobian(place, r), c, dense);
         }
     }
 }
@@ -506,7 +511,7 @@ static void line_column(const mesh *mesh, const scene_load *load, const double *
             node[r] = along == 1 ? mesh_node(mesh, across, k + r) : mesh_node(mesh, k + r, across);
         const double corner[2] = {value[node[0]], value[node[1]]};
         const double length = mesh->point[node[0]].a[along] * (line->point[k + 1] - line->point[k]);
-        add_distributed(mesh, load, node, corner, 2, length, dense);
+        add_distributed(mesh, load, NULL, node, corner, 2, length, dense);
     }
 }
 

@@ -9,6 +9,7 @@
 #include "../../lib/model/model.h"
 #include "../../lib/nonlinear/nonlinear.h"
 #include "../../lib/model/shell.h"
+#include "../mesh/corner_weight.h"
 
 /* ---- prescribed resultants -------------------------------------------- */
 
@@ -154,7 +155,7 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     for (int e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++) {
             const uint16_t type = mesh->element_type[e];
-            area[type][r] = mesh->place[type].area;
+            area[type][r] = mesh->place[type].area * corner_jacobian(&mesh->place[type], r);
             if (lean)
                 set_corner(mesh, e, r, follower, &area[type][r], lean[type][r]);
         }

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
+#include "../mesh/corner_weight.h"
 
 /* Displacement functions of the height t: 1, t, h (1 - 4 t^2/h^2). */
 enum { FUNCTIONS = 3, POINTS = 4 };
@@ -51,17 +52,18 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 }
 
 /*
- * Share of the element's mass that couples corners r and s: bilinear, or a quarter at each corner.
+ * Share of the element's mass that couples corners r and s: bilinear, or all at the corners.
  */
-static double share(int r, int s, double lumped)
+static double share(const laminate_place *place, int r, int s, double lumped)
 {
     const int is_opposite = (r ^ s) == 2;
-    const double at_corner = r == s ? 0.25 : 0;
+    const double at_corner = r == s ? 0.25 * corner_share(place, r) : 0;
     double consistent = 2.0 / 36;
     if (r == s)
         consistent = 4.0 / 36;
     if (is_opposite)
         consistent = 1.0 / 36;
+    consistent += corner_pair_excess(place, r, s);
     return (1 - lumped) * consistent + lumped * at_corner;
 }
 
@@ -75,7 +77,7 @@ static void fill_element(const mesh *mesh, int element, double lumped,
                          double m[FUNCTIONS][FUNCTIONS], double *entry)
 {
     const int dof_per_node = (int)mesh->dof_per_node;
-    const double area = mesh->place[mesh->element_type[element]].area;
+    const laminate_place *place = &mesh->place[mesh->element_type[element]];
     for (int row = 0; row < 4 * dof_per_node; row++)
         for (int column = 0; column <= row; column++) {
             const int r = row / dof_per_node, s = column / dof_per_node, i = row % dof_per_node,
@@ -83,7 +85,8 @@ static void fill_element(const mesh *mesh, int element, double lumped,
             const surface_point *p = &mesh->point[mesh->element[element][r]],
                                 *q = &mesh->point[mesh->element[element][s]];
             const double cosine = between(p, component_of[i], q, component_of[j]);
-            *entry++ = area * share(r, s, lumped) * m[function_of[i]][function_of[j]] * cosine;
+            *entry++ = place->area * share(place, r, s, lumped) *
+                       m[function_of[i]][function_of[j]] * cosine;
         }
 }
 

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Shares of the corners in the area of an element (corner_weight.h). */
+#include "corner_weight.h"
+
+static const double xi1[4] = {-1, 1, 1, -1}, xi2[4] = {-1, -1, 1, 1};
+
+double corner_jacobian(const laminate_place *place, int r)
+{
+    return 1 + place->skew[0] * xi2[r] + place->skew[1] * xi1[r];
+}
+
+double corner_share(const laminate_place *place, int r)
+{
+    return 1 + (corner_jacobian(place, r) - 1) / 3;
+}
+
+double corner_pair_excess(const laminate_place *place, int r, int s)
+{
+    const double even1 = 1 + xi1[r] * xi1[s] / 3, even2 = 1 + xi2[r] * xi2[s] / 3;
+    const double odd1 = (xi1[r] + xi1[s]) / 3, odd2 = (xi2[r] + xi2[s]) / 3;
+    return (place->skew[0] * even1 * odd2 + place->skew[1] * even2 * odd1) / 16;
+}
