@@ -316,13 +316,18 @@ static int inverse_of(double a[N][N], double inverse[N][N])
 /*
  * Element option lin33: the part of the strain e33 that is linear in z is relaxed. With o the other
  * strains and d the difference of 33: D_oo -= D_od D_do / D_dd, D_od = 0, D_dd = 1/(D^-1)_dd.
+ *   h0 [N] in/out  prescribed resultants, relaxed alike: h0_o -= D_od h0_d / D_dd, h0_d = 0; or
+ * NULL
  */
-static int relax_e33(double d[N][N])
+static int relax_e33(double d[N][N], double *h0)
 {
     double inverse[N][N], row[N];
     if (inverse_of(d, inverse) < 0)
         return -1;
     memcpy(row, d[D33], sizeof row);
+    const double prescribed = h0 ? h0[D33] / row[D33] : 0;
+    for (int i = 0; i < N && h0; i++)
+        h0[i] -= row[i] * prescribed;
     for (int i = 0; i < N; i++)
         for (int j = 0; j < N; j++)
             d[i][j] = i == D33 || j == D33 ? 0 : d[i][j] - row[i] * row[j] / row[D33];
@@ -470,7 +475,7 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
                                    1 / 9.0};
     double d[N][N], inverse[N][N], plane[N][N], m[N][N], flexibility[2];
     integrate_stiffness(laminate, element, place, d);
-    if (element->lin33 && relax_e33(d) < 0)
+    if (element->lin33 && relax_e33(d, NULL) < 0)
         return -1;
     if (inverse_of(d, inverse) < 0 || plane_compliance(d, plane) < 0)
         return -1;
@@ -523,12 +528,15 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
                              : thickening;
 }
 
-/* Stiffness D with the part of e33 that is linear in z relaxed (lin33). */
+/*
+ * Stiffness D with the part of e33 that is linear in z relaxed (lin33), and prescribed resultants
+ * h0 [N] alike; h0 may be NULL.
+ */
 static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
-                             const laminate_place *place, double d[N][N])
+                             const laminate_place *place, double d[N][N], double *h0)
 {
     integrate_stiffness(laminate, element, place, d);
-    return relax_e33(d);
+    return relax_e33(d, h0);
 }
 
 /*
@@ -548,7 +556,7 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
         ply_stress(&laminate->ply[p], element, field_stress_of(laminate, field, p), stress);
         integrate_stress(laminate, element, place, &laminate->ply[p], field, stress, h0);
     }
-    const int thickens = element->lin33 && relaxed_stiffness(laminate, element, place, d) == 0;
+    const int thickens = element->lin33 && relaxed_stiffness(laminate, element, place, d, h0) == 0;
     for (int i = 0; i < N; i++)
         h0[i] = (h0[i] + (thickens ? d[i][M33] * thickening : 0)) * place->area;
 }
@@ -586,7 +594,7 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                   field_at(laminate, element, place, field, z);
     }
     if (element->lin33 && place->present_plies >> ply & 1u &&
-        relaxed_stiffness(laminate, element, place, d) == 0)
+        relaxed_stiffness(laminate, element, place, d, NULL) == 0)
         charge -= free_thickening(laminate, place, &voltage) *
                   free_thickening(laminate, place, field) * d[M33][M33];
     return charge * place->area;

@@ -13,7 +13,9 @@ import cases
 import revolution
 import textdata
 import write_data
+import write_quads
 from model import Model
+from quadref import QuadElement, QuadSection, rigid
 from shellref import (IMPROVED, KEPT, PUBLISHED, SURFACES, WARP_ROWS, XI, Element, Plate, Ring,
                       Section, cylinder, face_map, field_share, isotropic, ply, rigid_motion,
                       strain_map)
@@ -135,7 +137,41 @@ def data_file_is_what_this_code_writes():
         yield name, max(relative(new[k], old[k]) for k in old if np.size(old[k]) and np.abs(old[k]).max() > 0), 1e-10
 
 
+@check
+def data_of_quadrilaterals_is_what_this_code_writes():
+    stored = textdata.read(os.path.join(write_data.DATA, "quads.txt"))
+    for (name, _, old), (_, _, new) in zip(stored, write_quads.blocks(), strict=True):
+        yield name, max(np.abs(np.asarray(new[k]) - old[k]).max() / max(np.abs(old[k]).max(), 1e-12)
+                        for k in old if np.size(old[k])), 1e-10
+
+
 # ---------------------------------------------------------------- laws of one element
+
+@check
+def quadrilateral_along_lines_is_the_element_of_the_surface():
+    """Plate and cylinder: the same stiffness, force and columns from nodes and directors alone."""
+    section = dict(write_data.LAYUPS["laminate"])
+    for name in ("plate", "cylinder", "ring"):
+        numbers, cell = CELLS[name]
+        surface = SURFACES[name](*numbers)
+        el = Element(surface, cell, Section(**section), IMPROVED)
+        triads = [c[1].T for c in el.corners]
+        quad = QuadElement([c[0] for c in el.corners], [t[2] for t in triads], [t[0] for t in triads],
+                           QuadSection(**section), area=el.area)
+        u = 0.01 * np.sin(np.arange(28.0))
+        yield f"{name} stiffness", relative(quad.stiffness(), el.stiffness()), 1e-12
+        yield f"{name} strains", relative(quad.B, el.B), 1e-13
+        yield f"{name} volt", relative(quad.volt, el.volt), 1e-12
+        yield f"{name} force", relative(quad.force(u), el.force(u)), 1e-12
+
+
+@check
+def rigid_motion_strains_no_quadrilateral():
+    for name, corners, directors, direction, layup, unknowns in write_quads.cases():
+        el = QuadElement(corners, directors, write_quads.axes_of(directors),
+                         QuadSection(**write_data.LAYUPS[layup]), direction, unknowns=unknowns)
+        u = rigid(el, write_data.rotation(np.array([1.0, -0.7, 0.4])), np.array([0.3, -0.2, 0.1]))
+        yield name, np.abs(el.strains(u)).max(), 1e-14
 
 @check
 def triad_follows_the_lines_of_curvature():

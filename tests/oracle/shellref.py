@@ -228,7 +228,8 @@ class Section:
         D = integral M^T C M w dz,  H0 = integral M^T s0 w dz.
         Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n, with the metric
         times field_share; kelvin -C alpha; with free33 condensed on s33 = 0 in each ply, whose
-        mean free strain along the normal, -s0_33/C_33, the mean of e33 then holds.
+        mean free strain along the normal, -s0_33/C_33, the mean of e33 then holds, as a strain
+        along the third base vector.
         """
         dmat = np.zeros((10, 10))
         volt = np.zeros((len(self.layers), 10))
@@ -257,10 +258,15 @@ class Section:
                     dz = w * thick / 2 * np.linalg.det(base) / np.linalg.det(start)
                     dmat += shape.T @ stiff @ shape * dz
                     volt[n] += shape.T @ given_volt * dz * (
-                        field_share(k, low, thick, z) if options["metric"] else 1)
+                        self.field(k, low, thick, z) if options["metric"] else 1)
                     kelvin += shape.T @ given_kelvin * dz
             low += thick
-        return dmat, volt + np.outer(thick_volt, dmat[:, 4]), kelvin + thick_kelvin * dmat[:, 4]
+        along = dmat[:, 4] * start[2, 2]**2
+        return dmat, volt + np.outer(thick_volt, along), kelvin + thick_kelvin * along
+
+    def field(self, k, low, thick, z):
+        """Electric field at height z over volt/thick."""
+        return field_share(k, low, thick, z)
 
     def shape(self, z):
         """N [6][10]: Voigt strain at z = N (mean, difference) strains."""
