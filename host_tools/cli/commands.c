@@ -11,7 +11,8 @@
 const char *const command_title =
     "shape control of piezoelectric shells: host simulation and precomputation";
 
-static const char *const starts[] = {"plate", "mirror", "panel", "measured", NULL};
+static const char *const starts[] = {"plate",    "mirror",          "panel",
+                                     "measured", "measured-matrix", NULL};
 static const char *const shells[] = {"bash", NULL};
 static const char *const images[] = {"control", "linear", "nonlinear", NULL};
 static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500",
@@ -113,16 +114,19 @@ const command_entry command_table[COMMANDS] = {
           "--device netduinoplus2",
           NULL}},
     [COMMAND_NEW] = {"new",
-                     "[plate|mirror|panel]",
+                     "[plate|mirror|panel|measured|measured-matrix]",
                      ARGUMENT_CHOICE,
                      starts,
                      "a commented scene to start from, on standard output",
                      "Writes a commented scene to start from: a plate with patches on both faces "
                      "(the one without an argument), a "
                      "deformable mirror in polar coordinates, or a curved composite panel under "
-                     "pressure. Scenes from measured influence "
-                     "matrices (measured) come with a later release.",
-                     {"pzs new mirror > new.yaml", NULL}},
+                     "pressure, or a mirror without a model, from its measured influence matrix; "
+                     "measured-matrix is the file of numbers that the last one names.",
+                     {"pzs new mirror > new.yaml",
+                      "pzs new measured > measured.yaml; pzs new measured-matrix > "
+                      "measured-matrix.csv",
+                      NULL}},
     [COMMAND_MIGRATE] =
         {"migrate",
          "SCENE",

@@ -737,10 +737,6 @@ static int command_list(void)
 static int command_new(const options *options)
 {
     const char *text = templates_text(options->word ? options->word : templates_name[0]);
-    if (!text)
-        return options_refuse("scenes from measured influence matrices come with a later release; "
-                              "write plate, mirror or panel, not",
-                              options->word);
     return fputs(text, stdout) < 0;
 }
 

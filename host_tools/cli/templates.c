@@ -189,11 +189,72 @@ static const char panel[] =
     "# Displacement 0: the shape that the panel was built with.\n"
     "target: {u3: middle, at: nodes, value: 0, weight: area}\n";
 
-const char *const templates_name[] = {"plate", "mirror", "panel", NULL};
+static const char measured[] =
+    "# A mirror without a model: its influence matrix was measured, one actuator after the other.\n"
+    "#   pzs new measured > measured.yaml\n"
+    "#   pzs new measured-matrix > measured-matrix.csv     the matrix that this scene names\n"
+    "#   pzs check measured.yaml      is the matrix plausible, and what does a device need for it?\n"
+    "#   pzs shape measured.yaml      voltages that bring the mirror to the target below\n"
+    "#   pzs simulate measured.yaml   the control loop on a mirror that differs from the matrix\n"
+    "#   pzs tables measured.yaml --prefix mirror -o mirror.h    C tables for a firmware\n"
+    "name: measured\n"
+    "about: Deformable mirror with 7 actuators, measured at 19 points\n"
+    "\n"
+    "# Units of the numbers of this file and of the coordinates.\n"
+    "units: {length: mm, force: N, voltage: V, temperature: K}\n"
+    "\n"
+    "# A line of the file is an output, a column an actuator, and its first line names the columns; x and\n"
+    "# y are the place of the output. Its entries are micrometres per volt: scale makes them mm/V.\n"
+    "# Other keys: rows: actuators (for a transposed file), actuators and outputs (lists of names),\n"
+    "# coordinates (a file or a list of points), ignore: [3, 17] (outputs that are not used), mask.\n"
+    "influence: {file: measured-matrix.csv, scale: 1e-3}\n"
+    "\n"
+    "# An amplifier that is dead or broken is held: each: [{actuator: e3, hold: 0}]\n"
+    "limits: {voltage: [-60 V, 60 V]}\n"
+    "\n"
+    "# The change of shape that the voltages are to cause: a formula of x and y, a list with a value for\n"
+    "# each output, or a file: value: {file: wanted.csv}. free: shapes that do not matter.\n"
+    "target: {value: \"16e-6*(x^2 - y^2)\", free: [piston]}\n"
+    "\n"
+    "# The loop on a mirror that is a tenth weaker, with every entry 5 % wrong, and noisy sensors; then an\n"
+    "# actuator dies, and the controller is told after three ticks.\n"
+    "control: {rate: 50 Hz}\n"
+    "simulate:\n"
+    "  ticks: 100\n"
+    "  plant: {gain: 0.9, scatter: 0.05}\n"
+    "  sensors: {noise: 5 nm}\n"
+    "  events:\n"
+    "    - {at: 50, dead: [e2], announced: 3}\n";
+
+/* The matrix of the scene above: seven actuators, each moved alone, and 19 sensors. */
+static const char measured_matrix[] =
+    "x,y,centre,e1,e2,e3,e4,e5,e6\n"
+    "-4.5,7.794,0.0120,0.0040,0.0212,0.0206,0.0043,0.0011,0.0011\n"
+    "0,7.794,0.0148,0.0102,0.0278,0.0109,0.0026,0.0013,0.0024\n"
+    "4.5,7.794,0.0120,0.0193,0.0212,0.0043,0.0011,0.0012,0.0041\n"
+    "-6.75,3.897,0.0148,0.0024,0.0112,0.0270,0.0110,0.0026,0.0013\n"
+    "-2.25,3.897,0.0236,0.0070,0.0173,0.0168,0.0075,0.0037,0.0035\n"
+    "2.25,3.897,0.0236,0.0158,0.0173,0.0075,0.0037,0.0037,0.0072\n"
+    "6.75,3.897,0.0149,0.0253,0.0112,0.0026,0.0013,0.0026,0.0104\n"
+    "-9,0,0.0120,0.0010,0.0044,0.0206,0.0206,0.0043,0.0010\n"
+    "-4.5,0,0.0236,0.0034,0.0077,0.0168,0.0169,0.0076,0.0035\n"
+    "0,0,0.0318,0.0086,0.0095,0.0092,0.0092,0.0093,0.0088\n"
+    "4.5,0,0.0236,0.0158,0.0077,0.0037,0.0037,0.0076,0.0161\n"
+    "9,0,0.0120,0.0193,0.0044,0.0011,0.0011,0.0043,0.0196\n"
+    "-6.75,-3.897,0.0148,0.0012,0.0026,0.0109,0.0270,0.0110,0.0025\n"
+    "-2.25,-3.897,0.0236,0.0034,0.0038,0.0075,0.0169,0.0170,0.0072\n"
+    "2.25,-3.897,0.0236,0.0071,0.0038,0.0037,0.0076,0.0170,0.0161\n"
+    "6.75,-3.897,0.0148,0.0102,0.0026,0.0013,0.0025,0.0111,0.0258\n"
+    "-4.5,-7.794,0.0120,0.0010,0.0011,0.0043,0.0206,0.0208,0.0041\n"
+    "0,-7.794,0.0148,0.0024,0.0014,0.0026,0.0110,0.0272,0.0104\n"
+    "4.5,-7.794,0.0120,0.0040,0.0012,0.0011,0.0043,0.0208,0.0196\n";
+
+const char *const templates_name[] = {"plate",    "mirror",          "panel",
+                                      "measured", "measured-matrix", NULL};
 
 const char *templates_text(const char *name)
 {
-    static const char *const text[] = {plate, mirror, panel};
+    static const char *const text[] = {plate, mirror, panel, measured, measured_matrix};
     for (int k = 0; templates_name[k]; k++)
         if (strcmp(templates_name[k], name) == 0)
             return text[k];

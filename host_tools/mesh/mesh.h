@@ -58,7 +58,8 @@ void mesh_free(mesh *mesh);
 
 /*
  * Build a mesh of points without elements: the outputs of the scene's measured influence matrix,
- * with one dof each. Coordinates that the scene does not give are NAN, and so are theta1, theta2.
+ * with one dof each, along z. Where the scene gives no coordinates, the points stand along x in the
+ * order of the outputs, for pictures alone. theta1 and theta2 are NAN.
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_points(mesh *mesh, const scene *scene, char *error);

@@ -12,9 +12,11 @@ static void fill(mesh *mesh)
         mesh->theta[n][0] = mesh->theta[n][1] = (double)NAN;
         mesh->node_dof[n] = (uint16_t)n;
         for (int a = 0; a < 3; a++) {
-            mesh->point[n].x[a] = influence->place ? influence->place[n][a] : (double)NAN;
-            mesh->point[n].e[a][a] = 1;
+            mesh->point[n].x[a] = influence->place ? influence->place[n][a] : 0;
+            mesh->point[n].e[a][(a + 2) % 3] = 1; /* the one dof, along e1, is along z */
         }
+        if (!influence->place)
+            mesh->point[n].x[0] = n;
     }
 }
 

@@ -52,16 +52,15 @@ static void write_path(FILE *file, const pzs_solver *run)
         put(file, FACT("Load factor reached", "<b class=\"warn\">%r</b>"), run->info.load_factor);
 }
 
-static void write_facts(FILE *file, const analysis *analysis, double residual)
+/* Write the size of the mesh and the checks of the solves. */
+static void write_structure_facts(FILE *file, const analysis *analysis, double residual)
 {
     const mesh *mesh = &analysis->design.mesh;
     const scene *scene = analysis->design.scene;
-    char hash[20];
     static const char *const kinematics[] = {"local", "Cartesian"}, *const metric[] = {"flat",
                                                                                        "exact"};
-    put(file, "<dl>\n" FACT("Mesh", "%d × %d elements of %d type%s, %d nodes"),
-        scene->line[0].elements, scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s",
-        mesh->nodes);
+    put(file, FACT("Mesh", "%d × %d elements of %d type%s, %d nodes"), scene->line[0].elements,
+        scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s", mesh->nodes);
     put(file, FACT("Free dof", "%d, half bandwidth %d"), mesh->free_dof, mesh_half_bandwidth(mesh));
     put(file, FACT("Element", "%s kinematics, %s metric, %d dof per node"),
         kinematics[scene->element.cartesian], metric[scene->element.metric],
@@ -75,6 +74,18 @@ static void write_facts(FILE *file, const analysis *analysis, double residual)
         put(file,
             FACT("Solver error estimate, energy norm; without the discretisation error", "%r"),
             checked(analysis->model.info.error_estimate));
+}
+
+static void write_facts(FILE *file, const analysis *analysis, double residual)
+{
+    const scene *scene = analysis->design.scene;
+    char hash[20];
+    fputs("<dl>\n", file);
+    if (analysis->source->has_structure)
+        write_structure_facts(file, analysis, residual);
+    else
+        put(file, FACT("Measured matrix", "%d outputs, %d actuators"), scene->influence.outputs,
+            scene->amplifiers);
     if (scene->target.given)
         put(file, FACT("Target", "<code>%t</code>"), expr_text(scene->target.value));
     snprintf(hash, sizeof hash, "%08lx", (unsigned long)scene->hash);
@@ -207,6 +218,8 @@ void page_shape_fill(page_shape *shape, const design *design, const double *u,
 int page_shape_draw(FILE *file, const page_shape *shape, const draw_view *view,
                     const design *design, double factor, const draw_scale *scale)
 {
+    if (design->mesh.elements == 0)
+        return shell_map(file, &design->mesh, shape->misfit, scale, "Misfit at the outputs");
     const shell rest = {.file = file, .view = view, .m = &design->mesh};
     shell reached = rest, target = rest;
     reached.vector = shape->vector;
@@ -224,12 +237,15 @@ int page_shape_draw(FILE *file, const page_shape *shape, const draw_view *view,
     return failed;
 }
 
-void page_keys(FILE *file, const char *more)
+void page_keys(FILE *file, const mesh *mesh, const char *more)
 {
-    put(file,
-        "<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key "
-        "dash\"></i>undeformed edges</span><span><i class=\"key hold\"></i>support</span>%s</p>\n",
-        more);
+    if (mesh->elements == 0)
+        put(file, "<p class=\"keys\">%s</p>\n", more);
+    else
+        put(file,
+            "<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key "
+            "dash\"></i>undeformed edges</span><span><i class=\"key hold\"></i>support</span>%s</p>\n",
+            more);
 }
 
 double page_largest(const mesh *mesh, const double *vector)
@@ -242,6 +258,10 @@ double page_largest(const mesh *mesh, const double *vector)
 
 void page_magnified(FILE *file, const mesh *mesh, double factor)
 {
+    if (mesh->elements == 0) {
+        fputs("at the places of the outputs", file);
+        return;
+    }
     put(file, factor == 1 ? "displacement to scale" : "displacement <b>× %n</b>", factor);
     fputs(shell_is_thinned(mesh) ? ", not every mesh line drawn" : "", file);
 }

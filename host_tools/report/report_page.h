@@ -29,6 +29,16 @@ void picture_end(const report_job *job, double width, double height);
 void page_conditions(FILE *file, const design *design);
 void page_layers(FILE *file, const scene *scene);
 
+/* Write a section with the tables of the structure, or with that of a measured matrix. */
+void page_source(FILE *file, const analysis *analysis, const char *title);
+
+/*
+ * Draw the voltages of all amplifiers as bars, for scenes without patches.
+ *   voltage, mark [amplifiers]  in
+ */
+void page_bars(FILE *file, const scene *scene, const double *voltage, const shell_mark *mark,
+               const draw_scale *scale);
+
 /*
  * One column of the table of voltages: its heading and the voltages of all amplifiers.
  * page_voltages writes this table with a row for each amplifier and `count` columns, which the
@@ -68,12 +78,13 @@ void page_shape_fill(page_shape *shape, const design *design, const double *u,
 
 /*
  * page_shape_draw draws a shape coloured by its misfit, with mesh lines of the target over it,
- * magnified by `factor`. Returns 0, or -1: out of memory. page_keys writes the legend of the lines
- * in this picture, followed by the markup `more`.
+ * magnified by `factor`; the misfit at the outputs of a measured matrix as coloured discs. Returns
+ * 0, or -1: out of memory. page_keys writes the legend of the lines in this picture, followed by
+ * the markup `more`.
  */
 int page_shape_draw(FILE *file, const page_shape *shape, const draw_view *view,
                     const design *design, double factor, const draw_scale *scale);
-void page_keys(FILE *file, const char *more);
+void page_keys(FILE *file, const mesh *mesh, const char *more);
 
 /*
  * Write a section for each pair of voltage limits: the shape error of every mode of the target

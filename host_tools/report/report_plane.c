@@ -80,18 +80,55 @@ static bool is_short(double length)
     return length < 150;
 }
 
+/*
+ * Set range and size of the picture of a mesh of points: x to the right and y upwards, at the same
+ * scale.
+ */
+static void fit_points(shell_plane *p, const mesh *mesh, double room)
+{
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    for (int n = 0; n < mesh->nodes; n++)
+        for (int a = 0; a < 2; a++) {
+            low[a] = fmin(low[a], mesh->point[n].x[a]);
+            high[a] = fmax(high[a], mesh->point[n].x[a]);
+        }
+    const double most = fmax(fmax(high[0] - low[0], high[1] - low[1]), 1e-300);
+    for (int a = 0; a < 2; a++) {
+        const double edge = 0.04 * most + (high[a] - low[a] < 0.1 * most ? 0.1 * most : 0);
+        low[a] -= edge;
+        high[a] += edge;
+    }
+    const double zoom = room / fmax(high[0] - low[0], high[1] - low[1]);
+    p->low[0] = high[1];
+    p->range[0] = low[1] - high[1];
+    p->low[1] = low[0];
+    p->range[1] = high[0] - low[0];
+    p->width = zoom * (high[0] - low[0]);
+    p->height = zoom * (high[1] - low[1]);
+    p->x0 += (room - p->width) / 2;
+}
+
+/* Name of the direction downwards (a = 0) or to the right (a = 1). */
+static const char *axis_name(const shell *s, int a)
+{
+    static const char *const of_points[2] = {"y", "x"};
+    return s->m->elements == 0 ? of_points[a] : SHELL_THETA(a);
+}
+
 shell shell_in_plane(FILE *file, const mesh *mesh)
 {
     shell s = {.file = file, .m = mesh, .plane = {.x0 = left_margin, .y0 = top_margin}};
     shell_plane *p = &s.plane;
     const double room = SHELL_PLANE_WIDTH - left_margin - 2;
-    for (int a = 0; a < 2; a++) {
+    for (int a = 0; a < 2 && mesh->elements > 0; a++) {
         const scene_line *line = &mesh->scene->line[a];
         p->low[a] = line->point[0];
         p->range[a] = line->point[line->elements] - line->point[0];
     }
     p->is_polar = mesh->scene->surface.type == SURFACE_POLAR;
-    if (p->is_polar)
+    if (mesh->elements == 0)
+        fit_points(p, mesh, room);
+    else if (p->is_polar)
         fit_polar(p, room);
     else
         fit_rectangle(p, mesh, room);
@@ -133,7 +170,7 @@ static void axis_words(const shell *s, int a, double length)
     char room[WORDS_UNIT];
     const put_unit unit = theta_unit(s, a, room);
     put(s->file, "<text>%n</text><text class=\"value\" x=\"%f\" y=\"%f\">%s",
-        p->low[a] * unit.factor, length / 2, is_short(length) ? 13.0 : 0.0, SHELL_THETA(a));
+        p->low[a] * unit.factor, length / 2, is_short(length) ? 13.0 : 0.0, axis_name(s, a));
     put(s->file, *unit.name ? " (%t)" : "", unit.name);
     put(s->file, "</text><text class=\"end\" x=\"%f\">%n</text></g>\n", length,
         (p->low[a] + p->range[a]) * unit.factor);

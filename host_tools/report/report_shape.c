@@ -271,6 +271,26 @@ static int draw_reached(const shape_page *p, const result *result)
     return failed;
 }
 
+/* Draw target and reached values at the outputs of a measured matrix, on one scale. */
+static int draw_levels(const shape_page *p, const result *result)
+{
+    const double *const value[2] = {result->v->aligned_target, result->v->shape};
+    static const char *const name[2] = {"Target", "Reached"};
+    draw_scale scale = {true, 0, p->misfit.unit};
+    int failed = 0;
+    for (int k = 0; k < 2; k++)
+        for (int t = 0; t < p->d->targets; t++)
+            scale.most = fmax(scale.most, fabs(value[k][t]));
+    for (int k = 0; k < 2; k++) {
+        fputs("<figure>\n", p->file);
+        failed |= shell_map(p->file, &p->d->mesh, value[k], &scale, name[k]);
+        put(p->file, "<figcaption>%s; one scale for target and reached:", name[k]);
+        draw_legend(p->file, &scale);
+        fputs("</figcaption></figure>\n", p->file);
+    }
+    return failed;
+}
+
 static int draw_misfit(const shape_page *p, const result *result)
 {
     const draw_scale own = {true, result->shape.worst, p->misfit.unit};
@@ -304,16 +324,18 @@ static void draw_voltages(const shape_page *p, const result *result)
 {
     const scene *scene = p->d->scene;
     fputs("<figure>\n", p->file);
+    if (p->plans == 0)
+        page_bars(p->file, scene, result->v->voltage, result->mark, &p->voltage);
     for (int which = 0; which < p->plans; which++) {
         if (p->plans > 1)
             write_plan(p, which);
         shell_voltages(p->file, &p->d->mesh, p->plan, which, result->v->voltage, result->mark,
                        &p->voltage);
     }
-    put(p->file, "<figcaption>Voltages in their patches: largest <b>%q</b>", result->voltage,
-        p->voltage.unit);
+    put(p->file, "<figcaption>Voltages%s: largest <b>%q</b>",
+        p->plans > 0 ? " in their patches" : "", result->voltage, p->voltage.unit);
     for (int k = 0; k < scene->actuators; k++)
-        if (p->plan[k] < 0)
+        if (scene->actuator[k].is_temperature)
             put(p->file, ", %t %q", scene->actuator[k].name,
                 result->v->voltage[scene->actuator[k].first], scene->unit_temperature);
     fputs(". One scale for all results:", p->file);
@@ -326,7 +348,7 @@ static int draw_result(const shape_page *p, const result *result)
     fputs("<article class=\"set\">\n<h3>", p->file);
     write_name(p, result->v);
     put(p->file, " — relative RMS error %p</h3>\n<div class=\"row\">\n", result->v->error);
-    int failed = draw_reached(p, result);
+    int failed = p->a->source->has_structure ? draw_reached(p, result) : draw_levels(p, result);
     failed |= draw_misfit(p, result);
     draw_voltages(p, result);
     fputs("</div>\n</article>\n", p->file);
@@ -352,16 +374,14 @@ static int write_page(const report_job *job, const shape_page *p, const modes *m
     write_optics(p);
     page_voltages(p->file, p->d, p->results, result_set, p);
     fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
-    page_keys(p->file, "<span><i class=\"key stop\"></i>limit active</span><span><i class=\"key "
-                       "over\"></i>beyond the scene’s limits</span>");
+    page_keys(p->file, &p->d->mesh,
+              "<span><i class=\"key stop\"></i>limit active</span><span><i class=\"key "
+              "over\"></i>beyond the scene’s limits</span>");
     for (int k = 0; k < p->results; k++)
         failed |= draw_result(p, &p->result[k]);
     fputs("</section>\n", p->file);
     page_modes(p->file, p->d->scene, modes);
-    fputs("<section>\n<h2>Structure</h2>\n", p->file);
-    page_conditions(p->file, p->d);
-    page_layers(p->file, p->d->scene);
-    fputs("</section>\n", p->file);
+    page_source(p->file, p->a, p->a->source->has_structure ? "Structure" : "Matrix");
     page_end(job);
     return failed;
 }
@@ -381,7 +401,11 @@ static int write_picture(const report_job *job, const shape_page *p)
     put(p->file, "<svg width=\"420\" height=\"%f\">", p->view.height);
     const int failed = page_shape_draw(p->file, &result->shape, &p->view, p->d, p->factor, &own);
     put(p->file, "</svg>\n<svg x=\"436\" width=\"320\" height=\"350\">");
-    shell_voltages(p->file, &p->d->mesh, p->plan, 0, result->v->voltage, result->mark, &p->voltage);
+    if (p->plans > 0)
+        shell_voltages(p->file, &p->d->mesh, p->plan, 0, result->v->voltage, result->mark,
+                       &p->voltage);
+    else
+        page_bars(p->file, p->d->scene, result->v->voltage, result->mark, &p->voltage);
     fputs("</svg>\n", p->file);
     draw_legend_at(p->file, &own, 0, height - 32);
     draw_legend_at(p->file, &p->voltage, 430, height - 32);

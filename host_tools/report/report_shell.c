@@ -4,7 +4,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MOST_CELLS = 48, MOST_PIECES = 1100, PLANE_PIECES = 6000, MOST_LINES = 24, MOST_BENDS = 80 };
+enum {
+    MOST_CELLS = 48,
+    MOST_PIECES = 1100,
+    PLANE_PIECES = 6000,
+    MOST_LINES = 24,
+    MOST_BENDS = 80,
+    MOST_DOTS = 2500
+};
 
 /* ---- places and values between nodes ---------------------------------- */
 
@@ -214,8 +221,32 @@ static void draw_values(const shell *s, const double *value, const draw_scale *s
         }
 }
 
+/* Draw the values of a mesh of points as coloured discs; of very many points not every one. */
+static void draw_points(const shell *s, const double *value, const draw_scale *scale)
+{
+    const mesh *mesh = s->m;
+    const double width = s->view ? s->view->width : s->plane.width,
+                 height = s->view ? s->view->height : s->plane.height;
+    const double radius = fmin(fmax(0.35 * sqrt(width * height / mesh->nodes), 1.5), 11);
+    fputs("<g class=\"cells\">\n", s->file);
+    for (int n = 0; n < mesh->nodes; n += draw_stride(mesh->nodes, MOST_DOTS)) {
+        double at[2];
+        if (s->view)
+            node_at(s, n, at);
+        else
+            plane_at(&s->plane, mesh->point[n].x[1], mesh->point[n].x[0], at);
+        if (isfinite(value[n]))
+            draw_disc(s->file, draw_class(scale, draw_level(scale, value[n])), at, radius);
+    }
+    fputs("</g>\n", s->file);
+}
+
 int shell_surface(const shell *s, const double *value, const draw_scale *scale)
 {
+    if (s->m->elements == 0) {
+        draw_points(s, value, scale);
+        return 0;
+    }
     cell *cells = calloc((size_t)MOST_CELLS * MOST_CELLS, sizeof *cells);
     if (!cells)
         return -1;
@@ -263,6 +294,8 @@ bool shell_is_thinned(const mesh *mesh)
 
 static void lines_at_most(const shell *s, const char *style, int most)
 {
+    if (s->m->elements == 0)
+        return;
     draw_path(s->file, style);
     for (int a = 0; a < 2; a++) {
         const int last = s->m->scene->line[1 - a].elements,

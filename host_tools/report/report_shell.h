@@ -51,8 +51,9 @@ typedef struct shell {
 shell shell_in_plane(FILE *file, const mesh *mesh);
 
 /*
- * Draw the surface coloured by value [nodes]. In space, distant parts are drawn first, so that
- * closer ones cover them, and supports are included. Returns 0, or -1: out of memory.
+ * Draw the surface coloured by value [nodes]; a mesh of points as coloured discs. In space, distant
+ * parts are drawn first, so that closer ones cover them, and supports are included. Returns 0, or
+ * -1: out of memory.
  */
 int shell_surface(const shell *s, const double *value, const draw_scale *scale);
 

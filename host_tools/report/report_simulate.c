@@ -463,7 +463,7 @@ static int write_shapes(simulate_page *p)
 {
     int failed = 0;
     fit_shapes(p);
-    page_keys(p->file, "");
+    page_keys(p->file, &p->d->mesh, "");
     for (int k = 0; k < p->s->phases; k++)
         if (is_worth_seeing(p->s, k))
             failed |= draw_phase(p, k);
@@ -499,10 +499,8 @@ static int write_page(const report_job *job, simulate_page *p)
     write_counts(p);
     fputs("</section>\n<section>\n<h2>Shapes</h2>\n", p->file);
     const int failed = write_shapes(p);
-    fputs("</section>\n<section>\n<h2>Structure of the controller’s model</h2>\n", p->file);
-    page_conditions(p->file, p->d);
-    page_layers(p->file, p->d->scene);
     fputs("</section>\n", p->file);
+    page_source(p->file, p->s->nominal, "The controller’s model");
     page_end(job);
     return failed;
 }

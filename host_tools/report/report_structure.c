@@ -5,6 +5,7 @@
  */
 #include <math.h>
 #include <string.h>
+#include "../model/matrix_facts.h"
 #include "report_page.h"
 #include "../text/words.h"
 
@@ -186,6 +187,37 @@ static void write_actuator(FILE *file, const scene *scene, const scene_actuator 
     if (actuator->applied != 0)
         put(file, "; applied %q", actuator->applied, unit);
     fputs(end_cell, file);
+}
+
+/* Write the table of a measured influence matrix. */
+static void write_matrix(FILE *file, const scene *scene)
+{
+    const scene_influence *influence = &scene->influence;
+    matrix_facts facts;
+    put_table(file, "Measured influence matrix", "");
+    put_row(file, "File|<%t", influence->file);
+    put_row(file, "Outputs|<%d of %d rows", influence->outputs, influence->file_outputs);
+    put_row(file, "Actuators|<%d", scene->amplifiers);
+    if (matrix_facts_find(&facts, scene) == 0) {
+        put_row(file, "Largest entry|<%n", facts.entry);
+        if (facts.rank >= 0)
+            put_row(file, "Rank|<%d; singular values from %n to %n", facts.rank, facts.most,
+                    facts.least);
+    }
+    put_table_end(file);
+}
+
+void page_source(FILE *file, const analysis *analysis, const char *title)
+{
+    const design *design = &analysis->design;
+    put(file, "<section>\n<h2>%s</h2>\n", title);
+    if (analysis->source->has_structure) {
+        page_conditions(file, design);
+        page_layers(file, design->scene);
+    } else {
+        write_matrix(file, design->scene);
+    }
+    fputs("</section>\n", file);
 }
 
 void page_conditions(FILE *file, const design *design)

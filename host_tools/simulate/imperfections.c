@@ -214,13 +214,24 @@ double imperfections_sense(const imperfections *on, int sensor, double value)
 
 /* ---- text ------------------------------------------------------------- */
 
+/* Largest difference of a gain of the plant's matrix from 1. */
+static double largest_gain_error(const scene *scene)
+{
+    double most = 0;
+    for (int k = 0; k < scene->amplifiers && scene->simulate.gain; k++)
+        most = fmax(most, fabs(scene->simulate.gain[k] - 1));
+    return most;
+}
+
 void imperfections_text(const design *design, char *text, size_t room)
 {
     const scene_imperfections *given = &design->scene->simulate.imperfections;
     const struct {
         const char *format;
         double value;
-    } rows[] = {{"hysteresis %g of the range", imperfections_hysteresis(design)},
+    } rows[] = {{"entries of the matrix wrong by %g", design->scene->simulate.scatter},
+                {"gains of the matrix up to %g off", largest_gain_error(design->scene)},
+                {"hysteresis %g of the range", imperfections_hysteresis(design)},
                 {"creep %g a decade", given->creep},
                 {"amplifiers of %g Hz", given->bandwidth},
                 {"%g reversed wires", given->reversals},

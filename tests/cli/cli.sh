@@ -114,7 +114,8 @@ for kind in $("$PZS" help new | sed -n 's/^usage: pzs new \[\([^]]*\)\].*/\1/p' 
     check "new $kind: the field narrows wide limits" $?
 done
 run 0 new && cmp -s "$dir/out" "$dir/plate.yaml"; check 'new without an argument is a plate' $?
-run 2 new measured && says 'come with a later release' && [ ! -s "$dir/out" ]; check 'new measured is refused by name' $?
+run 0 new measured-matrix && mv "$dir/out" "$dir/measured-matrix.csv" && run 0 new measured && mv "$dir/out" "$dir/measured.yaml" &&
+    run 0 check "$dir/measured.yaml" --strict && grep -qF 'rank 7' "$dir/out"; check 'new measured is valid with its matrix' $?
 # Scenes in the words of version 0.1: the migrated scene gives the tables of the shipped one, but for the hash of the file
 for s in plate-50-patches plate-closed-loop plate-few-sensors hyperboloid-patches; do
     run 2 check "tests/cli/old_scenes/$s.yaml" && says 'is now called' && run 0 migrate "tests/cli/old_scenes/$s.yaml" && cp "$dir/out" "$dir/new.yaml" &&
