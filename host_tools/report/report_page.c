@@ -244,7 +244,8 @@ void page_keys(FILE *file, const mesh *mesh, const char *more)
     else
         put(file,
             "<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key "
-            "dash\"></i>undeformed edges</span><span><i class=\"key hold\"></i>support</span>%s</p>\n",
+            "dash\"></i>undeformed edges</span><span><i class=\"key "
+            "hold\"></i>support</span>%s</p>\n",
             more);
 }
 
