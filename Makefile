@@ -16,7 +16,7 @@ LIB := $(sort $(wildcard lib/*/*.c))
 HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all example-table install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
+.PHONY: all schema example-table install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
     san format clean help
 all: $(B)/pzs
 
@@ -32,6 +32,7 @@ help:
 	@echo 'make tables      generate the tables of the firmware demonstrations;  make oracle: the test data'
 	@echo 'make measured    refresh the measurements that take seconds in tests/bench/README.md'
 	@echo 'make hard        the improved element on thin shells, every thickness and mesh: a table'
+	@echo 'make schema      write the schema of scenes, after a change of its keys'
 	@echo 'make check-long  the checks that take too long for make test'
 
 # ---- libraries: one folder per variant -----------------------------------
@@ -64,6 +65,10 @@ $(B)/%/bridge64.o: $(B)/64/tests/rigs/bridge.o $(B)/64/host.a $(B)/64/libpiezosh
 	@mkdir -p $(@D)
 	ld -r $< --whole-archive $(B)/64/host.a $(B)/64/libpiezoshape.a -o $@
 	objcopy -w --keep-global-symbol='bridge_*' $@
+
+# The schema of scenes is made from the tables of keys of the reader.
+schema: $(B)/pzs
+	$(B)/pzs schema >$(SCENES)/scene.schema.json
 
 # ---- the two commands ----------------------------------------------------
 

@@ -9,7 +9,8 @@ test) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/cmock
     arm-none-eabi-gcc:gcc-arm-none-eabi /usr/lib/arm-none-eabi/include/stdio.h:libnewlib-arm-none-eabi
     /usr/lib/picolibc/arm-none-eabi:picolibc-arm-none-eabi
     qemu-system-arm:qemu-system-arm pkg-config:pkg-config /usr/bin/python3:python3 /usr/lib/python3/dist-packages/numpy:python3-numpy
-    /usr/lib/python3/dist-packages/scipy:python3-scipy" ;;
+    /usr/lib/python3/dist-packages/scipy:python3-scipy /usr/lib/python3/dist-packages/jsonschema:python3-jsonschema
+    /usr/lib/python3/dist-packages/yaml:python3-yaml" ;;
 bench) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/x86_64-linux-gnu/cblas.h:libopenblas-dev
     /usr/include/lapacke.h:liblapacke-dev valgrind:valgrind python3:python3 pip3:python3-pip" ;;
 *) echo "setup.sh: demo, test or bench" >&2; exit 2 ;;

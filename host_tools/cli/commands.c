@@ -139,6 +139,26 @@ const command_entry command_table[COMMANDS] = {
          "and layout stay. A scene that needs nothing is printed unchanged. The result is read "
          "back before it is printed.",
          {"pzs migrate plate-50-patches > new.yaml", NULL}},
+    [COMMAND_KEYS] = {"keys",
+                      "[SECTION]",
+                      ARGUMENT_SECTION,
+                      NULL,
+                      "the keys of a scene, with their values and a sentence each",
+                      "Lists the keys of a scene in the order in which they are read, with the "
+                      "kind and range of their values, a unit as an example, and a sentence each; "
+                      "with SECTION those of one section. Keys of a mapping stand indented below "
+                      "it.",
+                      {"pzs keys limits", NULL}},
+    [COMMAND_SCHEMA] = {"schema",
+                        "",
+                        ARGUMENT_NONE,
+                        NULL,
+                        "JSON schema of scenes, for editors",
+                        "Writes the JSON schema of scenes, with which an editor completes, "
+                        "explains and checks keys. It is made from the tables of keys of the "
+                        "reader; the file scene.schema.json beside the shipped scenes is its "
+                        "output.",
+                        {"pzs schema > scene.schema.json", NULL}},
     [COMMAND_COMPLETION] =
         {"completion",
          "[SHELL]",

@@ -16,6 +16,8 @@ typedef enum command_id {
     COMMAND_SIMULATE,
     COMMAND_NEW,
     COMMAND_MIGRATE,
+    COMMAND_KEYS,
+    COMMAND_SCHEMA,
     COMMAND_COMPLETION,
     COMMAND_MAN,
     COMMAND_HELP,
@@ -51,6 +53,7 @@ typedef enum argument_kind {
     ARGUMENT_SCENE,
     ARGUMENT_COMMAND,
     ARGUMENT_CHOICE,
+    ARGUMENT_SECTION,
     ARGUMENT_FILE,
     ARGUMENT_TEXT
 } argument_kind;

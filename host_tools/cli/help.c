@@ -1,39 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Help texts of pzs (help.h). */
 #include "help.h"
+#include "keys.h"
+#include "../text/wrap.h"
 #include <string.h>
 
-enum { COLUMNS = 100, OPTION_COLUMN = 22, COMMAND_COLUMN = 30 };
-
-/*
- * Length of the longest beginning of a text that ends with a whole word and has at most `room`
- * characters; contains at least one word.
- */
-static int line_length(const char *text, int room)
-{
-    int end = 0;
-    for (int i = 0; i == 0 || text[i - 1]; i++)
-        if ((text[i] == ' ' || !text[i]) && (i <= room || end == 0))
-            end = i;
-    return end;
-}
-
-/*
- * Print a text from column `at`, the present column, with line breaks; all further lines begin in
- * column `indent`.
- */
-static void print_wrapped(FILE *file, const char *text, int at, int indent)
-{
-    while (*text) {
-        const int length = line_length(text, COLUMNS - at);
-        fprintf(file, "%.*s\n", length, text);
-        text += length;
-        text += *text == ' ';
-        if (*text)
-            fprintf(file, "%*s", indent, "");
-        at = indent;
-    }
-}
+enum { OPTION_COLUMN = 22, COMMAND_COLUMN = 30 };
 
 /*
  * Print the commands that accept an option before its help. Nothing is printed where all commands
@@ -60,7 +32,7 @@ static void print_option(FILE *file, option_id option, int with_takers)
              entry->other ? ", " : "", entry->name, entry->argument);
     fprintf(file, "  %-*s ", OPTION_COLUMN - 3, head);
     const int width = with_takers ? print_takers(file, option) : 0;
-    print_wrapped(file, entry->help, OPTION_COLUMN + width, OPTION_COLUMN);
+    wrap_print(file, entry->help, OPTION_COLUMN + width, OPTION_COLUMN);
 }
 
 void help_all(FILE *file)
@@ -79,7 +51,7 @@ void help_all(FILE *file)
         fprintf(file, "  %s\n", command_table[k].example[0]);
     for (int k = 0; command_notes[k]; k++) {
         fputc('\n', file);
-        print_wrapped(file, command_notes[k], 0, 0);
+        wrap_print(file, command_notes[k], 0, 0);
     }
 }
 
@@ -88,7 +60,7 @@ void help_command(FILE *file, command_id command)
     const command_entry *entry = &command_table[command];
     fprintf(file, "usage: pzs %s%s%s [options]\n\n", entry->name, *entry->argument ? " " : "",
             entry->argument);
-    print_wrapped(file, entry->about, 0, 0);
+    wrap_print(file, entry->about, 0, 0);
     fputs("\nOptions:\n", file);
     for (int k = 0; k < OPTIONS; k++)
         if (command_takes(command, (option_id)k))
@@ -96,4 +68,8 @@ void help_command(FILE *file, command_id command)
     fputs("\nExamples:\n", file);
     for (int k = 0; entry->example[k]; k++)
         fprintf(file, "  %s\n", entry->example[k]);
+    if (command == COMMAND_KEYS) {
+        fputs("\nKeys:\n", file);
+        keys_print(file, NULL);
+    }
 }

@@ -12,6 +12,8 @@
 #include "../model/follow_path.h"
 #include "../model/estimator.h"
 #include "help.h"
+#include "keys.h"
+#include "schema.h"
 #include "../system/interrupt.h"
 #include "manual.h"
 #include "../model/mass.h"
@@ -777,6 +779,8 @@ static int run_command(command_id id, const options *options)
     case COMMAND_SIMULATE: return run_on_scene(options, command_simulate);
     case COMMAND_NEW: return command_new(options);
     case COMMAND_MIGRATE: return command_migrate(options);
+    case COMMAND_KEYS: keys_print(stdout, options->word); return 0;
+    case COMMAND_SCHEMA: schema_write(stdout); return 0;
     case COMMAND_COMPLETION: manual_completion(stdout); return 0;
     case COMMAND_MAN: manual_page(stdout); return 0;
     case COMMAND_HELP: return print_help(options);

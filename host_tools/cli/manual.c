@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Manual page and shell completion (manual.h). */
 #include "manual.h"
+#include "keys.h"
 #include "commands.h"
 #include "pzs.h"
 
@@ -150,6 +151,7 @@ static void complete_argument(FILE *file, const command_entry *entry)
     case ARGUMENT_SCENE: fputs("$(pzs list 2>/dev/null | cut -d' ' -f1)", file); break;
     case ARGUMENT_COMMAND: command_names(file); break;
     case ARGUMENT_CHOICE: choices(file, entry->choices); break;
+    case ARGUMENT_SECTION: keys_names(file); break;
     case ARGUMENT_NONE:
     case ARGUMENT_FILE:
     case ARGUMENT_TEXT: break;
@@ -177,8 +179,9 @@ void manual_completion(FILE *file)
           "-W \"",
           file);
     command_names(file);
-    fprintf(file, " %s %s\" -- \"$word\"))\n        return\n    fi\n    case $before in\n",
-            option_table[OPTION_HELP].name, option_table[OPTION_VERSION].name);
+    fprintf(file, " %s %s %s\" -- \"$word\"))\n        return\n    fi\n    case $before in\n",
+            option_table[OPTION_HELP].name, option_table[OPTION_VERSION].name,
+            option_table[OPTION_MIGRATE].name);
     complete_values(file);
     fputs("    esac\n    case ${COMP_WORDS[1]} in\n", file);
     for (int k = 0; k < COMMANDS; k++)

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "keys.h"
 
 /* ---- messages --------------------------------------------------------- */
 
@@ -26,6 +27,17 @@ int options_unknown_command(const char *name)
     for (int k = 0; k < COMMANDS; k++)
         suggest_consider(&near, command_table[k].name);
     fprintf(stderr, "pzs: unknown command '%s'%s; see pzs --help\n", name,
+            suggest_text(&near, text));
+    return OPTIONS_WRONG;
+}
+
+static int unknown_section(const char *name)
+{
+    suggestion near;
+    char text[SUGGEST_TEXT];
+    suggest_begin(&near, name);
+    keys_suggest(&near);
+    fprintf(stderr, "pzs: a scene has no section '%s'%s; see pzs keys\n", name,
             suggest_text(&near, text));
     return OPTIONS_WRONG;
 }
@@ -210,6 +222,8 @@ static int take_word(options *options, const char *word)
         return wrong_choice("the argument", entry->choices, word);
     if (entry->kind == ARGUMENT_COMMAND && command_find(word) == COMMANDS)
         return options_unknown_command(word);
+    if (entry->kind == ARGUMENT_SECTION && !keys_has(word))
+        return unknown_section(word);
     if (entry->kind == ARGUMENT_SCENE)
         options->scene = word;
     else

@@ -175,7 +175,7 @@ void print_check_json(const analysis *analysis)
 {
     tables_size size;
     tables_memory need;
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_head(&json, analysis);
     json_open(&json, "images", '{');
@@ -307,7 +307,7 @@ static void json_seconds(json *json, const analysis *analysis)
 void print_solve_json(analysis *analysis, const double *value)
 {
     const design *design = &analysis->design;
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_head(&json, analysis);
     json_string(&json, "kinematics", analysis->nonlinear ? "nonlinear" : "linear");
@@ -592,7 +592,7 @@ void print_shape_json(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
     const design *design = &analysis->design;
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_head(&json, analysis);
     json_number(&json, "amplifiers", design->amplifiers);

@@ -96,7 +96,7 @@ void print_load_path_json(json *json, const analysis *analysis, const load_path 
 
 void print_ended_path_json(const analysis *analysis, const load_path *path)
 {
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     print_load_path_json(&json, analysis, path);
     json_close(&json, '}');

@@ -336,7 +336,7 @@ static void json_history(json *json, const simulate_record *record, double rate)
 void print_simulation_json(const simulation *simulation, const simulate_record *record)
 {
     const scene *scene = simulation->nominal->design.scene;
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_string(&json, "scene", scene->name);
     json_string(&json, "plant", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");

@@ -89,7 +89,7 @@ static void json_mode(json *json, const design *design, const vibration *vibrati
 void print_vibration_json(const design *design, const vibration *vibration,
                           const mesh_error *mesh_error)
 {
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_string(&json, "scene", design->scene->name);
     json_number(&json, "mass", vibration->mass);

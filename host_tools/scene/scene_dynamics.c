@@ -4,6 +4,7 @@
 
 static const range ratio = {
     0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
+static const range counted = {1, 200, 0, "must be from 1 to 200"};
 
 static int read_list(reader *reader, int node, scene_dynamics *dynamics)
 {
@@ -30,11 +31,18 @@ static int read_rayleigh(reader *reader, int node, void *to, const void *rule)
     return read_pair(reader, node, dynamics->rayleigh, rule);
 }
 
+static const form coefficients_form = {
+    .type = FORM_LIST, .item = &not_negative_form, .least = 2, .most = 2};
+
+static const field rayleigh_fields[] = {
+    {"rayleigh", read_rayleigh, 0, &not_negative, 1, .of = OF_NUMBER, .form = &coefficients_form,
+     .help = "Rayleigh's coefficients a of mass (rad/s) and b of stiffness (s/rad): the damping "
+             "ratio at the angular frequency w is a/(2 w) + b w/2."},
+    {.key = NULL}};
+
 /* Read one ratio, a list of ratios, or {rayleigh: [a, b]}. */
 static int read_damping(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {{"rayleigh", read_rayleigh, 0, &not_negative, 1},
-                                   {NULL, NULL, 0, NULL, 0}};
     scene_dynamics *dynamics = to;
     (void)rule;
     dynamics->damping_given = 1;
@@ -42,32 +50,51 @@ static int read_damping(reader *reader, int node, void *to, const void *rule)
         return read_list(reader, node, dynamics);
     if (reader->t->node[node].kind != TREE_MAP)
         return read_real(reader, node, &dynamics->damping, &ratio);
-    if (read_map(reader, node, fields, dynamics) != 0)
+    if (read_map(reader, node, rayleigh_fields, dynamics) != 0)
         return -1;
     if (dynamics->rayleigh[0] + dynamics->rayleigh[1] > 0)
         return 0;
     return tree_fault(reader->t, node, "both of Rayleigh's coefficients are 0; one must be above");
 }
 
+static const form ratio_form = {.type = FORM_NUMBER, .range = &ratio};
+static const form ratios_form = {.type = FORM_LIST, .item = &ratio_form, .least = 1};
+static const form rayleigh_form = {.type = FORM_MAP, .fields = rayleigh_fields};
+static const form *const damping_forms[] = {&ratio_form, &ratios_form, &rayleigh_form, NULL};
+static const form damping_form = {.type = FORM_ANY, .any = damping_forms};
+
+static const field dynamics_fields[] = {
+    {"damping", read_damping, .of = OF_NUMBER, .form = &damping_form,
+     .help = "Damping as a ratio to critical damping: one for every mode, a list for the first "
+             "modes whose last entry holds for all others, or {rayleigh: [a, b]}; default 0.005."},
+    {"modes", read_int, offsetof(scene_dynamics, modes), &counted, .of = OF_NUMBER,
+     .help = "Number of vibration modes with which the control loop is assessed; default 30."},
+    {"mass_per_area", read_real, offsetof(scene_dynamics, mass_per_area), &not_negative,
+     .of = OF_AREA_DENSITY,
+     .help = "Mass per area that belongs to no layer, such as wiring or a coating, at the middle "
+             "of the laminate."},
+    {.key = NULL}};
+
+const form dynamics_form = {.type = FORM_MAP, .fields = dynamics_fields};
+
 int read_dynamics(reader *reader, int node, void *to, const void *rule)
 {
-    static const range counted = {1, 200, 0, "must be from 1 to 200"};
-    static const field fields[] = {
-        {"damping", read_damping, 0, NULL, 0},
-        {"modes", read_int, offsetof(scene_dynamics, modes), &counted, 0},
-        {"mass_per_area", read_real, offsetof(scene_dynamics, mass_per_area), &not_negative, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
-    return read_map(reader, node, fields, &scene->dynamics);
+    return read_map(reader, node, dynamics_fields, &scene->dynamics);
 }
+
+static const field control_fields[] = {
+    {"rate", read_real, offsetof(scene_control, rate), &above_zero, .of = OF_RATE,
+     .help = "Tick rate of the control loop (ticks a second): the rate at which its stability is "
+             "assessed, and the time axis of a simulation, which assumes 1000 if it is not given."},
+    {.key = NULL}};
+
+const form control_form = {.type = FORM_MAP, .fields = control_fields};
 
 int read_control(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        {"rate", read_real, offsetof(scene_control, rate), &above_zero, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
-    return read_map(reader, node, fields, &scene->control);
+    return read_map(reader, node, control_fields, &scene->control);
 }

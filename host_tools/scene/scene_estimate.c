@@ -22,13 +22,17 @@ static int read_output_of(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
+
+static const field reading_fields[] = {
+    {"output", read_output_of, offsetof(scene_reading, output), .required = 1, .form = &name_form,
+     .help = "Name of an output that the firmware measures: a displacement, voltage or charge."},
+    {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1, .of = OF_READING,
+     .help = "Standard deviation of the noise, in the unit of the output."},
+    {.key = NULL}};
+
 static int read_readings(reader *reader, int node, void *to, const void *rule)
 {
-    static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
-    static const field fields[] = {
-        {"output", read_output_of, offsetof(scene_reading, output), NULL, 1},
-        {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1},
-        {NULL, NULL, 0, NULL, 0}};
     scene_estimate *estimate = to;
     int i, k = 0;
     (void)rule;
@@ -41,22 +45,35 @@ static int read_readings(reader *reader, int node, void *to, const void *rule)
                           "'readings' is empty; write [{output: name, noise: 1e-6}]");
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
         estimate->reading[k].at = node_at(reader, i);
-        if (read_map(reader, i, fields, &estimate->reading[k]) != 0)
+        if (read_map(reader, i, reading_fields, &estimate->reading[k]) != 0)
             return -1;
     }
     return 0;
 }
 
+static const range part = {
+    0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of the disturbance"};
+static const form reading_form = {.type = FORM_MAP, .fields = reading_fields};
+static const form readings_form = {.type = FORM_LIST, .item = &reading_form, .least = 1};
+
+static const field estimate_fields[] = {
+    {"readings", read_readings, 0, .required = 1, .form = &readings_form,
+     .help = "Measurements of the firmware; an output with several values is as many sensors."},
+    {"loads", read_real, offsetof(scene_estimate, loads), &not_negative, .of = OF_NUMBER,
+     .help = "Standard deviation of the factor of every load, which may disturb the shape; "
+             "default 1, the load as the scene states it."},
+    {"voltages", read_real, offsetof(scene_estimate, voltages), &not_negative, .of = OF_VOLTAGE,
+     .help = "Standard deviation of the voltage error of every electrode; default a tenth of half "
+             "the voltage range, or 1 V without limits."},
+    {"tolerance", read_real, offsetof(scene_estimate, tolerance), &part, .of = OF_NUMBER,
+     .help = "Largest part of the disturbance that the estimate may leave unobserved; the readings "
+             "are refused if more remains; default 0.5."},
+    {.key = NULL}};
+
+const form estimate_form = {.type = FORM_MAP, .fields = estimate_fields};
+
 int read_estimate(reader *reader, int node, void *to, const void *rule)
 {
-    static const range part = {
-        0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of the disturbance"};
-    static const field fields[] = {
-        {"readings", read_readings, 0, NULL, 1},
-        {"loads", read_real, offsetof(scene_estimate, loads), &not_negative, 0},
-        {"voltages", read_real, offsetof(scene_estimate, voltages), &not_negative, 0},
-        {"tolerance", read_real, offsetof(scene_estimate, tolerance), &part, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
     scene->estimate.at = node_at(reader, node);
@@ -68,7 +85,7 @@ int read_estimate(reader *reader, int node, void *to, const void *rule)
                           "an estimate needs a target, whose nodes it is for; add target: {u3: "
                           "middle, at: nodes, "
                           "value: ...}");
-    if (read_map(reader, node, fields, &scene->estimate) != 0)
+    if (read_map(reader, node, estimate_fields, &scene->estimate) != 0)
         return -1;
     scene->estimate.given = 1;
     return 0;

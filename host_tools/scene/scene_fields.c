@@ -124,10 +124,15 @@ static int check_keys(reader *reader, int node, const field *fields)
 static int read_child(reader *reader, int node, const field *field, void *to)
 {
     const retired *const row = retired_word(reader->t, node);
+    const dimension outer = reader->of;
+    int status;
     if (row)
         return tree_fault(reader->t, node, "'%.60s: %s' is now called '%s'; write '%s'",
                           tree_name(reader->t, node), row->old_name, row->new_name, row->new_name);
-    return field->read(reader, node, (char *)to + field->offset, field->rule);
+    reader->of = field->of;
+    status = field->read(reader, node, (char *)to + field->offset, field->rule);
+    reader->of = outer;
+    return status;
 }
 
 int read_map(reader *reader, int node, const field *fields, void *to)
@@ -303,10 +308,11 @@ int read_choice(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const choice flags[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
+                               {"yes", 1},  {"no", 0},    {NULL, 0}};
+
 int read_flag(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice flags[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
-                                   {"yes", 1},  {"no", 0},    {NULL, 0}};
     (void)rule;
     return read_choice(reader, node, to, flags);
 }
@@ -340,4 +346,135 @@ void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *coun
         return tree_fault(reader->t, node, "out of memory"), NULL;
     *count = n;
     return items;
+}
+
+/* ---- forms ------------------------------------------------------------ */
+
+const form number_form = {.type = FORM_NUMBER};
+const form above_zero_form = {.type = FORM_NUMBER, .range = &above_zero};
+const form not_negative_form = {.type = FORM_NUMBER, .range = &not_negative};
+const form formula_form = {.type = FORM_FORMULA};
+const form name_form = {.type = FORM_NAME};
+const form label_form = {.type = FORM_TEXT};
+const form labels_form = {.type = FORM_LIST, .item = &label_form};
+const form flag_form = {.type = FORM_WORD, .words = flags};
+const form triple_form = {.type = FORM_LIST, .item = &number_form, .least = 3, .most = 3};
+
+/* Form of two numbers in a range. */
+static form pair_form(const range *rule)
+{
+    form pair = {.type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
+    if (rule == &above_zero)
+        pair.item = &above_zero_form;
+    if (rule == &not_negative)
+        pair.item = &not_negative_form;
+    return pair;
+}
+
+form field_form(const field *field)
+{
+    static const struct {
+        field_read *read;
+        form_type type;
+    } basic[] = {{read_real, FORM_NUMBER}, {read_int, FORM_WHOLE},   {read_name, FORM_NAME},
+                 {read_text, FORM_TEXT},   {read_choice, FORM_WORD}, {read_flag, FORM_WORD},
+                 {read_expr, FORM_FORMULA}};
+    form found = {.type = FORM_TEXT};
+    if (field->form)
+        return *field->form;
+    if (field->read == read_pair)
+        return pair_form(field->rule);
+    for (size_t i = 0; i < sizeof basic / sizeof *basic; i++)
+        if (field->read == basic[i].read)
+            found.type = basic[i].type;
+    if (found.type == FORM_WORD)
+        found.words = field->read == read_flag ? flags : field->rule;
+    else if (found.type != FORM_NAME && found.type != FORM_TEXT)
+        found.range = field->rule;
+    return found;
+}
+
+/* ---- combinations of keys --------------------------------------------- */
+
+int case_next(const char **keys, case_item *item)
+{
+    const char *at = *keys + strspn(*keys, " ");
+    memset(item, 0, sizeof *item);
+    if (!*at)
+        return 0;
+    item->is_optional = *at == '?';
+    at += item->is_optional;
+    item->text = at;
+    item->length = strcspn(at, " =");
+    at += item->length;
+    if (*at == '=') {
+        item->words = at + 1;
+        item->words_length = strcspn(item->words, " ");
+        at = item->words + item->words_length;
+    }
+    *keys = at;
+    return 1;
+}
+
+/* Return whether a list of words has a word. */
+static int has_word(const char *list, size_t length, char separator, const char *word)
+{
+    const size_t wanted = strlen(word);
+    for (size_t start = 0; start < length;) {
+        size_t end = start;
+        while (end < length && list[end] != separator)
+            end++;
+        if (end - start == wanted && strncmp(list + start, word, wanted) == 0)
+            return 1;
+        start = end + 1;
+    }
+    return 0;
+}
+
+int case_item_has(const case_item *item, const char *key)
+{
+    return has_word(item->text, item->length, '|', key);
+}
+
+static int case_has(const form_case *one, const char *key)
+{
+    const char *keys = one->keys;
+    case_item item;
+    while (case_next(&keys, &item))
+        if (case_item_has(&item, key))
+            return 1;
+    return 0;
+}
+
+/* Return the form_case whose first item is "type=word". */
+static const form_case *case_of_type(const form_case *cases, const char *word)
+{
+    for (; cases->keys; cases++) {
+        const char *keys = cases->keys;
+        case_item item;
+        if (case_next(&keys, &item) && item.words &&
+            has_word(item.words, item.words_length, '/', word))
+            break;
+    }
+    return cases;
+}
+
+int check_type_case(reader *reader, int node, const form_case *cases, const char *word)
+{
+    const form_case *const one = case_of_type(cases, word);
+    const char *keys = one->keys;
+    const tree_node *const n = reader->t->node;
+    case_item item;
+    while (case_next(&keys, &item)) {
+        char key[SCENE_NAME];
+        snprintf(key, sizeof key, "%.*s", (int)item.length, item.text);
+        if (!item.is_optional && !tree_find(reader->t, node, key))
+            return tree_fault(reader->t, node, "'%s' is missing in %.60s; a %s needs it", key,
+                              tree_name(reader->t, node), word);
+    }
+    for (int i = n[node].first; i; i = n[i].next)
+        if (!case_has(one, n[i].key))
+            return tree_fault_at(reader->t, n[i].key_at, "'%s' has no meaning for a %s; remove it",
+                                 n[i].key, word);
+    return 0;
 }

@@ -207,17 +207,50 @@ static int make_function(reader *reader, const function_text *text, const number
     return failed;
 }
 
+#define FILE_ROW                                                                                   \
+    {                                                                                              \
+        "file", read_file, offsetof(function_text, file), NULL, 1, OF_NOTHING, &label_form,        \
+            "File of the numbers, beside the scene file."                                          \
+    }
+#define COLUMN_ROWS                                                                                \
+    {"column",                                                                                     \
+     read_file,                                                                                    \
+     offsetof(function_text, value),                                                               \
+     NULL,                                                                                         \
+     0,                                                                                            \
+     OF_NOTHING,                                                                                   \
+     &label_form,                                                                                  \
+     "Name or number from 1 of the column of the values."},                                        \
+    {                                                                                              \
+        "scale", read_real, offsetof(function_text, scale), NULL, 0, OF_NUMBER, NULL,              \
+            "Factor of the values of the file; default 1."                                         \
+    }
+
+static const field function_fields[] = {
+    FILE_ROW,
+    {"columns", read_list_node, offsetof(function_text, columns), .form = &labels_form,
+     .help = "Meaning of the columns in their order: coordinates, and the value last, as [x, y, "
+             "value]."},
+    COLUMN_ROWS,
+    {.key = NULL}};
+static const form function_file_form = {.type = FORM_MAP, .fields = function_fields};
+
+static const field list_fields[] = {FILE_ROW, COLUMN_ROWS, {.key = NULL}};
+static const form list_file_form = {.type = FORM_MAP, .fields = list_fields};
+
+static const form list_form = {.type = FORM_LIST, .item = &number_form};
+static const form *const row_functions[] = {&formula_form, &list_form, &function_file_form, NULL};
+const form row_function_form = {.type = FORM_ANY, .any = row_functions};
+static const form *const place_functions[] = {&formula_form, &function_file_form, NULL};
+const form place_function_form = {.type = FORM_ANY, .any = place_functions};
+static const form *const lists[] = {&list_form, &list_file_form, NULL};
+const form numbers_form = {.type = FORM_ANY, .any = lists};
+
 static int read_function_file(reader *reader, int node, expr **function)
 {
-    static const field fields[] = {
-        {"file", read_file, offsetof(function_text, file), NULL, 1},
-        {"columns", read_list_node, offsetof(function_text, columns), NULL, 0},
-        {"column", read_file, offsetof(function_text, value), NULL, 0},
-        {"scale", read_real, offsetof(function_text, scale), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     function_text text = {0, 0, 0, 1};
     number_table table;
-    if (read_map(reader, node, fields, &text) != 0 ||
+    if (read_map(reader, node, function_fields, &text) != 0 ||
         scene_table_read(reader, text.file, &table) != 0)
         return -1;
     const int failed = make_function(reader, &text, &table, function);
@@ -295,16 +328,12 @@ static int copy_list(reader *reader, const function_text *text, const number_tab
 
 int scene_numbers_read(reader *reader, int node, scene_numbers *numbers)
 {
-    static const field fields[] = {{"file", read_file, offsetof(function_text, file), NULL, 1},
-                                   {"column", read_file, offsetof(function_text, value), NULL, 0},
-                                   {"scale", read_real, offsetof(function_text, scale), NULL, 0},
-                                   {NULL, NULL, 0, NULL, 0}};
     function_text text = {0, 0, 0, 1};
     number_table table;
     int failed;
     memset(numbers, 0, sizeof *numbers);
     if (reader->t->node[node].kind == TREE_MAP) {
-        if (read_map(reader, node, fields, &text) != 0 ||
+        if (read_map(reader, node, list_fields, &text) != 0 ||
             scene_table_read(reader, text.file, &table) != 0)
             return -1;
         failed = copy_list(reader, &text, &table, numbers);

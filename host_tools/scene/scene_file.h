@@ -22,6 +22,7 @@ int scene_table_read(reader *reader, int node, number_table *table);
  * values in the order of the rows of a target; read_place_function refuses them.
  */
 field_read read_row_function, read_place_function;
+extern const form row_function_form, place_function_form;
 
 /*
  * Read numbers, as a list or as {file: FILE, column: NAME}, all finite. The values are allocated.
@@ -31,5 +32,6 @@ typedef struct scene_numbers {
     double *value; /* [count] */
 } scene_numbers;
 int scene_numbers_read(reader *reader, int node, scene_numbers *numbers);
+extern const form numbers_form;
 
 #endif

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Imperfections in the section `simulate` of a scene: what sensors, amplifiers, cables and ceramic
- * do that the controller does not know.
- */
+/* Lists of amplifiers in the section `simulate` of a scene, and those whose wires are wrong. */
 #include "scene_parts.h"
 
 #include <stdlib.h>
@@ -33,44 +30,6 @@ int read_amplifier_names(reader *reader, int node, int **list, int *count)
             (*list)[(*count)++] = first + k;
     }
     return 0;
-}
-
-int read_bandwidth(reader *reader, int node, void *to, const void *rule)
-{
-    (void)rule;
-    return read_real(reader, node, &((scene_simulate *)to)->imperfections.bandwidth, &above_zero);
-}
-
-int read_creep(reader *reader, int node, void *to, const void *rule)
-{
-    static const range part = {0, 0.2, 0,
-                               "must lie between 0 and 0.2; it is the creep a decade of time over "
-                               "the voltage"};
-    (void)rule;
-    return read_real(reader, node, &((scene_simulate *)to)->imperfections.creep, &part);
-}
-
-int read_drift(reader *reader, int node, void *to, const void *rule)
-{
-    (void)rule;
-    return read_real(reader, node, &((scene_simulate *)to)->imperfections.drift, &not_negative);
-}
-
-int read_quantum(reader *reader, int node, void *to, const void *rule)
-{
-    (void)rule;
-    return read_real(reader, node, &((scene_simulate *)to)->imperfections.quantum, &not_negative);
-}
-
-int read_outliers(reader *reader, int node, void *to, const void *rule)
-{
-    static const range share = {0, 1, 0, "must lie between 0 and 1"};
-    static const field fields[] = {
-        {"chance", read_real, offsetof(scene_imperfections, outlier_chance), &share, 1},
-        {"size", read_real, offsetof(scene_imperfections, outlier_size), &above_zero, 1},
-        {NULL, NULL, 0, NULL, 0}};
-    (void)rule;
-    return read_map(reader, node, fields, &((scene_simulate *)to)->imperfections);
 }
 
 int read_reversed(reader *reader, int node, void *to, const void *rule)

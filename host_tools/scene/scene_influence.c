@@ -220,6 +220,7 @@ static int read_mask(reader *reader, influence_text *text)
     scene_numbers mask;
     if (!text->mask)
         return 0;
+    reader->of = OF_NUMBER;
     if (scene_numbers_read(reader, text->mask, &mask) != 0)
         return -1;
     int failed =
@@ -339,22 +340,33 @@ static int list_points(reader *reader, int list, number_table *table)
     return 0;
 }
 
+static const field coordinate_fields[] = {
+    {"file", read_node, offsetof(coordinate_text, file), .required = 1, .form = &label_form,
+     .help = "File with a row of coordinates for each output, beside the scene file."},
+    {"columns", read_node, offsetof(coordinate_text, columns), .form = &labels_form,
+     .help = "Meaning of the columns in their order, as [x, y]; default the names in the file."},
+    {.key = NULL}};
+
+static const form coordinate_file_form = {.type = FORM_MAP, .fields = coordinate_fields};
+static const form point_list_form = {
+    .type = FORM_LIST, .item = &number_form, .least = 1, .most = AXES};
+static const form points_form = {.type = FORM_LIST, .item = &point_list_form};
+static const form *const coordinate_forms[] = {&points_form, &coordinate_file_form, NULL};
+static const form coordinates_form = {.type = FORM_ANY, .any = coordinate_forms};
+
 /* Coordinates from a section of their own: a list of points, or a file. */
 static int read_coordinates(reader *reader, const influence_text *text)
 {
-    static const field fields[] = {
-        {"file", read_node, offsetof(coordinate_text, file), NULL, 1},
-        {"columns", read_node, offsetof(coordinate_text, columns), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     const int node = text->coordinates;
     coordinate_text own = {0, 0};
     number_table table;
     int column[AXES] = {0, 1, 2}, failed;
     memset(&table, 0, sizeof table);
+    reader->of = OF_LENGTH;
     if (reader->t->node[node].kind == TREE_LIST) {
         failed = list_points(reader, node, &table);
     } else {
-        failed = read_map(reader, node, fields, &own) != 0 ||
+        failed = read_map(reader, node, coordinate_fields, &own) != 0 ||
                  (own.columns && require_kind(reader, own.columns, TREE_LIST) != 0) ||
                  scene_table_read(reader, own.file, &table) != 0 ||
                  find_columns(reader, &own, &table, column) != 0;
@@ -420,28 +432,43 @@ static int build(reader *reader, influence_text *text)
     return copy_matrix(reader, text);
 }
 
-static const range not_zero = {0, HUGE_VAL, 1, "must be above 0"};
+static const choice row_meanings[] = {{"outputs", 0}, {"actuators", 1}, {NULL, 0}};
+
+static const field influence_fields[] = {
+    {"file", read_node, offsetof(influence_text, file), .required = 1, .form = &label_form,
+     .help = "File of the matrix, beside the scene file: displacement per volt, a row for each "
+             "output and a column for each actuator; columns x, y, z are coordinates."},
+    {"rows", read_choice, offsetof(influence_text, rows_are_actuators), row_meanings,
+     .help = "Meaning of the rows of the file; default outputs."},
+    {"scale", read_real, offsetof(influence_text, scale), &above_zero, .of = OF_NUMBER,
+     .help = "Factor of the entries; default 1."},
+    {"actuators", read_node, offsetof(influence_text, actuators), .form = &labels_form,
+     .help = "Names of the actuators in the order of the file; default those of the file, or v1, "
+             "v2 ..."},
+    {"outputs", read_node, offsetof(influence_text, outputs), .form = &labels_form,
+     .help = "Names of the outputs in the order of the file."},
+    {"coordinates", read_node, offsetof(influence_text, coordinates), .of = OF_LENGTH,
+     .form = &coordinates_form,
+     .help = "Places of the outputs, as [[x, y, z], ...] or {file: ...}."},
+    {"ignore", read_node, offsetof(influence_text, ignore), .form = &labels_form,
+     .help = "Outputs that are left out, by name or number from 1."},
+    {"mask", read_node, offsetof(influence_text, mask), .of = OF_NUMBER, .form = &numbers_form,
+     .help = "1 for each output that is used and 0 for each that is not, as a list or {file: "
+             "...}."},
+    {.key = NULL}};
+
+const form influence_form = {.type = FORM_MAP, .fields = influence_fields};
 
 int read_influence(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice meanings[] = {{"outputs", 0}, {"actuators", 1}, {NULL, 0}};
-    static const field fields[] = {
-        {"file", read_node, offsetof(influence_text, file), NULL, 1},
-        {"rows", read_choice, offsetof(influence_text, rows_are_actuators), meanings, 0},
-        {"scale", read_real, offsetof(influence_text, scale), &not_zero, 0},
-        {"actuators", read_node, offsetof(influence_text, actuators), NULL, 0},
-        {"outputs", read_node, offsetof(influence_text, outputs), NULL, 0},
-        {"coordinates", read_node, offsetof(influence_text, coordinates), NULL, 0},
-        {"ignore", read_node, offsetof(influence_text, ignore), NULL, 0},
-        {"mask", read_node, offsetof(influence_text, mask), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     influence_text text;
     (void)rule;
     memset(&text, 0, sizeof text);
     text.scale = 1;
     scene->influence.at = node_at(reader, node);
-    const int failed = read_map(reader, node, fields, &text) != 0 || build(reader, &text) != 0;
+    const int failed =
+        read_map(reader, node, influence_fields, &text) != 0 || build(reader, &text) != 0;
     scene->influence.given = 1;
     if (!failed)
         snprintf(scene->influence.file, sizeof scene->influence.file, "%.250s",

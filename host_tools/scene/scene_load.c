@@ -85,14 +85,30 @@ static int read_fix(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const form fix_word_form = {.type = FORM_WORD, .words = fixes};
+static const form fix_words_form = {.type = FORM_LIST, .item = &fix_word_form};
+static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
+static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
+
+static const field support_fields[] = {
+    PLACE(offsetof(scene_support, where)),
+    {"value", read_place_function, offsetof(scene_support, value), .of = OF_SUPPORT,
+     .form = &place_function_form,
+     .help = "Prescribed displacement at full load, instead of 0; needs kinematics: nonlinear. u1, "
+             "u2, u3 move both faces alike; words for several displacements have no value."},
+    {"fix", read_fix, .required = 1, .form = &fix_form,
+     .help = "clamped: all displacements; simple: along the edge and u3 (a diaphragm); symmetric: "
+             "across the edge; or displacements by name, where u1 alone means mean and difference "
+             "of both faces, and u3M is the dof of the middle surface."},
+    {.key = NULL}};
+
+static const form_case support_cases[] = {{"edge|at fix", NULL}, {NULL, NULL}};
+static const form support_form = {
+    .type = FORM_MAP, .fields = support_fields, .cases = support_cases};
+const form supports_form = {.type = FORM_LIST, .item = &support_form};
+
 int read_supports(reader *reader, int node, void *to, const void *rule)
 {
-    static const field place[] = {
-        {"edge", read_edge, offsetof(scene_support, where), NULL, 0},
-        {"at", read_at, offsetof(scene_support, where), NULL, 0},
-        {"value", read_place_function, offsetof(scene_support, value), NULL, 0},
-        {"fix", read_fix, 0, NULL, 1},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     int i, k = 0;
     (void)rule;
@@ -101,7 +117,7 @@ int read_supports(reader *reader, int node, void *to, const void *rule)
         return -1;
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
         scene->support[k].at = node_at(reader, i);
-        if (read_map(reader, i, place, &scene->support[k]) != 0 ||
+        if (read_map(reader, i, support_fields, &scene->support[k]) != 0 ||
             require_place(reader, i, &scene->support[k].where) != 0)
             return -1;
     }
@@ -128,30 +144,41 @@ static int read_constant(reader *reader, int node, void *to, const void *rule)
                       tree_name(reader->t, node), node_text(reader, node));
 }
 
+typedef struct weight_text {
+    int axis;
+    expr *gravity;
+} weight_text;
+
+static const field weight_fields[] = {
+    {"axis", read_choice, offsetof(weight_text, axis), place_axes, 1, .help = "Global axis."},
+    {"gravity", read_constant, offsetof(weight_text, gravity), .required = 1, .of = OF_ACCELERATION,
+     .form = &number_form, .help = "Acceleration along the axis."},
+    {.key = NULL}};
+static const form weight_form = {.type = FORM_MAP, .fields = weight_fields};
+
 static int read_weight(reader *reader, int node, scene_load *load)
 {
-    typedef struct weight_text {
-        int axis;
-        expr *gravity;
-    } weight_text;
-    static const field fields[] = {
-        {"axis", read_choice, offsetof(weight_text, axis), place_axes, 1},
-        {"gravity", read_constant, offsetof(weight_text, gravity), NULL, 1},
-        {NULL, NULL, 0, NULL, 0}};
     weight_text text = {0, NULL};
-    int status = read_map(reader, node, fields, &text);
+    int status = read_map(reader, node, weight_fields, &text);
     load->component = (scene_component)text.axis;
     load->value = text.gravity;
     return status;
 }
 
+static const field temperature_fields[] = {
+    {"inner", read_constant, offsetof(scene_load, value), .required = 1, .of = OF_TEMPERATURE,
+     .form = &number_form, .help = "Temperature of the inner face."},
+    {"outer", read_constant, offsetof(scene_load, outer), .required = 1, .of = OF_TEMPERATURE,
+     .form = &number_form, .help = "Temperature of the outer face."},
+    {.key = NULL}};
+static const form temperatures_form = {.type = FORM_MAP, .fields = temperature_fields};
+static const form *const temperature_forms[] = {&number_form, &temperatures_form, NULL};
+static const form temperature_form = {.type = FORM_ANY, .any = temperature_forms};
+
 /* Read a temperature: one value for the whole shell, or one for each face. */
 static int read_temperature(reader *reader, int node, scene_load *load)
 {
-    static const field fields[] = {{"inner", read_constant, offsetof(scene_load, value), NULL, 1},
-                                   {"outer", read_constant, offsetof(scene_load, outer), NULL, 1},
-                                   {NULL, NULL, 0, NULL, 0}};
-    return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, fields, load)
+    return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, temperature_fields, load)
                                                   : read_constant(reader, node, &load->value, NULL);
 }
 
@@ -204,9 +231,11 @@ static int read_pressure(reader *reader, int node, void *to, const void *rule)
     return read_direction(reader, node, to, &place_components[COMPONENT_U3]);
 }
 
+static const choice areas[] = {{"reference", 0}, {"true", 1}, {NULL, 0}};
+static const form area_form = {.type = FORM_WORD, .words = areas};
+
 static int read_area(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice areas[] = {{"reference", 0}, {"true", 1}, {NULL, 0}};
     load_text *text = to;
     (void)rule;
     if (text->load->type != LOAD_FACE)
@@ -216,12 +245,14 @@ static int read_area(reader *reader, int node, void *to, const void *rule)
     return read_choice(reader, node, &text->load->true_area, areas);
 }
 
-static int read_follower(reader *reader, int node, void *to, const void *rule)
-{
-    static const choice kinds[] = {{"normal", FOLLOWER_NORMAL},
+static const choice followers[] = {{"normal", FOLLOWER_NORMAL},
                                    {"pressure", FOLLOWER_PRESSURE},
                                    {"none", FOLLOWER_NONE},
                                    {NULL, 0}};
+static const form follower_form = {.type = FORM_WORD, .words = followers};
+
+static int read_follower(reader *reader, int node, void *to, const void *rule)
+{
     load_text *text = to;
     scene_load *load = text->load;
     int kind = 0;
@@ -230,7 +261,7 @@ static int read_follower(reader *reader, int node, void *to, const void *rule)
         return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'follower' belongs to a pressure on a face; write pressure: "
                              "value instead of a direction, or remove it");
-    if (read_choice(reader, node, &kind, kinds) != 0)
+    if (read_choice(reader, node, &kind, followers) != 0)
         return -1;
     if (kind == FOLLOWER_NONE)
         return 0;
@@ -240,7 +271,7 @@ static int read_follower(reader *reader, int node, void *to, const void *rule)
             "'follower: pressure' acts on one face; write face: inner or face: outer");
     if (text->area_given && load->true_area != (kind == FOLLOWER_PRESSURE))
         return tree_fault(reader->t, node, "'follower: %s' is per %s area; remove 'area'",
-                          kinds[kind - 1].word,
+                          followers[kind - 1].word,
                           kind == FOLLOWER_PRESSURE ? "deformed" : "reference");
     load->follower = (scene_follower)kind;
     load->true_area = kind == FOLLOWER_PRESSURE;
@@ -264,23 +295,51 @@ static int read_on(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const field load_fields[] = {
+    {"point", read_load_type, 0, &load_types[0], .of = OF_COORDINATE, .form = &point_form,
+     .help = "Node on which a force acts."},
+    {"line", read_load_type, 0, &load_types[1], .form = &edge_form,
+     .help = "Edge on which a force per length acts."},
+    {"face", read_load_type, 0, &load_types[2], .form = &face_form,
+     .help = "Face on which a force per area acts; middle and mean: half on each face."},
+    {"weight", read_load_type, 0, &load_types[3], .of = OF_ACCELERATION, .form = &weight_form,
+     .help = "Weight: the force per volume is density * gravity along a global axis."},
+    {"temperature", read_load_type, 0, &load_types[4], .of = OF_TEMPERATURE,
+     .form = &temperature_form,
+     .help = "Temperature above that of the stress-free shape: one number, or {inner, outer}, "
+             "linear between the faces."},
+    DIRECTIONS(read_direction, OF_LOAD, &place_function_form, "Force (per length, per area)"),
+    {"pressure", read_pressure, .of = OF_LOAD, .form = &place_function_form,
+     .help = "Force per area along +e3, on a face."},
+    {"area", read_area, .form = &area_form,
+     .help = "Area on which a face load counts: of the reference surface (default), or true: of "
+             "the loaded face itself."},
+    {"follower", read_follower, .form = &follower_form,
+     .help = "Pressure that turns with the shell. none: it keeps its direction (default); normal: "
+             "constant per reference area, along the unit normal of the outer face; pressure: per "
+             "deformed area of the loaded face, inner or outer."},
+    {"on", read_on, .form = &face_form,
+     .help = "Face on which a point or line load acts; middle (default) and mean: half on each "
+             "face."},
+    {.key = NULL}};
+
+static const form_case load_cases[] = {
+    {"point u1|u2|u3|x|y|z ?on", "A force at a node."},
+    {"line u1|u2|u3|x|y|z ?on", "A force per length of an edge."},
+    {"face u1|u2|u3|x|y|z ?area", "A force per area of a face."},
+    {"face pressure ?area ?follower", "A pressure on a face."},
+    {"weight", "Weight by the densities of the materials."},
+    {"temperature", "A change of temperature, by the thermal expansion of the materials."},
+    {NULL, NULL}};
+static const form load_form = {.type = FORM_MAP, .fields = load_fields, .cases = load_cases};
+const form loads_form = {.type = FORM_LIST, .item = &load_form};
+
 static int read_load(reader *reader, int node, scene_load *load)
 {
-    static const field fields[] = {{"point", read_load_type, 0, &load_types[0], 0},
-                                   {"line", read_load_type, 0, &load_types[1], 0},
-                                   {"face", read_load_type, 0, &load_types[2], 0},
-                                   {"weight", read_load_type, 0, &load_types[3], 0},
-                                   {"temperature", read_load_type, 0, &load_types[4], 0},
-                                   DIRECTIONS(read_direction),
-                                   {"pressure", read_pressure, 0, NULL, 0},
-                                   {"area", read_area, 0, NULL, 0},
-                                   {"follower", read_follower, 0, NULL, 0},
-                                   {"on", read_on, 0, NULL, 0},
-                                   {NULL, NULL, 0, NULL, 0}};
     load_text text = {0};
     text.load = load;
     load->at = node_at(reader, node);
-    if (read_map(reader, node, fields, &text) != 0)
+    if (read_map(reader, node, load_fields, &text) != 0)
         return -1;
     if (text.types == 0)
         return tree_fault(
@@ -315,14 +374,6 @@ static const choice body_types[] = {{"plane", BODY_PLANE},
                                     {"sphere", BODY_SPHERE},
                                     {"psi", BODY_PSI},
                                     {NULL, 0}};
-
-static const struct {
-    scene_body_type type;
-    const char *key;
-} body_parts[] = {{BODY_PLANE, "point"},   {BODY_PLANE, "normal"},    {BODY_CYLINDER, "point"},
-                  {BODY_CYLINDER, "axis"}, {BODY_CYLINDER, "radius"}, {BODY_SPHERE, "point"},
-                  {BODY_SPHERE, "radius"}, {BODY_PSI, "value"}};
-enum { BODY_PARTS = sizeof body_parts / sizeof *body_parts };
 
 static int read_vector(reader *reader, int node, void *to, const void *rule)
 {
@@ -373,70 +424,79 @@ static int read_psi(reader *reader, int node, void *to, const void *rule)
                       node_text(reader, node));
 }
 
+typedef struct body_text {
+    int type;
+    scene_body body;
+} body_text;
+
+static const field body_fields[] = {
+    {"type", read_choice, offsetof(body_text, type), body_types, 1, .help = "Type of the body."},
+    {"point", read_vector, offsetof(body_text, body.point), .of = OF_LENGTH, .form = &triple_form,
+     .help = "Point [x, y, z] on a plane, on the axis of a cylinder, or the centre of a sphere."},
+    {"normal", read_unit, offsetof(body_text, body.normal), .of = OF_NUMBER, .form = &triple_form,
+     .help = "Direction [x, y, z] out of the body, towards the shell; of any length."},
+    {"axis", read_unit, offsetof(body_text, body.axis), .of = OF_NUMBER, .form = &triple_form,
+     .help = "Direction [x, y, z] of the axis; of any length."},
+    {"radius", read_real, offsetof(body_text, body.radius), &above_zero, .of = OF_LENGTH,
+     .help = "Radius of a cylinder or sphere."},
+    {"value", read_psi, offsetof(body_text, body.value), .of = OF_NUMBER, .form = &formula_form,
+     .help = "Function of x, y, z that is above 0 outside the body."},
+    {.key = NULL}};
+
+static const form_case body_cases[] = {
+    {"type=plane point normal", "All that lies behind a plane."},
+    {"type=cylinder point axis radius", "An endless circular cylinder."},
+    {"type=sphere point radius", "A ball."},
+    {"type=psi value", "Any convex body."},
+    {NULL, NULL}};
+static const form body_form = {.type = FORM_MAP, .fields = body_fields, .cases = body_cases};
+
 static int read_body(reader *reader, int node, void *to, const void *rule)
 {
-    typedef struct body_text {
-        int type;
-        scene_body body;
-    } body_text;
-    static const field fields[] = {
-        {"type", read_choice, offsetof(body_text, type), body_types, 1},
-        {"point", read_vector, offsetof(body_text, body.point), NULL, 0},
-        {"normal", read_unit, offsetof(body_text, body.normal), NULL, 0},
-        {"axis", read_unit, offsetof(body_text, body.axis), NULL, 0},
-        {"radius", read_real, offsetof(body_text, body.radius), &above_zero, 0},
-        {"value", read_psi, offsetof(body_text, body.value), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene_contact *contact = to;
     body_text text;
-    int i, k, status;
+    int status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    status = read_map(reader, node, fields, &text);
+    status = read_map(reader, node, body_fields, &text);
     contact->body = text.body;
     contact->body.type = (scene_body_type)text.type;
     if (status != 0)
         return -1;
-    for (k = 0; k < BODY_PARTS; k++)
-        if (body_parts[k].type == contact->body.type &&
-            !tree_find(reader->t, node, body_parts[k].key))
-            return tree_fault(reader->t, node, "'%s' is missing in body; a %s needs it",
-                              body_parts[k].key, body_types[text.type].word);
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
-        for (k = 0; k < BODY_PARTS; k++)
-            if (body_parts[k].type == contact->body.type &&
-                strcmp(body_parts[k].key, reader->t->node[i].key) == 0)
-                break;
-        if (k == BODY_PARTS && strcmp(reader->t->node[i].key, "type") != 0)
-            return tree_fault_at(reader->t, reader->t->node[i].key_at,
-                                 "'%s' has no meaning for a %s; remove it", reader->t->node[i].key,
-                                 body_types[text.type].word);
-    }
-    return 0;
+    return check_type_case(reader, node, body_cases, body_types[text.type].word);
 }
+
+static const range stiff = {0, HUGE_VAL, 1, "must be above 0; 10 serves, 100 for cord and rubber"};
+static const choice touching[] = {{"outer", FACE_OUTER}, {"inner", FACE_INNER}, {NULL, 0}};
+
+typedef struct contact_text {
+    int face;
+    scene_contact contact;
+} contact_text;
+
+static const field contact_fields[] = {
+    {"face", read_choice, offsetof(contact_text, face), touching, 1,
+     .help = "Face of the shell that touches the body."},
+    {"body", read_body, offsetof(contact_text, contact), .required = 1, .of = OF_LENGTH,
+     .form = &body_form, .help = "Rigid body before it moves."},
+    {"move", read_vector, offsetof(contact_text, contact.move), .of = OF_LENGTH,
+     .form = &triple_form, .help = "Displacement [x, y, z] of the body at full load; default 0."},
+    {"stiffness", read_real, offsetof(contact_text, contact.stiffness), &stiff, .of = OF_NUMBER,
+     .help = "Penalty factor of the contact relative to the stiffness of the structure; the result "
+             "does not depend on it; default 10, 100 for cord and rubber."},
+    {.key = NULL}};
+
+const form contact_form = {.type = FORM_MAP, .fields = contact_fields};
 
 int read_contact(reader *reader, int node, void *to, const void *rule)
 {
-    static const range stiff = {0, HUGE_VAL, 1,
-                                "must be above 0; 10 serves, 100 for cord and rubber"};
-    static const choice touching[] = {{"outer", FACE_OUTER}, {"inner", FACE_INNER}, {NULL, 0}};
-    typedef struct contact_text {
-        int face;
-        scene_contact contact;
-    } contact_text;
-    static const field fields[] = {
-        {"face", read_choice, offsetof(contact_text, face), touching, 1},
-        {"body", read_body, offsetof(contact_text, contact), NULL, 1},
-        {"move", read_vector, offsetof(contact_text, contact.move), NULL, 0},
-        {"stiffness", read_real, offsetof(contact_text, contact.stiffness), &stiff, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     contact_text text;
     int status;
     (void)rule;
     memset(&text, 0, sizeof text);
     text.contact.stiffness = 10;
-    status = read_map(reader, node, fields, &text);
+    status = read_map(reader, node, contact_fields, &text);
     scene->contact = text.contact;
     scene->contact.face = (scene_face)text.face;
     scene->contact.at = node_at(reader, node);

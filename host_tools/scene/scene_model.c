@@ -10,9 +10,11 @@
 const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
 static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
 
+static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
+static const form preset_form = {.type = FORM_WORD, .words = presets};
+
 static int read_preset(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
     int is_published = 0;
     (void)rule;
     if (read_choice(reader, node, &is_published, presets) != 0)
@@ -21,31 +23,50 @@ static int read_preset(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const choice strain_kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
+static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
+
+/* The preset is the first row, because the others modify the preset. */
+static const field element_fields[] = {
+    {"preset", read_preset, .form = &preset_form,
+     .help = "Formulation that the other keys modify; default improved."},
+    {"kinematics", read_choice, offsetof(scene_element, cartesian), strain_kinematics,
+     .help = "Strains from Cartesian differences of the displacement vectors of the corners, or "
+             "from derivatives in the local triad."},
+    {"tau", read_real, offsetof(scene_element, tau), &not_negative, .of = OF_NUMBER,
+     .help = "Factor of the warping correction of the membrane shear strain; 0: without."},
+    {"rho", read_real, offsetof(scene_element, rho), &not_negative, .of = OF_NUMBER,
+     .help = "Factor of the bending flexibility that is added to the transverse shear compliance; "
+             "0: without."},
+    {"hr", read_flag, offsetof(scene_element, hr),
+     .help = "Condense the compliance in the strain modes 01, 10 and 11."},
+    {"lin33", read_flag, offsetof(scene_element, lin33),
+     .help = "Condense the linear part of the normal strain e33."},
+    {"metric", read_flag, offsetof(scene_element, metric),
+     .help = "Exact variation of the surface metric through the thickness."},
+    {"area", read_choice, offsetof(scene_element, exact_area), areas,
+     .help = "Exact element area, or the area from the metric at the element centre."},
+    {.key = NULL}};
+
+static const form element_map_form = {.type = FORM_MAP, .fields = element_fields};
+static const form *const element_forms[] = {&preset_form, &element_map_form, NULL};
+const form element_form = {.type = FORM_ANY, .any = element_forms};
+
 int read_element(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
-    static const choice area[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
-    static const field fields[] = {
-        {"preset", read_preset, 0, NULL, 0}, /* first row, because the others modify the preset */
-        {"kinematics", read_choice, offsetof(scene_element, cartesian), kinematics, 0},
-        {"tau", read_real, offsetof(scene_element, tau), &not_negative, 0},
-        {"rho", read_real, offsetof(scene_element, rho), &not_negative, 0},
-        {"hr", read_flag, offsetof(scene_element, hr), NULL, 0},
-        {"lin33", read_flag, offsetof(scene_element, lin33), NULL, 0},
-        {"metric", read_flag, offsetof(scene_element, metric), NULL, 0},
-        {"area", read_choice, offsetof(scene_element, exact_area), area, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene_element *element = &((scene *)to)->element;
     *element = element_improved;
-    return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, fields, element)
+    return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, element_fields, element)
                                                   : read_preset(reader, node, element, rule);
 }
 
 /* ---- materials ---- */
 
+static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
+static const form poling_form = {.type = FORM_WORD, .words = polings};
+
 static int read_poling(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
     const char *text = node_text(reader, node);
     (void)rule;
     if (text && strcmp(text, "-3") == 0) { /* choices have no negative values */
@@ -54,6 +75,9 @@ static int read_poling(reader *reader, int node, void *to, const void *rule)
     }
     return read_choice(reader, node, to, polings);
 }
+
+static const form *const alpha_forms[] = {&number_form, &triple_form, NULL};
+static const form alpha_form = {.type = FORM_ANY, .any = alpha_forms};
 
 static int read_alpha(reader *reader, int node, void *to, const void *rule)
 {
@@ -169,25 +193,34 @@ static int elastic_orthotropic(reader *reader, int node, material_text *text)
         material->nu12, material->nu13, material->nu23, tree_name(reader->t, node));
 }
 
+#define STIFFNESS(key, i, rule, required, help)                                                    \
+    {                                                                                              \
+        key, read_real, sizeof(double) * (i), rule, required, OF_STRESS, NULL, help                \
+    }
+static const field stiffness_fields[] = {
+    STIFFNESS("c11", C11, &above_zero, 1, "Stiffness c11."),
+    STIFFNESS("c12", C12, NULL, 1, "Stiffness c12."),
+    STIFFNESS("c13", C13, NULL, 1, "Stiffness c13."),
+    STIFFNESS("c33", C33, &above_zero, 1, "Stiffness c33."),
+    STIFFNESS("c44", C44, &above_zero, 1, "Shear stiffness in the plane 23."),
+    STIFFNESS("c22", C22, &above_zero, 0, "Stiffness c22; default c11."),
+    STIFFNESS("c23", C23, NULL, 0, "Stiffness c23; default c13."),
+    STIFFNESS("c55", C55, &above_zero, 0, "Shear stiffness in the plane 13; default c44."),
+    STIFFNESS("c66", C66, &above_zero, 0,
+              "Shear stiffness in the plane 12; default (c11 - c12)/2."),
+    {.key = NULL}};
+#undef STIFFNESS
+
+static const form stiffness_form = {.type = FORM_MAP, .fields = stiffness_fields};
+
 static int read_stiffness(reader *reader, int node, void *to, const void *rule)
 {
-#define STIFFNESS(key, i, rule, required)                                                          \
-    {                                                                                              \
-        key, read_real, sizeof(double) * (i), rule, required                                       \
-    }
-    static const field fields[] = {
-        STIFFNESS("c11", C11, &above_zero, 1), STIFFNESS("c12", C12, NULL, 1),
-        STIFFNESS("c13", C13, NULL, 1),        STIFFNESS("c33", C33, &above_zero, 1),
-        STIFFNESS("c44", C44, &above_zero, 1), STIFFNESS("c22", C22, &above_zero, 0),
-        STIFFNESS("c23", C23, NULL, 0),        STIFFNESS("c55", C55, &above_zero, 0),
-        STIFFNESS("c66", C66, &above_zero, 0), {NULL, NULL, 0, NULL, 0}};
-#undef STIFFNESS
     double *c = to;
     int i;
     (void)rule;
     for (i = 0; i < 9; i++)
         c[i] = (double)NAN;
-    if (read_map(reader, node, fields, c) != 0)
+    if (read_map(reader, node, stiffness_fields, c) != 0)
         return -1;
     set_default(&c[C22], c[C11]);
     set_default(&c[C23], c[C13]);
@@ -247,48 +280,83 @@ static int check_material(reader *reader, int node, material_text *text)
                 : elastic_isotropic(reader, node, text);
 }
 
+static const range poisson = {-1, 0.5, 1, NULL};
+static const form poisson_form = {.type = FORM_NUMBER, .range = &poisson};
+
+#define NUMBER(key, member, rule, of, help)                                                        \
+    {                                                                                              \
+        key, read_real, offsetof(material_text, member), rule, 0, of, NULL, help                   \
+    }
+static const field material_fields[] = {
+    NUMBER("E", e, &above_zero, OF_STRESS, "Young's modulus of an isotropic material."),
+    {"nu", read_real, offsetof(material_text, nu), .of = OF_NUMBER, .form = &poisson_form,
+     .help = "Poisson's ratio of an isotropic material, between -1 and 0.5."},
+    {"stiffness", read_stiffness, offsetof(material_text, c), .form = &stiffness_form,
+     .help = "Stiffness at constant field instead of moduli, by default isotropic in the plane 12 "
+             "as of a ceramic poled along 3; the indices 4, 5, 6 are 23, 13, 12."},
+    NUMBER("E1", m.e[0], &above_zero, OF_STRESS, "Modulus along the fibres."),
+    NUMBER("E2", m.e[1], &above_zero, OF_STRESS, "Modulus across the fibres."),
+    NUMBER("E3", m.e[2], &above_zero, OF_STRESS, "Modulus through the thickness; default E2."),
+    NUMBER("G12", m.g12, &above_zero, OF_STRESS, "Shear modulus in the plane 12."),
+    NUMBER("G13", m.g13, &above_zero, OF_STRESS, "Shear modulus in the plane 13; default G12."),
+    NUMBER("G23", m.g23, &above_zero, OF_STRESS,
+           "Shear modulus in the plane 23; default E2/(2(1 + nu23))."),
+    NUMBER("nu12", m.nu12, NULL, OF_NUMBER, "Poisson's ratio -e2/e1 under a stress along 1."),
+    NUMBER("nu13", m.nu13, NULL, OF_NUMBER,
+           "Poisson's ratio -e3/e1 under a stress along 1; default nu12."),
+    NUMBER("nu23", m.nu23, NULL, OF_NUMBER,
+           "Poisson's ratio -e3/e2 under a stress along 2; default nu12."),
+    NUMBER("d31", m.d31, NULL, OF_STRAIN_CONSTANT,
+           "Piezoelectric strain constant: strain per field along the poling; default 0."),
+    NUMBER("d32", m.d32, NULL, OF_STRAIN_CONSTANT,
+           "Piezoelectric strain constant: strain per field along the poling; default 0."),
+    NUMBER("d33", m.d33, NULL, OF_STRAIN_CONSTANT,
+           "Piezoelectric strain constant: strain per field along the poling; default 0."),
+    NUMBER("d24", m.d24, NULL, OF_STRAIN_CONSTANT,
+           "Piezoelectric strain constant: strain per field along the poling; default 0."),
+    NUMBER("d15", m.d15, NULL, OF_STRAIN_CONSTANT,
+           "Piezoelectric strain constant: strain per field along the poling; default 0."),
+    NUMBER(
+        "e31", m.piezo_e[0], NULL, OF_STRESS_CONSTANT,
+        "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
+    NUMBER(
+        "e32", m.piezo_e[1], NULL, OF_STRESS_CONSTANT,
+        "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
+    NUMBER(
+        "e33", m.piezo_e[2], NULL, OF_STRESS_CONSTANT,
+        "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
+    NUMBER(
+        "e24", m.piezo_e[3], NULL, OF_STRESS_CONSTANT,
+        "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
+    NUMBER(
+        "e15", m.piezo_e[4], NULL, OF_STRESS_CONSTANT,
+        "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
+    NUMBER("permittivity", m.permittivity, &not_negative, OF_PERMITTIVITY,
+           "Permittivity at constant strain; sensors need it."),
+    NUMBER("pyroelectric", m.pyroelectric, NULL, OF_PYROELECTRIC,
+           "Pyroelectric constant along the poling, at constant strain."),
+    {"poling", read_poling, offsetof(material_text, m.poling), .form = &poling_form,
+     .help = "Direction of the poling along e3, 3 or -3; default 3."},
+    {"alpha", read_alpha, offsetof(material_text, m.alpha), .of = OF_EXPANSION, .form = &alpha_form,
+     .help = "Thermal expansion; one number, or three for the axes 1, 2, 3."},
+    NUMBER("density", m.density, &not_negative, OF_DENSITY,
+           "Mass per volume; needed for natural frequencies and for weight."),
+    NUMBER("field_limit", m.field_limit, &not_negative, OF_FIELD,
+           "Field that depolarises the material; voltages stay below it; 0: no limit."),
+    {.key = NULL}};
+#undef NUMBER
+
+static const form_case material_cases[] = {
+    {"E nu", "An isotropic material."},
+    {"E1 E2 G12 nu12 ?E3 ?G13 ?G23 ?nu13 ?nu23", "An orthotropic material, such as a ply."},
+    {"stiffness", "A material by its stiffness."},
+    {NULL, NULL}};
+static const form material_form = {
+    .type = FORM_MAP, .fields = material_fields, .cases = material_cases};
+const form materials_form = {.type = FORM_NAMED, .item = &material_form, .least = 1};
+
 static int read_material(reader *reader, int node, scene_material *to)
 {
-#define ELASTIC(key, member)                                                                       \
-    {                                                                                              \
-        key, read_real, offsetof(material_text, member), &above_zero, 0                            \
-    }
-#define NUMBER(key, member)                                                                        \
-    {                                                                                              \
-        key, read_real, offsetof(material_text, member), NULL, 0                                   \
-    }
-    static const field fields[] = {
-        ELASTIC("E", e),
-        NUMBER("nu", nu),
-        {"stiffness", read_stiffness, offsetof(material_text, c), NULL, 0},
-        ELASTIC("E1", m.e[0]),
-        ELASTIC("E2", m.e[1]),
-        ELASTIC("E3", m.e[2]),
-        ELASTIC("G12", m.g12),
-        ELASTIC("G13", m.g13),
-        ELASTIC("G23", m.g23),
-        NUMBER("nu12", m.nu12),
-        NUMBER("nu13", m.nu13),
-        NUMBER("nu23", m.nu23),
-        NUMBER("d31", m.d31),
-        NUMBER("d32", m.d32),
-        NUMBER("d33", m.d33),
-        NUMBER("d24", m.d24),
-        NUMBER("d15", m.d15),
-        NUMBER("e31", m.piezo_e[0]),
-        NUMBER("e32", m.piezo_e[1]),
-        NUMBER("e33", m.piezo_e[2]),
-        NUMBER("e24", m.piezo_e[3]),
-        NUMBER("e15", m.piezo_e[4]),
-        {"permittivity", read_real, offsetof(material_text, m.permittivity), &not_negative, 0},
-        NUMBER("pyroelectric", m.pyroelectric),
-        {"poling", read_poling, offsetof(material_text, m.poling), NULL, 0},
-        {"alpha", read_alpha, offsetof(material_text, m.alpha), NULL, 0},
-        {"density", read_real, offsetof(material_text, m.density), &not_negative, 0},
-        {"field_limit", read_real, offsetof(material_text, m.field_limit), &not_negative, 0},
-        {NULL, NULL, 0, NULL, 0}};
-#undef ELASTIC
-#undef NUMBER
     material_text text;
     scene_material *material = &text.m;
     memset(&text, 0, sizeof text);
@@ -298,7 +366,8 @@ static int read_material(reader *reader, int node, scene_material *to)
                    material->name) != 0)
         return -1;
     material->at = reader->t->node[node].key_at;
-    if (read_map(reader, node, fields, &text) != 0 || check_material(reader, node, &text) != 0)
+    if (read_map(reader, node, material_fields, &text) != 0 ||
+        check_material(reader, node, &text) != 0)
         return -1;
     *to = text.m;
     return 0;
@@ -339,19 +408,31 @@ static int read_material_of(reader *reader, int node, void *to, const void *rule
     return 0;
 }
 
+static const range turn = {-360, 360, 0, "must lie between -360 and 360 degrees"};
+
+static const field layer_fields[] = {
+    {"name", read_name, offsetof(scene_layer, name),
+     .help = "Name of the layer; needed where patches lie on it."},
+    {"material", read_material_of, offsetof(scene_layer, material), .required = 1,
+     .form = &name_form, .help = "Name of a material."},
+    {"thickness", read_real, offsetof(scene_layer, thickness), &above_zero, 1, .of = OF_LENGTH,
+     .help = "Thickness of the layer."},
+    {"angle", read_real, offsetof(scene_layer, angle), &turn, .of = OF_DEGREES,
+     .help = "Angle of the axis 1 of the material, in degrees from theta1 towards theta2; default "
+             "0."},
+    {"patched", read_flag, offsetof(scene_layer, patched),
+     .help = "The layer exists only where a patch lies; default false."},
+    {"poling", read_poling, offsetof(scene_layer, poling), .form = &poling_form,
+     .help = "Direction of the poling along e3, 3 or -3; default that of the material."},
+    {.key = NULL}};
+
+static const form layer_form = {.type = FORM_MAP, .fields = layer_fields};
+const form layers_form = {.type = FORM_LIST, .item = &layer_form, .least = 1};
+
 static int read_layer(reader *reader, int node, scene_layer *layer)
 {
-    static const range turn = {-360, 360, 0, "must lie between -360 and 360 degrees"};
-    static const field fields[] = {
-        {"name", read_name, offsetof(scene_layer, name), NULL, 0},
-        {"material", read_material_of, offsetof(scene_layer, material), NULL, 1},
-        {"thickness", read_real, offsetof(scene_layer, thickness), &above_zero, 1},
-        {"angle", read_real, offsetof(scene_layer, angle), &turn, 0},
-        {"patched", read_flag, offsetof(scene_layer, patched), NULL, 0},
-        {"poling", read_poling, offsetof(scene_layer, poling), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     layer->at = node_at(reader, node);
-    if (read_map(reader, node, fields, layer) != 0)
+    if (read_map(reader, node, layer_fields, layer) != 0)
         return -1;
     if (layer->poling == 0)
         layer->poling = reader->s->material[layer->material].poling;
@@ -375,6 +456,11 @@ int read_layers(reader *reader, int node, void *to, const void *rule)
             return -1;
     return 0;
 }
+
+static const choice middle[] = {{"middle", 1}, {NULL, 0}};
+static const form middle_form = {.type = FORM_WORD, .words = middle};
+static const form *const reference_forms[] = {&middle_form, &not_negative_form, NULL};
+const form reference_form = {.type = FORM_ANY, .any = reference_forms};
 
 int read_reference(reader *reader, int node, void *to, const void *rule)
 {
@@ -418,16 +504,28 @@ static int read_grid(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const range patch_count = {1, 1000, 0, "must be from 1 to 1000"};
+static const form patch_count_form = {.type = FORM_WHOLE, .range = &patch_count};
+static const form grid_form = {.type = FORM_LIST, .item = &patch_count_form, .least = 2, .most = 2};
+
+static const field patch_fields[] = {
+    {"name", read_name, offsetof(scene_patches, name), .required = 1,
+     .help = "Name of the grid; its patches are name_1_1 ..., with the first index along theta1."},
+    {"layer", read_layer_of, offsetof(scene_patches, layer), .required = 1, .form = &name_form,
+     .help = "Name of a layer."},
+    {"theta1", read_pair, offsetof(scene_patches, theta1), .of = OF_COORDINATE,
+     .help = "Range of the grid along theta1, [from, to]; default the whole mesh."},
+    {"theta2", read_pair, offsetof(scene_patches, theta2), .of = OF_COORDINATE,
+     .help = "Range of the grid along theta2, [from, to]; default the whole mesh."},
+    {"grid", read_grid, offsetof(scene_patches, grid), &patch_count, .of = OF_NUMBER,
+     .form = &grid_form, .help = "Number of patches along theta1 and theta2; default [1, 1]."},
+    {.key = NULL}};
+
+static const form patch_form = {.type = FORM_MAP, .fields = patch_fields};
+const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000};
+
 static int read_patch(reader *reader, int node, scene_patches *patches)
 {
-    static const range counted = {1, 1000, 0, "must be from 1 to 1000"};
-    static const field fields[] = {
-        {"name", read_name, offsetof(scene_patches, name), NULL, 1},
-        {"layer", read_layer_of, offsetof(scene_patches, layer), NULL, 1},
-        {"theta1", read_pair, offsetof(scene_patches, theta1), NULL, 0},
-        {"theta2", read_pair, offsetof(scene_patches, theta2), NULL, 0},
-        {"grid", read_grid, offsetof(scene_patches, grid), &counted, 0},
-        {NULL, NULL, 0, NULL, 0}};
     const scene_line *line = reader->s->line;
     patches->at = node_at(reader, node);
     patches->grid[0] = patches->grid[1] = 1;
@@ -435,7 +533,7 @@ static int read_patch(reader *reader, int node, scene_patches *patches)
     patches->theta1[1] = line[0].point[line[0].elements];
     patches->theta2[0] = line[1].point[0];
     patches->theta2[1] = line[1].point[line[1].elements];
-    if (read_map(reader, node, fields, patches) != 0)
+    if (read_map(reader, node, patch_fields, patches) != 0)
         return -1;
     for (int k = 0; k < 2; k++)
         if (patches->grid[k] > line[k].elements)

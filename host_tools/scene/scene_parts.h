@@ -38,12 +38,8 @@ field_read read_estimate;
 /* Data for vibration, and of the control loop on the device (scene_dynamics.c). */
 field_read read_dynamics, read_control;
 
-/*
- * Imperfections of sensors, amplifiers and ceramic (scene_imperfections.c); `to` is the
- * scene_simulate.
- */
-field_read read_bandwidth, read_creep, read_drift, read_quantum, read_outliers, read_reversed,
-    read_swapped;
+/* Wrong wires of amplifiers (scene_imperfections.c); `to` is the scene_simulate. */
+field_read read_reversed, read_swapped;
 
 /* Append the amplifiers that a list of names of amplifiers or actuators denotes. */
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
@@ -57,17 +53,39 @@ field_read read_simulate;
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
+extern const form edge_form, point_form, at_form, face_form;
 extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
-/* Table rows for the six directions, read by one function whose rule is the component. */
-#define DIRECTIONS(read)                                                                           \
-    {"u1", read, 0, &place_components[0], 0}, {"u2", read, 0, &place_components[1], 0},            \
-        {"u3", read, 0, &place_components[2], 0}, {"x", read, 0, &place_components[3], 0},         \
-        {"y", read, 0, &place_components[4], 0},                                                   \
+/*
+ * Table rows for the six directions, read by one function whose rule is the component, and for the
+ * place of an edge or a set of nodes, at an offset in a structure.
+ */
+#define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \
-        "z", read, 0, &place_components[5], 0                                                      \
+        key, read, 0, &place_components[i], 0, of, form, help                                      \
     }
+#define DIRECTIONS(read, of, form, what)                                                           \
+    DIRECTION("u1", read, 0, of, form, what " along e1."),                                         \
+        DIRECTION("u2", read, 1, of, form, what " along e2."),                                     \
+        DIRECTION("u3", read, 2, of, form, what " along e3."),                                     \
+        DIRECTION("x", read, 3, of, form, what " along the global x axis."),                       \
+        DIRECTION("y", read, 4, of, form, what " along the global y axis."),                       \
+        DIRECTION("z", read, 5, of, form, what " along the global z axis.")
+#define PLACE(offset)                                                                              \
+    {"edge", read_edge,  offset,     NULL,                                                         \
+     0,      OF_NOTHING, &edge_form, "All nodes of an edge of the mesh."},                         \
+    {                                                                                              \
+        "at", read_at, offset, NULL, 0, OF_COORDINATE, &at_form,                                   \
+            "A node {theta1, theta2}, the nodes of a rectangle {theta1: [from, to], ...}, or "     \
+            "nodes for all."                                                                       \
+    }
+
+/* Forms of the sections. */
+extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
+    reference_form, patches_form, actuators_form, sensors_form, control_form, limits_form,
+    supports_form, loads_form, contact_form, outputs_form, target_form, compare_form, estimate_form,
+    dynamics_form, simulate_form, equilibrium_form, influence_form, measured_target_form;
 
 /* Default element formulation of a scene. */
 extern const scene_element element_improved;

@@ -11,6 +11,7 @@ const choice place_faces[] = {{"middle", FACE_MIDDLE},
                               {"outer", FACE_OUTER},
                               {"mean", FACE_MEAN},
                               {NULL, 0}};
+const form face_form = {.type = FORM_WORD, .words = place_faces};
 const int place_components[] = {COMPONENT_U1, COMPONENT_U2, COMPONENT_U3,
                                 COMPONENT_X,  COMPONENT_Y,  COMPONENT_Z};
 
@@ -41,16 +42,37 @@ int read_edge(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const field point_fields[] = {
+    {"theta1", read_real, offsetof(scene_where, theta[0]), .required = 1, .of = OF_COORDINATE,
+     .help = "Coordinate theta1 of a node."},
+    {"theta2", read_real, offsetof(scene_where, theta[1]), .required = 1, .of = OF_COORDINATE,
+     .help = "Coordinate theta2 of a node."},
+    {.key = NULL}};
+
+const form point_form = {.type = FORM_MAP, .fields = point_fields};
+
 int read_point(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {{"theta1", read_real, offsetof(scene_where, theta[0]), NULL, 1},
-                                   {"theta2", read_real, offsetof(scene_where, theta[1]), NULL, 1},
-                                   {NULL, NULL, 0, NULL, 0}};
     (void)rule;
     if (start_where(reader, node, to, WHERE_POINT) != 0)
         return -1;
-    return read_map(reader, node, fields, to);
+    return read_map(reader, node, point_fields, to);
 }
+
+static const field region_fields[] = {
+    {"theta1", read_pair, offsetof(scene_where, span[0]), .of = OF_COORDINATE,
+     .help = "Range of theta1, [from, to]; default the whole mesh."},
+    {"theta2", read_pair, offsetof(scene_where, span[1]), .of = OF_COORDINATE,
+     .help = "Range of theta2, [from, to]; default the whole mesh."},
+    {.key = NULL}};
+
+static const form_case region_cases[] = {{"theta1 ?theta2", NULL}, {"theta2", NULL}, {NULL, NULL}};
+static const form region_form = {.type = FORM_MAP, .fields = region_fields, .cases = region_cases};
+static const choice all_nodes[] = {{"nodes", 0}, {NULL, 0}};
+static const form all_nodes_form = {.type = FORM_WORD, .words = all_nodes};
+static const form *const places[] = {&all_nodes_form, &point_form, &region_form, NULL};
+const form at_form = {.type = FORM_ANY, .any = places};
+const form edge_form = {.type = FORM_WORD, .words = edges};
 
 /*
  * Read a region [from, to] along both coordinates; a coordinate that is not given is not
@@ -58,9 +80,6 @@ int read_point(reader *reader, int node, void *to, const void *rule)
  */
 static int read_region(reader *reader, int node, scene_where *where)
 {
-    static const field fields[] = {{"theta1", read_pair, offsetof(scene_where, span[0]), NULL, 0},
-                                   {"theta2", read_pair, offsetof(scene_where, span[1]), NULL, 0},
-                                   {NULL, NULL, 0, NULL, 0}};
     int k;
     if (start_where(reader, node, where, WHERE_REGION) != 0)
         return -1;
@@ -68,7 +87,7 @@ static int read_region(reader *reader, int node, scene_where *where)
         where->span[k][0] = -HUGE_VAL;
         where->span[k][1] = HUGE_VAL;
     }
-    return read_map(reader, node, fields, where);
+    return read_map(reader, node, region_fields, where);
 }
 
 static int has_list(const reader *reader, int node)

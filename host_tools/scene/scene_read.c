@@ -7,24 +7,30 @@
 #include <string.h>
 #include "scene_parts.h"
 
+static const field units_fields[] = {
+    {"length", read_name, offsetof(scene, unit_length), .help = "Unit of length, such as m."},
+    {"force", read_name, offsetof(scene, unit_force), .help = "Unit of force, such as N."},
+    {"voltage", read_name, offsetof(scene, unit_voltage), .help = "Unit of voltage, such as V."},
+    {"temperature", read_name, offsetof(scene, unit_temperature),
+     .help = "Unit of temperature differences, such as K."},
+    {.key = NULL}};
+
+static const form units_form = {.type = FORM_MAP, .fields = units_fields};
+
 static int read_units(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        {"length", read_name, offsetof(scene, unit_length), NULL, 0},
-        {"force", read_name, offsetof(scene, unit_force), NULL, 0},
-        {"voltage", read_name, offsetof(scene, unit_voltage), NULL, 0},
-        {"temperature", read_name, offsetof(scene, unit_temperature), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(reader, node, fields, to);
+    return read_map(reader, node, units_fields, to);
 }
+
+static const choice dof_counts[] = {{"7", 7}, {"6", 6}, {NULL, 0}};
+static const form dof_per_node_form = {.type = FORM_WORD, .words = dof_counts};
 
 static int read_dof_per_node(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice counts[] = {{"7", 7}, {"6", 6}, {NULL, 0}};
     scene_element *element = &((scene *)to)->element;
     (void)rule;
-    if (read_choice(reader, node, &element->dof_per_node, counts) != 0)
+    if (read_choice(reader, node, &element->dof_per_node, dof_counts) != 0)
         return -1;
     if (element->dof_per_node == 7 || element->lin33)
         return 0;
@@ -36,6 +42,7 @@ static const choice kinematics[] = {{"linear", KINEMATICS_LINEAR},
                                     {"nonlinear", KINEMATICS_NONLINEAR},
                                     {"auto", KINEMATICS_AUTO},
                                     {NULL, 0}};
+static const form kinematics_form = {.type = FORM_WORD, .words = kinematics};
 
 static int read_kinematics(reader *reader, int node, void *to, const void *rule)
 {
@@ -50,46 +57,123 @@ static int read_kinematics(reader *reader, int node, void *to, const void *rule)
 static const range relative = {0, 1, 1,
                                "must lie between 0 and 1, ends left out; it is a relative error"};
 
-static const field sections[] = {{"name", read_name, offsetof(scene, name), NULL, 1},
-                                 {"about", read_text, offsetof(scene, about), NULL, 0},
-                                 {"units", read_units, 0, NULL, 0},
-                                 {"element", read_element, 0, NULL, 0},
-                                 {"dof_per_node", read_dof_per_node, 0, NULL, 0},
-                                 {"kinematics", read_kinematics, 0, kinematics, 0},
-                                 {"tolerance", read_real, offsetof(scene, tolerance), &relative, 0},
-                                 {"equilibrium", read_equilibrium, 0, NULL, 0},
-                                 {"surface", read_surface, 0, NULL, 1},
-                                 {"mesh", read_mesh, 0, NULL, 1},
-                                 {"materials", read_materials, 0, NULL, 1},
-                                 {"layers", read_layers, 0, NULL, 1},
-                                 {"reference", read_reference, 0, NULL, 0},
-                                 {"patches", read_patches, 0, NULL, 0},
-                                 {"actuators", read_actuators, 0, NULL, 0},
-                                 {"sensors", read_sensors, 0, NULL, 0},
-                                 {"control", read_control, 0, NULL, 0},
-                                 {"limits", read_limits, 0, NULL, 0},
-                                 {"supports", read_supports, 0, NULL, 0},
-                                 {"loads", read_loads, 0, NULL, 0},
-                                 {"contact", read_contact, 0, NULL, 0},
-                                 {"outputs", read_outputs, 0, NULL, 0},
-                                 {"target", read_target, 0, NULL, 0},
-                                 {"compare", read_compare, 0, NULL, 0},
-                                 {"estimate", read_estimate, 0, NULL, 0},
-                                 {"dynamics", read_dynamics, 0, NULL, 0},
-                                 {"simulate", read_simulate, 0, NULL, 0},
-                                 {NULL, NULL, 0, NULL, 0}};
+/* Rows that every scene has, whether its influence matrix is computed or measured. */
+#define NAME_ROWS                                                                                  \
+    {"name", read_name, offsetof(scene, name), NULL, 1, OF_NOTHING, NULL, "Name of the scene."},   \
+        {"about",                                                                                  \
+         read_text,                                                                                \
+         offsetof(scene, about),                                                                   \
+         NULL,                                                                                     \
+         0,                                                                                        \
+         OF_NOTHING,                                                                               \
+         NULL,                                                                                     \
+         "A sentence on what the scene shows and where its numbers come from."},                   \
+    {                                                                                              \
+        "units", read_units, 0, NULL, 0, OF_NOTHING, &units_form,                                  \
+            "Units of the numbers, and labels of the results. Where they are SI units, a number "  \
+            "may carry a unit of its own (0.3 mm, 135 GPa, -210 pC/N, 7600 kg/m3) and is "         \
+            "converted."                                                                           \
+    }
+#define CONTROL_ROWS                                                                               \
+    {"control",                                                                                    \
+     read_control,                                                                                 \
+     0,                                                                                            \
+     NULL,                                                                                         \
+     0,                                                                                            \
+     OF_NOTHING,                                                                                   \
+     &control_form,                                                                                \
+     "The control loop on the device."},                                                           \
+    {                                                                                              \
+        "limits", read_limits, 0, NULL, 0, OF_NOTHING, &limits_form, "Limits of the amplifiers."   \
+    }
+#define COMPARE_ROW                                                                                \
+    {                                                                                              \
+        "compare", read_compare, 0, NULL, 0, OF_NOTHING, &compare_form,                            \
+            "Sets of voltages to print beside the optimum."                                        \
+    }
+#define SIMULATE_ROW                                                                               \
+    {                                                                                              \
+        "simulate", read_simulate, 0, NULL, 0, OF_NOTHING, &simulate_form,                         \
+            "Closed loop of the controller with a plant that differs from the scene."              \
+    }
+
+static const field sections[] = {
+    NAME_ROWS,
+    {"element", read_element, .of = OF_NUMBER, .form = &element_form,
+     .help = "Formulation of the element: improved (default: free of locking, exact under rigid "
+             "motion), published (that of the published tables), or a mapping whose missing keys "
+             "are those of improved."},
+    {"dof_per_node", read_dof_per_node, .form = &dof_per_node_form,
+     .help = "Degrees of freedom of a node; 6 drops that of the middle surface and needs lin33; "
+             "default 7."},
+    {"kinematics", read_kinematics, 0, kinematics, .form = &kinematics_form,
+     .help = "linear: small displacements (default); nonlinear: finite displacements; auto: linear "
+             "where its error is below the tolerance."},
+    {"tolerance", read_real, offsetof(scene, tolerance), &relative, .of = OF_NUMBER,
+     .help = "Largest relative error that linear kinematics may cause under kinematics: auto; "
+             "default 0.01."},
+    {"equilibrium", read_equilibrium, .form = &equilibrium_form,
+     .help = "Settings of the solver of the nonlinear equilibrium equations."},
+    {"surface", read_surface, .required = 1, .form = &surface_form,
+     .help = "Reference surface with its coordinates theta1 and theta2; e3 = e1 x e2 points to the "
+             "outer side."},
+    {"mesh", read_mesh, .required = 1, .form = &mesh_form,
+     .help = "Mesh lines along theta1 and theta2; at most 60000 nodes."},
+    {"materials", read_materials, .required = 1, .form = &materials_form,
+     .help = "Materials by name: E, nu, or E1, E2, G12, nu12 ..., or a stiffness; piezoelectric "
+             "materials with d or e constants."},
+    {"layers", read_layers, .required = 1, .form = &layers_form,
+     .help = "Layers from the inner face (z-) to the outer face (z+)."},
+    {"reference", read_reference, .of = OF_LENGTH, .form = &reference_form,
+     .help = "Height of the reference surface above the inner face; default middle."},
+    {"patches", read_patches, .form = &patches_form,
+     .help = "Grids of rectangles of whole elements on a layer; on a layer that is not patched "
+             "they are electrodes only."},
+    {"actuators", read_actuators, .form = &actuators_form,
+     .help = "Amplifiers. A voltage is the potential of the side of a patch towards +e3 minus that "
+             "of its other side."},
+    {"sensors", read_sensors, .form = &sensors_form,
+     .help = "Electrodes without an amplifier, one for each patch of the grids. Their voltages and "
+             "charges can be outputs."},
+    CONTROL_ROWS,
+    {"supports", read_supports, .form = &supports_form,
+     .help = "Displacements that are zero or prescribed."},
+    {"loads", read_loads, .form = &loads_form,
+     .help = "Forces, pressures, weight and temperature, one direction each."},
+    {"contact", read_contact, .form = &contact_form,
+     .help = "A rigid convex body that a face of the shell may touch; needs kinematics: "
+             "nonlinear."},
+    {"outputs", read_outputs, .form = &outputs_form,
+     .help = "Displacements, results of contact, voltages and charges to print and to measure."},
+    {"target", read_target, .form = &target_form,
+     .help = "Shape to reach. The shape error is the weighted RMS misfit over the RMS of the "
+             "target; nodes on constrained dof, which cannot move, do not count and are reported."},
+    COMPARE_ROW,
+    {"estimate", read_estimate, .form = &estimate_form,
+     .help = "Estimate of the shape from outputs through the model, for a firmware that cannot "
+             "measure the target nodes."},
+    {"dynamics", read_dynamics, .form = &dynamics_form,
+     .help = "Vibration, where all materials of the layers have a density: natural frequencies, "
+             "and the rates at which the control loop is stable."},
+    SIMULATE_ROW,
+    {.key = NULL}};
 
 /* Sections of a scene with a measured influence matrix. */
-static const field measured_sections[] = {{"name", read_name, offsetof(scene, name), NULL, 1},
-                                          {"about", read_text, offsetof(scene, about), NULL, 0},
-                                          {"units", read_units, 0, NULL, 0},
-                                          {"influence", read_influence, 0, NULL, 1},
-                                          {"control", read_control, 0, NULL, 0},
-                                          {"limits", read_limits, 0, NULL, 0},
-                                          {"target", read_measured_target, 0, NULL, 0},
-                                          {"compare", read_compare, 0, NULL, 0},
-                                          {"simulate", read_simulate, 0, NULL, 0},
-                                          {NULL, NULL, 0, NULL, 0}};
+static const field measured_sections[] = {
+    NAME_ROWS,
+    {"influence", read_influence, .required = 1, .form = &influence_form,
+     .help = "Measured influence matrix in the place of a structure."},
+    CONTROL_ROWS,
+    {"target", read_measured_target, .form = &measured_target_form,
+     .help = "Measured matrix: wanted displacement of the outputs of the matrix."},
+    COMPARE_ROW,
+    SIMULATE_ROW,
+    {.key = NULL}};
+
+static const form structure_form = {.type = FORM_MAP, .fields = sections};
+static const form measured_form = {.type = FORM_MAP, .fields = measured_sections};
+static const form *const scene_forms[] = {&structure_form, &measured_form, NULL};
+const form scene_form = {.type = FORM_ANY, .any = scene_forms};
 
 static int has_key(const field *fields, const char *key)
 {
@@ -162,6 +246,7 @@ static int fill(scene *scene, tree *tree, char *error)
     reader reader;
     reader.t = tree;
     reader.s = scene;
+    reader.of = OF_NOTHING;
     if (keep_origin(scene, tree->path, tree->set, tree->sets) != 0)
         return tree_fault_at(tree, whole, "out of memory");
     scene->hash = tree->hash;

@@ -7,11 +7,13 @@
 #define SCENE_READER_H
 
 #include "scene.h"
+#include "scene_dimension.h"
 #include "yaml_tree.h"
 
 typedef struct reader {
     tree *t;
     scene *s;
+    dimension of; /* dimension of the key whose value is being read */
 } reader;
 
 /* Return the text of a scalar node. */

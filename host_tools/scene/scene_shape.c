@@ -42,13 +42,16 @@ static int read_pairs(reader *reader, int node, pairs_text *list, const range *f
     return 0;
 }
 
+static const range meridian_radius = {0, HUGE_VAL, 0, "is a radius and must not be below 0"};
+static const form pair_form = {.type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
+static const form meridian_form = {.type = FORM_LIST, .item = &pair_form, .least = 2};
+
 static int read_meridian(reader *reader, int node, void *to, const void *rule)
 {
-    static const range radius = {0, HUGE_VAL, 0, "is a radius and must not be below 0"};
     pairs_text *list = to;
     int i, k = 0;
     (void)rule;
-    if (read_pairs(reader, node, list, &radius) != 0)
+    if (read_pairs(reader, node, list, &meridian_radius) != 0)
         return -1;
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++)
         if (k > 0 && list->pair[k][0] == list->pair[k - 1][0] &&
@@ -58,14 +61,19 @@ static int read_meridian(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const choice end_words[] = {{"not-a-knot", 0}, {NULL, 0}};
+static const form end_word_form = {.type = FORM_WORD, .words = end_words};
+static const form tangents_form = {.type = FORM_LIST, .item = &pair_form, .least = 2, .most = 2};
+static const form *const ends_forms[] = {&end_word_form, &tangents_form, NULL};
+static const form ends_form = {.type = FORM_ANY, .any = ends_forms};
+
 static int read_ends(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice only[] = {{"not-a-knot", 0}, {NULL, 0}};
     pairs_text *list = to;
     int k, unused;
     (void)rule;
     if (reader->t->node[node].kind != TREE_LIST)
-        return read_choice(reader, node, &unused, only);
+        return read_choice(reader, node, &unused, end_words);
     if (read_pairs(reader, node, list, NULL) != 0)
         return -1;
     if (list->count != 2)
@@ -107,66 +115,81 @@ static const choice surface_types[] = {
     {"torus", SURFACE_TORUS},       {"revolution", SURFACE_REVOLUTION},
     {"spiral", SURFACE_SPIRAL},     {NULL, 0}};
 
-/* Keys that belong to each type of surface. */
-static const struct {
-    scene_surface_type type;
-    const char *key;
-    int needed;
-} parts[] = {{SURFACE_CYLINDER, "radius", 1},      {SURFACE_CYLINDER, "axial", 1},
-             {SURFACE_CONE, "radius", 1},          {SURFACE_CONE, "angle", 1},
-             {SURFACE_SPHERE, "radius", 1},        {SURFACE_HYPERBOLOID, "waist", 1},
-             {SURFACE_HYPERBOLOID, "height", 1},   {SURFACE_TORUS, "radius", 1},
-             {SURFACE_TORUS, "tube", 1},           {SURFACE_REVOLUTION, "meridian", 1},
-             {SURFACE_REVOLUTION, "smoothing", 0}, {SURFACE_REVOLUTION, "ends", 0},
-             {SURFACE_SPIRAL, "inner", 1},         {SURFACE_SPIRAL, "outer", 1},
-             {SURFACE_SPIRAL, "turns", 1},         {SURFACE_SPIRAL, "axial", 1}};
-enum { PARTS = sizeof parts / sizeof *parts };
+static const choice axes[] = {{"theta1", 1}, {"theta2", 2}, {NULL, 0}};
+static const range acute = {
+    -90, 90, 1, "must lie between -90 and 90 degrees, ends left out; use polar for a flat ring"};
 
-static int check_parts(reader *reader, int node, scene_surface_type type)
-{
-    const char *name = surface_types[type].word;
-    int i, k;
-    for (k = 0; k < PARTS; k++)
-        if (parts[k].type == type && parts[k].needed && !tree_find(reader->t, node, parts[k].key))
-            return tree_fault(reader->t, node, "'%s' is missing in surface; a %s needs it",
-                              parts[k].key, name);
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
-        for (k = 0; k < PARTS; k++)
-            if (parts[k].type == type && strcmp(parts[k].key, reader->t->node[i].key) == 0)
-                break;
-        if (k == PARTS && strcmp(reader->t->node[i].key, "type") != 0)
-            return tree_fault_at(reader->t, reader->t->node[i].key_at,
-                                 "'%s' has no meaning for a %s; remove it", reader->t->node[i].key,
-                                 name);
-    }
-    return 0;
-}
+static const field surface_fields[] = {
+    {"type", read_choice, offsetof(surface_text, type), surface_types, 1,
+     .help = "Type of the surface."},
+    {"radius", read_real, offsetof(surface_text, s.radius), &above_zero, .of = OF_LENGTH,
+     .help = "Radius of a cylinder or sphere, of a cone at theta1 = 0, of the centre circle of a "
+             "torus."},
+    {"angle", read_real, offsetof(surface_text, s.angle), &acute, .of = OF_DEGREES,
+     .help = "Half angle of a cone, in degrees."},
+    {"axial", read_choice, offsetof(surface_text, s.axial), axes,
+     .help = "Coordinate along the axis of a cylinder or spiral."},
+    {"waist", read_real, offsetof(surface_text, s.waist), &above_zero, .of = OF_LENGTH,
+     .help = "Smallest radius of a hyperboloid, at theta1 = 0."},
+    {"height", read_real, offsetof(surface_text, s.height), &above_zero, .of = OF_LENGTH,
+     .help = "Height at which the radius of a hyperboloid is sqrt(2) times the waist."},
+    {"tube", read_real, offsetof(surface_text, s.tube), &above_zero, .of = OF_LENGTH,
+     .help = "Radius of the tube of a torus."},
+    {"meridian", read_meridian, offsetof(surface_text, points), .of = OF_LENGTH,
+     .form = &meridian_form,
+     .help = "Points [radius, z] of the meridian in order; at least 4, or 2 with directions at the "
+             "ends."},
+    {"smoothing", read_real, offsetof(surface_text, smoothing), &not_negative, .of = OF_VOLUME,
+     .help = "Factor lambda of sum |p - s(t)|^2 + lambda integral |s''|^2 dt; 0 (default) passes "
+             "through the points."},
+    {"ends", read_ends, offsetof(surface_text, tangents), .of = OF_NUMBER, .form = &ends_form,
+     .help = "not-a-knot (default: the two pieces at each end are one cubic), or the directions "
+             "[[r', z'], [r', z']] at the first and last point."},
+    {"inner", read_real, offsetof(surface_text, s.inner), &above_zero, .of = OF_LENGTH,
+     .help = "Radius of a spiral at the angle 0."},
+    {"outer", read_real, offsetof(surface_text, s.outer), &above_zero, .of = OF_LENGTH,
+     .help = "Radius of a spiral after all turns."},
+    {"turns", read_real, offsetof(surface_text, s.turns), &above_zero, .of = OF_NUMBER,
+     .help = "Number of turns of a spiral."},
+    {.key = NULL}};
+
+/* Keys of each type of surface, in the order of scene_surface_type. */
+static const form_case surface_cases[] = {
+    {"type=plate", "Plane: x = theta1, y = theta2, e3 = +z."},
+    {"type=polar", "Plane in polar coordinates: theta1 = radius, theta2 = angle in radians, e3 = "
+                   "+z."},
+    {"type=cylinder radius axial",
+     "Circular cylinder, e3 outwards. axial theta1: x = theta1, theta2 from the +z axis towards "
+     "+y. axial theta2: z = theta2, theta1 from the +x axis towards +y. The other coordinate is "
+     "the angle in radians."},
+    {"type=cone radius angle", "Cone: theta1 = length along the meridian downwards, theta2 = "
+                               "azimuth in radians, e3 outwards."},
+    {"type=sphere radius",
+     "Sphere: theta1 = angle from the pole, theta2 = azimuth, both in radians, e3 outwards."},
+    {"type=hyperboloid waist height",
+     "Hyperboloid of revolution: radius waist sqrt(1 + (z/height)^2), theta1 = -z, theta2 = "
+     "azimuth in radians, e3 outwards."},
+    {"type=torus radius tube",
+     "Torus: radius + tube cos(theta1) from the axis, z = -tube sin(theta1), theta2 = azimuth, "
+     "both in radians, e3 out of the tube."},
+    {"type=revolution meridian ?smoothing ?ends",
+     "Surface of revolution about z whose meridian is a cubic spline; theta1 = length of the "
+     "chords between the points from 0, theta2 = azimuth in radians. e3 lies to the left of the "
+     "meridian seen with the radius to the right and z upwards: points that run downwards on the "
+     "outside give e3 outwards."},
+    {"type=spiral inner outer turns axial",
+     "Cylinder over an Archimedean spiral, e3 outwards; the other coordinate is the angle in "
+     "radians, from 0. axial theta1: angle from the +z axis towards +y. axial theta2: from the +x "
+     "axis towards +y."},
+    {NULL, NULL}};
+const form surface_form = {.type = FORM_MAP, .fields = surface_fields, .cases = surface_cases};
 
 static int read_surface_text(reader *reader, int node, surface_text *text)
 {
-    static const choice axes[] = {{"theta1", 1}, {"theta2", 2}, {NULL, 0}};
-    static const range acute = {
-        -90, 90, 1,
-        "must lie between -90 and 90 degrees, ends left out; use polar for a flat ring"};
-    static const field any[] = {
-        {"type", read_choice, offsetof(surface_text, type), surface_types, 1},
-        {"radius", read_real, offsetof(surface_text, s.radius), &above_zero, 0},
-        {"angle", read_real, offsetof(surface_text, s.angle), &acute, 0},
-        {"axial", read_choice, offsetof(surface_text, s.axial), axes, 0},
-        {"waist", read_real, offsetof(surface_text, s.waist), &above_zero, 0},
-        {"height", read_real, offsetof(surface_text, s.height), &above_zero, 0},
-        {"tube", read_real, offsetof(surface_text, s.tube), &above_zero, 0},
-        {"meridian", read_meridian, offsetof(surface_text, points), NULL, 0},
-        {"smoothing", read_real, offsetof(surface_text, smoothing), &not_negative, 0},
-        {"ends", read_ends, offsetof(surface_text, tangents), NULL, 0},
-        {"inner", read_real, offsetof(surface_text, s.inner), &above_zero, 0},
-        {"outer", read_real, offsetof(surface_text, s.outer), &above_zero, 0},
-        {"turns", read_real, offsetof(surface_text, s.turns), &above_zero, 0},
-        {NULL, NULL, 0, NULL, 0}};
-    if (read_map(reader, node, any, text) != 0)
+    if (read_map(reader, node, surface_fields, text) != 0)
         return -1;
     text->s.type = (scene_surface_type)text->type;
-    if (check_parts(reader, node, text->s.type) != 0)
+    if (check_type_case(reader, node, surface_cases, surface_types[text->type].word) != 0)
         return -1;
     return text->s.type == SURFACE_REVOLUTION ? fit_meridian(reader, node, text) : 0;
 }
@@ -318,21 +341,40 @@ static int find_ends(reader *reader, int node, int direction, line_text *text)
     return check_ends(reader, node, direction, text->from, text->to);
 }
 
+static const range element_count = {1, SCENE_NODES, 0, "must be from 1 to 60000"};
+static const range grading_range = {1e-3, 1e3, 0, "must lie between 0.001 and 1000"};
+static const range centre_range = {
+    0, 1.5, 1, "must lie between 0 and 1.5, ends left out; 0.6 is finer in the middle"};
+static const form points_form = {.type = FORM_LIST, .item = &number_form, .least = 2};
+
+static const field line_fields[] = {
+    {"from", read_real, offsetof(line_text, from), .of = OF_COORDINATE,
+     .help = "Start of the mesh; may be left out, as 'to', along the meridian of a revolution and "
+             "the angle of a spiral."},
+    {"to", read_real, offsetof(line_text, to), .of = OF_COORDINATE,
+     .help = "End of the mesh, above 'from'."},
+    {"elements", read_int, offsetof(line_text, elements), &element_count, 1, .of = OF_NUMBER,
+     .help = "Number of elements."},
+    {"grading", read_real, offsetof(line_text, grading), &grading_range, .of = OF_NUMBER,
+     .help = "Length of the last element over that of the first; default 1."},
+    {"centre", read_real, offsetof(line_text, centre), &centre_range, .of = OF_NUMBER,
+     .help = "Length of the elements in the middle over the mean length: the lines lie at middle + "
+             "half (centre s + (1 - centre) s^3), s from -1 to 1; not with grading."},
+    {"slit", read_flag, offsetof(line_text, slit),
+     .help = "The ends of a full turn are not joined; default false."},
+    {"points", NULL, .of = OF_COORDINATE, .form = &points_form,
+     .help = "Ascending coordinates of all mesh lines, instead of the other keys."},
+    {.key = NULL}};
+
+static const form_case line_cases[] = {
+    {"elements ?from ?to ?grading ?slit", "Graded elements."},
+    {"elements centre ?from ?to ?slit", "Elements of another length in the middle."},
+    {"points", "Every mesh line by itself."},
+    {NULL, NULL}};
+static const form line_form = {.type = FORM_MAP, .fields = line_fields, .cases = line_cases};
+
 static int read_line(reader *reader, int node, void *to, const void *rule)
 {
-    static const range counted = {1, SCENE_NODES, 0, "must be from 1 to 60000"};
-    static const range graded = {1e-3, 1e3, 0, "must lie between 0.001 and 1000"};
-    static const range central = {
-        0, 1.5, 1, "must lie between 0 and 1.5, ends left out; 0.6 is finer in the middle"};
-    static const field fields[] = {
-        {"from", read_real, offsetof(line_text, from), NULL, 0},
-        {"to", read_real, offsetof(line_text, to), NULL, 0},
-        {"elements", read_int, offsetof(line_text, elements), &counted, 1},
-        {"grading", read_real, offsetof(line_text, grading), &graded, 0},
-        {"centre", read_real, offsetof(line_text, centre), &central, 0},
-        {"slit", read_flag, offsetof(line_text, slit), NULL, 0},
-        {"points", NULL, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene_line *line = to;
     line_text text = {0, 0, 1, 1, 0, 0};
     const int *direction = rule;
@@ -343,7 +385,7 @@ static int read_line(reader *reader, int node, void *to, const void *rule)
                    ? check_ends(reader, node, *direction, line->point[0],
                                 line->point[line->elements])
                    : -1;
-    if (read_map(reader, node, fields, &text) != 0 ||
+    if (read_map(reader, node, line_fields, &text) != 0 ||
         find_ends(reader, node, *direction, &text) != 0)
         return -1;
     line->slit = text.slit;
@@ -361,16 +403,21 @@ static int read_line(reader *reader, int node, void *to, const void *rule)
     return concentrate(reader, node, line, text.from, text.to, text.elements, text.centre);
 }
 
+static const int directions[] = {1, 2};
+static const field mesh_fields[] = {
+    {"theta1", read_line, offsetof(scene, line[0]), &directions[0], 1, .of = OF_COORDINATE,
+     .form = &line_form, .help = "Mesh lines along theta1."},
+    {"theta2", read_line, offsetof(scene, line[1]), &directions[1], 1, .of = OF_COORDINATE,
+     .form = &line_form, .help = "Mesh lines along theta2."},
+    {.key = NULL}};
+
+const form mesh_form = {.type = FORM_MAP, .fields = mesh_fields};
+
 int read_mesh(reader *reader, int node, void *to, const void *rule)
 {
-    static const int directions[] = {1, 2};
-    static const field fields[] = {
-        {"theta1", read_line, offsetof(scene, line[0]), &directions[0], 1},
-        {"theta2", read_line, offsetof(scene, line[1]), &directions[1], 1},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
-    if (read_map(reader, node, fields, to) != 0)
+    if (read_map(reader, node, mesh_fields, to) != 0)
         return -1;
     if ((scene->line[0].elements + 1.0) * (scene->line[1].elements + 1.0) <= SCENE_NODES)
         return 0;

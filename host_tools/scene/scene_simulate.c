@@ -10,9 +10,15 @@
 #include <string.h>
 
 static const range share = {0, 1, 0, "must lie between 0 and 1"};
+static const range later = {0, 1e7, 0, "must be a tick from 0"};
+static const range load_number = {0, 1e6, 0, "must be the number of a load, the first is 0"};
 static const range tick_count = {1, 10000000, 0, "must be from 1 to 10000000 ticks"};
 
 /* ---- plant ---- */
+
+static const form named_factors_form = {.type = FORM_NAMED, .item = &above_zero_form};
+static const form *const factors_forms[] = {&above_zero_form, &named_factors_form, NULL};
+static const form factors_form = {.type = FORM_ANY, .any = factors_forms};
 
 /* Read one factor for all materials, or a mapping of materials to their factors. */
 static int read_factors(reader *reader, int node, void *to, const void *rule)
@@ -41,14 +47,16 @@ static int read_factors(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const choice plant_kinematics[] = {
+    {"linear", KINEMATICS_LINEAR}, {"nonlinear", KINEMATICS_NONLINEAR}, {NULL, 0}};
+static const form plant_kinematics_form = {.type = FORM_WORD, .words = plant_kinematics};
+
 static int read_plant_kinematics(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice kinds[] = {
-        {"linear", KINEMATICS_LINEAR}, {"nonlinear", KINEMATICS_NONLINEAR}, {NULL, 0}};
     scene_simulate *simulate = to;
     int kind = 0;
     (void)rule;
-    if (read_choice(reader, node, &kind, kinds) != 0)
+    if (read_choice(reader, node, &kind, plant_kinematics) != 0)
         return -1;
     simulate->kinematics = (scene_kinematics)kind;
     if (kind == KINEMATICS_NONLINEAR || !reader->s->contact.given)
@@ -70,6 +78,50 @@ static int read_hysteresis(reader *reader, int node, void *to, const void *rule)
     simulate->hysteresis_given = 1;
     return read_real(reader, node, &simulate->hysteresis, rule);
 }
+
+static const range mode_count = {1, 200, 0, "must be from 1 to 200"};
+static const range creep_part = {
+    0, 0.2, 0, "must lie between 0 and 0.2; it is the creep a decade of time over the voltage"};
+static const range loop_width = {
+    0, 0.3, 0,
+    "must lie between 0 and 0.3; it is the width of the loop over the range of voltages"};
+
+static const form loop_width_form = {.type = FORM_NUMBER, .range = &loop_width};
+
+/* Rows that every plant has. */
+#define HYSTERESIS_ROWS                                                                             \
+    {"hysteresis",                                                                                  \
+     read_hysteresis,                                                                               \
+     0,                                                                                             \
+     &loop_width,                                                                                   \
+     0,                                                                                             \
+     OF_NUMBER,                                                                                     \
+     &loop_width_form,                                                                              \
+     "Width of the hysteresis loop of a full cycle over the range of the voltages; default 0.1 "    \
+     "for a piezoceramic between finite limits, otherwise 0."},                                     \
+    {                                                                                               \
+        "creep", read_real, offsetof(scene_simulate, imperfections.creep), &creep_part, 0,          \
+            OF_NUMBER, NULL,                                                                        \
+            "Creep of the ceramic a decade of time over the voltage, with the time constants 0.1, " \
+            "1 and 10 s; default 0."                                                                \
+    }
+
+static const field plant_fields[] = {
+    {"kinematics", read_plant_kinematics, .form = &plant_kinematics_form,
+     .help = "Kinematics of the plant; default that of the scene."},
+    {"stiffness", read_factors, offsetof(scene_simulate, stiffness), .of = OF_NUMBER,
+     .form = &factors_form,
+     .help = "Stiffness of the plant over that of the scene, of all materials or of some by name."},
+    {"d", read_factors, offsetof(scene_simulate, d), .of = OF_NUMBER, .form = &factors_form,
+     .help = "Piezoelectric constants of the plant over those of the scene, of all materials or of "
+             "some by name."},
+    HYSTERESIS_ROWS,
+    {"inertia", read_inertia, .form = &flag_form,
+     .help = "Whether the plant vibrates; default true where all densities are given."},
+    {"modes", read_int, offsetof(scene_simulate, modes), &mode_count, .of = OF_NUMBER,
+     .help = "Largest number of modes that vibrate; the others follow without delay; default "
+             "100."},
+    {.key = NULL}};
 
 /* Read one factor for all columns of the matrix, or a mapping of actuators to their factors. */
 static int read_gain(reader *reader, int node, void *to, const void *rule)
@@ -97,44 +149,41 @@ static int read_gain(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const form gains_form = {.type = FORM_NAMED, .item = &number_form};
+static const form *const gain_forms[] = {&number_form, &gains_form, NULL};
+static const form gain_form = {.type = FORM_ANY, .any = gain_forms};
+
 /* The plant of a measured matrix: the matrix with errors. */
-static int read_measured_plant(reader *reader, int node, void *to, const range *loop)
-{
-    const field fields[] = {{"gain", read_gain, offsetof(scene_simulate, gain), NULL, 0},
-                            {"scatter", read_real, offsetof(scene_simulate, scatter), &share, 0},
-                            {"hysteresis", read_hysteresis, 0, loop, 0},
-                            {"creep", read_creep, 0, NULL, 0},
-                            {NULL, NULL, 0, NULL, 0}};
-    return read_map(reader, node, fields, to);
-}
+static const field measured_plant_fields[] = {
+    {"gain", read_gain, offsetof(scene_simulate, gain), .of = OF_NUMBER, .form = &gain_form,
+     .help = "Measured matrix: factor of its columns in the plant, of all or of some actuators by "
+             "name."},
+    {"scatter", read_real, offsetof(scene_simulate, scatter), &share, .of = OF_NUMBER,
+     .help = "Measured matrix: standard deviation of the relative error of its entries; default "
+             "0."},
+    HYSTERESIS_ROWS,
+    {.key = NULL}};
+
+static const form structure_plant_form = {.type = FORM_MAP, .fields = plant_fields};
+static const form measured_plant_form = {.type = FORM_MAP, .fields = measured_plant_fields};
+static const form *const plant_forms[] = {&structure_plant_form, &measured_plant_form, NULL};
+static const form plant_form = {.type = FORM_ANY, .any = plant_forms};
 
 static int read_plant(reader *reader, int node, void *to, const void *rule)
 {
-    static const range counted = {1, 200, 0, "must be from 1 to 200"};
-    static const range loop = {
-        0, 0.3, 0,
-        "must lie between 0 and 0.3; it is the width of the loop over the range of voltages"};
-    static const field fields[] = {
-        {"kinematics", read_plant_kinematics, 0, NULL, 0},
-        {"stiffness", read_factors, offsetof(scene_simulate, stiffness), NULL, 0},
-        {"d", read_factors, offsetof(scene_simulate, d), NULL, 0},
-        {"hysteresis", read_hysteresis, 0, &loop, 0},
-        {"creep", read_creep, 0, NULL, 0},
-        {"inertia", read_inertia, 0, NULL, 0},
-        {"modes", read_int, offsetof(scene_simulate, modes), &counted, 0},
-        {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    if (reader->s->influence.given)
-        return read_measured_plant(reader, node, to, &loop);
-    return read_map(reader, node, fields, to);
+    return read_map(reader, node, reader->s->influence.given ? measured_plant_fields : plant_fields,
+                    to);
 }
 
 /* ---- sensors, amplifiers, faults ---- */
 
+static const choice sights[] = {
+    {"estimated", SIGHT_ESTIMATED}, {"measured", SIGHT_MEASURED}, {NULL, 0}};
+static const form sight_form = {.type = FORM_WORD, .words = sights};
+
 static int read_sight(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice sights[] = {
-        {"estimated", SIGHT_ESTIMATED}, {"measured", SIGHT_MEASURED}, {NULL, 0}};
     scene_simulate *simulate = to;
     int sight = 0;
     (void)rule;
@@ -148,44 +197,85 @@ static int read_sight(reader *reader, int node, void *to, const void *rule)
                       "noise: 1e-6}]}");
 }
 
+static const range late = {0, 16, 0, "must be from 0 to 16 ticks"};
+
+static const field outlier_fields[] = {
+    {"chance", read_real, offsetof(scene_imperfections, outlier_chance), &share, 1, .of = OF_NUMBER,
+     .help = "Probability that a reading is an outlier."},
+    {"size", read_real, offsetof(scene_imperfections, outlier_size), &above_zero, 1,
+     .of = OF_NUMBER, .help = "Largest error of an outlier, in the unit of the reading."},
+    {.key = NULL}};
+static const form outliers_form = {.type = FORM_MAP, .fields = outlier_fields};
+
+static int read_outliers(reader *reader, int node, void *to, const void *rule)
+{
+    (void)rule;
+    return read_map(reader, node, outlier_fields, &((scene_simulate *)to)->imperfections);
+}
+
+static const field measurement_fields[] = {
+    {"shape", read_sight, .form = &sight_form,
+     .help = "estimated: from the readings of estimate, the default where there are some; "
+             "measured: at every target node."},
+    {"noise", read_real, offsetof(scene_simulate, noise), &not_negative, .of = OF_LENGTH,
+     .help = "Standard deviation of the noise of measured shapes; the readings of estimate have "
+             "their own; default 0."},
+    {"delay", read_int, offsetof(scene_simulate, delay), &late, .of = OF_NUMBER,
+     .help = "Delay of the readings in ticks, which the controller knows; default 0."},
+    {"drift", read_real, offsetof(scene_simulate, imperfections.drift), &not_negative,
+     .of = OF_NUMBER,
+     .help = "Largest drift of a sensor, of random size and sign, in the unit of the reading a "
+             "second; default 0."},
+    {"quantum", read_real, offsetof(scene_simulate, imperfections.quantum), &not_negative,
+     .of = OF_NUMBER,
+     .help = "Step of the converters of the sensors, in the unit of the reading; default 0."},
+    {"outliers", read_outliers, .of = OF_NUMBER, .form = &outliers_form,
+     .help = "Wrong readings at random."},
+    {.key = NULL}};
+static const form measurement_form = {.type = FORM_MAP, .fields = measurement_fields};
+
 static int read_measurement(reader *reader, int node, void *to, const void *rule)
 {
-    static const range late = {0, 16, 0, "must be from 0 to 16 ticks"};
-    static const field fields[] = {
-        {"shape", read_sight, 0, NULL, 0},
-        {"noise", read_real, offsetof(scene_simulate, noise), &not_negative, 0},
-        {"delay", read_int, offsetof(scene_simulate, delay), &late, 0},
-        {"drift", read_drift, 0, NULL, 0},
-        {"quantum", read_quantum, 0, NULL, 0},
-        {"outliers", read_outliers, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(reader, node, fields, to);
+    return read_map(reader, node, measurement_fields, to);
 }
+
+static const field amplification_fields[] = {
+    {"step", read_real, offsetof(scene_simulate, step), &not_negative, .of = OF_VOLTAGE,
+     .help = "Voltage resolution of the converters; default 0."},
+    {"dead_band", read_real, offsetof(scene_simulate, dead_band), &not_negative, .of = OF_VOLTAGE,
+     .help = "Largest change of a voltage that an amplifier does not follow; default 0."},
+    {"bandwidth", read_real, offsetof(scene_simulate, imperfections.bandwidth), &above_zero,
+     .of = OF_RATE,
+     .help = "Corner frequency of the amplifiers, a lag of first order; default no lag."},
+    {"reversed", read_reversed, .form = &labels_form,
+     .help = "Amplifiers whose wires are reversed."},
+    {"swapped", read_swapped, .form = &labels_form,
+     .help = "Amplifiers whose cables are swapped: the first with the second, the third with the "
+             "fourth."},
+    {.key = NULL}};
+static const form amplification_form = {.type = FORM_MAP, .fields = amplification_fields};
 
 static int read_amplification(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        {"step", read_real, offsetof(scene_simulate, step), &not_negative, 0},
-        {"dead_band", read_real, offsetof(scene_simulate, dead_band), &not_negative, 0},
-        {"bandwidth", read_bandwidth, 0, NULL, 0},
-        {"reversed", read_reversed, 0, NULL, 0},
-        {"swapped", read_swapped, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     (void)rule;
-    return read_map(reader, node, fields, to);
+    return read_map(reader, node, amplification_fields, to);
 }
+
+static const field faults_fields[] = {
+    {"chance", read_real, offsetof(scene_simulate, fault_chance), &share, 1, .of = OF_NUMBER,
+     .help = "Probability of a random fault in a tick."},
+    {"until", read_int, offsetof(scene_simulate, fault_until), &tick_count, .of = OF_NUMBER,
+     .help = "Tick from which no random faults occur and all faults have ended; default the end."},
+    {.key = NULL}};
+static const form faults_form = {.type = FORM_MAP, .fields = faults_fields};
 
 static int read_faults(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        {"chance", read_real, offsetof(scene_simulate, fault_chance), &share, 1},
-        {"until", read_int, offsetof(scene_simulate, fault_until), &tick_count, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene_simulate *simulate = to;
     (void)rule;
     simulate->fault_until = simulate->ticks;
-    return read_map(reader, node, fields, to);
+    return read_map(reader, node, faults_fields, to);
 }
 
 /* ---- events ---- */
@@ -197,8 +287,7 @@ typedef struct event_text {
 
 static int read_load_number(reader *reader, int node, scene_event *event)
 {
-    static const range number = {0, 1e6, 0, "must be the number of a load, the first is 0"};
-    if (read_int(reader, node, &event->load, &number) != 0)
+    if (read_int(reader, node, &event->load, &load_number) != 0)
         return -1;
     if (event->load < reader->s->loads)
         return 0;
@@ -303,7 +392,6 @@ static int read_event_known(reader *reader, int node, void *to, const void *rule
 
 static int read_event_at(reader *reader, int node, void *to, const void *rule)
 {
-    static const range later = {0, 1e7, 0, "must be a tick from 0"};
     event_text *text = to;
     (void)rule;
     if (read_int(reader, node, &text->event->tick, &later) != 0)
@@ -370,37 +458,95 @@ static int check_event(reader *reader, int node, const event_text *text)
     return 0;
 }
 
+static const range waits = {0, 1e7, 0,
+                            "must be ticks from 0, or detected: the fault detector finds it; leave "
+                            "it out and it is never announced"};
+static const form tick_form = {.type = FORM_WHOLE, .range = &later};
+static const form duration_form = {.type = FORM_WHOLE, .range = &tick_count};
+static const form share_form = {.type = FORM_NUMBER, .range = &share};
+static const form load_number_form = {.type = FORM_WHOLE, .range = &load_number};
+static const choice detected[] = {{"detected", TOLD_FOUND}, {NULL, 0}};
+static const form detected_form = {.type = FORM_WORD, .words = detected};
+static const form waits_form = {.type = FORM_WHOLE, .range = &waits};
+static const form *const announced_forms[] = {&detected_form, &waits_form, NULL};
+static const form announced_form = {.type = FORM_ANY, .any = announced_forms};
+static const form part_form = {.type = FORM_NUMBER, .range = &part};
+static const form later_by_form = {.type = FORM_NUMBER, .range = &later_by};
+static const form frequency_form = {.type = FORM_NUMBER, .range = &above_zero};
+
+static const field event_fields[] = {
+    {"at", read_event_at, .required = 1, .of = OF_NUMBER, .form = &tick_form,
+     .help = "Tick of the event, from 0."},
+    {"target", read_event_type, 0, &event_types[0], .of = OF_NUMBER, .form = &number_form,
+     .help = "Factor of the target from this tick on."},
+    {"value", read_event_type, 0, &event_types[1], .of = OF_LENGTH, .form = &row_function_form,
+     .help = "New target from this tick on; the factor of the target stays."},
+    {"load", read_event_type, 0, &event_types[2], .of = OF_NUMBER, .form = &load_number_form,
+     .help = "Number of a load of the scene, the first is 0, whose factor changes."},
+    {"temperature", read_event_type, 0, &event_types[3], .of = OF_TEMPERATURE, .form = &number_form,
+     .help = "Uniform temperature above that of the stress-free shape."},
+    {"dead", read_event_type, 0, &event_types[4], .form = &labels_form,
+     .help = "Amplifiers whose electrodes are at 0 V from this tick on."},
+    {"stuck", read_event_type, 0, &event_types[5], .form = &labels_form,
+     .help = "Amplifiers whose electrodes keep their voltage from this tick on."},
+    {"alive", read_event_type, 0, &event_types[6], .form = &labels_form,
+     .help = "Amplifiers that work again; the controller is told at once."},
+    {"missing_sensors", read_event_type, 0, &event_types[7], .of = OF_NUMBER, .form = &share_form,
+     .help = "Fraction of the sensors whose reading is NaN for some ticks."},
+    {"stuck_sensors", read_event_type, 0, &event_types[8], .of = OF_NUMBER, .form = &share_form,
+     .help = "Fraction of the sensors that keep their last reading for some ticks."},
+    {"missed_ticks", read_event_type, 0, &event_types[9], .of = OF_NUMBER, .form = &duration_form,
+     .help = "Number of ticks in which the controller does not run."},
+    {"late", read_event_type, 0, &event_types[10], .of = OF_NUMBER, .form = &part_form,
+     .help = "For some ticks the voltages act a random part of the interval late, up to this "
+             "part."},
+    {"jitter", read_event_type, 0, &event_types[11], .of = OF_NUMBER, .form = &part_form,
+     .help = "For some ticks the interval is longer or shorter by a random part, up to this part."},
+    {"delay", read_event_type, 0, &event_types[12], .of = OF_NUMBER, .form = &later_by_form,
+     .help = "For some ticks the readings arrive so many ticks later than the controller "
+             "believes."},
+    {"impulse", read_event_impulse, .of = OF_NUMBER, .form = &number_form,
+     .help = "The load acts like a hammer: its force of the scene during so many seconds, at one "
+             "instant."},
+    {"frequency", read_event_frequency, 0, &above_zero, .of = OF_RATE, .form = &frequency_form,
+     .help = "The load varies by factor sin(2 pi frequency t) for some ticks."},
+    {"factor", read_event_amount, .of = OF_NUMBER, .form = &number_form,
+     .help = "Factor of the load from this tick on."},
+    {"ticks", read_event_ticks, 0, &tick_count, .of = OF_NUMBER, .form = &duration_form,
+     .help = "Duration in ticks of an event that lasts."},
+    {"announced", read_event_told, 0, &waits, .of = OF_NUMBER, .form = &announced_form,
+     .help = "Ticks until the controller is told of dead or stuck electrodes; detected: the fault "
+             "detector finds them; never announced if not given."},
+    {"feed_forward", read_event_known, .form = &flag_form,
+     .help = "The controller is given the factor of the load one tick in advance; default false."},
+    {.key = NULL}};
+
+static const form_case event_cases[] = {{"target", NULL},
+                                        {"value", NULL},
+                                        {"load factor ?feed_forward", NULL},
+                                        {"load factor frequency ticks", NULL},
+                                        {"load impulse", NULL},
+                                        {"temperature", NULL},
+                                        {"dead ?announced", NULL},
+                                        {"stuck ?announced", NULL},
+                                        {"alive", NULL},
+                                        {"missing_sensors ticks", NULL},
+                                        {"stuck_sensors ticks", NULL},
+                                        {"missed_ticks", NULL},
+                                        {"late ticks", NULL},
+                                        {"jitter ticks", NULL},
+                                        {"delay ticks", NULL},
+                                        {NULL, NULL}};
+static const form event_form = {.type = FORM_MAP, .fields = event_fields, .cases = event_cases};
+static const form events_form = {.type = FORM_LIST, .item = &event_form};
+
 static int read_event(reader *reader, int node, scene_event *event)
 {
-    static const range waits = {0, 1e7, 0,
-                                "must be ticks from 0, or detected: the fault detector finds it; "
-                                "leave it out and it is never announced"};
-    static const field fields[] = {{"at", read_event_at, 0, NULL, 1},
-                                   {"target", read_event_type, 0, &event_types[0], 0},
-                                   {"value", read_event_type, 0, &event_types[1], 0},
-                                   {"load", read_event_type, 0, &event_types[2], 0},
-                                   {"temperature", read_event_type, 0, &event_types[3], 0},
-                                   {"dead", read_event_type, 0, &event_types[4], 0},
-                                   {"stuck", read_event_type, 0, &event_types[5], 0},
-                                   {"alive", read_event_type, 0, &event_types[6], 0},
-                                   {"missing_sensors", read_event_type, 0, &event_types[7], 0},
-                                   {"stuck_sensors", read_event_type, 0, &event_types[8], 0},
-                                   {"missed_ticks", read_event_type, 0, &event_types[9], 0},
-                                   {"late", read_event_type, 0, &event_types[10], 0},
-                                   {"jitter", read_event_type, 0, &event_types[11], 0},
-                                   {"delay", read_event_type, 0, &event_types[12], 0},
-                                   {"impulse", read_event_impulse, 0, NULL, 0},
-                                   {"frequency", read_event_frequency, 0, &above_zero, 0},
-                                   {"factor", read_event_amount, 0, NULL, 0},
-                                   {"ticks", read_event_ticks, 0, &tick_count, 0},
-                                   {"announced", read_event_told, 0, &waits, 0},
-                                   {"feed_forward", read_event_known, 0, NULL, 0},
-                                   {NULL, NULL, 0, NULL, 0}};
     event_text text = {0};
     text.event = event;
     event->told = TOLD_NEVER;
     event->at = node_at(reader, node);
-    if (read_map(reader, node, fields, &text) != 0 || refine_load(reader, node, &text) != 0)
+    if (read_map(reader, node, event_fields, &text) != 0 || refine_load(reader, node, &text) != 0)
         return -1;
     return check_event(reader, node, &text);
 }
@@ -427,21 +573,35 @@ static int read_events(reader *reader, int node, void *to, const void *rule)
 
 /* ---- the section ---- */
 
+static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
+static const choice influence_places[] = {{"undeformed", 0}, {"target", 1}, {NULL, 0}};
+
+static const field simulate_fields[] = {
+    {"ticks", read_int, offsetof(scene_simulate, ticks), &tick_count, 1, .of = OF_NUMBER,
+     .help = "Length of the simulation in ticks."},
+    {"seed", read_int, offsetof(scene_simulate, seed), &seeds, .of = OF_NUMBER,
+     .help = "Seed of noise and random faults; the same seed gives the same bits; default 1."},
+    {"influence", read_choice, offsetof(scene_simulate, at_target), influence_places,
+     .help = "Shape at which the influence matrix of the controller is made: undeformed (default), "
+             "or at the nonlinear optimum (target; needs kinematics: nonlinear)."},
+    {"plant", read_plant, .of = OF_NUMBER, .form = &plant_form,
+     .help = "Structure as it is, which the controller does not know."},
+    {"sensors", read_measurement, .form = &measurement_form,
+     .help = "Sensors: one for every target node, or the readings of estimate."},
+    {"amplifiers", read_amplification, .form = &amplification_form,
+     .help = "Amplifiers, which keep voltage and step limits by themselves."},
+    {"faults", read_faults, .form = &faults_form,
+     .help = "Random faults: sensors, electrodes, missed ticks, jumps of target and loads."},
+    {"events", read_events, .form = &events_form,
+     .help = "Events in the order of their ticks; all loads act in full from the start unless an "
+             "event says otherwise."},
+    {.key = NULL}};
+
+const form simulate_form = {.type = FORM_MAP, .fields = simulate_fields};
+
 int read_simulate(reader *reader, int node, void *to, const void *rule)
 {
-    static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
-    static const choice places[] = {{"undeformed", 0}, {"target", 1}, {NULL, 0}};
     static const double default_rate = 1000;
-    static const field fields[] = {
-        {"ticks", read_int, offsetof(scene_simulate, ticks), &tick_count, 1},
-        {"seed", read_int, offsetof(scene_simulate, seed), &seeds, 0},
-        {"influence", read_choice, offsetof(scene_simulate, at_target), places, 0},
-        {"plant", read_plant, 0, NULL, 0},
-        {"sensors", read_measurement, 0, NULL, 0},
-        {"amplifiers", read_amplification, 0, NULL, 0},
-        {"faults", read_faults, 0, NULL, 0},
-        {"events", read_events, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
     scene->simulate.at = node_at(reader, node);
@@ -455,7 +615,7 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
         return tree_fault(
             reader->t, node,
             "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
-    if (read_map(reader, node, fields, &scene->simulate) != 0)
+    if (read_map(reader, node, simulate_fields, &scene->simulate) != 0)
         return -1;
     scene->simulate.given = 1;
     if (!scene->simulate.at_target || scene->kinematics != KINEMATICS_LINEAR)

@@ -13,23 +13,33 @@
 
 /* ---- equilibrium ---- */
 
+static const range step_count = {1, 10000, 0, "must be from 1 to 10000"};
+static const range extrapolated = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
+static const range solve_count = {1, 1000000, 0, "must be from 1 to 1000000"};
+static const range increment = {1e-12, 0.1, 0, "must lie between 1e-12 and 0.1"};
+
+static const field equilibrium_fields[] = {
+    {"load_steps", read_int, offsetof(scene_equilibrium, load_steps), &step_count, .of = OF_NUMBER,
+     .help = "Number of load steps tried first; default 1."},
+    {"tolerance", read_real, offsetof(scene_equilibrium, tolerance), &increment, .of = OF_NUMBER,
+     .help = "Convergence tolerance: largest norm of the last increment relative to the "
+             "displacement of the load step; default 1e-4."},
+    {"extrapolated_iterations", read_int, offsetof(scene_equilibrium, extrapolated_iterations),
+     &extrapolated, .of = OF_NUMBER,
+     .help = "Number of iterations of a load step with extrapolated resultants before the true "
+             "resultants are used; default 12; 0: plain Newton method."},
+    {"linear_solves", read_int, offsetof(scene_equilibrium, linear_solves), &solve_count,
+     .of = OF_NUMBER, .help = "Largest number of linear solves; default 400."},
+    {.key = NULL}};
+
+const form equilibrium_form = {.type = FORM_MAP, .fields = equilibrium_fields};
+
 int read_equilibrium(reader *reader, int node, void *to, const void *rule)
 {
-    static const range stepped = {1, 10000, 0, "must be from 1 to 10000"};
-    static const range extrapolated = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
-    static const range allowed = {1, 1000000, 0, "must be from 1 to 1000000"};
-    static const range small = {1e-12, 0.1, 0, "must lie between 1e-12 and 0.1"};
-    static const field fields[] = {
-        {"load_steps", read_int, offsetof(scene_equilibrium, load_steps), &stepped, 0},
-        {"tolerance", read_real, offsetof(scene_equilibrium, tolerance), &small, 0},
-        {"extrapolated_iterations", read_int, offsetof(scene_equilibrium, extrapolated_iterations),
-         &extrapolated, 0},
-        {"linear_solves", read_int, offsetof(scene_equilibrium, linear_solves), &allowed, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
     scene->equilibrium.at = node_at(reader, node);
-    return read_map(reader, node, fields, &scene->equilibrium);
+    return read_map(reader, node, equilibrium_fields, &scene->equilibrium);
 }
 
 /* ---- actuators ---- */
@@ -98,13 +108,18 @@ static int check_drive(reader *reader, int node, const scene_actuator *actuator,
         first->grid[1]);
 }
 
+static const field drive_fields[] = {
+    {"patches", read_patches_of, offsetof(scene_drive, patches), .required = 1, .form = &name_form,
+     .help = "Name of a grid of patches."},
+    {"factor", read_real, offsetof(scene_drive, factor), .of = OF_NUMBER,
+     .help = "Voltage of the patches over that of the amplifier or sensor; default 1."},
+    {.key = NULL}};
+static const form drive_form = {.type = FORM_MAP, .fields = drive_fields};
+static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least = 1};
+
 /* Read the patch grids of an actuator, or of a sensor if rule is not NULL. */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        {"patches", read_patches_of, offsetof(scene_drive, patches), NULL, 1},
-        {"factor", read_real, offsetof(scene_drive, factor), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene_actuator *actuator = to;
     int i, n;
     actuator->drive = new_items(reader, node, TREE_LIST, sizeof *actuator->drive, &n);
@@ -115,7 +130,7 @@ static int read_drives(reader *reader, int node, void *to, const void *rule)
                           "'drives' is empty; name the patches, as [{patches: up}]");
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, actuator->drives++) {
         actuator->drive[actuator->drives].factor = 1;
-        if (read_map(reader, i, fields, &actuator->drive[actuator->drives]) != 0 ||
+        if (read_map(reader, i, drive_fields, &actuator->drive[actuator->drives]) != 0 ||
             check_drive(reader, i, actuator, actuator->drives, rule != NULL) != 0)
             return -1;
     }
@@ -124,24 +139,32 @@ static int read_drives(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-static int read_uniform(reader *reader, int node, void *to, const void *rule)
-{
-    static const choice only[] = {{"uniform", 1}, {NULL, 0}};
-    (void)rule;
-    return read_choice(reader, node, to, only);
-}
+static const choice uniform[] = {{"uniform", 1}, {NULL, 0}};
+
+static const field actuator_fields[] = {
+    {"name", read_name, offsetof(scene_actuator, name), .required = 1,
+     .help = "Name; the amplifiers are name_1_1 ..., or name alone for a single patch."},
+    {"drives", read_drives, .of = OF_NUMBER, .form = &drives_form,
+     .help = "Grids of the same shape; patches at the same position share an amplifier."},
+    {"temperature", read_choice, offsetof(scene_actuator, is_temperature), uniform,
+     .help = "uniform: the input is a temperature instead of voltages."},
+    {"applied", read_real, offsetof(scene_actuator, applied), .of = OF_ACTUATOR,
+     .help = "Voltage of each amplifier, or temperature, when the scene is solved; default 0."},
+    {.key = NULL}};
+
+static const form_case actuator_cases[] = {
+    {"drives", "One amplifier for each patch of the grids, tied by factors."},
+    {"temperature", "A temperature as an input."},
+    {NULL, NULL}};
+static const form actuator_form = {
+    .type = FORM_MAP, .fields = actuator_fields, .cases = actuator_cases};
+const form actuators_form = {.type = FORM_LIST, .item = &actuator_form};
 
 static int read_actuator(reader *reader, int node, scene_actuator *actuator)
 {
-    static const field fields[] = {
-        {"name", read_name, offsetof(scene_actuator, name), NULL, 1},
-        {"drives", read_drives, 0, NULL, 0},
-        {"temperature", read_uniform, offsetof(scene_actuator, is_temperature), NULL, 0},
-        {"applied", read_real, offsetof(scene_actuator, applied), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     actuator->at = node_at(reader, node);
     actuator->grid[0] = actuator->grid[1] = 1;
-    if (read_map(reader, node, fields, actuator) != 0)
+    if (read_map(reader, node, actuator_fields, actuator) != 0)
         return -1;
     if ((actuator->drives > 0) == actuator->is_temperature)
         return tree_fault(
@@ -171,17 +194,26 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 
 /* ---- sensors ---- */
 
+static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
+
+/* The rule of `drives` tells read_drives that the patches are those of a sensor. */
+static const field sensor_fields[] = {
+    {"name", read_name, offsetof(scene_actuator, name), .required = 1,
+     .help = "Name; the electrodes are name_1_1 ..., or name alone for a single patch."},
+    {"circuit", read_choice, offsetof(scene_actuator, open), circuits,
+     .help = "open: no charge flows (default); short: no voltage."},
+    {"drives", read_drives, 0, circuits, 1, .of = OF_NUMBER, .form = &drives_form,
+     .help = "Grids of the same shape; patches at the same position share an electrode."},
+    {.key = NULL}};
+
+static const form sensor_form = {.type = FORM_MAP, .fields = sensor_fields};
+const form sensors_form = {.type = FORM_LIST, .item = &sensor_form};
+
 static int read_sensor(reader *reader, int node, scene_actuator *actuator)
 {
-    static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
-    static const field fields[] = {
-        {"name", read_name, offsetof(scene_actuator, name), NULL, 1},
-        {"circuit", read_choice, offsetof(scene_actuator, open), circuits, 0},
-        {"drives", read_drives, 0, circuits, 1},
-        {NULL, NULL, 0, NULL, 0}};
     actuator->at = node_at(reader, node);
     actuator->open = 1;
-    if (read_map(reader, node, fields, actuator) != 0)
+    if (read_map(reader, node, sensor_fields, actuator) != 0)
         return -1;
     actuator->first = reader->s->electrodes;
     reader->s->electrodes += actuator->grid[0] * actuator->grid[1];
@@ -218,15 +250,21 @@ static int read_voltage(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const field relative_fields[] = {
+    {"relative", read_real, 0, &not_negative, 1, .of = OF_NUMBER,
+     .help = "Weight relative to the mean diagonal entry of the Hessian, tr(B'WB)/n."},
+    {.key = NULL}};
+static const form relative_form = {.type = FORM_MAP, .fields = relative_fields};
+static const form *const regularisation_forms[] = {&not_negative_form, &relative_form, NULL};
+static const form regularisation_form = {.type = FORM_ANY, .any = regularisation_forms};
+
 static int read_regularisation(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {{"relative", read_real, 0, &not_negative, 1},
-                                   {NULL, NULL, 0, NULL, 0}};
     scene_limits *limits = to;
     (void)rule;
     limits->regularisation_is_relative = reader->t->node[node].kind == TREE_MAP;
     if (limits->regularisation_is_relative)
-        return read_map(reader, node, fields, &limits->regularisation);
+        return read_map(reader, node, relative_fields, &limits->regularisation);
     return read_real(reader, node, &limits->regularisation, &not_negative);
 }
 
@@ -246,20 +284,32 @@ static int read_amplifier(reader *reader, int node, void *to, const void *rule)
                       node_text(reader, node), name);
 }
 
+typedef struct each_text {
+    scene_limit limit;
+    double voltage[2], hold;
+} each_text;
+
+static const form voltage_range_form = {
+    .type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
+
+static const field each_fields[] = {
+    {"actuator", read_amplifier, offsetof(each_text, limit), .required = 1, .form = &label_form,
+     .help = "Name of an amplifier, such as v_1_2, or of an actuator for all its amplifiers."},
+    {"voltage", read_voltage, offsetof(each_text, voltage), .of = OF_LIMIT,
+     .form = &voltage_range_form, .help = "Voltage limits [lowest, highest]."},
+    {"hold", read_real, offsetof(each_text, hold), .of = OF_LIMIT,
+     .help = "Voltage at which the amplifier is held, such as 0 for a dead one."},
+    {.key = NULL}};
+
+static const form_case each_cases[] = {{"actuator voltage|hold", NULL}, {NULL, NULL}};
+static const form each_item_form = {.type = FORM_MAP, .fields = each_fields, .cases = each_cases};
+static const form each_form = {.type = FORM_LIST, .item = &each_item_form};
+
 static int read_each_item(reader *reader, int node, scene_limit *limit)
 {
-    typedef struct each_text {
-        scene_limit limit;
-        double voltage[2], hold;
-    } each_text;
-    static const field fields[] = {
-        {"actuator", read_amplifier, offsetof(each_text, limit), NULL, 1},
-        {"voltage", read_voltage, offsetof(each_text, voltage), NULL, 0},
-        {"hold", read_real, offsetof(each_text, hold), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     each_text text;
     memset(&text, 0, sizeof text);
-    if (read_map(reader, node, fields, &text) != 0)
+    if (read_map(reader, node, each_fields, &text) != 0)
         return -1;
     if (!tree_find(reader->t, node, "voltage") == !tree_find(reader->t, node, "hold"))
         return tree_fault(
@@ -316,20 +366,34 @@ static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
                       node_text(reader, node), smallest_step_limit);
 }
 
+static const range some = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
+static const form some_form = {.type = FORM_NUMBER, .range = &some};
+
+static const field limits_fields[] = {
+    {"voltage", read_voltage, offsetof(scene_limits, lower), .of = OF_VOLTAGE,
+     .form = &voltage_range_form,
+     .help =
+         "Voltage limits [lowest, highest] of all amplifiers; pzs shape --limit replaces them."},
+    {"step_limit", read_real, offsetof(scene_limits, step_limit), &some, .of = OF_VOLTAGE,
+     .help = "Largest change of a voltage in one tick; not with rate_limit."},
+    {"rate_limit", read_rate_limit, 0, &some, .of = OF_VOLTAGE_RATE, .form = &some_form,
+     .help = "Largest rate of a voltage; needs control: {rate: ...}; not with step_limit."},
+    {"regularisation", read_regularisation, .of = OF_REGULARISATION, .form = &regularisation_form,
+     .help = "Weight of the squared voltages in the optimum: absolute, or {relative: ...}."},
+    {"each", read_each, .of = OF_LIMIT, .form = &each_form,
+     .help = "Limits of individual amplifiers, in place of the common ones; pzs shape --limit "
+             "narrows them and does not move a held voltage."},
+    {.key = NULL}};
+
+static const form_case limits_cases[] = {{"?step_limit", NULL}, {"rate_limit", NULL}, {NULL, NULL}};
+const form limits_form = {.type = FORM_MAP, .fields = limits_fields, .cases = limits_cases};
+
 int read_limits(reader *reader, int node, void *to, const void *rule)
 {
-    static const range some = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
-    static const field fields[] = {
-        {"voltage", read_voltage, offsetof(scene_limits, lower), NULL, 0},
-        {"step_limit", read_real, offsetof(scene_limits, step_limit), &some, 0},
-        {"rate_limit", read_rate_limit, 0, &some, 0},
-        {"regularisation", read_regularisation, 0, NULL, 0},
-        {"each", read_each, 0, NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     (void)rule;
     scene->limits.at = node_at(reader, node);
-    return read_map(reader, node, fields, &scene->limits);
+    return read_map(reader, node, limits_fields, &scene->limits);
 }
 
 /* ---- outputs, target, compare ---- */
@@ -355,20 +419,16 @@ static int read_component(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-#define PLACE(member)                                                                              \
-    {"edge", read_edge, offsetof(output_text, member), NULL, 0},                                   \
-    {                                                                                              \
-        "at", read_at, offsetof(output_text, member), NULL, 0                                      \
-    }
+static const choice contact_results[] = {{"x", CONTACT_X},
+                                         {"y", CONTACT_Y},
+                                         {"z", CONTACT_Z},
+                                         {"nodes", CONTACT_NODES},
+                                         {"pressure", CONTACT_PRESSURE},
+                                         {NULL, 0}};
+static const form contact_result_form = {.type = FORM_WORD, .words = contact_results};
 
 static int read_contact_output(reader *reader, int node, void *to, const void *rule)
 {
-    static const choice results[] = {{"x", CONTACT_X},
-                                     {"y", CONTACT_Y},
-                                     {"z", CONTACT_Z},
-                                     {"nodes", CONTACT_NODES},
-                                     {"pressure", CONTACT_PRESSURE},
-                                     {NULL, 0}};
     output_text *text = to;
     int result = 0;
     (void)rule;
@@ -380,7 +440,7 @@ static int read_contact_output(reader *reader, int node, void *to, const void *r
         return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "an output is a displacement or of contact; write a second "
                              "item");
-    if (read_choice(reader, node, &result, results) != 0)
+    if (read_choice(reader, node, &result, contact_results) != 0)
         return -1;
     text->output.contact = (scene_contact_output)result;
     return 0;
@@ -440,22 +500,41 @@ static int finish_output(reader *reader, int node, output_text *text)
     return require_place(reader, node, &text->output.where);
 }
 
+static const int electric[] = {ELECTRIC_VOLTAGE, ELECTRIC_CHARGE};
+
+static const field output_fields[] = {
+    {"name", read_name, offsetof(output_text, output.name), .required = 1,
+     .help = "Name of the output in the results."},
+    DIRECTIONS(read_component, OF_NOTHING, &face_form, "Displacement of a face"),
+    {"contact", read_contact_output, .form = &contact_result_form,
+     .help = "Result of the contact: resultant force on the shell along a global axis, number of "
+             "nodes in contact, or the contact pressure at a place."},
+    {"voltage", read_electric_output, 0, &electric[0], .form = &name_form,
+     .help = "Voltages of a sensor or actuator, or of one of its electrodes, such as s_1_2."},
+    {"charge", read_electric_output, 0, &electric[1], .form = &name_form,
+     .help = "Charges of a sensor or actuator, or of one of its electrodes, on the side towards "
+             "+e3."},
+    PLACE(offsetof(output_text, output.where)),
+    {"reference", read_real, offsetof(output_text, output.reference), .of = OF_OUTPUT,
+     .help = "Value to print beside the result."},
+    {.key = NULL}};
+
+static const form_case output_cases[] = {
+    {"u1|u2|u3|x|y|z edge|at", "A displacement."},
+    {"contact=pressure edge|at", "The contact pressure at a place."},
+    {"contact=x/y/z/nodes", "A result of the whole contact."},
+    {"voltage|charge", "Voltages or charges of electrodes."},
+    {NULL, NULL}};
+static const form output_form = {.type = FORM_MAP, .fields = output_fields, .cases = output_cases};
+const form outputs_form = {.type = FORM_LIST, .item = &output_form};
+
 static int read_output(reader *reader, int node, scene_output *to)
 {
-    static const int electric[] = {ELECTRIC_VOLTAGE, ELECTRIC_CHARGE};
-    static const field fields[] = {
-        {"name", read_name, offsetof(output_text, output.name), NULL, 1},
-        DIRECTIONS(read_component),
-        {"contact", read_contact_output, 0, NULL, 0},
-        {"voltage", read_electric_output, 0, &electric[0], 0},
-        {"charge", read_electric_output, 0, &electric[1], 0},
-        PLACE(output.where),
-        {"reference", read_real, offsetof(output_text, output.reference), NULL, 0},
-        {NULL, NULL, 0, NULL, 0}};
     output_text text;
     memset(&text, 0, sizeof text);
     text.output.reference = (double)NAN;
-    if (read_map(reader, node, fields, &text) != 0 || finish_output(reader, node, &text) != 0)
+    if (read_map(reader, node, output_fields, &text) != 0 ||
+        finish_output(reader, node, &text) != 0)
         return -1;
     *to = text.output;
     return 0;
@@ -475,12 +554,18 @@ int read_outputs(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const field mode_fields[] = {
+    {"name", read_name, offsetof(scene_mode, name), .required = 1,
+     .help = "Name of the shape in the results."},
+    {"value", read_row_function, offsetof(scene_mode, value), .required = 1, .of = OF_LENGTH,
+     .form = &row_function_form,
+     .help = "Wanted displacement, such as 1e-6*zernike(4, theta1/0.03, theta2)."},
+    {.key = NULL}};
+static const form mode_form = {.type = FORM_MAP, .fields = mode_fields};
+static const form modes_form = {.type = FORM_LIST, .item = &mode_form};
+
 static int read_modes(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        {"name", read_name, offsetof(scene_mode, name), NULL, 1},
-        {"value", read_row_function, offsetof(scene_mode, value), NULL, 1},
-        {NULL, NULL, 0, NULL, 0}};
     scene_target *target = &reader->s->target;
     int i, k = 0;
     (void)to;
@@ -490,7 +575,7 @@ static int read_modes(reader *reader, int node, void *to, const void *rule)
         return -1;
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
         target->mode[k].at = node_at(reader, i);
-        if (read_map(reader, i, fields, &target->mode[k]) != 0)
+        if (read_map(reader, i, mode_fields, &target->mode[k]) != 0)
             return -1;
     }
     return 0;
@@ -535,14 +620,40 @@ static int read_free(reader *reader, int node, void *to, const void *rule)
 }
 
 static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
+static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .most = SCENE_FREE};
 
 /* Rows that every target has: values, weights, modes and free functions. */
 #define TARGET_VALUES                                                                              \
-    {"value", read_row_function, offsetof(output_text, value), NULL, 1},                           \
-        {"weight", read_choice, offsetof(output_text, weight_area), target_weights, 0},            \
-        {"modes", read_modes, 0, NULL, 0},                                                         \
+    {"value",                                                                                      \
+     read_row_function,                                                                            \
+     offsetof(output_text, value),                                                                 \
+     NULL,                                                                                         \
+     1,                                                                                            \
+     OF_LENGTH,                                                                                    \
+     &row_function_form,                                                                           \
+     "Wanted displacement: a formula of x, y, z, theta1, theta2, a list of values in the order "   \
+     "of the rows, or {file: ...}."},                                                              \
+        {"weight",                                                                                 \
+         read_choice,                                                                              \
+         offsetof(output_text, weight_area),                                                       \
+         target_weights,                                                                           \
+         0,                                                                                        \
+         OF_NOTHING,                                                                               \
+         NULL,                                                                                     \
+         "Weight of the nodes in the error: equal (default), or by area."},                        \
+        {"modes",                                                                                  \
+         read_modes,                                                                               \
+         0,                                                                                        \
+         NULL,                                                                                     \
+         0,                                                                                        \
+         OF_LENGTH,                                                                                \
+         &modes_form,                                                                              \
+         "Shapes to try one by one, in the direction and at the place of the target; pzs shape "   \
+         "prints what is left of each."},                                                          \
     {                                                                                              \
-        "free", read_free, 0, NULL, 0                                                              \
+        "free", read_free, 0, NULL, 0, OF_NUMBER, &free_form,                                      \
+            "Functions that are taken out of target and error by weighted projection: piston "     \
+            "(1), tip (x), tilt (y), or functions; control image only."                            \
     }
 
 static void keep_target(scene *scene, const output_text *text)
@@ -554,16 +665,23 @@ static void keep_target(scene *scene, const output_text *text)
     scene->target.weight_area = text->weight_area;
 }
 
+static const field target_fields[] = {
+    DIRECTIONS(read_component, OF_NOTHING, &face_form, "Displacement of a face"),
+    PLACE(offsetof(output_text, output.where)),
+    TARGET_VALUES,
+    {.key = NULL}};
+
+static const form_case target_cases[] = {{"u1|u2|u3|x|y|z edge|at value", NULL}, {NULL, NULL}};
+const form target_form = {.type = FORM_MAP, .fields = target_fields, .cases = target_cases};
+
 int read_target(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {
-        DIRECTIONS(read_component), PLACE(output.where), TARGET_VALUES, {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     output_text text;
     int status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    status = read_map(reader, node, fields, &text);
+    status = read_map(reader, node, target_fields, &text);
     scene->target.value = text.value;
     if (status != 0 || finish_output(reader, node, &text) != 0)
         return -1;
@@ -573,15 +691,17 @@ int read_target(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const field measured_target_fields[] = {TARGET_VALUES, {.key = NULL}};
+const form measured_target_form = {.type = FORM_MAP, .fields = measured_target_fields};
+
 int read_measured_target(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {TARGET_VALUES, {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     output_text text;
     int status;
     (void)rule;
     memset(&text, 0, sizeof text);
-    status = read_map(reader, node, fields, &text);
+    status = read_map(reader, node, measured_target_fields, &text);
     scene->target.value = text.value;
     text.output.at = node_at(reader, node);
     text.output.component = COMPONENT_Z;
@@ -606,11 +726,16 @@ static int read_values(reader *reader, int node, void *to, const void *rule)
                       compare->count, reader->s->amplifiers);
 }
 
+static const field compare_fields[] = {
+    {"name", read_name, offsetof(scene_compare, name), .required = 1, .help = "Name of the set."},
+    {"values", read_values, .required = 1, .of = OF_COMPARE, .form = &numbers_form,
+     .help = "Voltages of all amplifiers, in the order of the actuators, theta2 fastest."},
+    {.key = NULL}};
+static const form compare_item_form = {.type = FORM_MAP, .fields = compare_fields};
+const form compare_form = {.type = FORM_LIST, .item = &compare_item_form};
+
 int read_compare(reader *reader, int node, void *to, const void *rule)
 {
-    static const field fields[] = {{"name", read_name, offsetof(scene_compare, name), NULL, 1},
-                                   {"values", read_values, 0, NULL, 1},
-                                   {NULL, NULL, 0, NULL, 0}};
     scene *scene = to;
     int i, k = 0;
     (void)rule;
@@ -619,7 +744,7 @@ int read_compare(reader *reader, int node, void *to, const void *rule)
         return -1;
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
         scene->compare[k].at = node_at(reader, i);
-        if (read_map(reader, i, fields, &scene->compare[k]) != 0)
+        if (read_map(reader, i, compare_fields, &scene->compare[k]) != 0)
             return -1;
     }
     return 0;

@@ -28,10 +28,7 @@ int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], cons
  */
 int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 
-/*
- * Return whether the dimension of a key is known, for tests.
- *   key  [keys] in: path of the key from the root, without the items of lists
- */
-int scene_units_known(const char *const *key, int keys);
+/* Return a unit of a dimension as an example for help texts, or NULL where there is none. */
+const char *scene_units_example(dimension of);
 
 #endif

@@ -2,6 +2,7 @@
 /* JSON output (json.h). */
 #include "json.h"
 #include <math.h>
+#include <stdlib.h>
 
 static void quoted(FILE *file, const char *text)
 {
@@ -22,7 +23,9 @@ static void begin(json *json, const char *key)
 {
     if (json->filled[json->depth]++)
         fputc(',', json->file);
-    if (json->depth > 0)
+    if (json->line && json->filled[json->depth] > 1)
+        fputc(' ', json->file);
+    if (json->depth > 0 && !json->line)
         fprintf(json->file, "\n%*s", 2 * json->depth, "");
     if (key) {
         quoted(json->file, key);
@@ -37,20 +40,33 @@ void json_open(json *json, const char *key, char bracket)
     json->filled[++json->depth] = 0;
 }
 
+void json_open_line(json *json, const char *key, char bracket)
+{
+    json_open(json, key, bracket);
+    if (!json->line)
+        json->line = json->depth;
+}
+
 void json_close(json *json, char bracket)
 {
+    const int is_on_line = json->line != 0;
+    if (json->line == json->depth)
+        json->line = 0;
     json->depth--;
-    fprintf(json->file, "\n%*s%c", 2 * json->depth, "", bracket);
+    if (!is_on_line)
+        fprintf(json->file, "\n%*s", 2 * json->depth, "");
+    fputc(bracket, json->file);
     if (json->depth == 0)
         fputc('\n', json->file);
 }
 
 static void number(FILE *file, double value)
 {
-    if (isfinite(value))
-        fprintf(file, "%.17g", value);
-    else
-        fputs("null", file);
+    char text[40];
+    snprintf(text, sizeof text, "%.15g", value);
+    if (strtod(text, NULL) != value)
+        snprintf(text, sizeof text, "%.17g", value);
+    fputs(isfinite(value) ? text : "null", file);
 }
 
 void json_bool(json *json, const char *key, int is_true)

@@ -8,7 +8,8 @@
 typedef struct json {
     FILE *file;
     int depth;
-    int filled[16]; /* whether an element was already written at each nesting depth */
+    int line;       /* depth of the outermost container that is written on one line; 0: none */
+    int filled[48]; /* whether an element was already written at each nesting depth */
 } json;
 
 /*
@@ -16,6 +17,7 @@ typedef struct json {
  * that is not finite is written as null.
  */
 void json_open(json *json, const char *key, char bracket);
+void json_open_line(json *json, const char *key, char bracket); /* all of it on one line */
 void json_close(json *json, char bracket);
 void json_number(json *json, const char *key, double value);
 void json_bool(json *json, const char *key, int is_true);

@@ -128,6 +128,12 @@ for s in plate-50-patches plate-closed-loop plate-few-sensors hyperboloid-patche
 done
 run 0 migrate scordelis-lo && cmp -s "$dir/out" host_tools/scenes/scordelis-lo.yaml; check 'migrate: a scene that needs nothing is printed unchanged' $?
 run 2 migrate && says 'name a scene'; check 'migrate without a scene' $?
+run 0 schema && cmp -s "$dir/out" host_tools/scenes/scene.schema.json; check 'scene.schema.json is what pzs schema writes (else: make schema)' $?
+/usr/bin/python3 tests/cli/schema.py "$PZS" host_tools/scenes/scene.schema.json "${SCHEMA_EVERY:-5}" host_tools/scenes/*.yaml >"$dir/out" 2>"$dir/err"
+check 'schema and reader agree on every shipped scene and on changed ones' $?
+run 0 keys limits && grep -q '^  rate_limit .*number above 0, unit as V/s' "$dir/out" && run 0 help keys && grep -q '^  rate_limit ' "$dir/out" && grep -q '^simulate ' "$dir/out"
+check 'keys lists the keys of a scene' $?
+run 2 keys limit && says "no section 'limit' (did you mean 'limits'?)"; check 'keys of a mistyped section' $?
 run 2 new mirrow && says "did you mean 'mirror'"; check 'new of a mistyped scene' $?
 run 2 shape plate-50-patches --limit -3 && says '--limit'; check 'negative limit' $?
 run 2 shape plate-50-patches --limit nan && says '--limit'; check 'limit that is not a number' $?

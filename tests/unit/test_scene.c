@@ -17,7 +17,7 @@
 #include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/scene/scene.h"
-#include "../../host_tools/scene/scene_units.h"
+#include "../../host_tools/scene/scene_fields.h"
 
 #ifndef MUTATIONS
 #define MUTATIONS 500
@@ -1092,73 +1092,99 @@ static void test_bad_units(void **state)
     }
 }
 
-/* Keys of the schema that are numbers, and those of them that have no dimension. */
-typedef struct schema_walk {
-    tree t;
-    const char *key[TREE_DEPTH + 1];
-    int numbers, unknown;
-} schema_walk;
+/* ---- tables of keys ---- */
 
-static void walk_schema(schema_walk *w, int node, int keys);
+/* Keys of the tables, and what is missing in them. */
+typedef struct table_walk {
+    int keys, numbers, faults;
+} table_walk;
 
-static void walk_children(schema_walk *w, int node, int keys, int named)
+static void walk_form(table_walk *walk, const form *form, const field *of);
+
+/* Whether numbers are among the values of a form, apart from the values of keys below it. */
+static int has_numbers(const form *form)
 {
-    for (int i = node ? w->t.node[node].first : 0; i; i = w->t.node[i].next) {
-        w->key[keys] = w->t.node[i].key;
-        walk_schema(w, i, keys + named);
+    switch (form->type) {
+    case FORM_NUMBER:
+    case FORM_WHOLE:
+    case FORM_FORMULA: return 1;
+    case FORM_LIST:
+    case FORM_NAMED: return has_numbers(form->item);
+    case FORM_ANY:
+        for (int i = 0; form->any[i]; i++)
+            if (has_numbers(form->any[i]))
+                return 1;
+        return 0;
+    default: return 0;
     }
 }
 
-static void check_number(schema_walk *w, int keys)
+static void miss(table_walk *walk, const field *field, const char *what)
 {
-    w->numbers++;
-    if (scene_units_known(w->key, keys))
-        return;
-    w->unknown++;
-    for (int i = 0; i < keys; i++)
-        print_error("%s%s", i ? "." : "no dimension in scene_units.c: ", w->key[i]);
-    print_error("\n");
+    print_error("'%s' (%s) has no %s\n", field->key, field->help ? field->help : "", what);
+    walk->faults++;
 }
 
-static void walk_schema(schema_walk *w, int node, int keys)
+static void walk_field(table_walk *walk, const field *field)
 {
-    static const char place[] = "#/$defs/";
-    const tree *tree = &w->t;
-    const int ref = tree_find(tree, node, "$ref"), items = tree_find(tree, node, "items"),
-              more = tree_find(tree, node, "additionalProperties");
-    assert_true(keys < TREE_DEPTH);
-    walk_children(w, tree_find(tree, node, "properties"), keys, 1);
-    walk_children(w, tree_find(tree, node, "oneOf"), keys, 0);
-    walk_children(w, tree_find(tree, node, "anyOf"), keys, 0);
-    if (items && tree->node[items].kind == TREE_MAP)
-        walk_schema(w, items, keys);
-    if (more && tree->node[more].kind == TREE_MAP) {
-        w->key[keys] = "any";
-        walk_schema(w, more, keys + 1);
+    const form own = field_form(field);
+    const size_t length = field->help ? strlen(field->help) : 0;
+    walk->keys++;
+    walk->numbers += has_numbers(&own);
+    if (has_numbers(&own) && field->of == OF_NOTHING)
+        miss(walk, field, "dimension");
+    if (length < 8 || field->help[length - 1] != '.')
+        miss(walk, field, "help sentence");
+    if (own.type == FORM_WORD && !own.words)
+        miss(walk, field, "words");
+    walk_form(walk, &own, field);
+}
+
+/* Every key of a combination is in the table. */
+static void check_case(table_walk *walk, const form *form, const char *keys, const field *of)
+{
+    case_item item;
+    while (case_next(&keys, &item)) {
+        size_t start = 0;
+        while (start < item.length) {
+            const size_t length = strcspn(item.text + start, "| ?=");
+            const field *field = form->fields;
+            while (field->key && (strlen(field->key) != length ||
+                                  strncmp(field->key, item.text + start, length) != 0))
+                field++;
+            if (!field->key)
+                miss(walk, of, item.text);
+            start += length + 1;
+        }
     }
-    if (!ref)
-        return;
-    const char *const name = tree->node[ref].text + sizeof place - 1;
-    if (strcmp(name, "number") == 0 || strcmp(name, "formula") == 0)
-        check_number(w, keys);
-    else
-        walk_schema(w, tree_find(tree, tree_find(tree, tree->root, "$defs"), name), keys);
 }
 
-/* Every numeric key of the schema has a dimension: a new one needs a row in scene_units.c. */
-static void test_dimensions(void **state)
+static void walk_form(table_walk *walk, const form *form, const field *of)
 {
-    char path[512], error[SCENE_ERROR];
-    schema_walk w;
+    if (form->type == FORM_LIST || form->type == FORM_NAMED)
+        walk_form(walk, form->item, of);
+    for (int i = 0; form->type == FORM_ANY && form->any[i]; i++)
+        walk_form(walk, form->any[i], of);
+    if (form->type != FORM_MAP)
+        return;
+    for (const form_case *one = form->cases; one && one->keys; one++)
+        check_case(walk, form, one->keys, of);
+    for (const field *field = form->fields; field->key; field++)
+        walk_field(walk, field);
+}
+
+/*
+ * Every key of the tables has a help sentence, and a dimension if its values are numbers; the
+ * combinations of keys name keys of their table.
+ */
+static void test_tables(void **state)
+{
+    static const field whole = {.key = "scene"};
+    table_walk walk = {0, 0, 0};
     (void)state;
-    memset(&w, 0, sizeof w);
-    snprintf(path, sizeof path, "%s/scene.schema.json", scenes);
-    if (tree_read(&w.t, path, NULL, 0, error) != 0)
-        fail_msg("%s", error);
-    walk_schema(&w, w.t.root, 0);
-    tree_free(&w.t);
-    assert_true(w.numbers > 100);
-    assert_int_equal(w.unknown, 0);
+    walk_form(&walk, &scene_form, &whole);
+    assert_int_equal(walk.faults, 0);
+    assert_true(walk.keys > 180 && walk.numbers > 100);
 }
 
 /* ---- noise ---- */
@@ -1225,7 +1251,7 @@ int main(int arguments, char **argument)
         cmocka_unit_test(test_changes),     cmocka_unit_test(test_nonlinear_words),
         cmocka_unit_test(test_expressions), cmocka_unit_test(test_units),
         cmocka_unit_test(test_unit_angles), cmocka_unit_test(test_bad_units),
-        cmocka_unit_test(test_dimensions),  cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_tables),      cmocka_unit_test(test_noise),
     };
     int descriptor = mkstemp(file), failed;
     if (descriptor < 0)

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Physical dimensions of the numbers of a scene, one for each row of a table of keys. */
+#ifndef SCENE_DIMENSION_H
+#define SCENE_DIMENSION_H
+
+/*
+ * Physical dimension of the numbers of a key. OF_NOTHING is the dimension of a key without numbers
+ * of its own. Values from DIMENSIONS on stand for dimensions that follow from neighbouring keys or
+ * from other sections of the scene.
+ */
+typedef enum dimension {
+    OF_NOTHING,
+    OF_NUMBER,
+    OF_LENGTH,
+    OF_VOLUME,
+    OF_RADIANS,
+    OF_DEGREES,
+    OF_FORCE,
+    OF_LINE_FORCE,
+    OF_STRESS,
+    OF_ACCELERATION,
+    OF_DENSITY,
+    OF_AREA_DENSITY,
+    OF_RATE,
+    OF_TEMPERATURE,
+    OF_EXPANSION,
+    OF_VOLTAGE,
+    OF_VOLTAGE_RATE,
+    OF_FIELD,
+    OF_CHARGE,
+    OF_STRAIN_CONSTANT,
+    OF_STRESS_CONSTANT,
+    OF_PERMITTIVITY,
+    OF_PYROELECTRIC,
+    OF_REGULARISATION,
+    DIMENSIONS,
+    OF_COORDINATE = DIMENSIONS, /* of theta1 or theta2, whichever key is nearest */
+    OF_SUPPORT,
+    OF_LOAD,
+    OF_OUTPUT,
+    OF_READING,
+    OF_ACTUATOR,
+    OF_LIMIT,
+    OF_COMPARE
+} dimension;
+
+#endif

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Paragraphs with line breaks for a terminal of 100 columns. */
+#ifndef WRAP_H
+#define WRAP_H
+
+#include <stdio.h>
+
+/*
+ * Print a text from column `at`, the present column, with line breaks; all further lines begin in
+ * column `indent`.
+ */
+void wrap_print(FILE *file, const char *text, int at, int indent);
+
+#endif
