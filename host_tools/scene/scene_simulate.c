@@ -89,21 +89,21 @@ static const range loop_width = {
 static const form loop_width_form = {.type = FORM_NUMBER, .range = &loop_width};
 
 /* Rows that every plant has. */
-#define HYSTERESIS_ROWS                                                                             \
-    {"hysteresis",                                                                                  \
-     read_hysteresis,                                                                               \
-     0,                                                                                             \
-     &loop_width,                                                                                   \
-     0,                                                                                             \
-     OF_NUMBER,                                                                                     \
-     &loop_width_form,                                                                              \
-     "Width of the hysteresis loop of a full cycle over the range of the voltages; default 0.1 "    \
-     "for a piezoceramic between finite limits, otherwise 0."},                                     \
-    {                                                                                               \
-        "creep", read_real, offsetof(scene_simulate, imperfections.creep), &creep_part, 0,          \
-            OF_NUMBER, NULL,                                                                        \
-            "Creep of the ceramic a decade of time over the voltage, with the time constants 0.1, " \
-            "1 and 10 s; default 0."                                                                \
+#define HYSTERESIS_ROWS                                                                            \
+    {"hysteresis",                                                                                 \
+     read_hysteresis,                                                                              \
+     0,                                                                                            \
+     &loop_width,                                                                                  \
+     0,                                                                                            \
+     OF_NUMBER,                                                                                    \
+     &loop_width_form,                                                                             \
+     "Width of the hysteresis loop of a full cycle over the range of the voltages; default 0.1 "   \
+     "for a piezoceramic between finite limits, otherwise 0."},                                    \
+    {                                                                                              \
+        "creep", read_real, offsetof(scene_simulate, imperfections.creep), &creep_part, 0,         \
+            OF_NUMBER, NULL,                                                                       \
+            "Creep of the ceramic a decade of time over the voltage, with the time constants "     \
+            "0.1, 1 and 10 s; default 0."                                                          \
     }
 
 static const field plant_fields[] = {
