@@ -124,6 +124,14 @@ uninstall:
 
 # ---- unit tests ----------------------------------------------------------
 
+# Programs of each variant, expanded where they are added.
+UNIT_64 :=
+UNIT_32 :=
+UNIT_32t8 :=
+UNIT_64t16 :=
+UNIT_san64 :=
+UNIT_san32 :=
+
 # program: name, variant, sources beside the library, libraries
 define program
 UNIT_$(2) += $(B)/test/$(1)-$(2)
