@@ -150,7 +150,7 @@ $(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
 $(call for_variants,loop_blocks,64 32 san64 san32,)
 $(call for_variants,vibration_block,64 32,@tests/rigs/damped_loop.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o)
-$(call for_variants,flips,64 32 san64 san32,)
+$(foreach t,flips supervisor output_gate,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,quad_element,64 san64,@tests/rigs/testdata.o @tests/rigs/quad_shell.o @host.a)
@@ -211,7 +211,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
-# a million flipped bits.
+# a million flipped bits, a million ticks of random faults under the supervisor.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
@@ -222,6 +222,8 @@ check-long: setup-test
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) -I$(B)/tables \
 	    tests/unit/test_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
+	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-supervisor && $(B)/long-supervisor || exit 1; done
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
 	    && $(B)/long-simulate

@@ -86,6 +86,10 @@ typedef enum pzs_status {
        it: the shell has passed through itself, or both of its faces would touch. */
     PZS_W_BEHIND,
     PZS_W_UNSTABLE, /* the equilibrium is unstable: the tangent has negative pivots */
+    PZS_W_PARKED, /* the supervisor keeps the output at its park voltages, or ramps it there, as it
+                     was told; the loop is not in control */
+    PZS_W_RAMP,   /* the supervisor has taken control away and ramps the output to its park
+                     voltages; LATCHED follows */
     PZS_W_OUTPUT, /* the last gate has corrected the voltage of input `where`: it was not a number,
                      or beyond its limits, because working memory was damaged */
 
@@ -96,6 +100,8 @@ typedef enum pzs_status {
     PZS_E_CRC,       /* the tables do not match their checksum */
     PZS_E_WORKSPACE, /* workspace too small or misaligned; `where` is the number of bytes needed */
     PZS_E_STAGE,     /* a function was called before the stage of initialisation that it needs */
+    PZS_E_LATCHED,   /* the supervisor has taken control away; the output is at its park voltages,
+                        and only an init starts the loop again */
     PZS_E_NONFINITE, /* NaN or infinity at index `where` of an input array */
     PZS_E_LIMITS,    /* lower limit above upper limit, or a limit that is not a number, at input
                         `where` */

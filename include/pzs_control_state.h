@@ -192,6 +192,41 @@ typedef struct pzs_feed_forward_state {
     pzs_real *wanted;   /* [outputs] target without the effect of known loads (m) */
 } pzs_feed_forward_state;
 
+/* What a supervisor decides by; 32-bit words without gaps, because three copies are compared. */
+typedef struct pzs_supervisor_core {
+    uint32_t mode;      /* pzs_supervisor_mode */
+    uint32_t obeyed;    /* command word that has been carried out last */
+    uint32_t is_flat;   /* 1: the target of ramps is the reference voltages, 0: the park voltages */
+    uint32_t remaining; /* ticks until the end of the ramp */
+    uint32_t silent;    /* ticks in a row without a usable frame of readings */
+    uint32_t over;      /* counter of ticks in which the shape was implausible */
+    uint32_t cause;     /* pzs_supervisor_event that has taken control away, or 0 */
+} pzs_supervisor_core;
+
+/* Divergence monitor of a supervisor. */
+typedef struct pzs_monitor_state {
+    pzs_real *slow;        /* [outputs] low-passed disturbance (m) */
+    pzs_real *disturbance; /* [outputs] disturbance of the last tick (m) */
+    pzs_real *predicted;   /* [outputs] predicted shape of the last tick (m) */
+    pzs_real *move;        /* [outputs] change of the predicted shape in the last tick (m) */
+    pzs_real *wanted;      /* [outputs] target of the last tick (m) */
+    pzs_real amplitude;    /* largest deviation of the last ticks, fading (m) */
+    pzs_real envelope;     /* deviation that changes of the target explain (m) */
+    pzs_real moved;        /* fading sum of squares of predicted changes of the shape (m2) */
+    pzs_real answered;     /* fading sum of products of predicted and measured changes (m2) */
+    bool is_started;
+} pzs_monitor_state;
+
+typedef struct pzs_supervisor_state {
+    pzs_supervisor_core core[3]; /* three copies, of which two outvote a damaged third */
+    /* Three copies of a number that grows with each command, times 256, plus the command. Only the
+       program writes them. */
+    volatile uint32_t command[3];
+    const struct pzs_supervision *tables;
+    const struct pzs_problem *problem;
+    pzs_monitor_state monitor;
+} pzs_supervisor_state;
+
 typedef struct pzs_amplifier_state {
     const struct pzs_amplifier *tables;
     pzs_real *given; /* [inputs] voltages that the amplifiers give (V) */

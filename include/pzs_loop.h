@@ -41,7 +41,9 @@ typedef enum pzs_block_phase {
     PZS_PHASE_SHAPE,    /* computes the measured shape from the readings; at most one block */
     PZS_PHASE_STEP,    /* chooses the voltages; exactly one block, whose tables are a pzs_problem */
     PZS_PHASE_VOLTAGE, /* changes the voltages as the amplifiers will */
-    PZS_PHASE_OBSERVE  /* compares voltages and shape; may hold electrodes */
+    PZS_PHASE_OBSERVE, /* compares voltages and shape; may hold electrodes */
+    PZS_PHASE_SUPERVISE /* runs in every tick, also after an error; has the last word on voltages
+                           and status; at most one block */
 } pzs_block_phase;
 
 /*
@@ -63,6 +65,11 @@ typedef struct pzs_loop_signals {
                                    NULL */
     const uint8_t *electrode;   /* [inputs] pzs_electrode_state, or NULL: no block has set it */
     const void *tables;         /* tables of the block that runs, from the list */
+    const pzs_real *given;      /* [inputs] voltages that the last tick has given out (V) */
+    pzs_real deviation;         /* RMS amplitude by which the structure deviates from what the model
+                                   predicts         (m); negative: no block has set it */
+    uint32_t warnings;          /* bit 1 << status for each warning of a block in this tick */
+    pzs_status status;          /* status of the tick so far, for PZS_PHASE_SUPERVISE */
     uint16_t sensors; /* number of readings that the blocks after this one need, which is the length
                          of `readings` */
     int32_t where;    /* out: index that goes with the status of a block, or -1 */
@@ -174,7 +181,7 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
  * damaged. A tick starts by deriving pointers, counts and limits again from the list of blocks,
  * three copies of which two outvote a damaged third; it compares a row of the Hessian with its
  * source, all of it in `inputs` ticks, and 64 bytes of the problem with its checksum, all of it in
- * bytes / 64 ticks. Error CRC: the tables of the problem are damaged, found after at most two such
+ * bytes / 64 ticks. Error CRC: the tables of the problem are damaged, found after at most three such
  * rounds, or at once in the limits. Damage of the loop therefore never reaches the amplifiers
  * beyond limits and step limits, except between the tick and the moment at which a frame is read.
  */
@@ -255,6 +262,136 @@ extern const pzs_block_type pzs_estimator_block;
 #define PZS_ESTIMATOR_BLOCK_BYTES(sensors, outputs)                                                \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_estimate)) + PZS_ALIGNED(PZS_ESTIMATE_BYTES(sensors)) +     \
                 (size_t)(outputs) * sizeof(pzs_real))
+
+/* ---- supervisor (lib/control/supervisor.c) -------------------------------- */
+
+/*
+ * Decides in each tick whether the loop is in control. Where it is not, the supervisor sets the
+ * voltages: it keeps them at the park voltages, or ramps them there along a straight line inside
+ * limits and step limits.
+ *
+ *     pzs_loop_init
+ *     INITIALISE --ARM--> ARMED --whole frame, parked--> RUNNING <--frame, none--> HOLDING
+ *     RUNNING, HOLDING --PARK, FLAT--> PARKING --arrived--> PARKED --RESUME--> ARMED
+ *     any --STOP, alarm, time-out, error of a block--> STOPPING --arrived--> LATCHED
+ *
+ * The status tells the program what to do. In control: that of the other blocks. PARKED (a
+ * warning): the output is parked by command. RAMP (a warning): control is lost and the output is on
+ * its way to the park voltages; keep calling pzs_loop_tick. LATCHED (an error): the park voltages
+ * have been published; the loop is over. So a program that ticks as long as the status is no error,
+ * and passes info.voltage to the amplifiers after each tick, ends with parked amplifiers after at
+ * most pzs_supervisor_longest_ramp ticks:
+ *
+ *     while (!PZS_IS_ERROR(status)) {
+ *         read_target(wanted);
+ *         read_sensors(readings);
+ *         status = pzs_loop_tick(&loop, wanted, readings);
+ *         write_amplifiers(loop.info.voltage);
+ *     }
+ *
+ * Without a supervisor in the list an error of a block ends that loop at once, at the voltages
+ * given last. Damaged limits (CRC without a block) end it at once in either case, because no
+ * voltage can be checked then.
+ */
+typedef enum pzs_supervisor_mode {
+    PZS_MODE_INITIALISE = 0, /* not armed; parked, or on the way there */
+    PZS_MODE_ARMED,          /* waits for the output to be parked and for a whole frame */
+    PZS_MODE_RUNNING,        /* in control */
+    PZS_MODE_HOLDING,        /* in control by the model alone: no usable frame in this tick */
+    PZS_MODE_PARKING,        /* ramp by command */
+    PZS_MODE_PARKED,         /* parked by command */
+    PZS_MODE_STOPPING,       /* ramp after control was lost */
+    PZS_MODE_LATCHED,        /* parked after control was lost, until the next init */
+    PZS_MODES
+} pzs_supervisor_mode;
+
+typedef enum pzs_supervisor_command {
+    PZS_COMMAND_NONE = 0,
+    PZS_COMMAND_ARM,    /* leave INITIALISE */
+    PZS_COMMAND_PARK,   /* ramp to the park voltages */
+    PZS_COMMAND_FLAT,   /* ramp to the reference voltages of the problem */
+    PZS_COMMAND_RESUME, /* from PARKING or PARKED back to control */
+    PZS_COMMAND_STOP    /* emergency stop: ramp to the park voltages and latch */
+} pzs_supervisor_command;
+
+/* What changes the mode. The events of one tick act in this order, so the later ones prevail. */
+typedef enum pzs_supervisor_event {
+    PZS_EVENT_FRAME = 0, /* a usable frame; in ARMED a whole one, with the output parked */
+    PZS_EVENT_NO_FRAME,  /* no usable frame of readings, or no usable target */
+    PZS_EVENT_ARM,       /* commands */
+    PZS_EVENT_PARK,      /* PARK or FLAT */
+    PZS_EVENT_RESUME,
+    PZS_EVENT_STOP,
+    PZS_EVENT_TIMEOUT, /* no usable frame for `timeout` ticks */
+    PZS_EVENT_ALARM,   /* the divergence monitor */
+    PZS_EVENT_ERROR,   /* an error of another block, or damaged tables */
+    PZS_EVENT_ARRIVED, /* the ramp has ended */
+    PZS_EVENTS
+} pzs_supervisor_event;
+
+/* Tables of the supervisor. All arrays are const, in flash. */
+typedef struct pzs_supervision {
+    uint32_t format, scene; /* format and scene of the problem */
+    uint32_t crc;           /* checksum of everything below; see pzs_supervision_seal */
+    uint16_t inputs;
+    uint16_t timeout;     /* ticks without a usable frame until control is lost; 0: never */
+    uint16_t ramp_ticks;  /* shortest ramp (ticks), at least 1; step limits may make it longer */
+    uint16_t alarm_ticks; /* the alarm comes after this many implausible ticks, which count one up,
+                             plausible ones two down */
+    uint16_t waits;       /* 1: INITIALISE is left by the command ARM; 0: by itself */
+    const pzs_real *park; /* [inputs] park voltages (V), inside the limits */
+    pzs_real fading; /* factor of one tick by which the explained deviation fades, 0 < fading < 1 */
+    pzs_real noise;  /* RMS noise of the measured shape (m) */
+    pzs_real load;   /* RMS change of the shape by the largest sudden load (m) */
+} pzs_supervision;
+
+/* Set format and checksum of tables that a firmware has built itself. Errors: ARGUMENT. */
+pzs_status pzs_supervision_seal(pzs_supervision *tables);
+
+/* Results of the supervisor that a program may read. */
+typedef struct pzs_supervisor_info {
+    pzs_supervisor_mode mode;
+    pzs_supervisor_event cause; /* event that has taken control away; meaningful in STOPPING and
+                                   LATCHED */
+    uint32_t remaining;         /* ticks until the end of the ramp */
+    pzs_real amplitude;         /* deviation that the divergence monitor sees (m) */
+    pzs_real threshold;         /* deviation above which a tick counts as implausible (m) */
+} pzs_supervisor_info;
+
+typedef struct pzs_supervisor {
+    pzs_supervisor_info info;
+    pzs_supervisor_state state;
+} pzs_supervisor;
+
+/*
+ * Give a command, which the next tick carries out; a later command replaces it, except that STOP
+ * stays. May be called from an interrupt. A command that the mode does not know is ignored.
+ *   supervisor  in/out  from pzs_loop_find(&loop, &pzs_supervisor_block)
+ * Errors: ARGUMENT.
+ */
+pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_command command);
+
+/*
+ * Number of ticks of a ramp between two sets of voltages, and of the longest ramp to the park
+ * voltages or to the reference voltages from anywhere inside the limits. An input with a step limit
+ * of 0 cannot move and does not count. UINT32_MAX: there is no bound (a limit is infinite).
+ *   from, to [inputs] in (V)
+ */
+uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *problem,
+                             const pzs_real *from, const pzs_real *to);
+uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_problem *problem);
+
+/* The mode that follows a mode on an event, from the table of transitions. */
+pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event);
+
+/*
+ * The supervisor as a block of PZS_PHASE_SUPERVISE. Tables: pzs_supervision. Object:
+ * pzs_supervisor. Its init returns ARGUMENT (also tables of other counts), FORMAT, CRC, NONFINITE,
+ * LIMITS (park voltages outside the limits).
+ */
+extern const pzs_block_type pzs_supervisor_block;
+#define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_supervisor)) + 5u * (size_t)(outputs) * sizeof(pzs_real))
 
 /* ---- vibration: modes observed and damped by the tick (lib/control/vibration.c) */
 

@@ -109,6 +109,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_amplifier_state *state = self;
     place(state, signals->tables);
+    memcpy(state->given, signals->given,
+           signals->control->state.problem->inputs * sizeof *state->given);
     return pzs_quantise(signals->control, state->given, state->tables->step,
                         state->tables->dead_band);
 }

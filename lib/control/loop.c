@@ -38,7 +38,8 @@ static bool is_complete(const pzs_block *block)
  */
 static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
-    const bool is_single = one->phase == PZS_PHASE_STEP || one->phase == PZS_PHASE_SHAPE;
+    const bool is_single = one->phase == PZS_PHASE_STEP || one->phase == PZS_PHASE_SHAPE ||
+                           one->phase == PZS_PHASE_SUPERVISE;
     return one == other || (is_single && one->phase == other->phase);
 }
 
@@ -280,13 +281,20 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
 
 /* ---- tick ------------------------------------------------------------- */
 
-/* Return the controller to the voltages last given out. */
-static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
+/* [inputs] the voltages given last, after their three copies have been compared (V). */
+static const pzs_real *voted_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 {
     const output_gate gate = gate_of(loop, core);
-    const size_t bytes = gate.problem->inputs * sizeof(pzs_real);
-    pzs_guard_vote(gate.last[0], gate.last[1], gate.last[2], bytes);
-    memcpy(core->control->state.voltage, gate.last[0], bytes);
+    pzs_guard_vote(gate.last[0], gate.last[1], gate.last[2],
+                   gate.problem->inputs * sizeof(pzs_real));
+    return gate.last[0];
+}
+
+/* Return the controller to the voltages given last. */
+static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
+{
+    memcpy(core->control->state.voltage, voted_voltages(loop, core),
+           problem_of(core)->inputs * sizeof(pzs_real));
     pzs_control_moved(core->control);
 }
 
@@ -303,24 +311,40 @@ static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_pr
            pzs_scrub_slice(&loop->state.influence_scrub, &device_influence, 1, core->influence_crc);
 }
 
-/* Run all blocks. Returns the status that takes precedence, and stores its block and index. */
-static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals)
+/* Whether a status of a block takes precedence over the status of the tick so far. */
+static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_status result)
+{
+    if (status == PZS_OK)
+        return false;
+    return PZS_IS_ERROR(status) || result == PZS_OK || type->phase == PZS_PHASE_STEP ||
+           type->phase == PZS_PHASE_SUPERVISE;
+}
+
+/*
+ * Run all blocks; after an error, also one that the tick begins with, only the supervisor. Stores
+ * block and index of the status that takes precedence, and returns this status.
+ */
+static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
+                      pzs_status result)
 {
     const pzs_problem *problem = problem_of(core);
     uint8_t *memory = memory_of(core, problem, 0);
-    pzs_status result = finish(loop, PZS_OK, NULL, -1);
+    (void)finish(loop, result, NULL, -1);
     for (size_t k = 0; k < core->count; k++) {
         const pzs_block_type *type = core->blocks[k].type;
+        void *self = memory;
+        memory += bytes_of(&core->blocks[k], problem);
+        if (PZS_IS_ERROR(result) && type->phase != PZS_PHASE_SUPERVISE)
+            continue;
         signals->where = -1;
         signals->tables = core->blocks[k].tables;
-        const pzs_status status = type->block_tick(memory, signals);
-        memory += bytes_of(&core->blocks[k], problem);
-        if (PZS_IS_ERROR(status)) {
+        signals->status = result;
+        const pzs_status status = type->block_tick(self, signals);
+        if (PZS_IS_ERROR(status) && type->phase != PZS_PHASE_SUPERVISE)
             restore_voltages(loop, core);
-            return finish(loop, status, type, signals->where);
-        }
-        const bool takes_precedence = result == PZS_OK || type->phase == PZS_PHASE_STEP;
-        if (status != PZS_OK && takes_precedence)
+        if (!PZS_IS_ERROR(status))
+            signals->warnings |= status != PZS_OK ? 1u << status : 0u;
+        if (takes_precedence(status, type, result))
             result = finish(loop, status, type, signals->where);
     }
     return result;
@@ -341,7 +365,13 @@ static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status
     if (passed == PZS_OK)
         return status;
     pzs_control_recover(core->control, core->influence);
-    return finish(loop, passed, NULL, where);
+    return PZS_IS_ERROR(status) ? status : finish(loop, passed, NULL, where);
+}
+
+/* Whether the list has a supervisor, which then stands at its end. */
+static bool is_supervised(const pzs_loop_core *core)
+{
+    return core->blocks[core->count - 1u].type->phase == PZS_PHASE_SUPERVISE;
 }
 
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings)
@@ -354,19 +384,22 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
     const pzs_problem *problem = problem_of(core);
     loop->info.control = core->control;
     pzs_control_restore(core->control, problem, core->influence, core->control_work);
-    if (!scrub_tables(loop, core, problem))
-        return finish(loop, PZS_E_CRC, NULL, -1);
+    const pzs_status intact = scrub_tables(loop, core, problem) ? PZS_OK : PZS_E_CRC;
     pzs_loop_signals signals = {.control = core->control,
                                 .wanted = wanted,
                                 .readings = readings,
                                 .measured = readings,
                                 .known_now = core->known_now,
                                 .known_next = core->known_next,
+                                .given = voted_voltages(loop, core),
+                                .deviation = -1,
                                 .sensors = core->sensors};
-    const pzs_status status = run(loop, core, &signals);
+    const pzs_status status = run(loop, core, &signals, intact);
     loop->info.measured = signals.measured;
     loop->info.electrode = signals.electrode;
-    return PZS_IS_ERROR(status) ? status : give_out(loop, core, status);
+    if (PZS_IS_ERROR(status) && !is_supervised(core))
+        return status;
+    return give_out(loop, core, status);
 }
 
 /* ---- for the program ---------------------------------------------------- */

@@ -540,6 +540,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
         set_initial_state(damper);
     }
     signals->measured = shape;
+    signals->deviation = PZS_SQRT(damper->info.deviation * damper->info.deviation +
+                                  damper->info.innovation * damper->info.innovation);
     signals->where = damper->info.where;
     return status;
 }

@@ -20,12 +20,15 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_UNSTABLE: return "unstable equilibrium: the tangent has negative pivots";
     case PZS_W_BEHIND:
         return "a part of the shell that faces away from the contact body lies in it";
+    case PZS_W_PARKED: return "parked, or on the way there, as told: not in control";
+    case PZS_W_RAMP: return "control was taken away: the output ramps to its park voltages";
     case PZS_W_OUTPUT: return "the last gate has corrected a voltage: working memory was damaged";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";
     case PZS_E_WORKSPACE: return "workspace too small or misaligned";
     case PZS_E_STAGE: return "called before the stage that it needs";
+    case PZS_E_LATCHED: return "control was taken away: parked until the loop is initialised";
     case PZS_E_NONFINITE: return "NaN or infinity in an input";
     case PZS_E_LIMITS: return "lower limit above upper limit, or a limit that is not a number";
     case PZS_E_LOOSE: return "no stiffness: a loose part, or a missing support";

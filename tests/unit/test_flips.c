@@ -34,6 +34,7 @@ enum {
     M = PLATE_OUTPUTS,
     S = PLATE_SENSORS,
     FIRST_SENSOR = M - S,
+    BLOCKS = 7,
     PERIOD = 60,
     WINDOW = 160, /* ticks: two rounds of the slowest scrub that repairs, and the way back */
     SETTLED = 100 /* ticks of a window after which the target stands still */
@@ -42,6 +43,13 @@ enum {
 static const pzs_known_loads known_loads = {&plate_shape_feed_forward, &plate_reading_feed_forward};
 static const pzs_amplifier amplifier = {0, 0};
 static const pzs_fault_detection detection = {0, 0};
+static pzs_supervision supervision = {.inputs = PLATE_INPUTS,
+                                      .ramp_ticks = 1,
+                                      .alarm_ticks = 20,
+                                      .park = plate_reference_voltage,
+                                      .fading = PZS_R(0.98),
+                                      .noise = PZS_R(1e-7),
+                                      .load = PZS_R(1e-4)};
 
 /* A bit to flip inside a tick, in the memory of the controller. */
 typedef struct blow {
@@ -97,7 +105,7 @@ static const pzs_block_type blow_block = {"blow", PZS_PHASE_VOLTAGE, blow_bytes,
 
 typedef struct rig {
     blow blow;
-    pzs_block block[6];
+    pzs_block block[BLOCKS];
     pzs_loop loop;
     void *work;
     size_t bytes;
@@ -108,7 +116,7 @@ typedef struct rig {
 static void init(rig *r)
 {
     r->blow.is_due = false;
-    assert_int_equal(pzs_loop_init(&r->loop, r->block, 6, NULL, r->work, r->bytes), PZS_OK);
+    assert_int_equal(pzs_loop_init(&r->loop, r->block, BLOCKS, NULL, r->work, r->bytes), PZS_OK);
     assert_int_equal(pzs_loop_know(&r->loop, &r->load, &r->load), PZS_OK);
 }
 
@@ -122,7 +130,10 @@ static void open_rig(rig *r)
     r->block[3] = (pzs_block){&pzs_amplifier_block, &amplifier};
     r->block[4] = (pzs_block){&blow_block, &r->blow};
     r->block[5] = (pzs_block){&pzs_fault_detector_block, &detection};
-    assert_int_equal(pzs_loop_init(&r->loop, r->block, 6, NULL, &none, 0), PZS_E_WORKSPACE);
+    r->block[6] = (pzs_block){&pzs_supervisor_block, &supervision};
+    supervision.scene = plate_problem.scene;
+    assert_int_equal(pzs_supervision_seal(&supervision), PZS_OK);
+    assert_int_equal(pzs_loop_init(&r->loop, r->block, BLOCKS, NULL, &none, 0), PZS_E_WORKSPACE);
     r->bytes = (size_t)r->loop.info.where;
     r->work = malloc(r->bytes);
     assert_non_null(r->work);

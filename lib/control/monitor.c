@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Divergence monitor. A tick is implausible in two cases:
+ *
+ *   - the deviation of the structure from the model is larger than what changes of the target,
+ * noise and the largest sudden load explain:
+ *
+ *         amplitude > 4 envelope + 6 noise + load
+ *
+ *     The envelope rises by the RMS of each change of the target and fades. The deviation is that
+ * of the vibration block, if there is one; otherwise the RMS of the disturbance (measured minus
+ *     predicted shape) minus its low-passed value, so that steady loads and a steady error of the
+ *     model do not count;
+ *   - the shape does not answer: over the last moves, the measured changes of the shape had less
+ *     than a quarter of the predicted size in the predicted direction, as with a wrong polarity, an
+ *     amplifier that is off, or a structure that vibrates under a loop without a model of it.
+ *
+ * Work of a tick: about 20 operations an output.
+ */
+#include <string.h>
+#include "monitor.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+
+#define MARGIN 4       /* factor of the envelope */
+#define NOISE_MARGIN 6 /* factor of the noise */
+/* Factor of one tick by which the largest deviation of the last ticks fades. */
+#define PEAK_FADING PZS_R(0.9)
+/* Gain of the low-pass filter of the disturbance, and of the sums over the last moves. */
+#define SLOW PZS_R(0.02)
+#define LEAST_ANSWER PZS_R(0.25) /* smallest plausible answer to a predicted change */
+/* Moves are judged if the root of their sum of squares is above this part of the load. */
+#define LEAST_MOVE PZS_R(0.25)
+
+void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
+{
+    monitor->slow = memory;
+    monitor->disturbance = memory + outputs;
+    monitor->predicted = memory + 2u * (size_t)outputs;
+    monitor->move = memory + 3u * (size_t)outputs;
+    monitor->wanted = memory + 4u * (size_t)outputs;
+}
+
+void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
+{
+    memset(monitor, 0, sizeof *monitor);
+    memset(memory, 0, 5u * (size_t)outputs * sizeof *memory);
+    pzs_monitor_place(monitor, memory, outputs);
+}
+
+/* Mean squares over the outputs of one tick (m2). */
+typedef struct squares {
+    pzs_real deviation; /* disturbance minus its low-passed value */
+    pzs_real target;    /* change of the target */
+    pzs_real moved;     /* predicted change of the shape */
+    pzs_real answered;  /* predicted times measured change of the shape */
+} squares;
+
+/* Take over the shapes of the first tick, with which later ones are compared. */
+static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
+{
+    const uint32_t m = signals->control->state.problem->outputs;
+    const pzs_control_info *info = &signals->control->info;
+    pzs_real square = 0;
+    for (uint32_t i = 0; i < m; i++) {
+        const pzs_real missed = signals->wanted[i] - info->predicted[i] - info->disturbance[i];
+        square += missed * missed / (pzs_real)m;
+        monitor->slow[i] = info->disturbance[i];
+        monitor->disturbance[i] = info->disturbance[i];
+        monitor->predicted[i] = info->predicted[i];
+        monitor->move[i] = 0;
+        monitor->wanted[i] = signals->wanted[i];
+    }
+    monitor->amplitude = 0;
+    monitor->envelope = PZS_SQRT(square);
+    monitor->moved = 0;
+    monitor->answered = 0;
+    monitor->is_started = true;
+}
+
+/*
+ * Compare the shapes of this tick with those of the last one. info.predicted is the shape that the
+ * voltages of this tick will make. The disturbance belongs to the shape predicted one tick before,
+ * whose change monitor->move holds.
+ */
+static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
+{
+    const uint32_t m = signals->control->state.problem->outputs;
+    const pzs_control_info *info = &signals->control->info;
+    const pzs_real part = 1 / (pzs_real)m;
+    squares sum = {0, 0, 0, 0};
+    for (uint32_t i = 0; i < m; i++) {
+        const pzs_real fast = info->disturbance[i] - monitor->slow[i];
+        const pzs_real target = signals->wanted[i] - monitor->wanted[i];
+        const pzs_real change = info->disturbance[i] - monitor->disturbance[i];
+        const pzs_real move = monitor->move[i];
+        sum.deviation += part * fast * fast;
+        sum.target += part * target * target;
+        sum.moved += part * move * move;
+        sum.answered += part * move * (move + change);
+        monitor->slow[i] += SLOW * fast;
+        monitor->disturbance[i] = info->disturbance[i];
+        monitor->wanted[i] = signals->wanted[i];
+        monitor->move[i] = info->predicted[i] - monitor->predicted[i];
+        monitor->predicted[i] = info->predicted[i];
+    }
+    return sum;
+}
+
+pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables)
+{
+    return MARGIN * monitor->envelope + NOISE_MARGIN * tables->noise + tables->load;
+}
+
+/* Whether the moves of the last ticks are large enough to be judged, and were not answered. */
+static bool is_unanswered(const pzs_monitor_state *monitor, const pzs_supervision *tables)
+{
+    const pzs_real least = LEAST_MOVE * tables->load + NOISE_MARGIN * tables->noise;
+    return monitor->moved > least * least && monitor->answered < LEAST_ANSWER * monitor->moved;
+}
+
+bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                      const pzs_loop_signals *signals)
+{
+    guard_repair_bool(&monitor->is_started);
+    if (!monitor->is_started || !number_is_finite(monitor->amplitude + monitor->envelope +
+                                                  monitor->moved + monitor->answered)) {
+        start(monitor, signals);
+        return false;
+    }
+    const squares sum = compare(monitor, signals);
+    const bool has_modes = signals->deviation >= 0;
+    const pzs_real now = has_modes ? signals->deviation : PZS_SQRT(sum.deviation);
+    const pzs_real faded = PEAK_FADING * monitor->amplitude;
+    monitor->amplitude = now > faded ? now : faded;
+    monitor->envelope = tables->fading * monitor->envelope + PZS_SQRT(sum.target);
+    monitor->moved += sum.moved - SLOW * monitor->moved;
+    monitor->answered += sum.answered - SLOW * monitor->answered;
+    return monitor->amplitude > pzs_monitor_threshold(monitor, tables) ||
+           (!has_modes && is_unanswered(monitor, tables));
+}

@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Supervisor of the loop (pzs_loop.h): one table of transitions, a divergence monitor (monitor.c),
+ * and ramps. A ramp is a straight line: with `remaining` ticks to go, each tick goes the part
+ * 1 / remaining of the way from the voltages given last, so nothing but that number has to be
+ * remembered, and a ramp that the last gate had to cut still ends in time or by the step limit.
+ */
+#include <string.h>
+#include "control.h"
+#include "monitor.h"
+#include "supervisor.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+
+/* ---- tables ----------------------------------------------------------- */
+
+uint32_t pzs_supervision_crc(const pzs_supervision *tables)
+{
+    const uint16_t counts[5] = {tables->inputs, tables->timeout, tables->ramp_ticks,
+                                tables->alarm_ticks, tables->waits};
+    const pzs_real settings[3] = {tables->fading, tables->noise, tables->load};
+    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    crc = pzs_guard_array_crc(crc, tables->park, tables->inputs, sizeof(pzs_real));
+    return ~pzs_guard_crc(crc, settings, sizeof settings);
+}
+
+pzs_status pzs_supervision_seal(pzs_supervision *tables)
+{
+    if (tables == NULL || tables->park == NULL || tables->inputs == 0)
+        return PZS_E_ARGUMENT;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->crc = pzs_supervision_crc(tables);
+    return PZS_OK;
+}
+
+static bool are_in_range(const pzs_supervision *tables)
+{
+    return tables->ramp_ticks > 0 && tables->waits <= 1 && tables->fading > 0 &&
+           tables->fading < 1 && tables->noise >= 0 && tables->load >= 0 &&
+           number_is_finite(tables->noise + tables->load);
+}
+
+static pzs_status check(const pzs_supervision *tables, const pzs_problem *problem, int32_t *where)
+{
+    if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
+        return PZS_E_FORMAT;
+    if (tables->park == NULL || tables->inputs != problem->inputs)
+        return PZS_E_ARGUMENT;
+    if (pzs_supervision_crc(tables) != tables->crc)
+        return PZS_E_CRC;
+    *where = pzs_guard_nonfinite(tables->park, tables->inputs);
+    if (*where >= 0)
+        return PZS_E_NONFINITE;
+    for (uint32_t i = 0; i < tables->inputs; i++) {
+        *where = (int32_t)i;
+        if (!(tables->park[i] >= problem->lower[i] && tables->park[i] <= problem->upper[i]))
+            return PZS_E_LIMITS;
+    }
+    *where = -1;
+    return are_in_range(tables) ? PZS_OK : PZS_E_ARGUMENT;
+}
+
+/* ---- transitions -------------------------------------------------------- */
+
+#define STAY PZS_MODES /* the event does not change the mode */
+
+/* Next mode: a row for each mode, a column for each event. */
+static const uint8_t transition[PZS_MODES][PZS_EVENTS] = {
+    [PZS_MODE_INITIALISE] = {STAY, STAY, PZS_MODE_ARMED, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
+                             STAY, STAY, PZS_MODE_STOPPING, STAY},
+    [PZS_MODE_ARMED] = {PZS_MODE_RUNNING, STAY, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
+                        STAY, STAY, PZS_MODE_STOPPING, STAY},
+    [PZS_MODE_RUNNING] = {STAY, PZS_MODE_HOLDING, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
+                          PZS_MODE_STOPPING, PZS_MODE_STOPPING, PZS_MODE_STOPPING, STAY},
+    [PZS_MODE_HOLDING] = {PZS_MODE_RUNNING, STAY, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
+                          PZS_MODE_STOPPING, PZS_MODE_STOPPING, PZS_MODE_STOPPING, STAY},
+    [PZS_MODE_PARKING] = {STAY, STAY, STAY, PZS_MODE_PARKING, PZS_MODE_ARMED, PZS_MODE_STOPPING,
+                          STAY, STAY, PZS_MODE_STOPPING, PZS_MODE_PARKED},
+    [PZS_MODE_PARKED] = {STAY, STAY, STAY, PZS_MODE_PARKING, PZS_MODE_ARMED, PZS_MODE_STOPPING,
+                         STAY, STAY, PZS_MODE_STOPPING, STAY},
+    [PZS_MODE_STOPPING] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, PZS_MODE_LATCHED},
+    [PZS_MODE_LATCHED] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY}};
+
+pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event)
+{
+    const bool is_known = (unsigned)mode < PZS_MODES && (unsigned)event < PZS_EVENTS;
+    const uint8_t next = is_known ? transition[mode][event] : (uint8_t)STAY;
+    return next == STAY ? mode : (pzs_supervisor_mode)next;
+}
+
+static bool is_in_control(uint32_t mode)
+{
+    return mode == PZS_MODE_RUNNING || mode == PZS_MODE_HOLDING;
+}
+
+/* ---- ramps -------------------------------------------------------------- */
+
+#define MOST_TICKS 4e9f /* a ramp of more ticks than this has no bound */
+
+/* Smallest number of ticks in which a voltage changes by `way` with this step limit (V). */
+static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
+{
+    const pzs_real ticks = way / step_limit;
+    if (!(step_limit > 0) || !(way > 0))
+        return 0;
+    if (!(ticks < (pzs_real)MOST_TICKS))
+        return UINT32_MAX;
+    /* The margin covers rounding errors of the ramp. */
+    return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
+}
+
+/* The larger one of `most` and the ticks that input i needs from one voltage to another. */
+static uint32_t longer(uint32_t most, const pzs_problem *problem, uint32_t i, pzs_real from,
+                       pzs_real to)
+{
+    const uint32_t ticks = ticks_of(number_absolute(to - from), problem->step_limit[i]);
+    return ticks > most ? ticks : most;
+}
+
+uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *problem,
+                             const pzs_real *from, const pzs_real *to)
+{
+    uint32_t most = tables->ramp_ticks;
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        most = longer(most, problem, i, from[i], to[i]);
+    return most;
+}
+
+/* The reference voltage of input i, inside its limits (V). */
+static pzs_real flat_voltage(const pzs_problem *problem, uint32_t i)
+{
+    return number_clamp(problem->reference_voltage[i], problem->lower[i], problem->upper[i]);
+}
+
+uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_problem *problem)
+{
+    uint32_t most = tables->ramp_ticks;
+    for (uint32_t i = 0; i < problem->inputs; i++) {
+        most = longer(most, problem, i, problem->lower[i], tables->park[i]);
+        most = longer(most, problem, i, problem->upper[i], tables->park[i]);
+        most = longer(most, problem, i, problem->lower[i], flat_voltage(problem, i));
+        most = longer(most, problem, i, problem->upper[i], flat_voltage(problem, i));
+    }
+    return most;
+}
+
+/* Voltage at the end of the ramp (V). */
+static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
+{
+    return supervisor->state.core[0].is_flat != 0 ? flat_voltage(supervisor->state.problem, i)
+                                                  : supervisor->state.tables->park[i];
+}
+
+/* Start a ramp from the voltages given last. */
+static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
+{
+    const pzs_problem *problem = supervisor->state.problem;
+    uint32_t most = supervisor->state.tables->ramp_ticks;
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        most = longer(most, problem, i, given[i], target_of(supervisor, i));
+    supervisor->state.core[0].remaining = most;
+}
+
+/* Set the voltages of the next tick of the ramp; at its end they stay at its target. */
+static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    pzs_real *voltage = signals->control->state.voltage;
+    const pzs_real part = core->remaining > 1 ? 1 / (pzs_real)core->remaining : 1;
+    for (uint32_t i = 0; i < supervisor->state.problem->inputs; i++) {
+        const pzs_real target = target_of(supervisor, i), given = signals->given[i];
+        const bool can_move = supervisor->state.problem->step_limit[i] > 0;
+        const pzs_real next = core->remaining > 1 ? given + part * (target - given) : target;
+        voltage[i] = can_move ? next : given;
+    }
+    core->remaining -= core->remaining > 0 ? 1u : 0u;
+    pzs_control_moved(signals->control);
+}
+
+/* ---- events ------------------------------------------------------------- */
+
+/* Let an event change the mode. */
+static void happen(pzs_supervisor *supervisor, pzs_supervisor_event event,
+                   const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const uint32_t before = core->mode;
+    const bool restarts = before == PZS_MODE_PARKING && event == PZS_EVENT_PARK;
+    core->mode = pzs_supervisor_next((pzs_supervisor_mode)before, event);
+    if (core->mode == before && !restarts)
+        return;
+    if (core->mode == PZS_MODE_STOPPING) {
+        core->cause = event;
+        core->is_flat = 0;
+    }
+    if (core->mode == PZS_MODE_STOPPING || core->mode == PZS_MODE_PARKING)
+        start_ramp(supervisor, signals->given);
+    if (core->mode == PZS_MODE_RUNNING && before == PZS_MODE_ARMED) {
+        core->over = 0;
+        supervisor->state.monitor.is_started = false;
+    }
+}
+
+#define COMMAND_STEP                                                                               \
+    256u /* a command word is COMMAND_STEP times a running number plus the command */
+
+/* The command word that two of its copies agree on. */
+static uint32_t command_word(const pzs_supervisor *supervisor)
+{
+    const uint32_t a = supervisor->state.command[0], b = supervisor->state.command[1],
+                   c = supervisor->state.command[2];
+    return (a & b) | (a & c) | (b & c);
+}
+
+/* Carry out the command given since the last tick. */
+static void obey(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const uint32_t word = command_word(supervisor);
+    const uint32_t command = word != core->obeyed ? word % COMMAND_STEP : PZS_COMMAND_NONE;
+    core->obeyed = word;
+    if (core->mode == PZS_MODE_INITIALISE && supervisor->state.tables->waits == 0)
+        happen(supervisor, PZS_EVENT_ARM, signals);
+    switch (command) {
+    case PZS_COMMAND_ARM: happen(supervisor, PZS_EVENT_ARM, signals); break;
+    case PZS_COMMAND_RESUME: happen(supervisor, PZS_EVENT_RESUME, signals); break;
+    case PZS_COMMAND_STOP: happen(supervisor, PZS_EVENT_STOP, signals); break;
+    case PZS_COMMAND_PARK:
+    case PZS_COMMAND_FLAT:
+        if (core->mode != PZS_MODE_STOPPING && core->mode != PZS_MODE_LATCHED)
+            core->is_flat = command == PZS_COMMAND_FLAT ? 1 : 0;
+        happen(supervisor, PZS_EVENT_PARK, signals);
+        break;
+    default: break;
+    }
+}
+
+#define WARNED(signals, status) (((signals)->warnings >> (status)&1u) != 0)
+
+/* Count ticks without a usable frame, and let frames change the mode. */
+static void judge_frame(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const bool is_usable =
+        signals->readings != NULL && !WARNED(signals, PZS_W_HELD) && !PZS_IS_ERROR(signals->status);
+    const bool is_whole = is_usable && !WARNED(signals, PZS_W_SENSOR) && core->remaining == 0;
+    core->silent = is_usable ? 0 : core->silent + 1u;
+    if (!is_usable)
+        happen(supervisor, PZS_EVENT_NO_FRAME, signals);
+    else if (is_whole || core->mode != PZS_MODE_ARMED)
+        happen(supervisor, PZS_EVENT_FRAME, signals);
+}
+
+/* Let time-out, divergence monitor and errors of other blocks change the mode. */
+static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const pzs_supervision *tables = supervisor->state.tables;
+    if (core->mode == PZS_MODE_RUNNING && core->silent == 0) {
+        const bool is_over = pzs_monitor_tick(&supervisor->state.monitor, tables, signals);
+        const uint32_t less = core->over > 2u ? core->over - 2u : 0;
+        core->over = is_over ? core->over + 1u : less;
+    }
+    if (tables->timeout > 0 && core->silent >= tables->timeout)
+        happen(supervisor, PZS_EVENT_TIMEOUT, signals);
+    if (core->over > tables->alarm_ticks)
+        happen(supervisor, PZS_EVENT_ALARM, signals);
+    if (PZS_IS_ERROR(signals->status))
+        happen(supervisor, PZS_EVENT_ERROR, signals);
+}
+
+pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_command command)
+{
+    if (supervisor == NULL || (unsigned)command > PZS_COMMAND_STOP)
+        return PZS_E_ARGUMENT;
+    const uint32_t word = command_word(supervisor);
+    const bool is_pending = word != supervisor->state.core[0].obeyed;
+    if (is_pending && word % COMMAND_STEP == PZS_COMMAND_STOP)
+        return PZS_OK;
+    const uint32_t next = (word / COMMAND_STEP + 1u) * COMMAND_STEP + (uint32_t)command;
+    for (int copy = 0; copy < 3; copy++)
+        supervisor->state.command[copy] = next;
+    return PZS_OK;
+}
+
+/* ---- block ------------------------------------------------------------ */
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    return PZS_SUPERVISOR_BLOCK_BYTES(problem->outputs);
+}
+
+static pzs_real *work_of(pzs_supervisor *supervisor)
+{
+    return (void *)((uint8_t *)supervisor + PZS_ALIGNED(sizeof *supervisor));
+}
+
+/* Make the other copies of the core equal to the first one. */
+static void copy_core(pzs_supervisor *supervisor)
+{
+    supervisor->state.core[1] = supervisor->state.core[0];
+    supervisor->state.core[2] = supervisor->state.core[0];
+}
+
+static void report(pzs_supervisor *supervisor)
+{
+    const pzs_supervisor_core *core = &supervisor->state.core[0];
+    supervisor->info.mode = (pzs_supervisor_mode)core->mode;
+    supervisor->info.cause = (pzs_supervisor_event)core->cause;
+    supervisor->info.remaining = core->remaining;
+    supervisor->info.amplitude = supervisor->state.monitor.amplitude;
+    supervisor->info.threshold =
+        pzs_monitor_threshold(&supervisor->state.monitor, supervisor->state.tables);
+}
+
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    pzs_supervisor *supervisor = self;
+    const pzs_problem *problem = signals->control->state.problem;
+    const pzs_status status = check(tables, problem, &signals->where);
+    if (status != PZS_OK)
+        return status;
+    memset(supervisor, 0, sizeof *supervisor);
+    supervisor->state.tables = tables;
+    supervisor->state.problem = problem;
+    pzs_monitor_init(&supervisor->state.monitor, work_of(supervisor), problem->outputs);
+    start_ramp(supervisor, signals->control->state.voltage);
+    copy_core(supervisor);
+    report(supervisor);
+    return PZS_OK;
+}
+
+/* Status of a mode in which the loop is not in control. */
+static pzs_status status_of(uint32_t mode)
+{
+    if (mode == PZS_MODE_STOPPING)
+        return PZS_W_RAMP;
+    return mode == PZS_MODE_LATCHED ? PZS_E_LATCHED : PZS_W_PARKED;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_supervisor *supervisor = self;
+    pzs_supervisor_core *core = supervisor->state.core;
+    supervisor->state.tables = signals->tables;
+    supervisor->state.problem = signals->control->state.problem;
+    pzs_guard_vote(&core[0], &core[1], &core[2], sizeof core[0]);
+    pzs_monitor_place(&supervisor->state.monitor, work_of(supervisor),
+                      supervisor->state.problem->outputs);
+    pzs_control_predict(signals->control);
+    judge_frame(supervisor, signals);
+    obey(supervisor, signals);
+    judge_health(supervisor, signals);
+    const bool is_controlled = is_in_control(core->mode);
+    if (!is_controlled) {
+        follow_ramp(supervisor, signals);
+        if (core->remaining == 0)
+            happen(supervisor, PZS_EVENT_ARRIVED, signals);
+    }
+    copy_core(supervisor);
+    report(supervisor);
+    return is_controlled ? PZS_OK : status_of(core->mode);
+}
+
+const pzs_block_type pzs_supervisor_block = {"supervisor", PZS_PHASE_SUPERVISE, block_bytes,
+                                             block_init, block_tick};

@@ -1,0 +1,670 @@
+/*
+ * The supervisor: every transition; ramps that are straight, inside limits and step limits and as
+ * long as announced; arming; the divergence monitor on healthy and on unstable plants; random
+ * faults.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include "pzs.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../rigs/uniform.h"
+
+#ifndef LONG_TICKS
+#define LONG_TICKS 20000
+#endif
+
+enum { N = 6, M = 20, MODES = 2, SCENE = 5, TIMEOUT = 25, RAMP = 10, ALARM = 20, LATEST = 250 };
+
+/* Modes in which the loop may be on the way; used as a set of bits. */
+#define LIMIT 100
+#define STEP 7
+
+/* ---- plants ---------------------------------------------------------------- */
+
+/*
+ * A plant of two vibration modes and a static rest: y = C q + R v + load. A mode turns by `angle` a
+ * tick about its static coordinate g v; angle 0 makes it follow at once.
+ */
+typedef struct plant {
+    double shape[M][MODES], rest[M][N], modal[MODES][N];
+    double angle[MODES], damping;
+    double position[MODES], velocity[MODES]; /* velocity over angular frequency */
+    double gain, load[M];
+} plant;
+
+/* Influence of the plant at rest, output i of input j. */
+static double influence_of(const plant *p, int i, int j)
+{
+    double sum = p->rest[i][j];
+    for (int k = 0; k < MODES; k++)
+        sum += p->shape[i][k] * p->modal[k][j];
+    return sum;
+}
+
+/* Let the plant go on for one tick under voltages. */
+static void turn(plant *p, const pzs_real *voltage)
+{
+    for (int k = 0; k < MODES; k++) {
+        double at = 0;
+        for (int j = 0; j < N; j++)
+            at += p->gain * p->modal[k][j] * (double)voltage[j];
+        const double fade = exp(-p->damping * p->angle[k]), c = fade * cos(p->angle[k]),
+                     s = fade * sin(p->angle[k]), away = p->position[k] - at;
+        if (p->angle[k] > 0) {
+            p->position[k] = at + c * away + s * p->velocity[k];
+            p->velocity[k] = c * p->velocity[k] - s * away;
+        } else {
+            p->position[k] = at;
+        }
+    }
+}
+
+static void measure(const plant *p, const pzs_real *voltage, pzs_real *measured)
+{
+    for (int i = 0; i < M; i++) {
+        double sum = p->load[i];
+        for (int k = 0; k < MODES; k++)
+            sum += p->shape[i][k] * p->position[k];
+        for (int j = 0; j < N; j++)
+            sum += p->gain * p->rest[i][j] * (double)voltage[j];
+        measured[i] = (pzs_real)sum;
+    }
+}
+
+/* ---- rig ------------------------------------------------------------------- */
+
+/* A block that fails when told to, and tells a deviation as a model of the vibration does. */
+typedef struct failure {
+    pzs_status status;
+    pzs_real deviation;
+} failure;
+
+static size_t no_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    (void)problem;
+    return 0;
+}
+
+static pzs_status no_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    (void)self;
+    (void)tables;
+    (void)signals;
+    return PZS_OK;
+}
+
+static pzs_status fail_tick(void *self, pzs_loop_signals *signals)
+{
+    const failure *told = signals->tables;
+    (void)self;
+    signals->deviation = told->deviation;
+    return told->status;
+}
+
+static const pzs_block_type failing_block = {"failing", PZS_PHASE_READINGS, no_bytes, no_init,
+                                             fail_tick};
+
+typedef struct rig {
+    unsigned seed;
+    plant plant;
+    failure failure;
+    pzs_problem problem;
+    pzs_supervision supervision;
+    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N], park[N];
+    pzs_real target[M], wanted[M], measured[M], given[N];
+    pzs_block block[3];
+    pzs_loop loop;
+    pzs_supervisor *supervisor;
+    double work[4000];
+    double noise;
+} rig;
+
+static pzs_status init(rig *r)
+{
+    const pzs_status status = pzs_loop_init(&r->loop, r->block, 3, NULL, r->work, sizeof r->work);
+    r->supervisor = pzs_loop_find(&r->loop, &pzs_supervisor_block);
+    if (status == PZS_OK)
+        memcpy(r->given, r->loop.info.voltage, sizeof r->given);
+    return status;
+}
+
+static void make_plant(rig *r)
+{
+    plant *p = &r->plant;
+    p->gain = 1;
+    p->damping = 0.005;
+    for (int i = 0; i < M; i++) {
+        for (int k = 0; k < MODES; k++)
+            p->shape[i][k] = cos(3.14159265358979 * (k + 1) * i / (M - 1));
+        for (int j = 0; j < N; j++)
+            p->rest[i][j] = uniform(&r->seed, -2e-7, 2e-7);
+    }
+    for (int k = 0; k < MODES; k++)
+        for (int j = 0; j < N; j++)
+            p->modal[k][j] = uniform(&r->seed, -1e-6, 1e-6);
+}
+
+static double rms(const pzs_real *x)
+{
+    double sum = 0;
+    for (int i = 0; i < M; i++)
+        sum += (double)x[i] * (double)x[i] / M;
+    return sqrt(sum);
+}
+
+/* A rig with a target of half the range, parked at voltages that are not 0. */
+static void open_rig(rig *r, unsigned seed, bool waits)
+{
+    memset(r, 0, sizeof *r);
+    r->seed = seed;
+    make_plant(r);
+    for (int j = 0; j < N; j++) {
+        r->lower[j] = -LIMIT;
+        r->upper[j] = LIMIT;
+        r->step_limit[j] = STEP;
+        r->reference[j] = (pzs_real)(3 - j);
+        r->park[j] = (pzs_real)(10 * j - 20);
+    }
+    for (int i = 0; i < M; i++) {
+        r->weight[i] = 1;
+        for (int j = 0; j < N; j++)
+            r->influence[i * N + j] = (pzs_real)influence_of(&r->plant, i, j);
+        for (int j = 0; j < N; j++)
+            r->target[i] += r->influence[i * N + j] * (pzs_real)(j % 2 ? LIMIT / 2 : -LIMIT / 2);
+    }
+    r->problem = (pzs_problem){.scene = SCENE,
+                               .inputs = N,
+                               .outputs = M,
+                               .influence = r->influence,
+                               .weight = r->weight,
+                               .lower = r->lower,
+                               .upper = r->upper,
+                               .step_limit = r->step_limit,
+                               .reference_voltage = r->reference};
+    r->supervision = (pzs_supervision){.scene = SCENE,
+                                       .inputs = N,
+                                       .timeout = TIMEOUT,
+                                       .ramp_ticks = RAMP,
+                                       .alarm_ticks = ALARM,
+                                       .waits = waits,
+                                       .park = r->park,
+                                       .fading = PZS_R(0.98),
+                                       .noise = PZS_R(1e-8),
+                                       .load = (pzs_real)(0.3 * rms(r->target))};
+    r->noise = 1e-8;
+    r->failure.deviation = -1;
+    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
+    assert_int_equal(pzs_supervision_seal(&r->supervision), PZS_OK);
+    r->block[0] = (pzs_block){&failing_block, &r->failure};
+    r->block[1] = (pzs_block){&pzs_step_block, &r->problem};
+    r->block[2] = (pzs_block){&pzs_supervisor_block, &r->supervision};
+    assert_int_equal(init(r), PZS_OK);
+}
+
+/* Rounding of a difference of two voltages. */
+#define ROUNDING (4 * LIMIT * (double)PZS_EPSILON)
+
+/* Take the voltages as amplifiers do, which checks them. */
+static void take(rig *r)
+{
+    const pzs_real *voltage = r->loop.info.voltage;
+    for (int j = 0; j < N; j++) {
+        const pzs_real v = voltage[j];
+        assert_true(isfinite(v) && v >= r->lower[j] && v <= r->upper[j]);
+        assert_true((v < r->given[j] ? r->given[j] - v : v - r->given[j]) <= STEP);
+        r->given[j] = v;
+    }
+    turn(&r->plant, r->given);
+}
+
+/* One tick with a factor of the target; has_frame: there are readings. */
+static pzs_status tick(rig *r, double factor, bool has_frame)
+{
+    measure(&r->plant, r->given, r->measured);
+    for (int i = 0; i < M; i++) {
+        r->wanted[i] = (pzs_real)factor * r->target[i];
+        r->measured[i] += (pzs_real)uniform(&r->seed, -r->noise, r->noise);
+    }
+    const pzs_status status = pzs_loop_tick(&r->loop, r->wanted, has_frame ? r->measured : NULL);
+    take(r);
+    return status;
+}
+
+static pzs_supervisor_mode mode_of(const rig *r)
+{
+    return r->supervisor->info.mode;
+}
+
+/* Tick until the loop is in control. */
+static void bring_to_control(rig *r)
+{
+    int ticks = 0;
+    while (mode_of(r) != PZS_MODE_RUNNING && ticks++ < 100)
+        (void)tick(r, 1, true);
+    assert_int_equal(mode_of(r), PZS_MODE_RUNNING);
+    for (int k = 0; k < 60; k++)
+        assert_int_equal(tick(r, 1, true), PZS_OK);
+}
+
+/*
+ * Tick along a ramp that has `ticks` ticks to go, the next one being its first: it is straight from
+ * the voltages given now to `to`, ends there in time, and has this status until its last tick.
+ */
+static void follow_ramp(rig *r, const pzs_real *to, uint32_t ticks, pzs_status on_way,
+                        pzs_status at_end)
+{
+    pzs_real from[N];
+    memcpy(from, r->given, sizeof from);
+    for (uint32_t k = 1; k <= ticks; k++) {
+        assert_int_equal(tick(r, 1, true), k < ticks ? on_way : at_end);
+        for (int j = 0; j < N; j++) {
+            const double line = (double)from[j] + (double)(to[j] - from[j]) * k / ticks;
+            assert_true(fabs((double)r->given[j] - line) <= ticks * ROUNDING);
+        }
+    }
+    assert_memory_equal(r->given, to, sizeof from);
+}
+
+/* ---- transitions ------------------------------------------------------------- */
+
+/* Every transition that there is; any other event leaves the mode as it is. */
+static const struct {
+    pzs_supervisor_mode from;
+    pzs_supervisor_event event;
+    pzs_supervisor_mode to;
+} known[] = {
+    {PZS_MODE_INITIALISE, PZS_EVENT_ARM, PZS_MODE_ARMED},
+    {PZS_MODE_INITIALISE, PZS_EVENT_PARK, PZS_MODE_PARKING},
+    {PZS_MODE_INITIALISE, PZS_EVENT_STOP, PZS_MODE_STOPPING},
+    {PZS_MODE_INITIALISE, PZS_EVENT_ERROR, PZS_MODE_STOPPING},
+    {PZS_MODE_ARMED, PZS_EVENT_FRAME, PZS_MODE_RUNNING},
+    {PZS_MODE_ARMED, PZS_EVENT_PARK, PZS_MODE_PARKING},
+    {PZS_MODE_ARMED, PZS_EVENT_STOP, PZS_MODE_STOPPING},
+    {PZS_MODE_ARMED, PZS_EVENT_ERROR, PZS_MODE_STOPPING},
+    {PZS_MODE_RUNNING, PZS_EVENT_NO_FRAME, PZS_MODE_HOLDING},
+    {PZS_MODE_RUNNING, PZS_EVENT_PARK, PZS_MODE_PARKING},
+    {PZS_MODE_RUNNING, PZS_EVENT_STOP, PZS_MODE_STOPPING},
+    {PZS_MODE_RUNNING, PZS_EVENT_TIMEOUT, PZS_MODE_STOPPING},
+    {PZS_MODE_RUNNING, PZS_EVENT_ALARM, PZS_MODE_STOPPING},
+    {PZS_MODE_RUNNING, PZS_EVENT_ERROR, PZS_MODE_STOPPING},
+    {PZS_MODE_HOLDING, PZS_EVENT_FRAME, PZS_MODE_RUNNING},
+    {PZS_MODE_HOLDING, PZS_EVENT_PARK, PZS_MODE_PARKING},
+    {PZS_MODE_HOLDING, PZS_EVENT_STOP, PZS_MODE_STOPPING},
+    {PZS_MODE_HOLDING, PZS_EVENT_TIMEOUT, PZS_MODE_STOPPING},
+    {PZS_MODE_HOLDING, PZS_EVENT_ALARM, PZS_MODE_STOPPING},
+    {PZS_MODE_HOLDING, PZS_EVENT_ERROR, PZS_MODE_STOPPING},
+    {PZS_MODE_PARKING, PZS_EVENT_RESUME, PZS_MODE_ARMED},
+    {PZS_MODE_PARKING, PZS_EVENT_STOP, PZS_MODE_STOPPING},
+    {PZS_MODE_PARKING, PZS_EVENT_ERROR, PZS_MODE_STOPPING},
+    {PZS_MODE_PARKING, PZS_EVENT_ARRIVED, PZS_MODE_PARKED},
+    {PZS_MODE_PARKED, PZS_EVENT_PARK, PZS_MODE_PARKING},
+    {PZS_MODE_PARKED, PZS_EVENT_RESUME, PZS_MODE_ARMED},
+    {PZS_MODE_PARKED, PZS_EVENT_STOP, PZS_MODE_STOPPING},
+    {PZS_MODE_PARKED, PZS_EVENT_ERROR, PZS_MODE_STOPPING},
+    {PZS_MODE_STOPPING, PZS_EVENT_ARRIVED, PZS_MODE_LATCHED},
+};
+
+/* Law: each mode reacts to each event as the list says, 80 pairs; a damaged mode or event to none.
+ */
+static void test_transitions(void **state)
+{
+    (void)state;
+    for (int mode = 0; mode < PZS_MODES; mode++)
+        for (int event = 0; event < PZS_EVENTS; event++) {
+            int expected = mode;
+            for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+                if ((int)known[k].from == mode && (int)known[k].event == event)
+                    expected = known[k].to;
+            assert_int_equal(
+                pzs_supervisor_next((pzs_supervisor_mode)mode, (pzs_supervisor_event)event),
+                expected);
+        }
+    assert_int_equal(pzs_supervisor_next(PZS_MODES, PZS_EVENT_ARM), PZS_MODES);
+    assert_int_equal(pzs_supervisor_next(PZS_MODE_RUNNING, PZS_EVENTS), PZS_MODE_RUNNING);
+}
+
+/* ---- commands and ramps --------------------------------------------------------- */
+
+static void give(rig *r, pzs_supervisor_command command)
+{
+    assert_int_equal(pzs_supervisor_give(r->supervisor, command), PZS_OK);
+}
+
+/* Law: the output stays parked until the command ARM and a whole frame have come. */
+static void test_arming(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 1, true);
+    const uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.park);
+    follow_ramp(&r, r.park, ticks, PZS_W_PARKED, PZS_W_PARKED);
+    assert_int_equal(mode_of(&r), PZS_MODE_INITIALISE);
+    give(&r, PZS_COMMAND_RESUME); /* not known in this mode */
+    assert_int_equal(tick(&r, 1, true), PZS_W_PARKED);
+    assert_int_equal(mode_of(&r), PZS_MODE_INITIALISE);
+    give(&r, PZS_COMMAND_ARM);
+    for (int k = 0; k < 2 * TIMEOUT; k++)
+        assert_int_equal(tick(&r, 1, false), PZS_W_PARKED);
+    assert_int_equal(mode_of(&r), PZS_MODE_ARMED);
+    measure(&r.plant, r.given, r.measured);
+    r.measured[3] = (pzs_real)NAN; /* a frame that is not whole */
+    assert_int_equal(pzs_loop_tick(&r.loop, r.wanted, r.measured), PZS_W_PARKED);
+    assert_memory_equal(r.loop.info.voltage, r.park, sizeof r.park);
+    assert_int_equal(mode_of(&r), PZS_MODE_ARMED);
+    (void)tick(&r, 1, true);
+    assert_int_equal(mode_of(&r), PZS_MODE_RUNNING);
+    bring_to_control(&r);
+    assert_true(fabs((double)(r.given[0] - r.park[0])) > 1);
+    assert_int_equal(pzs_supervisor_give(NULL, PZS_COMMAND_ARM), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_supervisor_give(r.supervisor, (pzs_supervisor_command)9), PZS_E_ARGUMENT);
+}
+
+/* Law: PARK and FLAT ramp to their voltages in the announced number of ticks, RESUME brings control
+ * back without a jump, and then control ends where it was. */
+static void test_park_and_resume(void **state)
+{
+    static rig r;
+    pzs_real before[N];
+    (void)state;
+    open_rig(&r, 2, false);
+    bring_to_control(&r);
+    memcpy(before, r.given, sizeof before);
+    give(&r, PZS_COMMAND_PARK);
+    uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.park);
+    assert_true(ticks > RAMP);
+    assert_true(ticks <= pzs_supervisor_longest_ramp(&r.supervision, &r.problem));
+    follow_ramp(&r, r.park, ticks, PZS_W_PARKED, PZS_W_PARKED);
+    assert_int_equal(mode_of(&r), PZS_MODE_PARKED);
+    give(&r, PZS_COMMAND_FLAT);
+    ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.reference);
+    follow_ramp(&r, r.reference, ticks, PZS_W_PARKED, PZS_W_PARKED);
+    give(&r, PZS_COMMAND_RESUME);
+    assert_int_equal(tick(&r, 1, true), PZS_W_PARKED);
+    bring_to_control(&r);
+    for (int j = 0; j < N; j++)
+        assert_true(fabs((double)(r.given[j] - before[j])) < 1e-2 * LIMIT);
+}
+
+/* Law: STOP, a time-out and an error of a block end in LATCHED at the park voltages, after a
+ * straight ramp of the announced length; no command and no frame changes that, only an init. */
+static void test_stop(void **state)
+{
+    static rig r;
+    (void)state;
+    for (int way = 0; way < 3; way++) {
+        open_rig(&r, 3, false);
+        bring_to_control(&r);
+        if (way == 0)
+            give(&r, PZS_COMMAND_STOP);
+        give(&r, PZS_COMMAND_PARK); /* does not replace STOP */
+        if (way > 0)
+            give(&r, PZS_COMMAND_NONE);
+        for (int k = 1; way == 1 && k < TIMEOUT; k++)
+            assert_int_equal(tick(&r, 1, false), PZS_OK);
+        assert_int_equal(mode_of(&r), way == 1 ? PZS_MODE_HOLDING : PZS_MODE_RUNNING);
+        const uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.park);
+        r.failure.status = way == 2 ? PZS_E_NONFINITE : PZS_OK;
+        if (way == 1)
+            r.noise = (double)NAN; /* no reading is usable */
+        follow_ramp(&r, r.park, ticks, PZS_W_RAMP, PZS_E_LATCHED);
+        static const pzs_supervisor_event cause[3] = {PZS_EVENT_STOP, PZS_EVENT_TIMEOUT,
+                                                      PZS_EVENT_ERROR};
+        assert_int_equal(r.supervisor->info.cause, cause[way]);
+        r.noise = 0;
+        r.failure.status = PZS_OK;
+        for (int command = PZS_COMMAND_ARM; command <= PZS_COMMAND_STOP; command++) {
+            give(&r, (pzs_supervisor_command)command);
+            assert_int_equal(tick(&r, 1, true), PZS_E_LATCHED);
+            assert_memory_equal(r.given, r.park, sizeof r.park);
+        }
+        assert_int_equal(init(&r), PZS_OK);
+        assert_int_equal(tick(&r, 1, true), PZS_W_PARKED);
+    }
+}
+
+/* Law: the loop of the README, which ends at the first error, ends with parked amplifiers. */
+static void test_loop_of_the_readme(void **state)
+{
+    static rig r;
+    int ticks = 0;
+    (void)state;
+    open_rig(&r, 4, false);
+    pzs_status status = PZS_OK;
+    while (!PZS_IS_ERROR(status) && ticks < 1000) {
+        r.failure.status = ticks == 300 ? PZS_E_CONDITION : PZS_OK;
+        status = tick(&r, 1, true);
+        ticks++;
+    }
+    assert_int_equal(status, PZS_E_LATCHED);
+    assert_true(ticks > 300 &&
+                (uint32_t)ticks <= 301 + pzs_supervisor_longest_ramp(&r.supervision, &r.problem));
+    assert_memory_equal(r.given, r.park, sizeof r.park);
+}
+
+/* Law: damaged, foreign or impossible tables are refused. */
+static void test_tables(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 5, false);
+    r.park[2] += 1;
+    assert_int_equal(init(&r), PZS_E_CRC);
+    r.park[2] = LIMIT + 1;
+    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_LIMITS);
+    assert_int_equal(r.loop.info.where, 2);
+    r.park[2] = (pzs_real)NAN;
+    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_NONFINITE);
+    r.park[2] = 0;
+    r.supervision.fading = 1;
+    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_ARGUMENT);
+    r.supervision.fading = PZS_R(0.98);
+    r.supervision.scene++;
+    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_FORMAT);
+    r.supervision.scene--;
+    r.supervision.park = NULL;
+    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_supervision_seal(NULL), PZS_E_ARGUMENT);
+    assert_int_equal(init(&r), PZS_E_ARGUMENT);
+}
+
+/* Law: an input without a step limit bounds no ramp; one that cannot move does not count. */
+static void test_ramp_lengths(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 6, false);
+    for (int j = 0; j < N; j++)
+        r.step_limit[j] = j == 0 ? 0 : (pzs_real)HUGE_VAL;
+    assert_int_equal(pzs_supervisor_longest_ramp(&r.supervision, &r.problem), RAMP);
+    r.step_limit[1] = 1;
+    const uint32_t longest = pzs_supervisor_longest_ramp(&r.supervision, &r.problem);
+    assert_in_range(longest, LIMIT + 10, LIMIT + 12); /* from 100 V to -10 V */
+    r.upper[1] = (pzs_real)HUGE_VAL;
+    assert_true(pzs_supervisor_longest_ramp(&r.supervision, &r.problem) == UINT32_MAX);
+}
+
+/* ---- divergence monitor ----------------------------------------------------------- */
+
+/* Law: on a quasi-static plant, a third stronger or weaker than the tables, with noise, steps of
+ * the target and of loads, no alarm comes. */
+static void test_no_false_alarm(void **state)
+{
+    (void)state;
+    for (int gain = 0; gain < 3; gain++) {
+        static rig r;
+        open_rig(&r, 7, false);
+        r.plant.gain = gain == 0 ? 1 : (gain == 1 ? 0.75 : 1.33);
+        double factor = 1;
+        for (int t = 0; t < LONG_TICKS / 2; t++) {
+            if (t % 97 == 0)
+                factor = uniform(&r.seed, -1, 1);
+            if (t % 131 == 0) {
+                const double size = uniform(&r.seed, -1, 1) * (double)r.supervision.load / 2;
+                for (int i = 0; i < M; i++)
+                    r.plant.load[i] = size * cos(0.3 * i);
+            }
+            const pzs_status status = tick(&r, factor, t % 53 != 7);
+            assert_false(PZS_IS_ERROR(status) || status == PZS_W_RAMP);
+        }
+    }
+}
+
+/* Law: control that is lost is taken away within LATEST ticks, by a straight ramp of the announced
+ * length, and stays away. */
+static void loses_control(rig *r)
+{
+    uint32_t ticks = 0;
+    while (mode_of(r) != PZS_MODE_STOPPING && ticks < LATEST) {
+        (void)tick(r, 1, true);
+        ticks++;
+    }
+    assert_int_equal(mode_of(r), PZS_MODE_STOPPING);
+    assert_int_equal(r->supervisor->info.cause, PZS_EVENT_ALARM);
+    const uint32_t rest = r->supervisor->info.remaining;
+    assert_true(rest < pzs_supervisor_longest_ramp(&r->supervision, &r->problem));
+    follow_ramp(r, r->park, rest, PZS_W_RAMP, PZS_E_LATCHED);
+    printf("# alarm after %u ticks, ramp of %u\n", ticks, rest + 1);
+}
+
+/* Law: a deviation that a block tells raises the alarm after alarm_ticks ticks above the threshold,
+ * load + 6 noise once the changes of the target have faded, and never below it. */
+static void test_deviation(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 11, false);
+    bring_to_control(&r);
+    for (int t = 0; t < 400; t++) /* the envelope fades by 0.98 a tick */
+        assert_int_equal(tick(&r, 1, true), PZS_OK);
+    const pzs_real threshold = r.supervision.load + 6 * r.supervision.noise;
+    r.failure.deviation = PZS_R(0.99) * threshold;
+    for (int t = 0; t < 100; t++)
+        assert_int_equal(tick(&r, 1, true), PZS_OK);
+    r.failure.deviation = PZS_R(1.01) * threshold;
+    for (int t = 0; t < ALARM; t++)
+        assert_int_equal(tick(&r, 1, true), PZS_OK);
+    assert_int_equal(tick(&r, 1, true), PZS_W_RAMP);
+    assert_int_equal(r.supervisor->info.cause, PZS_EVENT_ALARM);
+}
+
+/* Law: amplifiers of the wrong polarity, from the start or all at once. */
+static void test_wrong_polarity(void **state)
+{
+    (void)state;
+    for (int late = 0; late < 2; late++) {
+        static rig r;
+        open_rig(&r, 8, false);
+        if (late)
+            bring_to_control(&r);
+        r.plant.gain = -1;
+        if (!late)
+            while (mode_of(&r) != PZS_MODE_RUNNING)
+                (void)tick(&r, 1, true);
+        else
+            for (int t = 0; t < 3; t++)
+                (void)tick(&r, t % 2 ? 1 : 0.9, true);
+        loses_control(&r);
+    }
+}
+
+/* Law: a structure that vibrates under a loop without a model of it, at every pair of angles. */
+static void test_unstable(void **state)
+{
+    static const double angle[][MODES] = {
+        {0.1, 0.3}, {0.05, 0.6}, {0.3, 1.5}, {0.02, 0.05}, {1, 2}};
+    (void)state;
+    for (size_t k = 0; k < sizeof angle / sizeof *angle; k++) {
+        static rig r;
+        open_rig(&r, 9, false);
+        memcpy(r.plant.angle, angle[k], sizeof angle[k]);
+        while (mode_of(&r) != PZS_MODE_RUNNING)
+            (void)tick(&r, 1, true);
+        loses_control(&r);
+    }
+}
+
+/* ---- random faults ---------------------------------------------------------------- */
+
+/* Damage a frame: nothing, some NaN, all NaN, stuck, huge, or no frame at all (false). */
+static bool damage_frame(rig *r, const pzs_real *stuck, int fault)
+{
+    for (int i = 0; i < M; i++) {
+        if (fault == 1 && uniform(&r->seed, 0, 1) < 0.3)
+            r->measured[i] = (pzs_real)NAN;
+        if (fault == 2)
+            r->measured[i] = (pzs_real)HUGE_VAL;
+        if (fault == 3)
+            r->measured[i] = stuck[i];
+        if (fault == 4)
+            r->measured[i] *= 100;
+    }
+    return fault != 5;
+}
+
+/* Law: whatever readings, targets, commands, polarity and vibration do, voltages are finite and
+ * inside limits and step limits, and control that was lost ends at the park voltages in the
+ * announced number of ticks. */
+static void test_random_faults(void **state)
+{
+    static rig r;
+    pzs_real stuck[M] = {0};
+    uint32_t lost = 0, way = 0;
+    int fault = 0, until = 0;
+    (void)state;
+    open_rig(&r, 10, false);
+    for (int t = 0; t < LONG_TICKS; t++) {
+        if (t >= until) {
+            fault = uniform(&r.seed, 0, 1) < 0.5 ? 0 : (int)uniform(&r.seed, 1, 8);
+            until = t + (int)uniform(&r.seed, 1, 60);
+            r.plant.gain = fault == 6 ? -1 : 1;
+            r.plant.angle[0] = fault == 7 ? 0.1 : 0;
+            r.plant.angle[1] = fault == 7 ? 0.3 : 0;
+            memcpy(stuck, r.measured, sizeof stuck);
+        }
+        if (uniform(&r.seed, 0, 1) < 0.003)
+            give(&r, (pzs_supervisor_command)(int)uniform(&r.seed, 0, 6));
+        measure(&r.plant, r.given, r.measured);
+        for (int i = 0; i < M; i++)
+            r.wanted[i] = (pzs_real)(fault == 0 && t % 500 < 3 ? (double)NAN : 1) * r.target[i];
+        const bool has_frame = damage_frame(&r, stuck, fault);
+        const pzs_status status = pzs_loop_tick(&r.loop, r.wanted, has_frame ? r.measured : NULL);
+        take(&r);
+        way = status == PZS_W_RAMP ? way + 1 : 0;
+        assert_true(way <= pzs_supervisor_longest_ramp(&r.supervision, &r.problem));
+        if (!PZS_IS_ERROR(status))
+            continue;
+        assert_int_equal(status, PZS_E_LATCHED);
+        assert_memory_equal(r.given, r.park, sizeof r.park);
+        const pzs_real from[N] = {r.given[0], r.given[1], r.given[2],
+                                  r.given[3], r.given[4], r.given[5]};
+        assert_int_equal(init(&r), PZS_OK);
+        assert_int_equal(pzs_loop_start(&r.loop, from), PZS_OK);
+        memcpy(r.given, from, sizeof from);
+        lost++;
+    }
+    printf("# %d ticks, control lost %u times\n", LONG_TICKS, lost);
+    assert_true(lost > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_transitions),        cmocka_unit_test(test_arming),
+        cmocka_unit_test(test_park_and_resume),    cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_loop_of_the_readme), cmocka_unit_test(test_tables),
+        cmocka_unit_test(test_ramp_lengths),       cmocka_unit_test(test_no_false_alarm),
+        cmocka_unit_test(test_deviation),          cmocka_unit_test(test_wrong_polarity),
+        cmocka_unit_test(test_unstable),           cmocka_unit_test(test_random_faults)};
+    return cmocka_run_group_tests_name("supervisor", tests, NULL, NULL);
+}
