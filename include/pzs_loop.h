@@ -181,8 +181,8 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
  * damaged. A tick starts by deriving pointers, counts and limits again from the list of blocks,
  * three copies of which two outvote a damaged third; it compares a row of the Hessian with its
  * source, all of it in `inputs` ticks, and 64 bytes of the problem with its checksum, all of it in
- * bytes / 64 ticks. Error CRC: the tables of the problem are damaged, found after at most three such
- * rounds, or at once in the limits. Damage of the loop therefore never reaches the amplifiers
+ * bytes / 64 ticks. Error CRC: the tables of the problem are damaged, found after at most three
+ * such rounds, or at once in the limits. Damage of the loop therefore never reaches the amplifiers
  * beyond limits and step limits, except between the tick and the moment at which a frame is read.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
@@ -279,7 +279,7 @@ extern const pzs_block_type pzs_estimator_block;
  * warning): the output is parked by command. RAMP (a warning): control is lost and the output is on
  * its way to the park voltages; keep calling pzs_loop_tick. LATCHED (an error): the park voltages
  * have been published; the loop is over. So a program that ticks as long as the status is no error,
- * and passes info.voltage to the amplifiers after each tick, ends with parked amplifiers after at
+ * and writes info.voltage to the amplifiers after each tick, ends with parked amplifiers after at
  * most pzs_supervisor_longest_ramp ticks:
  *
  *     while (!PZS_IS_ERROR(status)) {

@@ -163,8 +163,6 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.problem = problem;
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
-    control->state.damping = NULL; /* the damper, if there is one, sets both in each tick */
-    control->state.carry = NULL;
     pzs_control_place(control, work);
     pzs_control_damp(control, 1, NULL, NULL); /* unless the damper of this tick says otherwise */
     guard_repair_bool(&optimiser->is_verified);
