@@ -153,6 +153,7 @@ $(call for_variants,vibration_block,64 32,@tests/rigs/damped_loop.o @host_tools/
 $(foreach t,flips supervisor output_gate,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
+$(call for_variants,quad_cases,64,@tests/rigs/quad_shell.o @host.a)
 $(call for_variants,quad_element,64 san64,@tests/rigs/testdata.o @tests/rigs/quad_shell.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)

@@ -49,6 +49,16 @@ uint32_t pzs_nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *str
     return ~crc;
 }
 
+pzs_status pzs_nonlinear_seal(pzs_nonlinear *tables, const pzs_structure *structure)
+{
+    if (!tables || !structure)
+        return PZS_E_ARGUMENT;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->scene = structure->scene;
+    tables->crc = pzs_nonlinear_crc(tables, structure);
+    return PZS_OK;
+}
+
 static bool tables_in_range(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
     const uint32_t inputs = structure->input.count,

@@ -119,6 +119,9 @@ void quad_shell_hold(quad_shell *shell, const double point[3], const double norm
         const double step[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]};
         if (fabs(vector_dot(step, normal)) > 1e-9)
             continue;
+        if (axis && vector_length(quads->axis[n]) > 0 &&
+            fabs(vector_dot(axis, quads->axis[n])) < 0.99)
+            quads->constrained[n] = 0;
         quads->constrained[n] |= (uint8_t)dof;
         if (axis)
             memcpy(quads->axis[n], axis, sizeof *quads->axis);
@@ -260,56 +263,115 @@ void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double x[3]
 
 /* ---- solution ------------------------------------------------------------ */
 
-pzs_status quad_shell_solve(quad_shell *shell)
+/* The shell as a structure with one input, its force, and the memory of its rows. */
+typedef struct loaded_shell {
+    pzs_structure structure;
+    uint32_t start[2], none[1];
+    uint16_t *index;
+    double *value;
+} loaded_shell;
+
+static pzs_status load_shell(const quad_shell *shell, loaded_shell *loaded)
 {
     const mesh *mesh = &shell->mesh;
-    const size_t dof = (size_t)mesh->free_dof;
-    uint32_t start[2] = {0, 0}, none[2] = {0, 0};
-    uint16_t *index = calloc(dof, sizeof *index);
-    double *value = calloc(dof, sizeof *value), *u = calloc(dof, sizeof *u), one = 1;
+    memset(loaded, 0, sizeof *loaded);
+    loaded->index = calloc((size_t)mesh->free_dof, sizeof *loaded->index);
+    loaded->value = calloc((size_t)mesh->free_dof, sizeof *loaded->value);
     for (int n = 0; n < mesh->nodes; n++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++) {
             const uint16_t d = mesh->node_dof[(unsigned)n * mesh->dof_per_node + i];
             if (d == PZS_CONSTRAINED || !(fabs(shell->force[n][i]) > 0))
                 continue;
-            index[start[1]] = d;
-            value[start[1]++] = shell->force[n][i];
+            loaded->index[loaded->start[1]] = d;
+            loaded->value[loaded->start[1]++] = shell->force[n][i];
         }
-    pzs_structure structure = {.format = PZS_TABLE_FORMAT,
-                               .nodes = (uint16_t)mesh->nodes,
-                               .elements = (uint16_t)mesh->elements,
-                               .types = (uint16_t)mesh->types,
-                               .dof_per_node = (uint16_t)mesh->dof_per_node,
-                               .free_dof = (uint16_t)dof,
-                               .element = (const uint16_t(*)[4])mesh->element,
-                               .element_type = mesh->element_type,
-                               .node_dof = mesh->node_dof,
-                               .first_column = mesh->first_column,
-                               .stiffness = mesh->stiffness,
-                               .type = mesh->type,
-                               .input = {1, start, index, value},
-                               .output = {0, none, index, value}};
-    pzs_model model;
-    const size_t bytes = PZS_MODEL_BYTES(dof, pzs_linalg_reals(mesh->first_column, (uint32_t)dof));
+    const pzs_structure structure = {.format = PZS_TABLE_FORMAT,
+                                     .nodes = (uint16_t)mesh->nodes,
+                                     .elements = (uint16_t)mesh->elements,
+                                     .types = (uint16_t)mesh->types,
+                                     .dof_per_node = (uint16_t)mesh->dof_per_node,
+                                     .free_dof = (uint16_t)mesh->free_dof,
+                                     .element = (const uint16_t(*)[4])mesh->element,
+                                     .element_type = mesh->element_type,
+                                     .node_dof = mesh->node_dof,
+                                     .first_column = mesh->first_column,
+                                     .stiffness = mesh->stiffness,
+                                     .type = mesh->type,
+                                     .input = {1, loaded->start, loaded->index, loaded->value},
+                                     .output = {0, loaded->none, loaded->index, loaded->value}};
+    loaded->structure = structure;
+    return pzs_structure_seal(&loaded->structure);
+}
+
+static void unload_shell(loaded_shell *loaded)
+{
+    free(loaded->index);
+    free(loaded->value);
+}
+
+static void keep_displacement(quad_shell *shell, const double *u)
+{
+    const mesh *mesh = &shell->mesh;
+    for (int n = 0; n < mesh->nodes; n++)
+        for (unsigned i = 0; i < mesh->dof_per_node; i++) {
+            const uint16_t d = mesh->node_dof[(unsigned)n * mesh->dof_per_node + i];
+            shell->u[n][i] = d == PZS_CONSTRAINED ? 0 : u[d];
+        }
+}
+
+static size_t model_bytes(const mesh *mesh)
+{
+    const uint32_t dof = (uint32_t)mesh->free_dof;
+    return PZS_MODEL_BYTES(dof, pzs_linalg_reals(mesh->first_column, dof));
+}
+
+pzs_status quad_shell_solve(quad_shell *shell)
+{
+    double *u = calloc((size_t)shell->mesh.free_dof, sizeof *u), one = 1;
+    const size_t bytes = model_bytes(&shell->mesh);
     void *work = malloc(bytes);
-    pzs_status status = pzs_structure_seal(&structure);
+    loaded_shell loaded;
+    pzs_model model;
+    pzs_status status = load_shell(shell, &loaded);
     if (!PZS_IS_ERROR(status))
-        status = pzs_model_init(&model, &structure, work, bytes);
+        status = pzs_model_init(&model, &loaded.structure, work, bytes);
     if (!PZS_IS_ERROR(status))
         status = pzs_assemble(&model, NULL, NULL);
     if (!PZS_IS_ERROR(status))
         status = pzs_factor(&model);
     if (!PZS_IS_ERROR(status))
         status = pzs_solve(&model, &one, u);
-    for (int n = 0; n < mesh->nodes; n++)
-        for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-            const uint16_t d = mesh->node_dof[(unsigned)n * mesh->dof_per_node + i];
-            shell->u[n][i] = d == PZS_CONSTRAINED ? 0 : u[d];
-        }
+    keep_displacement(shell, u);
+    unload_shell(&loaded);
     free(work);
-    free(index);
-    free(value);
     free(u);
+    return status;
+}
+
+pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves)
+{
+    const size_t bytes = model_bytes(&shell->mesh),
+                 solver_bytes = PZS_SOLVER_BYTES(shell->mesh.free_dof, shell->mesh.elements, 1);
+    void *work = malloc(bytes), *solver_work = malloc(solver_bytes);
+    const double one = 1;
+    loaded_shell loaded;
+    pzs_nonlinear tables = {0};
+    pzs_solver solver;
+    pzs_model model;
+    pzs_status status = load_shell(shell, &loaded);
+    pzs_nonlinear_seal(&tables, &loaded.structure);
+    if (!PZS_IS_ERROR(status))
+        status = pzs_model_init(&model, &loaded.structure, work, bytes);
+    if (!PZS_IS_ERROR(status))
+        status = pzs_solver_init(&solver, &model, &tables, solver_work, solver_bytes);
+    if (!PZS_IS_ERROR(status)) {
+        status = pzs_equilibrium(&solver, &one);
+        keep_displacement(shell, solver.info.displacement);
+        *linear_solves = solver.info.linear_solves;
+    }
+    unload_shell(&loaded);
+    free(work);
+    free(solver_work);
     return status;
 }
 

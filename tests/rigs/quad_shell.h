@@ -41,8 +41,10 @@ void quad_shell_block(quad_shell *shell, int n1, int n2, quad_map *map, const vo
 void quad_shell_single(quad_shell *shell, const double corner[4][3], const double director[4][3],
                        const double axis[4][3]);
 
-/* Hold dof (bits) at the nodes where |(x - point) . normal| < 1e-9; e1 there becomes `axis`, if
- * any. */
+/*
+ * Hold dof (bits) at the nodes where |(x - point) . normal| < 1e-9; e1 there becomes `axis`, if
+ * any. A new axis at a node takes the place of an earlier one and of its supports.
+ */
 void quad_shell_hold(quad_shell *shell, const double point[3], const double normal[3],
                      const double *axis, unsigned dof);
 
@@ -66,6 +68,9 @@ void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double x[3]
 
 /* Solve K u = force. Returns a pzs_status. */
 pzs_status quad_shell_solve(quad_shell *shell);
+
+/* Equilibrium under the force at large rotation; linear_solves out. Returns a pzs_status. */
+pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves);
 
 /* Cartesian displacement of the reference surface at a node. */
 void quad_shell_displacement(const quad_shell *shell, int node, double u[3]);
