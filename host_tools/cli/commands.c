@@ -105,9 +105,9 @@ const command_entry command_table[COMMANDS] = {
          "Runs the controller in closed loop with a plant that differs from its model in "
          "stiffness, piezoelectric constants and hysteresis, with noise, faults and events as the "
          "scene's simulate section says. For comparison: clipped least squares, and regularised, "
-         "then clipped (see the notes of pzs --help). The plant is quasi-static, without inertia: "
-         "each of its shapes is an equilibrium; whether vibration would make the loop unstable is "
-         "said besides.",
+         "then clipped (see the notes of pzs --help). The plant vibrates where all densities are "
+         "given, unless simulate.plant.inertia is false, and the controller is that of pzs tables: "
+         "with a vibration model where the loop needs one, after storms that choose its settings.",
          {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
           "pzs simulate plate-few-sensors --device mps2-an386",
           "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 "
@@ -234,7 +234,8 @@ const option_entry option_table[OPTIONS] = {
                       "the equilibrium solver at large rotation; "
                       "the scene needs kinematics: nonlinear); default control"},
     [OPTION_QUASI_STATIC] =
-        {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
+        {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL,
+         BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE),
          "a tick without vibration model, also where vibration makes it unstable at the scene's "
          "rate; the header then says so and defines PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),

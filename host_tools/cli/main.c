@@ -10,6 +10,7 @@
 #include "../tables/loop_blocks.h"
 #include "../model/design_build.h"
 #include "../model/follow_path.h"
+#include "../simulate/certify.h"
 #include "../model/estimator.h"
 #include "help.h"
 #include "keys.h"
@@ -449,6 +450,7 @@ static int command_simulate(const options *options, analysis *analysis)
     progress_stage("stability of the loop");
     if (has_influence)
         certificate_make(&analysis->certificate, analysis);
+    analysis->quasi_static = options->quasi_static;
     progress_stage("tables of the controller");
     if (!has_influence || simulate_open(&run, analysis, error) < 0) {
         status = complain(error, OPTIONS_WRONG);
@@ -621,6 +623,28 @@ static int judge_loop(analysis *analysis, char *error)
 }
 
 /*
+ * Refuse tables for a loop with a vibration model that is unstable or does not settle after a
+ * storm. Returns 0, or -1 with error filled.
+ */
+static int judge_storms(analysis *analysis, char *error)
+{
+    const certificate *certificate = &analysis->certificate;
+    const scene *scene = analysis->design.scene;
+    char text[SCENE_ERROR];
+    if (analysis->design.problem.inputs == 0 || analysis->quasi_static)
+        return 0;
+    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
+        return -1;
+    if (!certificate->loop.is_made || certificate->loop.is_stable)
+        return 0;
+    certify_failure(certificate, text);
+    return scene_fault(scene, scene->simulate.at, error,
+                       "the damped tick is not safe at %g ticks a second: %s; change the rate "
+                       "(`pzs check` prints stable ones), or add sensors or amplifiers",
+                       certificate->rate, text);
+}
+
+/*
  * Compute all contents of the tables. Nonlinear tables contain the scene's equilibrium, and a
  * voltage problem where the scene has a target; control tables contain the same influence matrix as
  * the simulation of the scene.
@@ -636,6 +660,8 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (judge_loop(analysis, error) < 0)
         return -1;
     if (image == TABLES_CONTROL && simulate_tables(analysis, error) < 0)
+        return -1;
+    if (image != TABLES_NONLINEAR && judge_storms(analysis, error) < 0)
         return -1;
     if (image != TABLES_CONTROL && scene->target.frees > 0)
         return scene_fault(scene, scene->target.free[0].at, error,
@@ -655,7 +681,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     free(u);
     if (failed || (scene->target.given && analysis_influence(analysis, error) < 0))
         return -1;
-    return judge_loop(analysis, error);
+    return judge_loop(analysis, error) < 0 ? -1 : judge_storms(analysis, error);
 }
 
 static void print_tables(const options *options, const analysis *analysis, const char *path)
@@ -696,6 +722,11 @@ static int command_check(const options *options, analysis *analysis)
         return complain(error, OPTIONS_WRONG);
     progress_stage("stability of the loop");
     certificate_make(&analysis->certificate, analysis);
+    if (analysis->design.scene->simulate.given && certificate_refuses(&analysis->certificate) &&
+        simulate_tables(analysis, error) < 0)
+        return complain(error, OPTIONS_WRONG);
+    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0)
+        return complain(error, OPTIONS_WRONG);
     progress_stop();
     (options->as_json ? print_check_json : print_check)(analysis);
     return 0;

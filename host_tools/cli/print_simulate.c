@@ -127,6 +127,15 @@ static void print_settled(const simulate_phase *phase)
     printf(" %6d", course->step_limit_ticks);
 }
 
+/* Print a relative error in a column, or that the law has diverged. */
+static void print_share(int width, double value)
+{
+    if (isinf(value))
+        printf(" %*s", width + 1, "diverges");
+    else
+        printf(" %*.3f%%", width, 100 * value);
+}
+
 static void print_phases(const simulation *simulation)
 {
     printf("  %-7s %-46s %9s %9s %9s %9s %11s %9s %9s %6s\n", "tick", "phase", "optimum", "steady",
@@ -135,11 +144,15 @@ static void print_phases(const simulation *simulation)
         const simulate_phase *phase = &simulation->phase[k];
         char name[SIMULATE_PHASE_TEXT];
         simulate_words_phase(simulation, phase, name);
-        printf("  %-7d %-46.46s %8.3f%% %8.3f%% %8.3f%% %8.3f%% %10.3f%% %8.3f%% ", phase->from,
-               name, 100 * phase->optimum, 100 * phase->course[LAW_CONTROLLER].steady,
-               100 * phase->course[LAW_CONTROLLER].vibration, 100 * phase->course[LAW_CLAMP].steady,
-               100 * phase->course[LAW_REGULARISED].steady,
-               100 * phase->course[LAW_CONTROLLER].worst);
+        const simulate_course *course = phase->course;
+        printf("  %-7d %-46.46s", phase->from, name);
+        print_share(8, phase->optimum);
+        print_share(8, course[LAW_CONTROLLER].steady);
+        print_share(8, course[LAW_CONTROLLER].vibration);
+        print_share(8, course[LAW_CLAMP].steady);
+        print_share(10, course[LAW_REGULARISED].steady);
+        print_share(8, course[LAW_CONTROLLER].worst);
+        putchar(' ');
         print_settled(phase);
         putchar('\n');
     }

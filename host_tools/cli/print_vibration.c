@@ -133,6 +133,32 @@ void print_certificate(const certificate *certificate)
     print_lines(text);
 }
 
+/* Stability of the loop that `pzs tables` writes, with or without a vibration model. */
+static void json_stability(json *json, const certificate *certificate)
+{
+    const certificate_loop *loop = &certificate->loop;
+    if (!certificate->is_assessed || !(certificate->rate > 0))
+        return;
+    json_open(json, "certificate", '{');
+    json_bool(json, "stable", loop->is_made ? loop->is_stable : !certificate_refuses(certificate));
+    json_number(json, "radius", loop->is_made ? loop->radius : certificate->radius);
+    json_number(json, "storms", loop->storms);
+    json_number(json, "storms_failed", loop->failed);
+    if (loop->is_made)
+        json_number(json, "storms_worst", loop->worst);
+    if (loop->has_margins) {
+        const double frequency[2] = {loop->margin_slow, loop->margin_fast};
+        json_open(json, "margin", '{');
+        json_number(json, "gain", loop->margin_gain);
+        json_number(json, "delay", loop->margin_delay);
+        json_numbers(json, "frequency", frequency, 2);
+        json_close(json, '}');
+    }
+    json_number(json, "rate_from", loop->is_made ? loop->rate_from : 0);
+    json_number(json, "rate_to", loop->is_made ? loop->rate_to : certificate->stable_rate);
+    json_close(json, '}');
+}
+
 void print_certificate_json(json *json, const certificate *certificate)
 {
     if (!certificate->is_made)
@@ -154,4 +180,5 @@ void print_certificate_json(json *json, const certificate *certificate)
         json_number(json, "rate_to", certificate->stable_rate);
     }
     json_close(json, '}');
+    json_stability(json, certificate);
 }

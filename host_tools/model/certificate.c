@@ -129,6 +129,43 @@ static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
             certificate->rate, certificate->radius);
 }
 
+/* Text on the margins and stable rates of a loop with a vibration model. */
+static void margin_text(const certificate_loop *loop, char text[SCENE_ERROR])
+{
+    char rates[120] = "";
+    if (loop->rate_to > 0)
+        snprintf(
+            rates, sizeof rates,
+            "\nTick rates that pass growth and two storms, with tables for each: %.4g to %.4g a "
+            "second.",
+            loop->rate_from, loop->rate_to);
+    if (!loop->has_margins)
+        snprintf(text, SCENE_ERROR, "%s", rates);
+    else
+        snprintf(text, SCENE_ERROR,
+                 "\nMargins: gain x %.3g, readings %d ticks later, frequencies x %.3g to x %.3g.%s",
+                 loop->margin_gain, loop->margin_delay, loop->margin_slow, loop->margin_fast,
+                 rates);
+}
+
+/* Text on a loop with a vibration model. */
+static void loop_text(const certificate_loop *loop, char text[3 * SCENE_ERROR])
+{
+    char margins[SCENE_ERROR], storms[200] = "no storms were run.";
+    margin_text(loop, margins);
+    if (loop->storms > 0)
+        snprintf(storms, sizeof storms,
+                 "%d of %d storms of targets settle, the worst ends at\n%.3g of the target.",
+                 loop->storms - loop->failed, loop->storms, loop->worst);
+    snprintf(
+        text, 3 * SCENE_ERROR,
+        "The damped tick %s around structures of gain 0.8 to 1.33 and frequency 0.9 to 1.1\n"
+        "of the model, with %d modes: small vibrations change by %.5g a tick at worst (gain %g,\n"
+        "frequency %g); %s%s",
+        loop->is_stable ? "is stable" : "is not safe", loop->modes, loop->radius, loop->at_gain,
+        loop->at_frequency, storms, margins);
+}
+
 void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR])
 {
     char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
@@ -139,6 +176,10 @@ void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]
                  certificate->reason);
     if (!certificate->is_assessed)
         return;
+    if (certificate->loop.is_made) {
+        loop_text(&certificate->loop, text);
+        return;
+    }
     if (certificate->rate > 0)
         rate_text(certificate, verdict);
     range_text(certificate, range);

@@ -14,7 +14,31 @@
 #define CERTIFICATE_H
 
 #include <stdbool.h>
+#include "damper_gains.h"
 #include "vibration.h"
+
+/*
+ * Certificate of a loop with a vibration model, measured with the loop itself around structures
+ * that differ from the model: growth of small vibrations, storms, margins (simulate/certify.h).
+ */
+typedef struct certificate_loop {
+    bool is_made;
+    bool is_stable;               /* vibrations decay at every corner, and every storm settles */
+    int modes;                    /* modes of the structure in these runs */
+    double radius;                /* largest growth a tick without limits */
+    double at_gain, at_frequency; /* structure with that growth, relative to the model */
+    int storms, failed;           /* number of storms, and of those that did not settle */
+    double worst; /* largest distance from the best shape at the end of a storm, over the
+                     target */
+    double worst_gain, worst_frequency, worst_step; /* structure of that storm, and its step limit
+                                                       over that of the scene */
+    bool has_margins;
+    double margin_gain;              /* largest stable gain over that of the model */
+    int margin_delay;                /* ticks by which readings may be later than believed */
+    double margin_slow, margin_fast; /* lowest and highest stable frequencies over the model's */
+    double rate_from, rate_to;       /* range of stable tick rates around the scene's, with tables
+                                        made for each rate; 0: not computed */
+} certificate_loop;
 
 typedef struct certificate {
     bool is_made;   /* whether certificate_make has run */
@@ -32,6 +56,9 @@ typedef struct certificate {
     double radius; /* spectral radius at that rate: growth of vibration per tick; NAN without a rate
                     */
     double gain;   /* 2 zeta w1 T: about the largest stable step gain; NAN without a rate */
+    bool has_settings;        /* whether `settings` were chosen by storms */
+    damper_settings settings; /* settings of the damped tick */
+    certificate_loop loop;    /* of the loop with a vibration model */
     double stable_rate; /* all rates up to this one are stable; 0: none was found, infinite: every
                            rate */
 } certificate;

@@ -30,6 +30,7 @@ typedef struct builder {
     damper_settings settings;
     damper_model model;
     double interval; /* s */
+    int delay;       /* ticks */
     size_t targets, sensors, amplifiers;
     size_t *mode; /* [modes] index of each observed mode in `vibration` */
     double *angle, *ratio, *overlap, *lift, *square, *precision; /* as in damper_model */
@@ -297,7 +298,7 @@ static void fill_tables(builder *builder)
         .outputs = (uint16_t)builder->targets,
         .sensors = (uint16_t)builder->sensors,
         .modes = (uint16_t)builder->model.modes,
-        .delay = (uint16_t)design->scene->simulate.delay,
+        .delay = (uint16_t)builder->delay,
         .shape = builder->shape,
         .reading = estimator ? builder->reading : NULL,
         .direct = estimator ? estimator->tables.direct : NULL,
@@ -369,24 +370,30 @@ static bool is_possible(damper *damper, const analysis *analysis, const estimato
     return !damper->reason[0];
 }
 
-int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error)
+damper_options damper_options_of(const analysis *analysis)
 {
     const certificate *certificate = &analysis->certificate;
+    return (damper_options){certificate->rate, analysis->design.scene->simulate.delay,
+                            certificate->has_settings ? certificate->settings
+                                                      : damper_default_settings()};
+}
+
+int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
+                const damper_options *options, char *error)
+{
     const design *design = &analysis->design;
     memset(damper, 0, sizeof *damper);
-    if (analysis->quasi_static || !certificate_refuses(certificate) ||
-        !is_possible(damper, analysis, estimator))
-        return 0;
     builder builder = {.damper = damper,
                        .analysis = analysis,
                        .estimator = estimator,
-                       .vibration = &certificate->vibration,
-                       .settings = damper_default_settings(),
-                       .interval = 1 / certificate->rate,
+                       .vibration = &analysis->certificate.vibration,
+                       .settings = options->settings,
+                       .interval = 1 / options->rate,
+                       .delay = options->delay,
                        .targets = (size_t)design->targets,
                        .amplifiers = (size_t)design->amplifiers};
     builder.sensors = estimator ? (size_t)estimator->sensors : builder.targets;
-    damper->rate = certificate->rate;
+    damper->rate = options->rate;
     builder.mode = calloc(builder.amplifiers + 1, sizeof *builder.mode);
     builder.column = calloc(builder.targets + 1, sizeof *builder.column);
     const int failed =
@@ -399,6 +406,16 @@ int damper_open(damper *damper, const analysis *analysis, const estimator *estim
     if (failed)
         damper_close(damper);
     return failed;
+}
+
+int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error)
+{
+    memset(damper, 0, sizeof *damper);
+    if (analysis->quasi_static || !certificate_refuses(&analysis->certificate) ||
+        !is_possible(damper, analysis, estimator))
+        return 0;
+    const damper_options options = damper_options_of(analysis);
+    return damper_make(damper, analysis, estimator, &options, error);
 }
 
 void damper_close(damper *damper)

@@ -24,6 +24,23 @@ typedef struct damper {
     pzs_vibration tables;
 } damper;
 
+/* What the tables of a damped tick are made for. */
+typedef struct damper_options {
+    double rate; /* ticks per second */
+    int delay;   /* age of the readings (ticks) */
+    damper_settings settings;
+} damper_options;
+
+/* The scene's rate and delay, and the settings that its certificate has chosen. */
+damper_options damper_options_of(const analysis *analysis);
+
+/*
+ * Make the tables for given options, whether the loop needs them or not. The arguments are those of
+ * damper_open. Returns 0, or -1 with error filled and the damper unused.
+ */
+int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
+                const damper_options *options, char *error);
+
 /*
  * Make the tables where the scene has a tick rate and densities and its control step alone would be
  * unstable (certificate_refuses); otherwise leave the damper unused. The option `quasi_static` of

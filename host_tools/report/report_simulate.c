@@ -410,6 +410,12 @@ static void take_shape(simulate_page *p, int k, int law)
     page_shape_fill(&p->shape, p->d, phase->course[law].u, shape, p->aim);
 }
 
+/* Whether a law for comparison has diverged before the end of phase k. */
+static bool has_diverged(const simulate_page *p, int k, int law)
+{
+    return isinf(p->s->phase[k].course[law].steady);
+}
+
 /* Choose the colour scale, the magnification and the view that all shapes share. */
 static void fit_shapes(simulate_page *p)
 {
@@ -417,12 +423,16 @@ static void fit_shapes(simulate_page *p)
     p->misfit = (draw_scale){true, 0, p->scene->unit_length};
     draw_view_begin(&p->view, &p->d->mesh);
     for (int k = 0; k < DRAWN * p->s->phases; k++) {
+        if (has_diverged(p, k / DRAWN, k % DRAWN))
+            continue;
         take_shape(p, k / DRAWN, k % DRAWN);
         p->misfit.most = fmax(p->misfit.most, p->shape.worst);
         most = fmax(most, page_largest(&p->d->mesh, p->shape.vector));
     }
     p->factor = draw_magnification(&p->d->mesh, most, 0.3);
     for (int k = 0; k < DRAWN * p->s->phases; k++) {
+        if (has_diverged(p, k / DRAWN, k % DRAWN))
+            continue;
         take_shape(p, k / DRAWN, k % DRAWN);
         draw_view_mesh(&p->view, &p->d->mesh, p->shape.vector, p->factor);
     }
@@ -450,6 +460,10 @@ static int draw_phase(simulate_page *p, int k)
         "\n",
         p->s->phase[k].until - 1, name);
     for (int law = 0; law < DRAWN; law++) {
+        if (has_diverged(p, k, law)) {
+            put(p->file, "<figure><h3>%s: diverged</h3></figure>\n", law_name[law]);
+            continue;
+        }
         take_shape(p, k, law);
         put(p->file, "<figure><h3>%s %p</h3>\n", law_name[law], p->s->phase[k].course[law].steady);
         failed |= page_shape_draw(p->file, &p->shape, &p->view, p->d, p->factor, &p->misfit);

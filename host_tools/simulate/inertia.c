@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../lib/core/product.h"
 
 bool inertia_open(inertia *inertia, const modal *modal)
 {
@@ -75,12 +76,7 @@ void inertia_advance(inertia *inertia, double interval)
 void inertia_observe(const inertia *inertia, size_t first, size_t rows, double *out)
 {
     const size_t modes = inertia->modal->modes;
-    for (size_t row = 0; row < rows; row++) {
-        const double *c = inertia->modal->shape + (first + row) * modes;
-        out[row] = 0;
-        for (size_t i = 0; i < modes; i++)
-            out[row] += c[i] * inertia->deviation[i];
-    }
+    pzs_product_matrix(out, inertia->modal->shape + first * modes, inertia->deviation, rows, modes);
 }
 
 double inertia_energy(const inertia *inertia)

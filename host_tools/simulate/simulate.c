@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "../model/certificate_make.h"
 #include "../model/clipped.h"
+#include "certify.h"
 #include "../../lib/core/guard.h"
 #include "../tables/loop_blocks.h"
 #include "simulate_loop.h"
@@ -22,6 +24,9 @@ enum {
 };
 
 static const double settled_part = 0.05;
+
+/* Relative shape error beyond which a law for comparison is not run any further. */
+static const double diverged = 4;
 
 static int no_memory(const analysis *nominal, char *error)
 {
@@ -197,6 +202,11 @@ static int equip(simulation *simulation, char *error)
         return no_memory(simulation->nominal, error);
     loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator,
                      &simulation->damper);
+    simulation->plain = calloc(1, sizeof *simulation->plain);
+    if (!simulation->plain)
+        return no_memory(simulation->nominal, error);
+    loop_blocks_fill(simulation->plain, &simulation->nominal->design, &simulation->estimator,
+                     &simulation->unused);
     return 0;
 }
 
@@ -218,13 +228,23 @@ static int regularise(simulation *simulation, char *error)
     if (status != PZS_OK)
         failed = scene_fault(design->scene, design->scene->limits.at, error, "%s",
                              pzs_status_text(status));
-    simulation->regularised = design->problem;
-    simulation->regularised.regularisation += simulation->regularisation * clipped.scale;
-    simulation->regularised.crc = 0;
-    simulation->regularised.crc = pzs_problem_crc(&simulation->regularised);
+    simulation->compared_regularisation = simulation->regularisation * clipped.scale;
     clipped_close(&clipped);
     free(voltage);
     return failed;
+}
+
+/*
+ * Prepare the tables of the controller: for a plant with inertia with a vibration model where the
+ * loop needs one, as `pzs tables` does; for a quasi-static plant without.
+ */
+static int make_tables(const simulation *simulation, analysis *nominal, char *error)
+{
+    if (!simulation->plant.has_inertia)
+        nominal->quasi_static = 1;
+    if (!nominal->quasi_static)
+        certificate_make(&nominal->certificate, nominal);
+    return simulate_tables(nominal, error) < 0 || certify_loop(nominal, error) < 0 ? -1 : 0;
 }
 
 int simulate_open(simulation *simulation, analysis *nominal, char *error)
@@ -235,12 +255,11 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     if (check_range(design, error) < 0 || check_free(design, error) < 0 ||
         plant_open(&simulation->plant, design->scene, error) < 0)
         return -1;
-    nominal->quasi_static |= !simulation->plant.has_inertia;
     const double squares = design_squares(design, design->target, NULL);
     simulation->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(simulation) ? 0 : no_memory(nominal, error);
     failed = failed || check_inertia(simulation, error) < 0 ||
-             simulate_tables(nominal, error) < 0 || equip(simulation, error) < 0 ||
+             make_tables(simulation, nominal, error) < 0 || equip(simulation, error) < 0 ||
              regularise(simulation, error) < 0;
     if (failed)
         simulate_close(simulation);
@@ -286,6 +305,7 @@ void simulate_close(simulation *simulation)
     estimator_close(&simulation->estimator);
     damper_close(&simulation->damper);
     free(simulation->blocks);
+    free(simulation->plain);
     device_remove(simulation->folder);
     plant_close(&simulation->plant);
     memset(simulation, 0, sizeof *simulation);
@@ -449,6 +469,26 @@ static void count_tick(const loop *loop, simulate_count *count)
     count->status[loop->status <= PZS_W_OUTPUT ? loop->status : 0]++;
 }
 
+/*
+ * Whether a law for comparison has diverged, so that its further ticks say nothing: around a plant
+ * with inertia a law without a vibration model does.
+ */
+static bool has_diverged(const loop *loop, simulate_law law)
+{
+    return law != LAW_CONTROLLER && !(loop->error < diverged);
+}
+
+/* Mark the rest of a law's phases as diverged. */
+static void give_up(simulation *simulation, const simulate_phase *from, simulate_law law)
+{
+    for (int k = (int)(from - simulation->phase); k < simulation->phases; k++) {
+        simulate_course *course = &simulation->phase[k].course[law];
+        course->steady = course->worst = HUGE_VAL;
+        course->vibration = course->vibration_worst = HUGE_VAL;
+        course->settled = -1;
+    }
+}
+
 static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate_law law,
                      simulate_watch *watch, void *context, char *error)
 {
@@ -460,6 +500,10 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate
         follow(f, loop, &phase->course[law]);
         tell(loop, law, tick, watch, context);
         count_tick(loop, &simulation->count[law]);
+        if (has_diverged(loop, law)) {
+            give_up(simulation, phase, law);
+            return 0;
+        }
         if (tick + 1 < phase->until)
             continue;
         finish_course(f, loop, &phase->course[law]);

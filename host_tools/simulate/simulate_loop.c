@@ -276,21 +276,6 @@ static void elapse(loop *loop, int tick)
 
 /* ---- step limit ------------------------------------------------------------- */
 
-/* Whether the step limit allows a voltage change, without any rounding tolerance. */
-static int may_move(double from, double to, double slew)
-{
-    return to - from <= slew && from - to <= slew;
-}
-
-/* Voltage nearest to `to` that the step limit allows. */
-static double slewed(double from, double to, double slew)
-{
-    to = fmin(fmax(to, from - slew), from + slew);
-    while (!may_move(from, to, slew))
-        to = nextafter(to, from);
-    return to;
-}
-
 /*
  * Step limit of an electrode (V). An electrode that the controller treats as held has no step
  * limit, because its voltage is set to the held value at once.
@@ -316,33 +301,6 @@ static loop *loop_of(const pzs_loop_signals *signals)
 {
     return ((const law_tables *)(const void *)signals->control->state.problem)->loop;
 }
-
-/*
- * Step block of clipped least squares: unconstrained least squares, with or without regularisation,
- * clipped to the voltage limits and the step limit.
- */
-static pzs_status clamp(void *self, pzs_loop_signals *signals)
-{
-    loop *loop = loop_of(signals);
-    const design *design = loop->design;
-    const pzs_control_info *info = &signals->control->info;
-    (void)self;
-    for (int i = 0; i < design->targets; i++) {
-        const double measured = signals->measured[i];
-        loop->disturbance[i] =
-            isfinite(measured) ? measured - loop->predicted[i] : loop->disturbance[i];
-        loop->wish[i] = signals->wanted[i] - loop->disturbance[i];
-    }
-    if (!unconstrained_solve(&loop->solver, loop->wish, loop->next))
-        return PZS_E_NONFINITE;
-    for (int k = 0; k < design->amplifiers; k++) {
-        const double clipped = fmin(fmax(loop->next[k], info->lower[k]), info->upper[k]);
-        loop->command[k] = slewed(loop->command[k], clipped, slew_of(loop, k));
-    }
-    return PZS_OK;
-}
-
-static const pzs_block_type clamp_block = {"clamp", PZS_PHASE_STEP, law_bytes, law_init, clamp};
 
 /*
  * Run one tick on the board and on its twin, and compare their results bit by bit. Returns the
@@ -384,24 +342,24 @@ static pzs_status answer(void *self, pzs_loop_signals *signals)
 static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init, answer};
 
 /*
- * Copy the block list of the scene. For clipped least squares or a board, replace the library's
- * step block and omit all blocks behind the step block. Returns the number of blocks.
+ * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
+ * a board, replace the library's step block and omit all blocks behind the step block. Returns the
+ * number of blocks.
  */
 static size_t list_blocks(loop *loop)
 {
-    const loop_blocks *all = loop->simulation->blocks;
+    const loop_blocks *all =
+        loop->law == LAW_CONTROLLER ? loop->simulation->blocks : loop->simulation->plain;
     const int is_board = loop->simulation->board && loop->law == LAW_CONTROLLER;
-    const pzs_block_type *step = is_board ? &board_block : &clamp_block;
     size_t count = 0;
     memcpy(loop->block, all->block, sizeof loop->block);
     if (loop->law == LAW_CONTROLLER && !is_board)
         return (size_t)all->count;
-    const simulation *simulation = loop->simulation;
-    loop->tables = (law_tables){
-        loop->law == LAW_REGULARISED ? simulation->regularised : *simulation->problem, loop};
     while (loop->block[count].type->phase != PZS_PHASE_STEP)
         count++;
-    loop->block[count] = (pzs_block){step, &loop->tables};
+    loop->tables = (law_tables){*loop->simulation->problem, loop};
+    loop->block[count] = is_board ? (pzs_block){&board_block, &loop->tables}
+                                  : (pzs_block){&law_clipped_block, &loop->compared};
     return count + 1;
 }
 
@@ -437,8 +395,7 @@ static void learn(loop *loop, int tick)
 }
 
 /*
- * Copy the voltages into a controller whose voltages are computed elsewhere: by clipped least
- * squares or by the board.
+ * Copy the voltages into a controller whose voltages are computed elsewhere, by the board.
  */
 static void follow(loop *loop)
 {
@@ -473,11 +430,20 @@ static pzs_status counted(const loop *loop, pzs_status status)
     return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
 
+/* Tell the damper of the ticks that were missed since the last one. */
+static void catch_up(loop *loop)
+{
+    pzs_damper *damper = pzs_loop_find(&loop->controller, &pzs_vibration_block);
+    if (damper && loop->missed_ticks > 0)
+        (void)pzs_damper_skip(damper, (uint16_t)loop->missed_ticks);
+    loop->missed_ticks = 0;
+}
+
 static int command(loop *loop, int tick, char *error)
 {
-    const int is_other = loop->law != LAW_CONTROLLER || loop->board.board;
-    if (loop->simulation->estimates && is_other)
+    if ((loop->simulation->estimates || loop->is_damped) && loop->board.board)
         follow(loop);
+    catch_up(loop);
     if (loop->simulation->feeds) {
         loop->present = sense_known(loop, tick);
         (void)pzs_loop_know(&loop->controller, loop->present, loop->coming);
@@ -490,7 +456,7 @@ static int command(loop *loop, int tick, char *error)
     if (PZS_IS_ERROR(status))
         return 0;
     sense_missed(loop);
-    if (!is_other)
+    if (!loop->board.board)
         take_command(loop);
     learn(loop, tick);
     for (int k = 0; k < loop->design->amplifiers; k++)
@@ -521,14 +487,14 @@ static void amplify(loop *loop)
     const scene_simulate *simulate = &design->scene->simulate;
     for (int k = 0; k < design->amplifiers; k++) {
         const double before = loop->given[k], slew = slew_of(loop, k);
-        const double wish =
-            slewed(before, fmin(fmax(loop->command[k], design->lower[k]), design->upper[k]), slew);
+        const double wish = law_limited(
+            before, fmin(fmax(loop->command[k], design->lower[k]), design->upper[k]), slew);
         double voltage = converted(wish, simulate->step);
         if (voltage < design->lower[k] || voltage > design->upper[k] ||
-            !may_move(before, voltage, slew))
+            !law_may_move(before, voltage, slew))
             voltage += voltage > wish ? -simulate->step : simulate->step;
         const int fits = voltage >= design->lower[k] && voltage <= design->upper[k] &&
-                         may_move(before, voltage, slew);
+                         law_may_move(before, voltage, slew);
         if (fits && fabs(loop->command[k] - before) > simulate->dead_band)
             loop->given[k] = voltage;
     }
@@ -546,7 +512,7 @@ static int beyond(const loop *loop, const double *voltage, const double *before,
         const double change =
             bits == 32 ? (double)((float)voltage[k] - (float)before[k]) : voltage[k] - before[k];
         count += !(voltage[k] >= design->lower[k] && voltage[k] <= design->upper[k]);
-        count += !may_move(0, change, slew_of(loop, k));
+        count += !law_may_move(0, change, slew_of(loop, k));
     }
     return count;
 }
@@ -589,6 +555,7 @@ int loop_tick(loop *loop, int tick, char *error)
         return -1;
     loop->is_lost = tick < loop->lost_until;
     loop->beyond = loop->not_finite = 0;
+    loop->missed_ticks += loop->is_lost;
     if (loop->is_lost)
         return 0;
     memcpy(loop->last, loop->command, n * sizeof *loop->last);
@@ -613,18 +580,17 @@ static int take_memory(loop *loop)
     const design *design = loop->design;
     const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
                  loads = (size_t)design->loads + 1;
-    double *at = loop->memory = calloc(5 * m + 2 * loads + 6 * n, sizeof *loop->memory);
+    double *at = loop->memory = calloc(4 * m + 2 * loads + 6 * n, sizeof *loop->memory);
     loop->electrode = calloc(n, sizeof *loop->electrode);
     loop->wave = calloc(loads, sizeof *loop->wave);
     loop->state = calloc(2 * n, 1);
     if (!at || !loop->electrode || !loop->wave || !loop->state || !sense_open(loop))
         return 0;
     loop->twin_state = loop->state + n;
-    double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->wish,
-                                   &loop->disturbance};
+    double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->wish};
     double **const of_amplifiers[] = {&loop->command, &loop->given, &loop->effect,
                                       &loop->next,    &loop->last,  &loop->before};
-    for (int i = 0; i < 5; i++, at += m)
+    for (int i = 0; i < 4; i++, at += m)
         *of_targets[i] = at;
     for (int i = 0; i < 6; i++, at += n)
         *of_amplifiers[i] = at;
@@ -681,12 +647,14 @@ int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
     loop->design = &simulation->nominal->design;
     loop->simulation = simulation;
     loop->law = law;
+    loop->is_damped = law == LAW_CONTROLLER && simulation->damper.is_used;
     if (!take_memory(loop))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
-    const pzs_status status = open_controller(loop);
-    if (status == PZS_OK && law != LAW_CONTROLLER &&
-        !unconstrained_open(&loop->solver, &loop->tables.problem))
+    if (law != LAW_CONTROLLER &&
+        !law_open(&loop->compared, simulation->problem,
+                  law == LAW_REGULARISED ? simulation->compared_regularisation : 0))
         return scene_fault(scene, scene->simulate.at, error, "out of memory");
+    const pzs_status status = open_controller(loop);
     const pzs_block_type *block = loop->controller.info.block;
     if (status != PZS_OK)
         return scene_fault(scene, scene->limits.at, error, "%s: %s",
@@ -702,7 +670,7 @@ void loop_close(loop *loop)
     free(loop->wave);
     free(loop->state);
     free(loop->work);
-    unconstrained_close(&loop->solver);
+    law_close(&loop->compared);
     sense_close(loop);
     device_stop(&loop->board);
     device_stop(&loop->twin);

@@ -6,8 +6,8 @@
 #ifndef SIMULATE_LOOP_H
 #define SIMULATE_LOOP_H
 
-#include "../model/unconstrained.h"
 #include "imperfections.h"
+#include "laws.h"
 #include "simulation.h"
 
 /* Sinusoidal part of the factor of a load. */
@@ -36,16 +36,18 @@ typedef struct loop {
     const design *design; /* nominal design that the controller is made from */
     simulation *simulation;
     simulate_law law;
+    bool is_damped;                   /* the controller has a vibration block */
+    int missed_ticks;                 /* ticks missed since the last tick that ran */
     pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law */
     law_tables tables; /* tables of the simulation's own step block; unused with the library's step
                           block */
-    unconstrained solver; /* least-squares solver of LAW_CLAMP and LAW_REGULARISED */
-    pzs_loop controller;  /* the library's control loop, in double precision */
-    device board, twin;   /* firmware on a board and its twin on this computer; both replace the
-                             library's step block where the simulation has a board */
-    char *message;        /* [SCENE_ERROR] error text of a board that does not answer */
-    int is_silent;        /* the board did not answer in the last tick */
-    uint64_t random;      /* state of the random number generator */
+    law compared;      /* tables of the step block of LAW_CLAMP and LAW_REGULARISED */
+    pzs_loop controller; /* the library's control loop, in double precision */
+    device board, twin;  /* firmware on a board and its twin on this computer; both replace the
+                            library's step block where the simulation has a board */
+    char *message;       /* [SCENE_ERROR] error text of a board that does not answer */
+    int is_silent;       /* the board did not answer in the last tick */
+    uint64_t random;     /* state of the random number generator */
     int next_event, lost_until;
     double factor, scheduled_factor; /* factor of the target, now and by the schedule alone */
     double *memory;                  /* memory of all vectors from goal to last */
@@ -55,12 +57,9 @@ typedef struct loop {
     double *load, *scheduled_load; /* [loads + 1] factors of the loads, now and by the schedule
                                       alone; the last entry is the temperature change (K) */
     double *shape;                 /* [targets] displacements of the plant */
-    double *wish; /* [targets] displacements that clipped least squares has to produce; scratch
-                     memory elsewhere */
-    double *disturbance; /* [targets] measured minus predicted displacements, as clipped least
-                            squares estimates them */
-    double *command;     /* [amplifiers] voltages that the controller commands (V) */
-    double *given;       /* [amplifiers] output voltages of the amplifiers (V) */
+    double *wish;                  /* [targets] scratch memory */
+    double *command;               /* [amplifiers] voltages that the controller commands (V) */
+    double *given;                 /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect; /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
                        (V) */
     double *before; /* [amplifiers] output voltages before the last change (V) */

@@ -152,7 +152,7 @@ static void read_sensors(loop *loop, int tick)
         const double reading = tick < loop->sensor[i].frozen_until
                                    ? loop->reading[i]
                                    : imperfections_sense(&wiring, i, shown[i] + noise);
-        if (delay == 0 || loop->simulation->damper.is_used)
+        if (delay == 0 || loop->is_damped)
             loop->sensed[i] = reading;
         else if (tick == 0 || reading < loop->reading[i] || reading > loop->reading[i] ||
                  isnan(loop->sensed[i]))

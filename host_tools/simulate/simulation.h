@@ -52,7 +52,8 @@ typedef void simulate_watch(void *context, const simulate_sample *sample);
 
 /* Results of one control law in one phase. */
 typedef struct simulate_course {
-    double steady;    /* relative shape error: root mean square over the last ticks */
+    double steady;    /* relative shape error: root mean square over the last ticks; infinite for a
+                         law for comparison that has diverged */
     double worst;     /* largest relative shape error */
     double missed;    /* relative measurement error: root mean square over the last ticks */
     double vibration; /* relative deviation from the static equilibrium: root mean square over the
@@ -105,12 +106,14 @@ typedef struct simulation {
     estimator estimator; /* estimator gains and known loads; empty unless `estimates` or `feeds` is
                             set */
     damper damper;       /* tables of the damped tick; unused for a quasi-static plant */
+    damper unused;       /* never used */
+    struct loop_blocks *plain;       /* block list without a vibration block, for the other laws */
     int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
                                         are fed forward; the amplifiers have a resolution or a dead
                                         band */
-    double reference;          /* |W target of the scene|, the denominator of all relative errors */
-    pzs_problem regularised;   /* copy of `problem` with the regularisation parameter of
-                                  LAW_REGULARISED in its effort weight */
+    double reference; /* |W target of the scene|, the denominator of all relative errors */
+    double compared_regularisation; /* regularisation of LAW_REGULARISED beside that of the scene
+                                       (m2/V2) */
     double regularisation;     /* regularisation parameter of LAW_REGULARISED, over tr(B'W^2 B)/n */
     const device_board *board; /* board that runs the controller; NULL: the controller runs on the
                                   host */
@@ -123,7 +126,8 @@ typedef struct simulation {
 /*
  * Read the plant and set up the phases.
  *   nominal in  design of a scene with a simulate section, after analysis_influence; must outlive
- *       the simulation
+ *       the simulation. Its option quasi_static leaves out the vibration model of the controller,
+ *       and is set for a quasi-static plant
  * Returns 0, or -1 with error filled and the simulation empty.
  */
 int simulate_open(simulation *simulation, analysis *nominal, char *error);

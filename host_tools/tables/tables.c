@@ -341,6 +341,38 @@ static void write_feed_forward(emitter *emitter, const char *what,
             emitter->prefix, array);
 }
 
+/* Lines of a comment. */
+static void write_lines(const emitter *emitter, const char *text)
+{
+    if (!text[0])
+        return;
+    fputs(" * ", emitter->file);
+    for (; *text; text++)
+        fprintf(emitter->file, *text == '\n' ? "\n * " : "%c", *text);
+    fputc('\n', emitter->file);
+}
+
+/* Results of the certificate of a loop with a vibration model, as constants. */
+static void write_verdict(const emitter *emitter, const certificate_loop *loop)
+{
+    const char *prefix = emitter->upper;
+    if (!loop->is_made)
+        return;
+    fprintf(emitter->file,
+            "#define %s_STORMS %d /* storms that the loop was tried with */\n"
+            "#define %s_STORMS_FAILED %d\n"
+            "#define %s_RADIUS PZS_R(%.6g) /* largest growth of small vibrations a tick */\n",
+            prefix, loop->storms, prefix, loop->failed, prefix, loop->radius);
+    if (loop->has_margins)
+        fprintf(emitter->file,
+                "#define %s_MARGIN_GAIN PZS_R(%.4g) /* stable up to this gain over the model's */\n"
+                "#define %s_MARGIN_DELAY %d /* ticks by which readings may be later */\n"
+                "#define %s_MARGIN_SLOW PZS_R(%.4g) /* stable frequencies over the model's */\n"
+                "#define %s_MARGIN_FAST PZS_R(%.4g)\n",
+                prefix, loop->margin_gain, prefix, loop->margin_delay, prefix, loop->margin_slow,
+                prefix, loop->margin_fast);
+}
+
 /*
  * Vibration of the control loop as a comment: modes that the tick damps, or the certificate of a
  * tick without vibration model, and PREFIX_QUASI_STATIC where that tick is unstable.
@@ -348,17 +380,17 @@ static void write_feed_forward(emitter *emitter, const char *what,
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
 {
-    char text[3 * SCENE_ERROR];
+    char text[3 * SCENE_ERROR], observed[SCENE_ERROR] = "";
+    certificate_text(certificate, text);
     if (damper->is_used)
-        damper_text(damper, text);
-    else
-        certificate_text(certificate, text);
-    if (!text[0])
+        damper_text(damper, observed);
+    if (!text[0] && !observed[0])
         return;
-    fprintf(emitter->file, "/*\n * ");
-    for (const char *p = text; *p; p++)
-        fprintf(emitter->file, *p == '\n' ? "\n * " : "%c", *p);
-    fputs("\n */\n", emitter->file);
+    fprintf(emitter->file, "/*\n");
+    write_lines(emitter, observed);
+    write_lines(emitter, text);
+    fputs(" */\n", emitter->file);
+    write_verdict(emitter, &certificate->loop);
     if (!damper->is_used && certificate_refuses(certificate))
         fprintf(emitter->file, "#define %s_QUASI_STATIC 1\n", emitter->upper);
     fputs("\n", emitter->file);

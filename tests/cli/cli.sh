@@ -118,10 +118,12 @@ run 0 new measured-matrix && mv "$dir/out" "$dir/measured-matrix.csv" && run 0 n
     run 0 check "$dir/measured.yaml" --strict && grep -qF 'rank 7' "$dir/out"; check 'new measured is valid with its matrix' $?
 # Scenes in the words of version 0.1: the migrated scene gives the tables of the shipped one, but for the hash of the file
 for s in plate-50-patches plate-closed-loop plate-few-sensors hyperboloid-patches; do
+    set -- --set name=$s
+    [ $s != plate-closed-loop ] || set -- --set 'simulate.events=[]' # the shipped scene has another schedule
     run 2 check "tests/cli/old_scenes/$s.yaml" && says 'is now called' && run 0 migrate "tests/cli/old_scenes/$s.yaml" && cp "$dir/out" "$dir/new.yaml" &&
         run 0 migrate "$dir/new.yaml" && cmp -s "$dir/out" "$dir/new.yaml" && run 0 --migrate "$dir/new.yaml" && cmp -s "$dir/out" "$dir/new.yaml" &&
         for scene in "$dir/new.yaml" "$s"; do
-            run 0 tables "$scene" --image linear --quasi-static --prefix t -o "$dir/t.h" || break
+            run 0 tables "$scene" "$@" --image linear --quasi-static --prefix t -o "$dir/t.h" || break
             sed -E 's/^( *[0-9]+u, )0x[0-9a-f]+u, PZS_BY_BITS/\1HASH/; s/lost ticks/missed ticks/' "$dir/t.h" >"$dir/$(basename "$scene").h"
         done && [ "$(grep -c HASH "$dir/$s.h")" -ge 2 ] && cmp -s "$dir/new.yaml.h" "$dir/$s.h"
     check "migrated scene $s: the same tables" $?
@@ -153,7 +155,7 @@ check 'a free piston in the target costs nothing' $?
 run 2 tables plate-50-patches --set 'target.free=[tip]' --image linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
     run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'without the free functions of the target' "$dir/free.h"
 check 'free functions: carried by the control image, refused by the linear one' $?
-run 2 simulate plate-closed-loop --set 'target.free=[piston]' && says 'announced: detected'; check 'free functions and the fault detector: exit 2' $?
+run 2 simulate plate-closed-loop --set 'target.free=[piston]' --set 'simulate.events=[{at: 9, dead: [v_1_1], announced: detected}]' && says 'announced: detected'; check 'free functions and the fault detector: exit 2' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
 run 0 list && [ "$(wc -l <"$dir/out")" -ge 9 ]; check 'list names the shipped scenes' $?
 for s in $("$PZS" list | cut -d' ' -f1); do
@@ -401,7 +403,7 @@ check 'report: the list of warnings' $?
 run 2 solve $rings --svg "$dir/one" --report "$dir/one" && says 'one name' && run 2 check $rings --svg "$dir/x.svg" && says 'belongs to solve'; check '--svg is checked like --report' $?
 
 # simulate
-quick='--set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear --set simulate.events=[]'
+quick='--set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear --set simulate.events=[] --set simulate.plant.inertia=false --set simulate.plant.hysteresis=0'
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$dir/loop.csv" --report "$dir/loop.html" --svg "$dir/loop.svg" &&
     json "j['ticks'] == 60 and j['counts']['controller']['ran'] == 60 and j['counts']['controller']['beyond'] == 0 and
@@ -460,6 +462,16 @@ run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-
 run 0 tables plate-closed-loop -o "$dir/x.h" && grep -q 'pzs_vibration_block' "$dir/x.h" && grep -q '9 modes from 15.04 to 314.2 Hz, at 1000 ticks a second' "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of an unstable loop damp vibration' $?
 run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set control.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
+run 0 check plate-closed-loop --json && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and
+    0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['margin']['delay']>=1 and
+    j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"
+check 'check --json: certificate of the damped loop' $?
+run 0 tables plate-closed-loop -o "$dir/damped.h" && grep -q '#define PLATE_CLOSED_LOOP_STORMS_FAILED 0' "$dir/damped.h" && grep -q '30 of 30 storms' "$dir/damped.h"; check 'tables: the header carries the certificate' $?
+quiet='--set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear'
+# shellcheck disable=SC2086
+run 2 tables plate-closed-loop $quiet --set control.rate=60 -o "$dir/unsafe.h" && says 'at gain 1.33, frequency 1.1 vibration grows' && [ ! -e "$dir/unsafe.h" ]; check 'tables: a damped loop that is unstable is refused by name' $?
+# shellcheck disable=SC2086
+run 2 tables plate-closed-loop $quiet --set control.rate=30 -o "$dir/unsafe.h" && says 'storm at gain' && says 'times the target' && [ ! -e "$dir/unsafe.h" ]; check 'tables: a damped loop that fails a storm is refused by name' $?
 run 0 check plate-closed-loop --json && json "j['vibration']['radius']>1.5 and j['vibration']['stable'] is False and 0<j['vibration']['rate_to']<15 and abs(j['vibration']['frequency'][0]-15.04)<.1"; check 'check --json: verdict on the loop' $?
 run 0 check plate-closed-loop --set control.rate=0.4 && grep -q 'the loop is stable' "$dir/out" && grep -q 'Every rate up to' "$dir/out"; check 'check: a rate that is stable' $?
 run 0 check scordelis-lo && grep -q "vibration not known: .*'concrete'" "$dir/out"; check 'check names the densities that are missing' $?

@@ -22,6 +22,7 @@ loop() {
     name=$1
     shift
     "$PZS" simulate plate-closed-loop --set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear \
+        --set simulate.plant.inertia=false --set simulate.plant.hysteresis=0 \
         --set simulate.ticks=200 --set simulate.sensors.delay=1 --set "simulate.events=$events" --json --csv "$scratch/$name.csv" "$@" \
         >"$scratch/$name.json" 2>"$scratch/found"
 }
@@ -31,6 +32,7 @@ loop_few() {
     name=$1
     shift
     "$PZS" simulate plate-few-sensors --set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear \
+        --set simulate.plant.inertia=false --set simulate.plant.hysteresis=0 \
         --set simulate.ticks=200 --set "simulate.events=$few" --json --csv "$scratch/$name.csv" "$@" \
         >"$scratch/$name.json" 2>"$scratch/found"
 }

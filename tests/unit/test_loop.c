@@ -45,7 +45,10 @@ typedef struct bench {
 static void open_bench(bench *b, const char *changes)
 {
     memset(b, 0, sizeof *b);
-    open_run(&b->run, "plate-few-sensors", changes);
+    char all[2000];
+    snprintf(all, sizeof all, "simulate.plant.inertia=false;simulate.plant.hysteresis=0;%s",
+             changes);
+    open_run(&b->run, "plate-few-sensors", all);
     if (analysis_influence(&b->run.analysis, b->error) < 0 ||
         simulate_open(&b->s, &b->run.analysis, b->error) < 0 ||
         loop_open(&b->l, &b->s, LAW_CONTROLLER, b->error) < 0)

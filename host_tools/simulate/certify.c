@@ -1,0 +1,394 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Certificate of a control loop with a vibration model (certify.h). */
+#include "certify.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "../system/progress.h"
+#include "storm.h"
+
+enum {
+    PLANTS = 5, /* structures in storms: the model and four corners */
+    ENOUGH = 3, /* storms that do not settle after which no more are run */
+    SEEDS = 3,  /* sequences of targets */
+    STORMS = PLANTS * 2 * SEEDS,
+    CORNERS = 9,       /* structures whose growth is measured */
+    PERIODS = 24,      /* periods of the first mode in which growth is measured */
+    TICKS_LEAST = 600, /* fewest and most ticks of such a run */
+    TICKS_MOST = 3000,
+    HALVINGS = 5,   /* bisections of a margin */
+    DELAY_MOST = 8, /* largest delay that is tried (ticks) */
+    OCTAVES = 5     /* octaves of tick rates that are tried on either side */
+};
+
+static const double two_pi = 6.283185307179586;
+
+/* Structures of the storms, relative to the model. */
+static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
+                    storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
+
+/* Gains and frequencies of which all pairs are measured for growth. */
+static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
+
+/* Largest gain, and lowest and highest frequency, that the margins try. */
+static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
+
+/* Settings of the damped tick to choose from, the fastest first: damping per radian, part of the
+ * deviation taken from the velocity, drift of the loads. */
+static const struct {
+    double damping, mix, drift;
+} choices[] = {{0.75, 0.75, 0.21}, {0.5, 0, 0.21}, {0.5, 0, 0.1}, {0.35, 0, 0.05}};
+enum { CHOICES = sizeof choices / sizeof *choices };
+
+/* A loop with the tables of one choice of settings and rate. */
+typedef struct trial {
+    analysis *analysis;
+    estimator estimator;
+    const estimator *few; /* NULL: every target node is measured */
+    damper damper;
+    loop_blocks blocks;
+    storm_rig rig;
+} trial;
+
+/* ---- tables ----------------------------------------------------------- */
+
+/* Make the tables for a rate and settings, in place of those before. */
+static int retable(trial *trial, const damper_options *options, char *error)
+{
+    damper_close(&trial->damper);
+    if (damper_make(&trial->damper, trial->analysis, trial->few, options, error) < 0)
+        return -1;
+    loop_blocks_fill(&trial->blocks, &trial->analysis->design, &trial->estimator, &trial->damper);
+    storm_use(&trial->rig, trial->blocks.block, trial->blocks.count, options->delay);
+    trial->rig.is_corrected = false;
+    trial->rig.interval = 1 / options->rate;
+    return 0;
+}
+
+static int open_trial(trial *trial, analysis *analysis, char *error)
+{
+    const scene *scene = analysis->design.scene;
+    memset(trial, 0, sizeof *trial);
+    trial->analysis = analysis;
+    const bool needs_estimator = loop_estimates(scene) || loop_feeds(scene);
+    if (needs_estimator && estimator_open(&trial->estimator, analysis, error) < 0)
+        return -1;
+    trial->few = loop_estimates(scene) ? &trial->estimator : NULL;
+    return storm_open(&trial->rig, analysis, trial->few, error);
+}
+
+static void close_trial(trial *trial)
+{
+    storm_close(&trial->rig);
+    damper_close(&trial->damper);
+    estimator_close(&trial->estimator);
+}
+
+/* ---- growth ----------------------------------------------------------- */
+
+/* Ticks in which growth is measured. */
+static int growth_ticks(const trial *trial)
+{
+    const double period = two_pi / (trial->rig.modal.frequency[0] * trial->rig.interval);
+    return (int)fmin(fmax(PERIODS * period, TICKS_LEAST), TICKS_MOST);
+}
+
+/*
+ * Whether small vibrations decay on a structure, as far as the run can tell: their size may not
+ * grow by more than an eighth in the half of the run that counts.
+ */
+static int grow(const trial *trial, double gain, double frequency, int more_delay,
+                storm_result *result, char *error)
+{
+    const int ticks = growth_ticks(trial);
+    const storm_plant plant = {gain, frequency, HUGE_VAL, more_delay, 1};
+    if (storm_growth(&trial->rig, &plant, ticks, result, error) < 0)
+        return -1;
+    result->passed = log(result->growth) < 0.25 / ticks;
+    return 0;
+}
+
+/* Measure the growth at the corners. Returns 0, or -1 with error filled. */
+static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_stable, char *error)
+{
+    loop->radius = 0;
+    *is_stable = true;
+    for (int i = 0; i < CORNERS; i++) {
+        storm_result result;
+        if (grow(trial, gains[i / 3], frequencies[i % 3], 0, &result, error) < 0)
+            return -1;
+        *is_stable = *is_stable && result.passed;
+        if (result.growth <= loop->radius)
+            continue;
+        loop->radius = result.growth;
+        loop->at_gain = gains[i / 3];
+        loop->at_frequency = frequencies[i % 3];
+    }
+    return 0;
+}
+
+/* ---- storms ----------------------------------------------------------- */
+
+/* Run storms until all have passed, or so many have not that the loop need not be tried further. */
+static int run_storms(const trial *trial, certificate_loop *loop, char *error)
+{
+    for (int i = 0; i < STORMS && loop->failed < ENOUGH; i++) {
+        const storm_plant plant = {storm_gain[i % PLANTS], storm_frequency[i % PLANTS],
+                                   i / PLANTS % 2 ? 0.25 : 1, 0, (uint64_t)(i / PLANTS / 2 + 1)};
+        storm_result result;
+        progress_count(i, STORMS);
+        if (storm_run(&trial->rig, &plant, &result, error) < 0)
+            return -1;
+        loop->storms++;
+        loop->failed += !result.passed;
+        if (!(result.end > loop->worst))
+            continue;
+        loop->worst = result.end;
+        loop->worst_gain = plant.gain;
+        loop->worst_frequency = plant.frequency;
+        loop->worst_step = plant.step_limit;
+    }
+    return 0;
+}
+
+/* ---- choice ----------------------------------------------------------- */
+
+/* Certify the loop with one choice of settings. */
+static int try_choice(trial *trial, int choice, damper_options *options, certificate_loop *loop,
+                      char *error)
+{
+    bool is_stable;
+    memset(loop, 0, sizeof *loop);
+    options->settings.damping = choices[choice].damping;
+    options->settings.mix = choices[choice].mix;
+    options->settings.drift = choices[choice].drift;
+    if (retable(trial, options, error) < 0 || measure_growth(trial, loop, &is_stable, error) < 0 ||
+        (is_stable && run_storms(trial, loop, error) < 0))
+        return -1;
+    loop->is_made = true;
+    loop->is_stable = is_stable && loop->failed == 0;
+    loop->modes = (int)trial->rig.modal.modes;
+    return 0;
+}
+
+/* Whether a choice is better than the best so far: by the number of storms that settle. */
+static bool is_better(const certificate_loop *loop, const certificate_loop *best)
+{
+    return !best->is_made || (loop->is_stable && !best->is_stable) ||
+           (loop->is_stable == best->is_stable && loop->failed < best->failed);
+}
+
+static int choose(trial *trial, char *error)
+{
+    certificate *certificate = &trial->analysis->certificate;
+    damper_options options = damper_options_of(trial->analysis);
+    options.settings = damper_default_settings();
+    for (int i = 0; i < CHOICES && !certificate->loop.is_stable; i++) {
+        certificate_loop loop;
+        if (try_choice(trial, i, &options, &loop, error) < 0)
+            return -1;
+        if (!is_better(&loop, &certificate->loop))
+            continue;
+        certificate->loop = loop;
+        certificate->settings = options.settings;
+        certificate->has_settings = true;
+    }
+    return 0;
+}
+
+/* Whether the scene's loop has a vibration block. */
+static int has_damper(const analysis *analysis, bool *has, char *error)
+{
+    estimator estimator;
+    damper damper;
+    const bool estimates = loop_estimates(analysis->design.scene);
+    *has = false;
+    if (analysis->quasi_static || !certificate_refuses(&analysis->certificate))
+        return 0;
+    memset(&estimator, 0, sizeof estimator);
+    if (estimates && estimator_open(&estimator, analysis, error) < 0)
+        return -1;
+    const int failed = damper_open(&damper, analysis, estimates ? &estimator : NULL, error);
+    *has = !failed && damper.is_used;
+    damper_close(&damper);
+    estimator_close(&estimator);
+    return failed;
+}
+
+int certify_loop(analysis *analysis, char *error)
+{
+    trial trial;
+    bool has;
+    if (analysis->certificate.loop.is_made)
+        return 0;
+    if (has_damper(analysis, &has, error) < 0)
+        return -1;
+    if (!has)
+        return 0;
+    progress_stage("storms against the loop");
+    int failed = open_trial(&trial, analysis, error);
+    failed = failed || choose(&trial, error) < 0;
+    close_trial(&trial);
+    return failed ? -1 : 0;
+}
+
+/* ---- margins ---------------------------------------------------------- */
+
+/*
+ * Last stable factor between 1 and `end`, of the gain or of the frequencies.
+ *   is_gain in  whether the gain is varied
+ */
+static int bisect(const trial *trial, bool is_gain, double end, double *margin, char *error)
+{
+    storm_result result;
+    double stable = 1, unstable = end;
+    if (grow(trial, is_gain ? end : 1, is_gain ? 1 : end, 0, &result, error) < 0)
+        return -1;
+    for (int i = 0; i < HALVINGS && !result.passed; i++) {
+        storm_result middle;
+        const double factor = sqrt(stable * unstable);
+        if (grow(trial, is_gain ? factor : 1, is_gain ? 1 : factor, 0, &middle, error) < 0)
+            return -1;
+        if (middle.passed)
+            stable = factor;
+        else
+            unstable = factor;
+    }
+    *margin = result.passed ? end : stable;
+    return 0;
+}
+
+/* Largest further delay of the readings at which vibrations decay. */
+static int find_delay(const trial *trial, int *margin, char *error)
+{
+    *margin = 0;
+    for (int delay = 1; delay <= DELAY_MOST; delay++) {
+        storm_result result;
+        if (grow(trial, 1, 1, delay, &result, error) < 0)
+            return -1;
+        if (!result.passed)
+            return 0;
+        *margin = delay;
+    }
+    return 0;
+}
+
+/*
+ * Whether the loop with tables for a rate is stable on the model and on the corner of the largest
+ * gain, with lower and higher frequencies, and settles after two storms there.
+ */
+static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
+{
+    damper_options options = damper_options_of(trial->analysis);
+    options.rate = rate;
+    *is_stable = false;
+    if (retable(trial, &options, error) < 0)
+        return -1;
+    for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* 0, 3, 4 */
+        storm_result result;
+        const storm_plant plant = {storm_gain[i], storm_frequency[i], 0.25, 0, 1};
+        if (grow(trial, plant.gain, plant.frequency, 0, &result, error) < 0)
+            return -1;
+        if (!result.passed)
+            return 0;
+        if (i > 0 && storm_run(&trial->rig, &plant, &result, error) < 0)
+            return -1;
+        if (!result.passed)
+            return 0;
+    }
+    *is_stable = true;
+    return 0;
+}
+
+/* Last stable rate beyond a stable one: factor 2 or 1/2 a step, then one bisection. */
+static int find_rate(trial *trial, double from, double factor, double *rate, char *error)
+{
+    bool is_stable = true;
+    *rate = from;
+    for (int i = 0; i < OCTAVES && is_stable; i++) {
+        if (try_rate(trial, *rate * factor, &is_stable, error) < 0)
+            return -1;
+        if (is_stable)
+            *rate *= factor;
+    }
+    if (is_stable)
+        return 0;
+    if (try_rate(trial, *rate * sqrt(factor), &is_stable, error) < 0)
+        return -1;
+    *rate *= is_stable ? sqrt(factor) : 1;
+    return 0;
+}
+
+static int find_margins(trial *trial, char *error)
+{
+    certificate_loop *loop = &trial->analysis->certificate.loop;
+    const damper_options options = damper_options_of(trial->analysis);
+    if (retable(trial, &options, error) < 0 ||
+        bisect(trial, true, gain_most, &loop->margin_gain, error) < 0 ||
+        bisect(trial, false, slow_least, &loop->margin_slow, error) < 0 ||
+        bisect(trial, false, fast_most, &loop->margin_fast, error) < 0 ||
+        find_delay(trial, &loop->margin_delay, error) < 0)
+        return -1;
+    loop->has_margins = true;
+    return 0;
+}
+
+/* The stable rate nearest to the scene's in octaves, lower ones first; 0 where none was found. */
+static int find_stable_rate(trial *trial, double *rate, char *error)
+{
+    const double given = trial->analysis->certificate.rate;
+    for (int i = 1; i <= OCTAVES; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            bool is_stable;
+            *rate = given * pow(2, side * i);
+            if (try_rate(trial, *rate, &is_stable, error) < 0)
+                return -1;
+            if (is_stable)
+                return 0;
+        }
+    *rate = 0;
+    return 0;
+}
+
+/* Range of stable rates around the scene's rate, or around the nearest stable one. */
+static int find_rates(trial *trial, char *error)
+{
+    certificate_loop *loop = &trial->analysis->certificate.loop;
+    double rate = trial->analysis->certificate.rate;
+    progress_stage("stable tick rates");
+    if (!loop->is_stable && find_stable_rate(trial, &rate, error) < 0)
+        return -1;
+    if (rate <= 0)
+        return 0;
+    return find_rate(trial, rate, 0.5, &loop->rate_from, error) < 0 ||
+                   find_rate(trial, rate, 2, &loop->rate_to, error) < 0
+               ? -1
+               : 0;
+}
+
+int certify_margins(analysis *analysis, bool with_rates, char *error)
+{
+    trial trial;
+    if (!analysis->certificate.loop.is_made)
+        return 0;
+    progress_stage("margins of the loop");
+    int failed = open_trial(&trial, analysis, error);
+    failed = failed || (analysis->certificate.loop.is_stable && find_margins(&trial, error) < 0) ||
+             (with_rates && find_rates(&trial, error) < 0);
+    close_trial(&trial);
+    return failed ? -1 : 0;
+}
+
+void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
+{
+    const certificate_loop *loop = &certificate->loop;
+    if (loop->failed > 0)
+        snprintf(text, SCENE_ERROR,
+                 "storm at gain %g, frequency %g, step limit x %g ends at %.3g times the target; "
+                 "%d of %d storms do not settle",
+                 loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst,
+                 loop->failed, loop->storms);
+    else
+        snprintf(text, SCENE_ERROR, "at gain %g, frequency %g vibration grows %.5g times a tick",
+                 loop->at_gain, loop->at_frequency, loop->radius);
+}

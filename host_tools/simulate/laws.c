@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Control laws for comparison with the library's step (laws.h). */
+#include "laws.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/control/control.h"
+
+bool law_open(law *law, const pzs_problem *problem, double regularisation)
+{
+    const size_t outputs = problem->outputs;
+    memset(law, 0, sizeof *law);
+    law->problem = *problem;
+    law->problem.regularisation += regularisation;
+    law->problem.crc = 0;
+    law->problem.crc = pzs_problem_crc(&law->problem);
+    law->memory = calloc(2 * outputs + problem->inputs + 1, sizeof *law->memory);
+    law->disturbance = law->memory;
+    law->wish = law->memory ? law->memory + outputs : NULL;
+    law->next = law->memory ? law->wish + outputs : NULL;
+    return unconstrained_open(&law->solver, &law->problem) && law->memory;
+}
+
+void law_close(law *law)
+{
+    unconstrained_close(&law->solver);
+    free(law->memory);
+    memset(law, 0, sizeof *law);
+}
+
+/* ---- limits ----------------------------------------------------------- */
+
+bool law_may_move(double from, double to, double step_limit)
+{
+    return to - from <= step_limit && from - to <= step_limit;
+}
+
+double law_limited(double from, double to, double step_limit)
+{
+    to = fmin(fmax(to, from - step_limit), from + step_limit);
+    while (!law_may_move(from, to, step_limit))
+        to = nextafter(to, from);
+    return to;
+}
+
+/* Give the voltages in law->next to the controller, clipped. */
+static void give(const law *law, pzs_control *control)
+{
+    const pzs_control_info *info = &control->info;
+    for (int k = 0; k < law->problem.inputs; k++) {
+        const double clipped = fmin(fmax(law->next[k], info->lower[k]), info->upper[k]);
+        const bool is_held = !(info->lower[k] < info->upper[k]);
+        control->state.voltage[k] =
+            is_held ? clipped : law_limited(info->voltage[k], clipped, law->problem.step_limit[k]);
+    }
+    pzs_control_moved(control);
+}
+
+/* ---- blocks ----------------------------------------------------------- */
+
+static size_t law_bytes(const void *tables, const pzs_problem *problem)
+{
+    return pzs_step_block.block_bytes(tables, problem);
+}
+
+static pzs_status law_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const law *law = tables;
+    memset(law->disturbance, 0, law->problem.outputs * sizeof *law->disturbance);
+    return pzs_step_block.block_init(self, tables, signals);
+}
+
+static law *law_of(const pzs_loop_signals *signals)
+{
+    return (law *)(void *)(uintptr_t)signals->control->state.problem;
+}
+
+/* Displacement of one output under the present voltages. */
+static double predicted(const law *law, const double *voltage, size_t output)
+{
+    const double *row = law->problem.influence + output * law->problem.inputs;
+    double sum = 0;
+    for (size_t k = 0; k < law->problem.inputs; k++)
+        sum += row[k] * voltage[k];
+    return sum;
+}
+
+static pzs_status clipped_tick(void *self, pzs_loop_signals *signals)
+{
+    law *law = law_of(signals);
+    const double *voltage = signals->control->info.voltage;
+    (void)self;
+    for (size_t i = 0; i < law->problem.outputs; i++) {
+        const double measured = signals->measured ? signals->measured[i] : (double)NAN;
+        if (isfinite(measured))
+            law->disturbance[i] = measured - predicted(law, voltage, i);
+        law->wish[i] = signals->wanted[i] - law->disturbance[i];
+    }
+    if (!unconstrained_solve(&law->solver, law->wish, law->next))
+        return PZS_E_NONFINITE;
+    give(law, signals->control);
+    return PZS_OK;
+}
+
+static pzs_status leaky_tick(void *self, pzs_loop_signals *signals)
+{
+    law *law = law_of(signals);
+    const double *voltage = signals->control->info.voltage;
+    (void)self;
+    for (size_t i = 0; i < law->problem.outputs; i++) {
+        const double measured = signals->measured ? signals->measured[i] : (double)NAN;
+        law->wish[i] = isfinite(measured) ? signals->wanted[i] - measured : 0;
+    }
+    if (!unconstrained_solve(&law->solver, law->wish, law->next))
+        return PZS_E_NONFINITE;
+    for (size_t k = 0; k < law->problem.inputs; k++)
+        law->next[k] = (1 - law->leak) * voltage[k] + law->gain * law->next[k];
+    give(law, signals->control);
+    return PZS_OK;
+}
+
+const pzs_block_type law_clipped_block = {"clipped", PZS_PHASE_STEP, law_bytes, law_init,
+                                          clipped_tick};
+const pzs_block_type law_leaky_block = {"leaky", PZS_PHASE_STEP, law_bytes, law_init, leaky_tick};
