@@ -74,8 +74,11 @@ static void print_structure(const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
     const mesh *mesh = &analysis->design.mesh;
-    printf("  %d x %d elements of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n",
-           scene->line[0].elements, scene->line[1].elements, mesh->types,
+    if (mesh->quads)
+        printf("  %d elements from %s", mesh->elements, scene->quads->file);
+    else
+        printf("  %d x %d elements", scene->line[0].elements, scene->line[1].elements);
+    printf(" of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
     printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),

@@ -17,8 +17,10 @@ static void print_node_row(const analysis *analysis, int node, double value)
 {
     const mesh *mesh = &analysis->design.mesh;
     const double *theta = mesh->theta[node], *x = mesh->point[node].x;
-    printf("    %13.6e %13.6e  %13.6e %13.6e %13.6e  %16.9e\n", theta[0], theta[1], x[0], x[1],
-           x[2], value);
+    fputs("    ", stdout);
+    if (!mesh->quads)
+        printf("%13.6e %13.6e  ", theta[0], theta[1]);
+    printf("%13.6e %13.6e %13.6e  %16.9e\n", x[0], x[1], x[2], value);
 }
 
 void print_output_table(const analysis *analysis, int k, const double *value)
@@ -26,7 +28,8 @@ void print_output_table(const analysis *analysis, int k, const double *value)
     const int count = analysis_outputs(analysis, k);
     char name[SCENE_LABEL];
     if (analysis_output_node(analysis, k, 0) >= 0)
-        printf("    %13s %13s  %13s %13s %13s  %16s\n", "theta1", "theta2", "x", "y", "z",
+        printf("    %s%13s %13s %13s  %16s\n",
+               analysis->design.mesh.quads ? "" : "       theta1        theta2  ", "x", "y", "z",
                analysis->design.scene->output[k].name);
     for (int i = 0; i < count; i++) {
         const int node = analysis_output_node(analysis, k, i);
@@ -105,8 +108,10 @@ static void json_place(json *json, const analysis *analysis, int k, int i, doubl
     char name[SCENE_LABEL];
     json_open(json, NULL, '{');
     if (node >= 0) {
-        json_number(json, "theta1", mesh->theta[node][0]);
-        json_number(json, "theta2", mesh->theta[node][1]);
+        if (!mesh->quads) {
+            json_number(json, "theta1", mesh->theta[node][0]);
+            json_number(json, "theta2", mesh->theta[node][1]);
+        }
         for (int c = 0; c < 3; c++)
             json_number(json, axis[c], mesh->point[node].x[c]);
     } else {

@@ -2,6 +2,7 @@
 /* Mesh of a scene (mesh.h). */
 #include "mesh.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/model/shell.h"
@@ -31,6 +32,45 @@ expr_point mesh_place(const mesh *mesh, int node)
 {
     const double *x = mesh->point[node].x, *theta = mesh->theta[node];
     const expr_point place = {x[0], x[1], x[2], theta[0], theta[1]};
+    return place;
+}
+
+/* Text of a place on a mesh from a file. label  in  number in the file, or 0 */
+static mesh_text place_text(const double x[3], const char *what, long long label)
+{
+    mesh_text place;
+    const int length =
+        snprintf(place.text, sizeof place.text, "x = %g, y = %g, z = %g", x[0], x[1], x[2]);
+    if (label != 0)
+        snprintf(place.text + length, sizeof place.text - (size_t)length, " (%s %lld)", what,
+                 label);
+    return place;
+}
+
+mesh_text mesh_node_text(const mesh *mesh, int node)
+{
+    mesh_text place;
+    if (mesh->quads)
+        return place_text(mesh->point[node].x, "node",
+                          mesh->quads->node_label ? mesh->quads->node_label[node] : 0);
+    snprintf(place.text, sizeof place.text, "theta1 = %g, theta2 = %g", mesh->theta[node][0],
+             mesh->theta[node][1]);
+    return place;
+}
+
+mesh_text mesh_element_text(const mesh *mesh, int element)
+{
+    double x[3] = {0, 0, 0}, theta[2][2];
+    mesh_text place;
+    if (mesh->quads) {
+        for (int i = 0; i < 12; i++)
+            x[i % 3] += mesh->point[mesh->element[element][i / 3]].x[i % 3] / 4;
+        return place_text(x, "element",
+                          mesh->quads->element_label ? mesh->quads->element_label[element] : 0);
+    }
+    mesh_cell(mesh, element, theta[0], theta[1]);
+    snprintf(place.text, sizeof place.text, "theta1 = %.4g to %.4g, theta2 = %.4g to %.4g",
+             theta[0][0], theta[0][1], theta[1][0], theta[1][1]);
     return place;
 }
 
@@ -128,9 +168,25 @@ static int in_region(const mesh *mesh, const scene_where *where, int i, int j)
     return line_in_region(mesh, where, 0, i) && line_in_region(mesh, where, 1, j);
 }
 
+/* The nodes of a place on a mesh from a file. */
+static int select_marked(const mesh *mesh, const scene_where *where, int *node)
+{
+    unsigned char *in_set = calloc((size_t)mesh->nodes, 1);
+    int count = 0;
+    if (in_set)
+        scene_mark_nodes(mesh->scene, where, in_set);
+    for (int n = 0; in_set && n < mesh->nodes; n++)
+        if (in_set[n])
+            node[count++] = n;
+    free(in_set);
+    return count;
+}
+
 int mesh_select(const mesh *mesh, const scene_where *where, int *node)
 {
     int count = 0;
+    if (mesh->scene->quads)
+        return select_marked(mesh, where, node);
     for (int i = 0; i < mesh->lines[0]; i++)
         for (int j = 0; j < mesh->lines[1]; j++) {
             const int chosen =
@@ -286,9 +342,8 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
     if (!isfinite(value))
         return scene_fault(
             mesh->scene, support->at, error,
-            "the value of the support is not a finite number at theta1 = %g, theta2 = %g; "
-            "correct its formula",
-            at.theta1, at.theta2);
+            "the value of the support is not a finite number at %s; correct its formula",
+            mesh_node_text(mesh, node).text);
     for (unsigned i = 0; i < mesh->dof_per_node; i++) {
         const size_t u = (size_t)node * mesh->dof_per_node + i;
         const int moved = (support->move >> i & 1u) != 0,
@@ -298,11 +353,9 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
         if (!(support->fix >> i & 1u))
             continue;
         if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
-            return scene_fault(
-                mesh->scene, support->at, error,
-                "at theta1 = %g, theta2 = %g another support prescribes %g and this one %g; "
-                "remove one",
-                at.theta1, at.theta2, before, wanted);
+            return scene_fault(mesh->scene, support->at, error,
+                               "at %s another support prescribes %g and this one %g; remove one",
+                               mesh_node_text(mesh, node).text, before, wanted);
         if (moved && !fixed)
             values[u] = value;
         else
@@ -321,6 +374,8 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
         values[i] = (double)NAN;
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
+        if (mesh->scene->quads && !support->value)
+            continue; /* held already by the general mesh itself */
         const int count = mesh_select(mesh, &support->where, node);
         for (int c = 0; c < count; c++)
             if (apply_support(mesh, support, node[c], values, error) < 0)
@@ -516,6 +571,9 @@ static int fill(mesh *mesh, char *error)
 int mesh_build(mesh *mesh, const scene *scene, char *error)
 {
     memset(mesh, 0, sizeof *mesh);
+    if (scene->quads)
+        return mesh_build_quads(mesh, scene, &scene->quads->mesh,
+                                scene->quads->accept_irregular != 0, error);
     if (check_lines(scene, error) < 0)
         return -1;
     mesh->scene = scene;

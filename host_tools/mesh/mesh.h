@@ -70,6 +70,16 @@ int mesh_node(const mesh *mesh, int i, int j);
 /* Coordinates of a node as the variables of a formula. */
 expr_point mesh_place(const mesh *mesh, int node);
 
+/*
+ * The place of a node, or the extent of an element, in words for a message: theta1 and theta2, or
+ * on a mesh from a file x, y, z (of an element's middle) and the number in the file.
+ */
+typedef struct mesh_text {
+    char text[112];
+} mesh_text;
+mesh_text mesh_node_text(const mesh *mesh, int node);
+mesh_text mesh_element_text(const mesh *mesh, int element);
+
 /* List the nodes of a region in node order. node [nodes] out. Returns their number. */
 int mesh_select(const mesh *mesh, const scene_where *where, int *node);
 

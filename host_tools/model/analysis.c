@@ -37,10 +37,8 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
                     analysis->model.info.where)
                     return scene_fault(
                         scene, scene->at_surface, error,
-                        "%s: %s at node theta1 = %g, theta2 = %g; add supports that stop every "
-                        "rigid motion",
-                        pzs_status_text(status), unknown_name[i], mesh->theta[n][0],
-                        mesh->theta[n][1]);
+                        "%s: %s at node %s; add supports that stop every rigid motion",
+                        pzs_status_text(status), unknown_name[i], mesh_node_text(mesh, n).text);
     if (status == PZS_E_CONDITION)
         return scene_fault(
             scene, scene->at_surface, error,

@@ -159,9 +159,9 @@ static int refuse_value(const design *design, int target, scene_at at, char *err
                            "%d, x = %g, y = %g; correct its formula",
                            design_row(design, target) + 1, place.x, place.y);
     return scene_fault(design->scene, at, error,
-                       "the target value or free function is not a finite number at "
-                       "theta1 = %g, theta2 = %g; correct its formula",
-                       place.theta1, place.theta2);
+                       "the target value or free function is not a finite number at %s; correct "
+                       "its formula",
+                       mesh_node_text(&design->mesh, design->target_node[target]).text);
 }
 
 int design_target_values(const design *design, const expr *wanted, scene_at at, double *value,
@@ -293,6 +293,8 @@ int design_patch(const mesh *mesh, int element, const scene_patches *patches)
     double t[2][2];
     const double *range[2] = {patches->theta1, patches->theta2};
     int patch = 0;
+    if (patches->patch)
+        return patches->patch[element];
     mesh_cell(mesh, element, t[0], t[1]);
     for (int a = 0; a < 2; a++) {
         const double share = ((t[a][0] + t[a][1]) / 2 - range[a][0]) / (range[a][1] - range[a][0]) *
@@ -470,6 +472,16 @@ static void add_distributed(const mesh *mesh, const scene_load *load, const lami
         }
 }
 
+/* Whether a load on a face acts on an element: on all, or on those of its set. */
+static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element)
+{
+    const quad_mesh *quads = mesh->quads;
+    if (!quads || load->where.type != WHERE_SET)
+        return true;
+    return quad_set_has(quad_set_find(quads->element_set, quads->element_sets, load->where.set),
+                        element);
+}
+
 static void face_column(const mesh *mesh, const scene_load *load, const double *value,
                         double density, double *dense)
 {
@@ -478,6 +490,8 @@ static void face_column(const mesh *mesh, const scene_load *load, const double *
         double weight = density;
         int node[4];
         double corner[4];
+        if (!is_loaded(mesh, load, (uint32_t)e))
+            continue;
         for (int p = 0; load->type == LOAD_WEIGHT && p < mesh->laminate.plies; p++)
             if (place->present_plies >> p & 1u)
                 weight += mesh->laminate.ply[p].density *
@@ -496,10 +510,31 @@ static void face_column(const mesh *mesh, const scene_load *load, const double *
     }
 }
 
+/* Load on the edges of a set of a mesh from a file; their length is that of the chords. */
+static void set_column(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+    const quad_mesh *quads = mesh->quads;
+    const quad_set *set = quad_set_find(quads->edge_set, quads->edge_sets, load->where.set);
+    for (size_t i = 0; i < set->count; i++) {
+        const uint16_t *element = mesh->element[set->index[i] / 4];
+        const uint32_t side = set->index[i] % 4;
+        const int node[2] = {element[side], element[(side + 1) % 4]};
+        const double corner[2] = {value[node[0]], value[node[1]]};
+        const double *from = mesh->point[node[0]].x, *to = mesh->point[node[1]].x;
+        const double length =
+            sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) + pow(to[2] - from[2], 2));
+        add_distributed(mesh, load, NULL, node, corner, 2, length, dense);
+    }
+}
+
 static void line_column(const mesh *mesh, const scene_load *load, const double *value,
                         double *dense)
 {
     const scene_edge edge = load->where.edge;
+    if (mesh->quads) {
+        set_column(mesh, load, value, dense);
+        return;
+    }
     const int along = edge == EDGE_THETA1_MINUS || edge == EDGE_THETA1_PLUS ? 1 : 0;
     const scene_line *line = &mesh->scene->line[along];
     const int across = edge == EDGE_THETA1_PLUS || edge == EDGE_THETA2_PLUS
@@ -544,10 +579,9 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
         const expr_point at = mesh_place(mesh, n);
         value[n] = expr_value(load->value, &at);
         if (!isfinite(value[n]))
-            return scene_fault(
-                mesh->scene, load->at, error,
-                "the load is not a finite number at theta1 = %g, theta2 = %g; correct its formula",
-                mesh->theta[n][0], mesh->theta[n][1]);
+            return scene_fault(mesh->scene, load->at, error,
+                               "the load is not a finite number at %s; correct its formula",
+                               mesh_node_text(mesh, n).text);
     }
     return 0;
 }

@@ -294,8 +294,6 @@ void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status sta
     const pzs_contact *contact = &equilibrium->contact;
     const char *face = contact->info.side ? "outer" : "inner";
     char unit[SCENE_NAME + 1];
-    const uint16_t *corner = mesh->element[contact->info.element];
-    const double *low = mesh->theta[corner[0]], *high = mesh->theta[corner[2]];
     char what[SCENE_NAME + 128];
     const char *length_unit = equilibrium->design->scene->unit_length;
     snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
@@ -307,12 +305,10 @@ void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status sta
     else
         snprintf(what, sizeof what, "%.3g%s deep at node %u of the %s face", contact->info.depth,
                  unit, contact->info.node, face);
-    const int length = snprintf(text, SCENE_ERROR,
-                                "element %u (theta1 = %.4g to %.4g, theta2 = %.4g to %.4g), "
-                                "at (%.4g, %.4g, %.4g): %s; %s",
-                                contact->info.element, low[0], high[0], low[1], high[1],
-                                contact->info.spot[0], contact->info.spot[1], contact->info.spot[2],
-                                what, penetration_cure(contact, status));
+    const int length = snprintf(
+        text, SCENE_ERROR, "element %u (%s), at (%.4g, %.4g, %.4g): %s; %s", contact->info.element,
+        mesh_element_text(mesh, contact->info.element).text, contact->info.spot[0],
+        contact->info.spot[1], contact->info.spot[2], what, penetration_cure(contact, status));
     if (length >= SCENE_ERROR)
         memcpy(&text[SCENE_ERROR - 4], "...", 4);
 }

@@ -452,13 +452,13 @@ void estimator_close(estimator *estimator)
 void estimator_text(const estimator *estimator, const analysis *analysis, char text[SCENE_ERROR])
 {
     const mesh *mesh = &analysis->design.mesh;
-    const double *theta = mesh->theta[analysis->design.target_node[estimator->worst_target]];
-    snprintf(
-        text, SCENE_ERROR,
-        "%d sensors distinguish %d of %d disturbances from noise (condition %.1e) and leave "
-        "%.1f%% of the shape "
-        "unobserved; worst direction unobserved by %.0f%%, largest at theta1 = %g, theta2 = %g",
-        estimator->sensors, estimator->rank, estimator->disturbances, estimator->condition,
-        100 * estimator->remaining / estimator->disturbed,
-        100 * estimator->worst_remaining / estimator->worst_disturbed, theta[0], theta[1]);
+    const int worst = analysis->design.target_node[estimator->worst_target];
+    snprintf(text, SCENE_ERROR,
+             "%d sensors distinguish %d of %d disturbances from noise (condition %.1e) and leave "
+             "%.1f%% of the shape "
+             "unobserved; worst direction unobserved by %.0f%%, largest at %s",
+             estimator->sensors, estimator->rank, estimator->disturbances, estimator->condition,
+             100 * estimator->remaining / estimator->disturbed,
+             100 * estimator->worst_remaining / estimator->worst_disturbed,
+             mesh_node_text(mesh, worst).text);
 }

@@ -128,6 +128,12 @@ int mesh_error_make(mesh_error *result, const scene *scene, const mesh_values *v
                     mesh_measure *measure, const void *context, char *error)
 {
     memset(result, 0, sizeof *result);
+    if (scene->quads) {
+        snprintf(error, SCENE_ERROR,
+                 "--error: a mesh from a file has no coarser meshes: mesh the part with half the "
+                 "element size and compare");
+        return -1;
+    }
     if (values->count == 0) {
         snprintf(error, SCENE_ERROR,
                  "--error: the scene has no output with a single value: add one to outputs");

@@ -68,6 +68,6 @@ void plausible_json(json *json, const plausible *warnings);
  *   where [2]  out  theta1, theta2 of the element's centre
  * Returns the strain, or NAN where memory runs out.
  */
-double plausible_strain(const mesh *mesh, const double *u, int is_linear, double where[2]);
+double plausible_strain(const mesh *mesh, const double *u, int is_linear, int *where);
 
 #endif

@@ -56,8 +56,8 @@ int measure_displacement(const subject *of, int k, measured *found)
         most = fmax(most, size);
     }
     found->value = most / of->mesh->laminate.thickness;
-    snprintf(found->what, WHAT, "normal displacement of %s, %g at theta1 = %g, theta2 = %g",
-             of->name, most, of->mesh->theta[where][0], of->mesh->theta[where][1]);
+    snprintf(found->what, WHAT, "normal displacement of %s, %g at %s", of->name, most,
+             mesh_node_text(of->mesh, where).text);
     return 1;
 }
 
@@ -122,7 +122,7 @@ static double principal_strain(const cell *c, int is_linear)
     return fabs(half) + sqrt(fmax(half * half - product, 0));
 }
 
-double plausible_strain(const mesh *mesh, const double *u, int is_linear, double where[2])
+double plausible_strain(const mesh *mesh, const double *u, int is_linear, int *where)
 {
     double(*point)[2][3] = calloc((size_t)mesh->nodes, sizeof *point);
     double(*moved)[2][3] = calloc((size_t)mesh->nodes, sizeof *moved);
@@ -133,10 +133,7 @@ double plausible_strain(const mesh *mesh, const double *u, int is_linear, double
         const cell c = cell_of(mesh, k / 2, k % 2, point, moved);
         const double strain = principal_strain(&c, is_linear);
         if (strain > most) {
-            double theta1[2], theta2[2];
-            mesh_cell(mesh, k / 2, theta1, theta2);
-            where[0] = (theta1[0] + theta1[1]) / 2;
-            where[1] = (theta2[0] + theta2[1]) / 2;
+            *where = k / 2;
             most = strain;
         }
     }
@@ -147,12 +144,12 @@ double plausible_strain(const mesh *mesh, const double *u, int is_linear, double
 
 int measure_strain(const subject *of, int k, measured *found)
 {
-    double where[2] = {0, 0};
+    int where = 0;
     if (k > 0)
         return 0;
-    found->value = plausible_strain(of->mesh, of->u, of->is_linear, where);
-    snprintf(found->what, WHAT, "principal strain of %s at theta1 = %g, theta2 = %g", of->name,
-             where[0], where[1]);
+    found->value = plausible_strain(of->mesh, of->u, of->is_linear, &where);
+    snprintf(found->what, WHAT, "principal strain of %s at %s", of->name,
+             mesh_element_text(of->mesh, where).text);
     return 1;
 }
 

@@ -290,7 +290,7 @@ static void measure_edge(const scene *scene, const scene_load *load, int directi
 int measure_resolution(const subject *of, int k, measured *found)
 {
     const scene *scene = of->scene;
-    if (k >= 2 * scene->loads)
+    if (k >= 2 * scene->loads || scene->quads)
         return 0;
     const scene_load *load = &scene->load[k / 2];
     found->at = load->at;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Memory of a general mesh (quad_mesh.h). */
 #include "quad_mesh.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,10 +33,38 @@ void quad_mesh_free(quad_mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
+bool quad_set_has(const quad_set *set, uint32_t index)
+{
+    size_t low = 0, high = set->count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (set->index[middle] < index)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < set->count && set->index[low] == index;
+}
+
 const quad_set *quad_set_find(const quad_set *set, size_t count, const char *name)
 {
     for (size_t i = 0; i < count; i++)
         if (strcmp(set[i].name, name) == 0)
             return &set[i];
     return NULL;
+}
+
+void quad_default_axis(const double director[3], double axis[3])
+{
+    int least = 0;
+    for (int i = 1; i < 3; i++)
+        if (fabs(director[i]) < fabs(director[least]) - 1e-9)
+            least = i;
+    double square = 0;
+    for (int i = 0; i < 3; i++) {
+        axis[i] = (i == least) - director[least] * director[i];
+        square += axis[i] * axis[i];
+    }
+    for (int i = 0; i < 3; i++)
+        axis[i] /= sqrt(square);
 }

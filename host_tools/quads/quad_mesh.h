@@ -8,6 +8,7 @@
 #ifndef QUAD_MESH_H
 #define QUAD_MESH_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -57,5 +58,11 @@ void quad_mesh_free(quad_mesh *mesh);
 
 /* Set of that name among `count` sets, or NULL. */
 const quad_set *quad_set_find(const quad_set *set, size_t count, const char *name);
+
+/* Whether a set contains an index. */
+bool quad_set_has(const quad_set *set, uint32_t index);
+
+/* Axis of a node that nothing prescribes: the global axis least aligned with the director. */
+void quad_default_axis(const double director[3], double axis[3]);
 
 #endif

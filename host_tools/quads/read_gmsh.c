@@ -529,17 +529,18 @@ static int skip_section(gmsh *g, const char *name, size_t length)
     char end[72];
     const int size = snprintf(end, sizeof end, "$End%.*s", (int)length, name);
     const char *text = g->file->text;
+    const size_t start = g->file->at;
     for (size_t i = g->file->at; i + (size_t)size <= g->file->bytes; i++) {
         const char *found = memchr(text + i, '$', g->file->bytes - i - (size_t)size + 1);
         if (!found)
             break;
         i = (size_t)(found - text);
-        if (memcmp(found, end, (size_t)size) == 0) {
-            g->file->at = i + (size_t)size;
+        g->file->at = i;
+        if (quad_take_word(g->file, end))
             return 0;
-        }
     }
-    return quad_fault(g->file, "%s is missing; the file is cut off, export it again", end);
+    return quad_fault_at(g->file, start, "%s is missing; the file is cut off, export it again",
+                         end);
 }
 
 typedef struct section {

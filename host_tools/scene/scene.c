@@ -22,9 +22,24 @@ static void free_simulate(scene_simulate *simulate)
     free(simulate->gain);
 }
 
+static void free_quads(scene *scene)
+{
+    int i;
+    for (i = 0; i < scene->layers; i++)
+        free(scene->layer[i].present);
+    for (i = 0; i < scene->patch_grids; i++)
+        free(scene->patches[i].patch);
+    if (!scene->quads)
+        return;
+    quad_mesh_free(&scene->quads->mesh);
+    free(scene->quads->file);
+    free(scene->quads);
+}
+
 void scene_free(scene *scene)
 {
     int i;
+    free_quads(scene);
     for (i = 0; i < scene->sets; i++)
         free(scene->set[i]);
     for (i = 0; i < scene->actuators; i++)

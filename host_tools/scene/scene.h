@@ -10,6 +10,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include "../quads/quad_read.h"
 #include "expr.h"
 #include "scene_error.h"
 #include "spline.h"
@@ -87,6 +88,21 @@ typedef struct scene_line { /* mesh lines along theta1 or theta2 */
     scene_at at;
 } scene_line;
 
+/*
+ * Mesh from a file, in place of mesh lines on a surface. Regions, constrained dof and axes of the
+ * mesh are those of the scene's layers, patches and supports.
+ */
+typedef struct scene_quads {
+    quad_mesh mesh;
+    quad_warnings warnings;
+    char *file;          /* name of the mesh file as the scene gives it */
+    double direction[3]; /* vector from which ply angles are measured, projected on each element; 0:
+                            the direction from corner 1 to corner 2 of each element */
+    int accept_irregular; /* 1: elements that are too thin for an irregular mesh are reported, not
+                             refused */
+    scene_at at;
+} scene_quads;
+
 typedef struct scene_material {
     char name[SCENE_NAME];
     double e[3], g23, g13, g12, nu12, nu13, nu23; /* engineering constants; those of an isotropic
@@ -110,6 +126,8 @@ typedef struct scene_layer {
     double thickness, angle;
     int patched; /* 1: the layer consists of patches with no material between them */
     int poling;  /* direction of the poling, +3 or -3, given by the layer or else by its material */
+    unsigned char *present; /* mesh from a file: 1 in the elements of the layer's sets [elements];
+                               NULL: the layer has no sets */
     scene_at at;
 } scene_layer;
 
@@ -119,7 +137,8 @@ typedef struct scene_patches { /* rectangular grid of patches on one layer */
     double theta1[2], theta2[2]; /* range of the grid, which must end on mesh lines; the whole mesh
                                     if not given */
     int grid[2]; /* number of patches along theta1 and theta2, 1 x 1 if not given; all patches must
-                    end on mesh lines */
+                    end on mesh lines; mesh from a file: number of sets and 1 */
+    int *patch;  /* mesh from a file: patch in each element, or -1 [elements]; else NULL */
     scene_at at;
 } scene_patches;
 
@@ -157,27 +176,40 @@ typedef enum scene_edge {
 
 /*
  * Set of nodes: an edge, all nodes, the node at (theta1, theta2), or the nodes of a rectangular
- * region of the mesh.
+ * region of the mesh; on a mesh from a file a named set, all nodes, or the node nearest to a place.
  */
 typedef enum scene_where_type {
     WHERE_EDGE,
     WHERE_NODES,
     WHERE_POINT,
-    WHERE_REGION
+    WHERE_REGION,
+    WHERE_SET,
+    WHERE_PLACE
 } scene_where_type;
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
-    double theta[2];   /* coordinates of a point, equal to those of its mesh node */
-    double span[2][2]; /* region: start and end along theta1 and theta2, infinite if not given */
-    int node[2];       /* point: indices of its coordinates in line[0].point and line[1].point */
+    double theta[2];      /* coordinates of a point, equal to those of its mesh node */
+    double span[2][2];    /* region: start and end along theta1 and theta2, infinite if not given */
+    int node[2];          /* point: indices of its coordinates in line[0].point and line[1].point;
+                             place: node[0] is the nearest node */
+    char set[SCENE_NAME]; /* name of a set of the mesh file */
+    double x[3];          /* place in space */
     scene_at at;
 } scene_where;
 
+/*
+ * Conditions of a support on a mesh from a file whose dof depend on the edge or on the node, beside
+ * the bits of the seven dof: along an edge, across it, and along x, y, z.
+ */
+enum { FIX_SIMPLE = 128, FIX_SYMMETRIC = 256, FIX_X = 512, FIX_Y = 1024, FIX_Z = 2048 };
+
 typedef struct scene_support {
     scene_where where;
+    double direction[3]; /* mesh from a file: unit vector whose projection is e1 of the nodes; 0:
+                            not given */
     unsigned fix;  /* bit i set: dof i of the nodes, in the order of the library's conventions, is
-                      prescribed */
+                      prescribed; on a mesh from a file also FIX_SIMPLE ... FIX_Z */
     expr *value;   /* prescribed displacement at full load; NULL: 0 */
     unsigned move; /* bit i set: prescribed dof i takes the value, while the other prescribed dof
                       are 0, so that a prescribed u3 moves both faces alike */
@@ -214,7 +246,8 @@ typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE 
 
 typedef struct scene_load {
     scene_load_type type;
-    scene_where where; /* nodes on which a point load or line load acts */
+    scene_where where; /* nodes on which a point load or line load acts; face load on a mesh from a
+                          file: WHERE_SET limits it to an element set */
     scene_face face;
     scene_component component; /* direction of the load; a pressure has the direction u3 */
     expr *value;   /* load per point, length or area; temperature (K); acceleration of gravity for a
@@ -505,7 +538,8 @@ typedef struct scene {
                          KINEMATICS_AUTO */
     scene_equilibrium equilibrium;
     scene_surface surface;
-    scene_line line[2];
+    scene_line line[2]; /* mesh lines; without points where the mesh comes from a file */
+    scene_quads *quads; /* mesh from a file, or NULL */
     int reference_is_middle;
     double reference; /* z coordinate of the reference surface, measured from the inner face */
     int materials, layers, patch_grids, actuators, sensors, supports, loads, outputs, compares;
@@ -565,6 +599,13 @@ int scene_find_amplifier(const scene *scene, const char *name, int *first, int *
  * electrode. Returns 1 if there are any, otherwise 0.
  */
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
+
+/*
+ * Mark the nodes of a place on a mesh from a file; a set is looked for among the node sets, the
+ * edge sets and the element sets, in this order. in_set [nodes] out  1 for the nodes of the place,
+ * else 0 Returns their number.
+ */
+size_t scene_mark_nodes(const scene *scene, const scene_where *where, unsigned char *in_set);
 
 /* Write an error message "file:line:column: ..." for a fault found after reading; returns -1. */
 int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...);

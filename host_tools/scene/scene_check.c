@@ -412,11 +412,20 @@ static int check_kinematics(const scene *scene, char *error)
     return 0;
 }
 
+/* Checks of the geometry: mesh lines on a surface, or regions and supports of a mesh file. */
+static int check_geometry(scene *scene, char *error)
+{
+    if (scene->quads)
+        return check_regions(scene, error) != 0 ? -1 : check_triads(scene, error);
+    if (check_surface(scene, error) != 0 || check_patches(scene, error) != 0)
+        return -1;
+    return check_places(scene, error);
+}
+
 int scene_check(scene *scene, char *error)
 {
     if (scene_check_names(scene, error) != 0 || check_layers(scene, error) != 0 ||
-        check_surface(scene, error) != 0 || check_patches(scene, error) != 0 ||
-        check_places(scene, error) != 0)
+        check_geometry(scene, error) != 0)
         return -1;
     return check_loads(scene, error) != 0 ? -1 : check_kinematics(scene, error);
 }

@@ -163,8 +163,15 @@ static int compile(reader *reader, int node, expr **expression)
         return tree_fault(reader->t, node, "'%.60s' is empty; give a number",
                           tree_name(reader->t, node));
     *expression = expr_compile(text, &column, &why);
-    if (*expression)
+    if (*expression && (!reader->s->quads || !expr_uses_theta(*expression)))
         return 0;
+    if (*expression) {
+        expr_free(*expression);
+        *expression = NULL;
+        return tree_fault(reader->t, node,
+                          "'%.60s: %.60s' uses theta1 or theta2; a mesh from a file has x, y, z",
+                          tree_name(reader->t, node), text);
+    }
     return tree_fault(reader->t, node,
                       "'%.60s: %.60s' is no number or formula, at its character %d: %s",
                       tree_name(reader->t, node), text, column, why);

@@ -11,8 +11,7 @@ static const char *const axis_name[EXPR_AXES] = {"x", "y", "z", "theta1", "theta
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* Path of a file that a scene names: beside the scene file unless it is absolute. */
-static char *path_of(const reader *reader, const char *name)
+char *scene_file_path(const reader *reader, const char *name)
 {
     const char *scene = reader->t->path;
     const char *slash = strrchr(scene, '/');
@@ -31,7 +30,7 @@ int scene_table_read(reader *reader, int node, number_table *table)
     memset(table, 0, sizeof *table);
     if (require_kind(reader, node, TREE_SCALAR) != 0)
         return -1;
-    char *path = path_of(reader, node_text(reader, node));
+    char *path = scene_file_path(reader, node_text(reader, node));
     if (!path)
         return tree_fault(reader->t, node, "out of memory");
     const int failed = number_table_read(table, path, error);

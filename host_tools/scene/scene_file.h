@@ -10,6 +10,12 @@
 #include "scene_fields.h"
 
 /*
+ * Path of a file that a scene names: beside the scene file unless it is absolute. To be released
+ * with free; NULL: out of memory.
+ */
+char *scene_file_path(const reader *reader, const char *name);
+
+/*
  * Read the table that the text of a node names. Returns 0, or -1 with the error of the tree filled:
  * the place in the scene, then the place in the file.
  */

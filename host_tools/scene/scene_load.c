@@ -4,6 +4,7 @@
 #include "scene_parts.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- supports ---- */
@@ -16,16 +17,18 @@ enum {
     DIFFERENCE_2 = 16,
     DIFFERENCE_3 = 32,
     SEVENTH = 64,
+    GLOBAL = FIX_X | FIX_Y | FIX_Z,
     U1 = MEAN_1 | DIFFERENCE_1,
     U2 = MEAN_2 | DIFFERENCE_2,
-    U3 = MEAN_3 | DIFFERENCE_3 | SEVENTH,
-    SIMPLE = 128,
-    SYMMETRIC = 256 /* the fixed dof depend on the edge */
+    U3 = MEAN_3 | DIFFERENCE_3 | SEVENTH
 };
 
 static const choice fixes[] = {{"clamped", U1 | U2 | U3},
-                               {"simple", SIMPLE},
-                               {"symmetric", SYMMETRIC},
+                               {"simple", FIX_SIMPLE},
+                               {"symmetric", FIX_SYMMETRIC},
+                               {"x", FIX_X},
+                               {"y", FIX_Y},
+                               {"z", FIX_Z},
                                {"free", 0},
                                {"u1", U1},
                                {"u2", U2},
@@ -47,28 +50,43 @@ static unsigned moved_by(int fix)
     return (unsigned)(fix == U1 ? MEAN_1 : fix == U2 ? MEAN_2 : fix == U3 ? MEAN_3 : fix);
 }
 
-static int read_fix_word(reader *reader, int node, scene_support *support)
+/* Find the dof of the edge of a surface that a word names. */
+static int fix_edge(reader *reader, int node, const scene_support *support, int *fix)
 {
     const int across_1 =
         support->where.edge == EDGE_THETA1_MINUS || support->where.edge == EDGE_THETA1_PLUS;
+    if (*fix & GLOBAL)
+        return tree_fault(reader->t, node,
+                          "'%s' is a direction of a mesh from a file; on a surface name u1, u2 or "
+                          "u3",
+                          node_text(reader, node));
+    if (support->where.type != WHERE_EDGE)
+        return tree_fault(
+            reader->t, node,
+            "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, "
+            "u3]",
+            node_text(reader, node));
+    if (*fix == FIX_SIMPLE)
+        *fix = (across_1 ? U2 : U1) | U3;
+    else
+        *fix = across_1 ? U1 : U2;
+    return 0;
+}
+
+static int read_fix_word(reader *reader, int node, scene_support *support)
+{
+    const int special = FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL;
     int fix = 0;
     if (read_choice(reader, node, &fix, fixes) != 0)
         return -1;
-    if (support->value && (fix == 0 || fix == (U1 | U2 | U3) || fix & (SIMPLE | SYMMETRIC)))
+    if (support->value && (fix == 0 || fix == (U1 | U2 | U3) || fix & special))
         return tree_fault(reader->t, node,
                           "'%s' is no single displacement to give a value; name one, as fix: u3",
                           node_text(reader, node));
     if (support->value)
         support->move |= moved_by(fix);
-    if (fix & (SIMPLE | SYMMETRIC)) {
-        if (support->where.type != WHERE_EDGE)
-            return tree_fault(
-                reader->t, node,
-                "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, "
-                "u3]",
-                node_text(reader, node));
-        fix = fix == SIMPLE ? (across_1 ? U2 : U1) | U3 : across_1 ? U1 : U2;
-    }
+    if (fix & special && !reader->s->quads && fix_edge(reader, node, support, &fix) != 0)
+        return -1;
     support->fix |= (unsigned)fix;
     return 0;
 }
@@ -90,8 +108,21 @@ static const form fix_words_form = {.type = FORM_LIST, .item = &fix_word_form};
 static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
+/* Read the direction of e1 at a support; only the nodes of a mesh from a file may choose theirs. */
+static int read_direction_of(reader *reader, int node, void *to, const void *rule)
+{
+    scene_support *support = to;
+    if (reader->s->quads)
+        return read_unit(reader, node, support->direction, rule);
+    return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                         "'direction' belongs to a mesh from a file; remove it");
+}
+
 static const field support_fields[] = {
     PLACE(offsetof(scene_support, where)),
+    {"direction", read_direction_of, .of = OF_NUMBER, .form = &triple_form,
+     .help = "Mesh from a file: vector [x, y, z] whose projection on the surface is e1 of the "
+             "nodes, so that u1 acts along it; default what the support needs."},
     {"value", read_place_function, offsetof(scene_support, value), .of = OF_SUPPORT,
      .form = &place_function_form,
      .help = "Prescribed displacement at full load, instead of 0; needs kinematics: nonlinear. u1, "
@@ -99,10 +130,11 @@ static const field support_fields[] = {
     {"fix", read_fix, .required = 1, .form = &fix_form,
      .help = "clamped: all displacements; simple: along the edge and u3 (a diaphragm); symmetric: "
              "across the edge; or displacements by name, where u1 alone means mean and difference "
-             "of both faces, and u3M is the dof of the middle surface."},
+             "of both faces, and u3M is the dof of the middle surface. Mesh from a file: also x, y "
+             "and z."},
     {.key = NULL}};
 
-static const form_case support_cases[] = {{"edge|at fix", NULL}, {NULL, NULL}};
+static const form_case support_cases[] = {{"edge|at|set fix", NULL}, {NULL, NULL}};
 static const form support_form = {
     .type = FORM_MAP, .fields = support_fields, .cases = support_cases};
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
@@ -182,6 +214,39 @@ static int read_temperature(reader *reader, int node, scene_load *load)
                                                   : read_constant(reader, node, &load->value, NULL);
 }
 
+/* Refuse a set that holds no edges, or no elements, where a load needs them. */
+static int require_set(reader *reader, int node, const scene_where *where, bool of_elements)
+{
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    const quad_set *set = of_elements
+                              ? quad_set_find(mesh->element_set, mesh->element_sets, where->set)
+                              : quad_set_find(mesh->edge_set, mesh->edge_sets, where->set);
+    if (set && set->count > 0)
+        return 0;
+    return tree_fault(reader->t, node, "set '%s' of the mesh file has no %s, which this load needs",
+                      where->set, of_elements ? "elements" : "edges");
+}
+
+static int read_load_point(reader *reader, int node, scene_where *where)
+{
+    size_t count = 1;
+    if (read_point(reader, node, where, NULL) != 0)
+        return -1;
+    if (where->type == WHERE_SET) {
+        unsigned char *in_set = calloc(reader->s->quads->mesh.nodes, 1);
+        if (!in_set)
+            return tree_fault(reader->t, node, "out of memory");
+        count = scene_mark_nodes(reader->s, where, in_set);
+        free(in_set);
+    }
+    if (count == 1)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "set '%s' has %zu nodes; a point load acts on one: name its place, or let "
+                      "line or face name the set",
+                      where->set, count);
+}
+
 static int read_load_type(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;
@@ -193,8 +258,11 @@ static int read_load_type(reader *reader, int node, void *to, const void *rule)
                              "write a second item");
     load->type = (scene_load_type) * (const int *)rule;
     switch (load->type) {
-    case LOAD_POINT: return read_point(reader, node, &load->where, NULL);
-    case LOAD_LINE: return read_edge(reader, node, &load->where, NULL);
+    case LOAD_POINT: return read_load_point(reader, node, &load->where);
+    case LOAD_LINE:
+        if (read_edge(reader, node, &load->where, NULL) != 0)
+            return -1;
+        return reader->s->quads ? require_set(reader, node, &load->where, false) : 0;
     case LOAD_WEIGHT: return read_weight(reader, node, load);
     case LOAD_TEMPERATURE: return read_temperature(reader, node, load);
     default: break;
@@ -295,11 +363,26 @@ static int read_on(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+/* Read the element set that limits a load on a face. */
+static int read_load_set(reader *reader, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    if (text->load->type != LOAD_FACE)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "'set' limits a load on a face; a point or a line names its own set");
+    if (text->load->follower != FOLLOWER_NONE)
+        return tree_fault(reader->t, node,
+                          "a follower pressure acts on the whole face; remove 'set'");
+    if (read_set(reader, node, &text->load->where, rule) != 0)
+        return -1;
+    return require_set(reader, node, &text->load->where, true);
+}
+
 static const field load_fields[] = {
-    {"point", read_load_type, 0, &load_types[0], .of = OF_COORDINATE, .form = &point_form,
-     .help = "Node on which a force acts."},
+    {"point", read_load_type, 0, &load_types[0], .of = OF_COORDINATE, .form = &node_form,
+     .help = "Node on which a force acts; on a mesh from a file the node nearest to {x, y, z}."},
     {"line", read_load_type, 0, &load_types[1], .form = &edge_form,
-     .help = "Edge on which a force per length acts."},
+     .help = "Edge, or edge set of a mesh file, on which a force per length acts."},
     {"face", read_load_type, 0, &load_types[2], .form = &face_form,
      .help = "Face on which a force per area acts; middle and mean: half on each face."},
     {"weight", read_load_type, 0, &load_types[3], .of = OF_ACCELERATION, .form = &weight_form,
@@ -321,13 +404,15 @@ static const field load_fields[] = {
     {"on", read_on, .form = &face_form,
      .help = "Face on which a point or line load acts; middle (default) and mean: half on each "
              "face."},
+    {"set", read_load_set, .form = &name_form,
+     .help = "Element set of a mesh file on which a face load acts; default all elements."},
     {.key = NULL}};
 
 static const form_case load_cases[] = {
     {"point u1|u2|u3|x|y|z ?on", "A force at a node."},
     {"line u1|u2|u3|x|y|z ?on", "A force per length of an edge."},
-    {"face u1|u2|u3|x|y|z ?area", "A force per area of a face."},
-    {"face pressure ?area ?follower", "A pressure on a face."},
+    {"face u1|u2|u3|x|y|z ?area ?set", "A force per area of a face."},
+    {"face pressure ?area ?follower ?set", "A pressure on a face."},
     {"weight", "Weight by the densities of the materials."},
     {"temperature", "A change of temperature, by the thermal expansion of the materials."},
     {NULL, NULL}};
@@ -374,37 +459,6 @@ static const choice body_types[] = {{"plane", BODY_PLANE},
                                     {"sphere", BODY_SPHERE},
                                     {"psi", BODY_PSI},
                                     {NULL, 0}};
-
-static int read_vector(reader *reader, int node, void *to, const void *rule)
-{
-    double *v = to;
-    int i;
-    (void)rule;
-    if (require_kind(reader, node, TREE_LIST) != 0)
-        return -1;
-    if (reader->t->node[node].count != 3)
-        return tree_fault(reader->t, node, "'%.60s' has %d values; give three, [x, y, z]",
-                          tree_name(reader->t, node), reader->t->node[node].count);
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_real(reader, i, v++, NULL) != 0)
-            return -1;
-    return 0;
-}
-
-static int read_unit(reader *reader, int node, void *to, const void *rule)
-{
-    double *v = to, length;
-    int i;
-    if (read_vector(reader, node, v, rule) != 0)
-        return -1;
-    length = hypot(hypot(v[0], v[1]), v[2]);
-    if (length == 0)
-        return tree_fault(reader->t, node, "'%.60s: [0, 0, 0]' has no direction; give one",
-                          tree_name(reader->t, node));
-    for (i = 0; i < 3; i++)
-        v[i] /= length;
-    return 0;
-}
 
 static int read_psi(reader *reader, int node, void *to, const void *rule)
 {

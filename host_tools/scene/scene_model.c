@@ -422,6 +422,8 @@ static const field layer_fields[] = {
              "0."},
     {"patched", read_flag, offsetof(scene_layer, patched),
      .help = "The layer exists only where a patch lies; default false."},
+    {"sets", read_layer_sets, .form = &labels_form,
+     .help = "Mesh from a file: element sets in which the layer exists; default everywhere."},
     {"poling", read_poling, offsetof(scene_layer, poling), .form = &poling_form,
      .help = "Direction of the poling along e3, 3 or -3; default that of the material."},
     {.key = NULL}};
@@ -519,16 +521,36 @@ static const field patch_fields[] = {
      .help = "Range of the grid along theta2, [from, to]; default the whole mesh."},
     {"grid", read_grid, offsetof(scene_patches, grid), &patch_count, .of = OF_NUMBER,
      .form = &grid_form, .help = "Number of patches along theta1 and theta2; default [1, 1]."},
+    {"sets", read_patch_sets, .form = &labels_form,
+     .help = "Mesh from a file: element sets, each of which is a patch; * stands for any text."},
     {.key = NULL}};
 
 static const form patch_form = {.type = FORM_MAP, .fields = patch_fields};
 const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000};
+
+/* Read patches on a mesh from a file: each patch is an element set. */
+static int read_set_patch(reader *reader, int node, scene_patches *patches)
+{
+    static const char *const foreign[] = {"theta1", "theta2", "grid"};
+    for (int i = 0; i < 3; i++)
+        if (tree_find(reader->t, node, foreign[i]))
+            return tree_fault(reader->t, tree_find(reader->t, node, foreign[i]),
+                              "'%s' belongs to mesh lines; on a mesh from a file name element "
+                              "sets: sets: [name, ...]",
+                              foreign[i]);
+    if (!tree_find(reader->t, node, "sets"))
+        return tree_fault(reader->t, node,
+                          "'sets' is missing in patches; name the element sets of the mesh file");
+    return read_map(reader, node, patch_fields, patches);
+}
 
 static int read_patch(reader *reader, int node, scene_patches *patches)
 {
     const scene_line *line = reader->s->line;
     patches->at = node_at(reader, node);
     patches->grid[0] = patches->grid[1] = 1;
+    if (reader->s->quads)
+        return read_set_patch(reader, node, patches);
     patches->theta1[0] = line[0].point[0];
     patches->theta1[1] = line[0].point[line[0].elements];
     patches->theta2[0] = line[1].point[0];

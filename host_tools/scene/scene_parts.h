@@ -11,6 +11,24 @@
 /* Geometry (scene_shape.c). The argument `to` of every section reader is the scene. */
 field_read read_surface, read_mesh;
 
+/*
+ * Mesh from a file (scene_quads.c): the section `mesh` with `file`; the sets of a layer, to =
+ * scene_layer, and of patches, to = scene_patches; a set as a place, to = scene_where; three
+ * numbers, and a unit vector, to = double[3].
+ */
+field_read read_mesh_file, read_layer_sets, read_patch_sets, read_set, read_vector, read_unit;
+
+/* Read a place in space, as a mapping of x, y, z, and find its nearest node (scene_quads.c). */
+int read_place(reader *reader, int node, scene_where *where);
+
+/*
+ * Give the elements of a mesh from a file their regions, and apply the supports to its directors,
+ * axes and constrained dof (scene_regions.c, scene_triads.c). Each returns 0, or -1 with error
+ * filled.
+ */
+int check_regions(scene *scene, char *error);
+int check_triads(scene *scene, char *error);
+
 /* Materials, layers and element formulation (scene_model.c). */
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
@@ -53,7 +71,7 @@ field_read read_simulate;
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
-extern const form edge_form, point_form, at_form, face_form;
+extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form;
 extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
@@ -73,12 +91,20 @@ extern const int place_components[];
         DIRECTION("y", read, 4, of, form, what " along the global y axis."),                       \
         DIRECTION("z", read, 5, of, form, what " along the global z axis.")
 #define PLACE(offset)                                                                              \
-    {"edge", read_edge,  offset,     NULL,                                                         \
-     0,      OF_NOTHING, &edge_form, "All nodes of an edge of the mesh."},                         \
+    {"set",                                                                                        \
+     read_set,                                                                                     \
+     offset,                                                                                       \
+     NULL,                                                                                         \
+     0,                                                                                            \
+     OF_NOTHING,                                                                                   \
+     &name_form,                                                                                   \
+     "Mesh from a file: nodes of a set of the file, be it of nodes, edges or elements."},          \
+        {"edge", read_edge,  offset,     NULL,                                                     \
+         0,      OF_NOTHING, &edge_form, "All nodes of an edge of the mesh."},                     \
     {                                                                                              \
         "at", read_at, offset, NULL, 0, OF_COORDINATE, &at_form,                                   \
             "A node {theta1, theta2}, the nodes of a rectangle {theta1: [from, to], ...}, or "     \
-            "nodes for all."                                                                       \
+            "nodes for all; mesh from a file: the node nearest to {x, y, z}, or {set: name}."      \
     }
 
 /* Forms of the sections. */

@@ -34,7 +34,8 @@ int read_edge(reader *reader, int node, void *to, const void *rule)
 {
     scene_where *where = to;
     int edge = 0;
-    (void)rule;
+    if (reader->s->quads)
+        return read_set(reader, node, to, rule);
     if (start_where(reader, node, where, WHERE_EDGE) != 0 ||
         read_choice(reader, node, &edge, edges) != 0)
         return -1;
@@ -51,12 +52,33 @@ static const field point_fields[] = {
 
 const form point_form = {.type = FORM_MAP, .fields = point_fields};
 
+static const field set_fields[] = {
+    {"set", read_set, .required = 1, .form = &name_form, .help = "Name of a set of the mesh file."},
+    {.key = NULL}};
+static const form set_form = {.type = FORM_MAP, .fields = set_fields};
+static const form *const nodes[] = {&point_form, &place_form, &set_form, NULL};
+const form node_form = {.type = FORM_ANY, .any = nodes};
+
+/* Read a place on a mesh from a file: {set: name} or {x, y, z}. */
+static int read_file_place(reader *reader, int node, scene_where *where)
+{
+    if (tree_find(reader->t, node, "theta1") || tree_find(reader->t, node, "theta2"))
+        return tree_fault(reader->t, node,
+                          "a mesh from a file has no theta1 and theta2; write {set: name} or {x: "
+                          "..., y: ..., z: ...}");
+    if (!tree_find(reader->t, node, "set"))
+        return read_place(reader, node, where);
+    where->at.column = 0;
+    return read_map(reader, node, set_fields, where);
+}
+
 int read_point(reader *reader, int node, void *to, const void *rule)
 {
     (void)rule;
     if (start_where(reader, node, to, WHERE_POINT) != 0)
         return -1;
-    return read_map(reader, node, point_fields, to);
+    return reader->s->quads ? read_file_place(reader, node, to)
+                            : read_map(reader, node, point_fields, to);
 }
 
 static const field region_fields[] = {
@@ -70,9 +92,12 @@ static const form_case region_cases[] = {{"theta1 ?theta2", NULL}, {"theta2", NU
 static const form region_form = {.type = FORM_MAP, .fields = region_fields, .cases = region_cases};
 static const choice all_nodes[] = {{"nodes", 0}, {NULL, 0}};
 static const form all_nodes_form = {.type = FORM_WORD, .words = all_nodes};
-static const form *const places[] = {&all_nodes_form, &point_form, &region_form, NULL};
+static const form *const places[] = {&all_nodes_form, &point_form, &region_form,
+                                     &place_form,     &set_form,   NULL};
 const form at_form = {.type = FORM_ANY, .any = places};
-const form edge_form = {.type = FORM_WORD, .words = edges};
+static const form edge_word_form = {.type = FORM_WORD, .words = edges};
+static const form *const edge_forms[] = {&edge_word_form, &name_form, NULL};
+const form edge_form = {.type = FORM_ANY, .any = edge_forms};
 
 /*
  * Read a region [from, to] along both coordinates; a coordinate that is not given is not
@@ -110,14 +135,20 @@ int read_at(reader *reader, int node, void *to, const void *rule)
             "'at: %.60s' is no place; write {theta1: ..., theta2: ...}, nodes, or edge: "
             "theta1+ instead",
             text ? text : "[...]");
-    return has_list(reader, node) ? read_region(reader, node, to)
-                                  : read_point(reader, node, to, rule);
+    return has_list(reader, node) && !reader->s->quads ? read_region(reader, node, to)
+                                                       : read_point(reader, node, to, rule);
 }
 
 int require_place(reader *reader, int node, const scene_where *where)
 {
     if (where->at.column)
         return 0;
+    if (reader->s->quads)
+        return tree_fault(
+            reader->t, node,
+            "no place in this item of %.60s; add set: name, at: nodes or at: {x: ..., "
+            "y: ..., z: ...}",
+            tree_name(reader->t, node));
     return tree_fault(
         reader->t, node,
         "no place in this item of %.60s; add at: {theta1: ..., theta2: ...}, at: nodes or "

@@ -114,11 +114,11 @@ static const field sections[] = {
              "default 0.01."},
     {"equilibrium", read_equilibrium, .form = &equilibrium_form,
      .help = "Settings of the solver of the nonlinear equilibrium equations."},
-    {"surface", read_surface, .required = 1, .form = &surface_form,
+    {"surface", read_surface, .form = &surface_form,
      .help = "Reference surface with its coordinates theta1 and theta2; e3 = e1 x e2 points to the "
-             "outer side."},
+             "outer side; a mesh from a file has none."},
     {"mesh", read_mesh, .required = 1, .form = &mesh_form,
-     .help = "Mesh lines along theta1 and theta2; at most 60000 nodes."},
+     .help = "Mesh lines along theta1 and theta2, or a mesh file; at most 60000 nodes."},
     {"materials", read_materials, .required = 1, .form = &materials_form,
      .help = "Materials by name: E, nu, or E1, E2, G12, nu12 ..., or a stiffness; piezoelectric "
              "materials with d or e constants."},

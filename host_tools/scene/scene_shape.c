@@ -411,12 +411,20 @@ static const field mesh_fields[] = {
      .form = &line_form, .help = "Mesh lines along theta2."},
     {.key = NULL}};
 
-const form mesh_form = {.type = FORM_MAP, .fields = mesh_fields};
+static const form lines_form = {.type = FORM_MAP, .fields = mesh_fields};
+static const form *const mesh_forms[] = {&lines_form, &mesh_file_form, NULL};
+const form mesh_form = {.type = FORM_ANY, .any = mesh_forms};
 
 int read_mesh(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    (void)rule;
+    if (reader->t->node[node].kind == TREE_MAP && tree_find(reader->t, node, "file"))
+        return read_mesh_file(reader, node, to, rule);
+    if (!tree_find(reader->t, reader->t->root, "surface"))
+        return tree_fault(reader->t, reader->t->root,
+                          "'surface' is missing in %.60s; add it, or a mesh file: mesh: {file: "
+                          "name.msh}",
+                          tree_name(reader->t, reader->t->root));
     if (read_map(reader, node, mesh_fields, to) != 0)
         return -1;
     if ((scene->line[0].elements + 1.0) * (scene->line[1].elements + 1.0) <= SCENE_NODES)

@@ -520,8 +520,8 @@ static const field output_fields[] = {
     {.key = NULL}};
 
 static const form_case output_cases[] = {
-    {"u1|u2|u3|x|y|z edge|at", "A displacement."},
-    {"contact=pressure edge|at", "The contact pressure at a place."},
+    {"u1|u2|u3|x|y|z edge|at|set", "A displacement."},
+    {"contact=pressure edge|at|set", "The contact pressure at a place."},
     {"contact=x/y/z/nodes", "A result of the whole contact."},
     {"voltage|charge", "Voltages or charges of electrodes."},
     {NULL, NULL}};
@@ -671,7 +671,7 @@ static const field target_fields[] = {
     TARGET_VALUES,
     {.key = NULL}};
 
-static const form_case target_cases[] = {{"u1|u2|u3|x|y|z edge|at value", NULL}, {NULL, NULL}};
+static const form_case target_cases[] = {{"u1|u2|u3|x|y|z edge|at|set value", NULL}, {NULL, NULL}};
 const form target_form = {.type = FORM_MAP, .fields = target_fields, .cases = target_cases};
 
 int read_target(reader *reader, int node, void *to, const void *rule)

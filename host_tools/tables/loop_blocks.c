@@ -363,13 +363,16 @@ static void write_nodes(const emitter *emitter, const design *design)
                                        [FACE_MIDDLE] = "middle",
                                        [FACE_MEAN] = "mean of the faces"};
     const scene_output *what = &design->scene->target.what;
-    fprintf(emitter->file,
-            "/*\n * Outputs: displacement %s (%s), %s.\n * output  node  theta1  theta2\n",
-            component[what->component], design->scene->unit_length, face[what->face]);
+    fprintf(emitter->file, "/*\n * Outputs: displacement %s (%s), %s.\n * output  node  %s\n",
+            component[what->component], design->scene->unit_length, face[what->face],
+            design->scene->quads ? "x  y  z" : "theta1  theta2");
     for (int i = 0; i < design->targets; i++) {
-        const double *theta = design->mesh.theta[design->target_node[i]];
-        fprintf(emitter->file, " * %6d %5d  %.6g  %.6g\n", i, design->target_node[i], theta[0],
-                theta[1]);
+        const int node = design->target_node[i];
+        const double *theta = design->mesh.theta[node], *x = design->mesh.point[node].x;
+        if (design->scene->quads)
+            fprintf(emitter->file, " * %6d %5d  %.6g  %.6g  %.6g\n", i, node, x[0], x[1], x[2]);
+        else
+            fprintf(emitter->file, " * %6d %5d  %.6g  %.6g\n", i, node, theta[0], theta[1]);
     }
     fputs(" */\n", emitter->file);
 }

@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Directors and axes of the nodes of a mesh (quad_steps.h). */
+#include "quad_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Angle between neighbouring elements above which their edge counts as sharp (degrees). */
+static const double sharp_angle = 40;
+
+static const double degree = 0.017453292519943295;
+
+/* ---- vectors ----------------------------------------------------------- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static void minus(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[i] - b[i];
+}
+
+/* Scale a vector to length 1. Returns its former length; a vector of length 0 stays. */
+static double normalise(double a[3])
+{
+    const double length = sqrt(dot(a, a));
+    for (int i = 0; i < 3 && length > 0; i++)
+        a[i] /= length;
+    return length;
+}
+
+/* ---- normals of the elements ------------------------------------------- */
+
+/* Normal at a corner, not scaled, and the angle of the corner. */
+static double corner_normal(const quad_mesh *mesh, size_t element, int corner, double normal[3])
+{
+    const uint32_t *node = mesh->element[element];
+    double next[3], previous[3];
+    minus(mesh->position[node[(corner + 1) % 4]], mesh->position[node[corner]], next);
+    minus(mesh->position[node[(corner + 3) % 4]], mesh->position[node[corner]], previous);
+    cross(next, previous, normal);
+    return atan2(sqrt(dot(normal, normal)), dot(next, previous));
+}
+
+/* Unit normal at the centre: of the two diagonals. Returns twice the area before scaling. */
+static double centre_normal(const quad_mesh *mesh, size_t element, double normal[3])
+{
+    const uint32_t *node = mesh->element[element];
+    double first[3], second[3];
+    minus(mesh->position[node[2]], mesh->position[node[0]], first);
+    minus(mesh->position[node[3]], mesh->position[node[1]], second);
+    cross(first, second, normal);
+    return normalise(normal);
+}
+
+/* Refuse elements without area, measured against the square of their longer diagonal. */
+static int check_areas(const quad_mesh *mesh, const quad_origin *origin)
+{
+    for (size_t e = 0; e < mesh->elements; e++) {
+        const uint32_t *node = mesh->element[e];
+        double normal[3], first[3], second[3];
+        const double area = centre_normal(mesh, e, normal);
+        minus(mesh->position[node[2]], mesh->position[node[0]], first);
+        minus(mesh->position[node[3]], mesh->position[node[1]], second);
+        if (!(area > 1e-9 * fmax(dot(first, first), dot(second, second))))
+            return quad_fault_at(origin->file, origin->element_at[e],
+                                 "element %lld has no area: its nodes lie on a line or on each "
+                                 "other; repair the mesh there",
+                                 quad_element_label(mesh, e));
+    }
+    return 0;
+}
+
+/* ---- means of the corners ---------------------------------------------- */
+
+static void add_corners(const quad_mesh *mesh)
+{
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++) {
+            double normal[3];
+            const double angle = corner_normal(mesh, e, r, normal);
+            double *director = mesh->director[mesh->element[e][r]];
+            if (normalise(normal) > 0)
+                for (int i = 0; i < 3; i++)
+                    director[i] += angle * normal[i];
+        }
+}
+
+static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
+{
+    add_corners(mesh);
+    for (size_t n = 0; n < mesh->nodes; n++)
+        if (!(normalise(mesh->director[n]) > 1e-6))
+            return quad_fault_at(origin->file, 0,
+                                 "the elements at node %lld face opposite ways, so that it has no "
+                                 "normal; repair the mesh there",
+                                 quad_node_label(mesh, n));
+    return 0;
+}
+
+/* ---- sharp edges ------------------------------------------------------- */
+
+/* What is known of the director of a node. */
+typedef enum node_state { INSIDE, ON_FREE_EDGE, ON_SHARP_EDGE, CONTINUED } node_state;
+
+/* Mark both nodes of an edge; a sharp edge counts more than a free one. */
+static void mark_edge(const quad_mesh *mesh, size_t element, int s, node_state state,
+                      node_state *states)
+{
+    for (int k = 0; k < 2; k++) {
+        node_state *own = &states[mesh->element[element][(s + k) % 4]];
+        if (*own != ON_SHARP_EDGE)
+            *own = state;
+    }
+}
+
+/* Mark nodes on free and on sharp edges, and warn of the sharpest edge. */
+static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, node_state *states,
+                       quad_warnings *warnings)
+{
+    double sharpest = 0;
+    size_t where[2] = {0, 0};
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int s = 0; s < 4; s++) {
+            const uint32_t other = topology->neighbour[e][s];
+            double own[3], next[3], both[3];
+            if (other == QUAD_FREE) {
+                mark_edge(mesh, e, s, ON_FREE_EDGE, states);
+                continue;
+            }
+            centre_normal(mesh, e, own);
+            centre_normal(mesh, other / 4, next);
+            cross(own, next, both);
+            const double angle = atan2(sqrt(dot(both, both)), dot(own, next)) / degree;
+            if (angle <= sharp_angle)
+                continue;
+            mark_edge(mesh, e, s, ON_SHARP_EDGE, states);
+            if (angle > sharpest) {
+                sharpest = angle;
+                where[0] = e;
+                where[1] = other / 4;
+            }
+        }
+    if (sharpest > 0)
+        quad_warn(warnings,
+                  "sharp edges: up to %.0f degrees between elements %lld and %lld; one mean "
+                  "director is used at their nodes",
+                  sharpest, quad_element_label(mesh, where[0]), quad_element_label(mesh, where[1]));
+}
+
+/* ---- fits of a quadric -------------------------------------------------- */
+
+/*
+ * Normal equations of the height w = s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2 of the neighbours of
+ * a node above the plane normal to its director, weighted with 1/distance^2. The slopes s, r turn
+ * the mean of the corner normals, whose error is of first order in the size of the elements, into a
+ * director of second order.
+ */
+enum { COEFFICIENTS = 5, EQUATIONS = 15 };
+typedef struct quadric {
+    double t[2][3], a[EQUATIONS], b[COEFFICIENTS]; /* a: packed lower triangle */
+} quadric;
+
+static void start_quadric(const double director[3], quadric *sum)
+{
+    memset(sum, 0, sizeof *sum);
+    quad_default_axis(director, sum->t[0]);
+    cross(director, sum->t[0], sum->t[1]);
+}
+
+/* Add a neighbour. Lengths are relative to its distance, which weights it. */
+static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, double size,
+                          quadric *sum)
+{
+    double chord[3];
+    minus(mesh->position[other], mesh->position[node], chord);
+    const double u = dot(sum->t[0], chord) / size, v = dot(sum->t[1], chord) / size;
+    const double w = dot(mesh->director[node], chord) / size;
+    const double row[COEFFICIENTS] = {u, v, u * u / 2, u * v, v * v / 2};
+    const double weight = 1 / (u * u + v * v + w * w);
+    for (int i = 0, k = 0; i < COEFFICIENTS; i++) {
+        sum->b[i] += weight * row[i] * w;
+        for (int j = 0; j <= i; j++)
+            sum->a[k++] += weight * row[i] * row[j];
+    }
+}
+
+/* Factor the packed matrix a = L L'. Returns whether the neighbours determine all coefficients. */
+static bool factor_quadric(double a[EQUATIONS])
+{
+    for (int i = 0; i < COEFFICIENTS; i++)
+        for (int j = 0; j <= i; j++) {
+            double *row = a + i * (i + 1) / 2, *column = a + j * (j + 1) / 2;
+            const double before = row[j];
+            for (int k = 0; k < j; k++)
+                row[j] -= row[k] * column[k];
+            if (j < i)
+                row[j] /= column[j];
+            else if (!(row[j] > 1e-4 * before))
+                return false;
+            else
+                row[j] = sqrt(row[j]);
+        }
+    return true;
+}
+
+/* Solve for the coefficients; b in: right-hand side, out: coefficients. */
+static void solve_quadric(const double a[EQUATIONS], double b[COEFFICIENTS])
+{
+    for (int i = 0; i < COEFFICIENTS; i++) {
+        for (int k = 0; k < i; k++)
+            b[i] -= a[i * (i + 1) / 2 + k] * b[k];
+        b[i] /= a[i * (i + 1) / 2 + i];
+    }
+    for (int i = COEFFICIENTS - 1; i >= 0; i--) {
+        for (int k = i + 1; k < COEFFICIENTS; k++)
+            b[i] -= a[k * (k + 1) / 2 + i] * b[k];
+        b[i] /= a[i * (i + 1) / 2 + i];
+    }
+}
+
+/* Turn the director of a node by the slopes of its quadric. */
+static void turn_director(const quadric *sum, double director[3])
+{
+    for (int i = 0; i < 3; i++)
+        director[i] -= sum->b[0] * sum->t[0][i] + sum->b[1] * sum->t[1][i];
+    normalise(director);
+}
+
+/* Fit quadrics at the nodes inside a smooth sheet; few or badly placed neighbours change nothing.
+ */
+static void fit_directors(const quad_mesh *mesh, const node_state *states, quadric *sums,
+                          double *size)
+{
+    for (size_t n = 0; n < mesh->nodes; n++)
+        start_quadric(mesh->director[n], &sums[n]);
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++) {
+            double diagonal[3];
+            minus(mesh->position[mesh->element[e][(r + 2) % 4]],
+                  mesh->position[mesh->element[e][r]], diagonal);
+            size[mesh->element[e][r]] =
+                fmax(size[mesh->element[e][r]], sqrt(dot(diagonal, diagonal)));
+        }
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++)
+            for (int k = 1; k < 3; k++) { /* inside, the third neighbour comes with the next element
+                                           */
+                const uint32_t own = mesh->element[e][r], other = mesh->element[e][(r + k) % 4];
+                add_neighbour(mesh, own, other, size[own], &sums[own]);
+            }
+    for (size_t n = 0; n < mesh->nodes; n++)
+        if (states[n] == INSIDE && factor_quadric(sums[n].a)) {
+            solve_quadric(sums[n].a, sums[n].b);
+            if (hypot(sums[n].b[0], sums[n].b[1]) < 0.5)
+                turn_director(&sums[n], mesh->director[n]);
+        }
+}
+
+/* ---- free edges -------------------------------------------------------- */
+
+/*
+ * Normal equations of the slopes (s, r) of a director n = n0 + s t1 + r t2 from the chords c to
+ * neighbours with directors m: (n + m).c = 0, which holds exactly on planes, spheres and cylinders.
+ */
+typedef struct slopes {
+    double t[2][3], a[3], b[2]; /* a: 11, 12, 22 */
+} slopes;
+
+static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)
+{
+    double chord[3], row[2];
+    minus(mesh->position[other], mesh->position[node], chord);
+    if (!(normalise(chord) > 0))
+        return;
+    for (int k = 0; k < 2; k++)
+        row[k] = dot(sum->t[k], chord);
+    const double rest = -dot(mesh->director[node], chord) - dot(mesh->director[other], chord);
+    sum->a[0] += row[0] * row[0];
+    sum->a[1] += row[0] * row[1];
+    sum->a[2] += row[1] * row[1];
+    sum->b[0] += row[0] * rest;
+    sum->b[1] += row[1] * rest;
+}
+
+/* Solve for the slopes and write the director. Returns whether the chords determine it. */
+static bool solve_slopes(const slopes *sum, const double director[3], double out[3])
+{
+    const double trace = sum->a[0] + sum->a[2];
+    const double determinant = sum->a[0] * sum->a[2] - sum->a[1] * sum->a[1];
+    if (!(determinant > 0.01 * trace * trace))
+        return false;
+    const double s = (sum->b[0] * sum->a[2] - sum->b[1] * sum->a[1]) / determinant;
+    const double r = (sum->b[1] * sum->a[0] - sum->b[0] * sum->a[1]) / determinant;
+    for (int i = 0; i < 3; i++)
+        out[i] = director[i] + s * sum->t[0][i] + r * sum->t[1][i];
+    normalise(out);
+    return hypot(s, r) < 1;
+}
+
+/* Sum the chords of the nodes on free edges to neighbours whose directors are known. */
+static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
+{
+    for (size_t n = 0; n < mesh->nodes; n++) {
+        memset(&sums[n], 0, sizeof *sums);
+        quad_default_axis(mesh->director[n], sums[n].t[0]);
+        cross(mesh->director[n], sums[n].t[0], sums[n].t[1]);
+    }
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++)
+            for (int k = 1; k < 4; k++) {
+                const uint32_t own = mesh->element[e][r], other = mesh->element[e][(r + k) % 4];
+                if (states[own] == ON_FREE_EDGE &&
+                    (states[other] == INSIDE || states[other] == CONTINUED))
+                    add_chord(mesh, own, other, &sums[own]);
+            }
+}
+
+/*
+ * Continue the directors of known neighbours to the nodes on free edges. Each solution is scaled to
+ * length 1 and solved again, because the equation holds for unit vectors; the last of these steps
+ * is below rounding. Returns how many directors were continued.
+ */
+static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *sums)
+{
+    enum { STEPS = 6 };
+    size_t changed = 0;
+    for (int step = 1; step <= STEPS; step++) {
+        sum_chords(mesh, states, sums);
+        for (size_t n = 0; n < mesh->nodes; n++) {
+            double found[3];
+            if (states[n] != ON_FREE_EDGE || !solve_slopes(&sums[n], mesh->director[n], found))
+                continue;
+            memcpy(mesh->director[n], found, sizeof found);
+            states[n] = step == STEPS ? CONTINUED : states[n];
+            changed += step == STEPS;
+        }
+    }
+    return changed;
+}
+
+/* Directors on free edges continue those inside; three rounds reach the corners of a mesh. */
+static void continue_directors(const quad_mesh *mesh, node_state *states, slopes *sums)
+{
+    for (int round = 0; round < 3; round++)
+        if (continue_round(mesh, states, sums) == 0)
+            return;
+}
+
+/* ---- nodes that are not joined ------------------------------------------ */
+
+typedef struct placed {
+    double x;
+    uint32_t node;
+} placed;
+
+static int by_place(const void *x, const void *y)
+{
+    const placed *a = x, *b = y;
+    if (a->x != b->x)
+        return a->x > b->x ? 1 : -1;
+    return (a->node > b->node) - (a->node < b->node);
+}
+
+/* Warn of two nodes of free edges at one place, which look joined and are not. */
+static void find_slit(const quad_mesh *mesh, const node_state *states, placed *list,
+                      quad_warnings *warnings)
+{
+    double first[3];
+    size_t count = 0;
+    minus(mesh->position[mesh->element[0][2]], mesh->position[mesh->element[0][0]], first);
+    const double near = 1e-5 * normalise(first);
+    for (size_t n = 0; n < mesh->nodes; n++)
+        if (states[n] != INSIDE)
+            list[count++] = (placed){mesh->position[n][0], (uint32_t)n};
+    qsort(list, count, sizeof *list, by_place);
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = i + 1; j < count && list[j].x - list[i].x <= near; j++) {
+            double gap[3];
+            minus(mesh->position[list[i].node], mesh->position[list[j].node], gap);
+            if (dot(gap, gap) > near * near)
+                continue;
+            quad_warn(warnings,
+                      "nodes %lld and %lld lie at one place and are not joined: the surface is "
+                      "slit there; where it should not be, mesh with Coherence;",
+                      quad_node_label(mesh, list[i].node), quad_node_label(mesh, list[j].node));
+            return;
+        }
+}
+
+/* ---- the whole ---------------------------------------------------------- */
+
+int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
+                   quad_warnings *warnings)
+{
+    node_state *states = calloc(mesh->nodes, sizeof *states);
+    slopes *sums = calloc(mesh->nodes, sizeof *sums);
+    placed *list = calloc(mesh->nodes, sizeof *list);
+    quadric *fits = calloc(mesh->nodes, sizeof *fits);
+    double *size = calloc(mesh->nodes, sizeof *size);
+    int status = -1;
+    mesh->director = calloc(mesh->nodes, sizeof *mesh->director);
+    mesh->axis = calloc(mesh->nodes, sizeof *mesh->axis);
+    if (!states || !sums || !list || !fits || !size || !mesh->director || !mesh->axis)
+        quad_fault_at(origin->file, 0, "the mesh does not fit into memory; use a coarser one");
+    else if (check_areas(mesh, origin) == 0 && mean_directors(mesh, origin) == 0) {
+        mark_edges(mesh, topology, states, warnings);
+        find_slit(mesh, states, list, warnings);
+        fit_directors(mesh, states, fits, size);
+        continue_directors(mesh, states, sums);
+        for (size_t n = 0; n < mesh->nodes; n++)
+            quad_default_axis(mesh->director[n], mesh->axis[n]);
+        status = 0;
+    }
+    free(states);
+    free(sums);
+    free(list);
+    free(fits);
+    free(size);
+    return status;
+}

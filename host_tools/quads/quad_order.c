@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Order of the nodes for a small envelope of the factor (quad_steps.h): reverse Cuthill-McKee, from
+ * a node or from a whole side of the mesh. Two nodes are neighbours where an element has both.
+ */
+#include "quad_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Elements at each node: element[start[n]] ... element[start[n + 1] - 1]. */
+typedef struct star {
+    uint32_t *start, *element;
+} star;
+
+static int make_star(const quad_mesh *mesh, star *star)
+{
+    star->start = calloc(mesh->nodes + 2, sizeof *star->start);
+    star->element = calloc(4 * mesh->elements, sizeof *star->element);
+    if (!star->start || !star->element)
+        return -1;
+    for (size_t i = 0; i < 4 * mesh->elements; i++)
+        star->start[mesh->element[i / 4][i % 4] + 2]++;
+    for (size_t n = 0; n < mesh->nodes; n++)
+        star->start[n + 2] += star->start[n + 1];
+    for (size_t i = 0; i < 4 * mesh->elements; i++)
+        star->element[star->start[mesh->element[i / 4][i % 4] + 1]++] = (uint32_t)(i / 4);
+    return 0;
+}
+
+static uint32_t valence(const star *star, uint32_t node)
+{
+    return star->start[node + 1] - star->start[node];
+}
+
+/* Move the last entry of list [count] forward to its place by valence, behind equal ones. */
+static void sift(const star *star, uint32_t *list, size_t count)
+{
+    for (size_t i = count - 1; i > 0; i--) {
+        if (valence(star, list[i - 1]) <= valence(star, list[i]))
+            return;
+        const uint32_t swap = list[i];
+        list[i] = list[i - 1];
+        list[i - 1] = swap;
+    }
+}
+
+/*
+ * List all nodes level by level from the first `count` of the order; within the neighbours of a
+ * node, those with fewer elements first. order [nodes] in/out, level [nodes] work. Returns the
+ * number of levels.
+ */
+static uint32_t list_levels(const quad_mesh *mesh, const star *star, size_t count, uint32_t *order,
+                            uint32_t *level)
+{
+    for (size_t n = 0; n < mesh->nodes; n++)
+        level[n] = UINT32_MAX;
+    for (size_t i = 0; i < count; i++)
+        level[order[i]] = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t own = order[i];
+        const size_t first = count;
+        for (uint32_t k = star->start[own]; k < star->start[own + 1]; k++)
+            for (int r = 0; r < 4; r++) {
+                const uint32_t other = mesh->element[star->element[k]][r];
+                if (level[other] != UINT32_MAX)
+                    continue;
+                level[other] = level[own] + 1;
+                order[count++] = other;
+                sift(star, order + first, count - first);
+            }
+    }
+    return level[order[count - 1]] + 1;
+}
+
+/* Node with the fewest elements in the last level of an order. */
+static uint32_t end_node(const quad_mesh *mesh, const star *star, const uint32_t *order,
+                         const uint32_t *level)
+{
+    uint32_t best = order[mesh->nodes - 1];
+    for (size_t i = mesh->nodes; i-- > 0 && level[order[i]] == level[order[mesh->nodes - 1]];)
+        if (valence(star, order[i]) < valence(star, best))
+            best = order[i];
+    return best;
+}
+
+/* Order from a node at an end of the mesh: go to the farthest node as long as that adds levels. */
+static void order_from_node(const quad_mesh *mesh, const star *star, uint32_t *order,
+                            uint32_t *level)
+{
+    order[0] = 0;
+    uint32_t levels = list_levels(mesh, star, 1, order, level);
+    for (int round = 0; round < 8; round++) {
+        order[0] = end_node(mesh, star, order, level);
+        const uint32_t more = list_levels(mesh, star, 1, order, level);
+        if (more <= levels)
+            break;
+        levels = more;
+    }
+}
+
+/* Mean length of the sides of the elements. */
+static double mean_side(const quad_mesh *mesh)
+{
+    double sum = 0;
+    for (size_t i = 0; i < 4 * mesh->elements; i++) {
+        const double *x = mesh->position[mesh->element[i / 4][i % 4]];
+        const double *y = mesh->position[mesh->element[i / 4][(i + 1) % 4]];
+        double square = 0;
+        for (int k = 0; k < 3; k++)
+            square += (x[k] - y[k]) * (x[k] - y[k]);
+        sum += sqrt(square);
+    }
+    return sum / (4 * (double)mesh->elements);
+}
+
+/* Lowest and highest coordinate of the mesh. */
+static void find_range(const quad_mesh *mesh, int axis, double range[2])
+{
+    range[0] = HUGE_VAL;
+    range[1] = -HUGE_VAL;
+    for (size_t n = 0; n < mesh->nodes; n++) {
+        range[0] = fmin(range[0], mesh->position[n][axis]);
+        range[1] = fmax(range[1], mesh->position[n][axis]);
+    }
+}
+
+/* Order from all nodes at the lowest end of a global axis, listed along the longer other axis. */
+static void order_from_side(const quad_mesh *mesh, const star *star, int axis, uint32_t *order,
+                            uint32_t *level)
+{
+    double range[3][2];
+    const double near = 1e-3 * mean_side(mesh);
+    int along = (axis + 1) % 3;
+    size_t count = 0;
+    for (int i = 0; i < 3; i++)
+        find_range(mesh, i, range[i]);
+    const int other = (axis + 2) % 3;
+    if (range[other][1] - range[other][0] > range[along][1] - range[along][0])
+        along = other;
+    for (uint32_t n = 0; n < mesh->nodes; n++) {
+        if (mesh->position[n][axis] > range[axis][0] + near)
+            continue;
+        size_t i = count++;
+        for (; i > 0 && mesh->position[order[i - 1]][along] > mesh->position[n][along]; i--)
+            order[i] = order[i - 1];
+        order[i] = n;
+    }
+    list_levels(mesh, star, count, order, level);
+}
+
+/* Sum over the nodes of the distance to their first neighbour in the reverse of an order. */
+static uint64_t profile(const quad_mesh *mesh, const star *star, const uint32_t *order,
+                        uint32_t *place)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < mesh->nodes; i++)
+        place[order[mesh->nodes - 1 - i]] = i;
+    for (uint32_t n = 0; n < mesh->nodes; n++) {
+        uint32_t first = place[n];
+        for (uint32_t k = star->start[n]; k < star->start[n + 1]; k++)
+            for (int r = 0; r < 4; r++) {
+                const uint32_t other = place[mesh->element[star->element[k]][r]];
+                first = other < first ? other : first;
+            }
+        sum += place[n] - first;
+    }
+    return sum;
+}
+
+/* Keep the best of the orders from a node and from the lowest ends of the three global axes. */
+static void find_order(const quad_mesh *mesh, const star *star, uint32_t *level, uint32_t *other)
+{
+    order_from_node(mesh, star, mesh->order, level);
+    uint64_t best = profile(mesh, star, mesh->order, level);
+    for (int axis = 0; axis < 3; axis++) {
+        order_from_side(mesh, star, axis, other, level);
+        const uint64_t own = profile(mesh, star, other, level);
+        if (own >= best)
+            continue;
+        best = own;
+        memcpy(mesh->order, other, mesh->nodes * sizeof *other);
+    }
+    for (size_t i = 0; i < mesh->nodes / 2; i++) {
+        const uint32_t swap = mesh->order[i];
+        mesh->order[i] = mesh->order[mesh->nodes - 1 - i];
+        mesh->order[mesh->nodes - 1 - i] = swap;
+    }
+}
+
+int quad_renumber(quad_mesh *mesh)
+{
+    star star = {NULL, NULL};
+    uint32_t *level = calloc(mesh->nodes, sizeof *level);
+    uint32_t *other = calloc(mesh->nodes, sizeof *other);
+    int status = -1;
+    mesh->order = calloc(mesh->nodes, sizeof *mesh->order);
+    if (level && other && mesh->order && make_star(mesh, &star) == 0) {
+        find_order(mesh, &star, level, other);
+        status = 0;
+    }
+    free(star.start);
+    free(star.element);
+    free(level);
+    free(other);
+    return status;
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* First sides of the elements (quad_steps.h). */
+#include "quad_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Component along the axes of the nodes of the direction from side k + 3 to side k + 1. */
+static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        double axis = 0;
+        for (int r = 0; r < 4; r++)
+            axis += mesh->axis[node[r]][i];
+        sum += axis * (mesh->position[node[(k + 1) % 4]][i] + mesh->position[node[(k + 2) % 4]][i] -
+                       mesh->position[node[k]][i] - mesh->position[node[(k + 3) % 4]][i]);
+    }
+    return sum;
+}
+
+/* Corner with which an element begins. The first of nearly equal ones is taken. */
+static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
+{
+    const double nearly = 1 + 1e-6;
+    uint32_t best = 0;
+    for (int k = 1; k < 4; k++)
+        if (along_axes(mesh, node, k) > nearly * fmax(along_axes(mesh, node, (int)best), 0))
+            best = (uint32_t)k;
+    return best;
+}
+
+static int ascending(const void *x, const void *y)
+{
+    const uint32_t *a = x, *b = y;
+    return (*a > *b) - (*a < *b);
+}
+
+/* Rename the sides of an edge set after the elements were turned by first [elements]. */
+static void turn_set(quad_set *set, const uint32_t *first)
+{
+    for (size_t i = 0; i < set->count; i++) {
+        const uint32_t element = set->index[i] / 4, side = set->index[i] % 4;
+        set->index[i] = 4 * element + (side + 4 - first[element]) % 4;
+    }
+    qsort(set->index, set->count, sizeof *set->index, ascending);
+}
+
+int quad_turn(quad_mesh *mesh)
+{
+    uint32_t *first = calloc(mesh->elements, sizeof *first);
+    if (!first)
+        return -1;
+    for (size_t e = 0; e < mesh->elements; e++) {
+        uint32_t node[4];
+        memcpy(node, mesh->element[e], sizeof node);
+        first[e] = first_corner(mesh, node);
+        for (uint32_t r = 0; r < 4; r++)
+            mesh->element[e][r] = node[(r + first[e]) % 4];
+    }
+    for (size_t k = 0; k < mesh->edge_sets; k++)
+        turn_set(&mesh->edge_set[k], first);
+    free(first);
+    return 0;
+}

@@ -1,0 +1,393 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Mesh from a file: the section `mesh` with `file`, sets and places (scene_parts.h). */
+#include "scene_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "scene_file.h"
+#include "scene_units.h"
+
+enum { LIST = 200 };
+
+/* ---- vectors ----------------------------------------------------------- */
+
+int read_vector(reader *reader, int node, void *to, const void *rule)
+{
+    double *v = to;
+    int i;
+    (void)rule;
+    if (require_kind(reader, node, TREE_LIST) != 0)
+        return -1;
+    if (reader->t->node[node].count != 3)
+        return tree_fault(reader->t, node, "'%.60s' has %d values; give three, [x, y, z]",
+                          tree_name(reader->t, node), reader->t->node[node].count);
+    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_real(reader, i, v++, NULL) != 0)
+            return -1;
+    return 0;
+}
+
+int read_unit(reader *reader, int node, void *to, const void *rule)
+{
+    double *v = to, length;
+    int i;
+    if (read_vector(reader, node, v, rule) != 0)
+        return -1;
+    length = hypot(hypot(v[0], v[1]), v[2]);
+    if (length == 0)
+        return tree_fault(reader->t, node, "'%.60s: [0, 0, 0]' has no direction; give one",
+                          tree_name(reader->t, node));
+    for (i = 0; i < 3; i++)
+        v[i] /= length;
+    return 0;
+}
+
+/* ---- the section mesh -------------------------------------------------- */
+
+typedef struct file_text {
+    char *file;
+    double unit, direction[3];
+    int flip, accept_irregular;
+} file_text;
+
+/* Read the length unit of the mesh file as its size in the unit of the scene. */
+static int read_unit_name(reader *reader, int node, void *to, const void *rule)
+{
+    static const units_unit length = {{1, 0, 0, 0, 0, 0}, 0, 0};
+    const char *const text = node_text(reader, node);
+    const char *why = "a name as mm or m is expected";
+    units_unit unit;
+    int ten;
+    (void)rule;
+    if (!text || units_parse(text, &unit, &why) < 0 || !units_alike(&unit, &length))
+        return tree_fault(reader->t, node,
+                          "'unit: %.40s' is no unit of length; write one, as mm or m",
+                          text ? text : "");
+    if (scene_units_ten(reader->s, &unit, &ten) >= 0)
+        return tree_fault(reader->t, node,
+                          "'unit: %.40s' needs the scene's own unit; add units: {length: m}", text);
+    *(double *)to = pow(10, ten);
+    return 0;
+}
+
+static int read_quads(reader *reader, int node, scene_quads *quads, const file_text *text)
+{
+    const quad_options options = {text->unit, text->flip != 0, SCENE_NODES};
+    char error[QUAD_ERROR] = "out of memory";
+    char *path = scene_file_path(reader, text->file);
+    const int status = path ? quad_read(&quads->mesh, path, &options, &quads->warnings, error) : -1;
+    free(path);
+    if (status == 0)
+        return 0;
+    return tree_fault(reader->t, tree_find(reader->t, node, "file"), "%s", error);
+}
+
+static const field file_fields[] = {
+    {"file", read_text, offsetof(file_text, file), .required = 1,
+     .help = "Mesh file beside the scene: Gmsh's MSH 4.1 or 2.2, or Abaqus' INP."},
+    {"unit", read_unit_name, offsetof(file_text, unit), .form = &name_form,
+     .help = "Unit of length of the file, as mm; default that of the scene."},
+    {"flip", read_flag, offsetof(file_text, flip),
+     .help = "The outer face is the one that the elements of the file show from behind; default "
+             "false."},
+    {"direction", read_unit, offsetof(file_text, direction), .of = OF_NUMBER, .form = &triple_form,
+     .help = "Vector [x, y, z] from whose projection the angles of layers are measured; default "
+             "the first side of each element."},
+    {"accept_irregular", read_flag, offsetof(file_text, accept_irregular),
+     .help = "Report elements that are too thin for an irregular mesh, instead of refusing them; "
+             "default false."},
+    {.key = NULL}};
+const form mesh_file_form = {.type = FORM_MAP, .fields = file_fields};
+
+int read_mesh_file(reader *reader, int node, void *to, const void *rule)
+{
+    scene *scene = to;
+    file_text text = {NULL, 1, {0, 0, 0}, 0, 0};
+    (void)rule;
+    if (tree_find(reader->t, reader->t->root, "surface"))
+        return tree_fault(reader->t, tree_find(reader->t, node, "file"),
+                          "a mesh from a file brings its own surface; remove 'surface'");
+    int status = read_map(reader, node, file_fields, &text);
+    scene->quads = status == 0 ? calloc(1, sizeof *scene->quads) : NULL;
+    if (!scene->quads) {
+        free(text.file);
+        return status == 0 ? tree_fault(reader->t, node, "out of memory") : -1;
+    }
+    scene->quads->file = text.file;
+    scene->quads->at = node_at(reader, node);
+    scene->quads->accept_irregular = text.accept_irregular;
+    scene->at_surface = scene->line[0].at = scene->line[1].at = scene->quads->at;
+    memcpy(scene->quads->direction, text.direction, sizeof text.direction);
+    status = read_quads(reader, node, scene->quads, &text);
+    scene->hash = (scene->hash ^ scene->quads->mesh.hash) * 16777619u;
+    return status;
+}
+
+/* ---- sets -------------------------------------------------------------- */
+
+/* Append the names of sets to a list for a message. */
+static void list_names(const quad_set *set, size_t count, char *list)
+{
+    for (size_t i = 0; i < count; i++) {
+        const size_t length = strlen(list);
+        if (length + strlen(set[i].name) + 3 < LIST)
+            snprintf(list + length, LIST - length, "%s%s", length ? ", " : "", set[i].name);
+    }
+}
+
+static int refuse_set(reader *reader, int node, const char *name, bool only_elements)
+{
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    char list[LIST] = "";
+    list_names(mesh->element_set, mesh->element_sets, list);
+    if (!only_elements) {
+        list_names(mesh->edge_set, mesh->edge_sets, list);
+        list_names(mesh->node_set, mesh->node_sets, list);
+    }
+    return tree_fault(reader->t, node, "the mesh file has no %sset '%.40s'; %s%s",
+                      only_elements ? "element " : "", name,
+                      *list ? "it has "
+                            : "add a physical "
+                              "group to it",
+                      list);
+}
+
+static int require_quads(reader *reader, int node, const char *what)
+{
+    if (reader->s->quads)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "%s belongs to a mesh from a file; remove it, or write mesh: "
+                      "{file: name.msh}",
+                      what);
+}
+
+int read_set(reader *reader, int node, void *to, const void *rule)
+{
+    scene_where *where = to;
+    if (require_quads(reader, node, "'set'") != 0 || read_name(reader, node, where->set, rule) != 0)
+        return -1;
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    if (where->at.column)
+        return tree_fault(reader->t, node, "two places; give either 'set' or 'at'");
+    if (!quad_set_find(mesh->node_set, mesh->node_sets, where->set) &&
+        !quad_set_find(mesh->edge_set, mesh->edge_sets, where->set) &&
+        !quad_set_find(mesh->element_set, mesh->element_sets, where->set))
+        return refuse_set(reader, node, where->set, false);
+    where->type = WHERE_SET;
+    where->at = node_at(reader, node);
+    return 0;
+}
+
+/* Whether a name fits a pattern, in which the first * stands for any text. */
+static bool fits(const char *pattern, const char *name)
+{
+    const char *star = strchr(pattern, '*');
+    if (!star)
+        return strcmp(pattern, name) == 0;
+    const size_t head = (size_t)(star - pattern), tail = strlen(star + 1), length = strlen(name);
+    return length >= head + tail && strncmp(pattern, name, head) == 0 &&
+           strcmp(star + 1, name + length - tail) == 0;
+}
+
+/* Order of names in which numbers count by their value: patch 2 comes before patch 10. */
+static int by_name(const void *x, const void *y)
+{
+    const char *a = (*(const quad_set *const *)x)->name, *b = (*(const quad_set *const *)y)->name;
+    while (*a && *a == *b) {
+        a++;
+        b++;
+    }
+    const size_t own = strspn(a, "0123456789"), other = strspn(b, "0123456789");
+    if (own != other && own > 0 && other > 0)
+        return own < other ? -1 : 1;
+    return (unsigned char)*a - (unsigned char)*b;
+}
+
+/*
+ * Find the element sets that a name or a pattern with * stands for, in the order of their names.
+ *   found [element sets] out
+ * Returns their number, or -1 with the error of the tree filled.
+ */
+static int find_sets(reader *reader, int node, const quad_set **found)
+{
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    const char *pattern = node_text(reader, node);
+    int count = 0;
+    if (require_kind(reader, node, TREE_SCALAR) != 0)
+        return -1;
+    for (size_t i = 0; i < mesh->element_sets; i++)
+        if (fits(pattern, mesh->element_set[i].name))
+            found[count++] = &mesh->element_set[i];
+    if (count == 0)
+        return refuse_set(reader, node, pattern, true);
+    qsort(found, (size_t)count, sizeof *found, by_name);
+    return count;
+}
+
+/* Whether an element set has elements; a patch without any would have no effect. */
+static int check_set(reader *reader, int node, const quad_set *set)
+{
+    if (set->count > 0)
+        return 0;
+    return tree_fault(reader->t, node, "set '%s' of the mesh file has no elements", set->name);
+}
+
+int read_layer_sets(reader *reader, int node, void *to, const void *rule)
+{
+    scene_layer *layer = to;
+    int status = require_kind(reader, node, TREE_LIST);
+    (void)rule;
+    if (status != 0 || require_quads(reader, node, "'sets'") != 0)
+        return -1;
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    const quad_set **found = calloc(mesh->element_sets + 1, sizeof *found);
+    layer->present = calloc(mesh->elements, 1);
+    if (!found || !layer->present)
+        status = tree_fault(reader->t, node, "out of memory");
+    for (int i = reader->t->node[node].first; i && status == 0; i = reader->t->node[i].next) {
+        const int count = find_sets(reader, i, found);
+        status = count < 0 ? -1 : 0;
+        for (int k = 0; k < count; k++)
+            for (size_t j = 0; j < found[k]->count; j++)
+                layer->present[found[k]->index[j]] = 1;
+    }
+    free((void *)found);
+    return status;
+}
+
+/* Let a set be the next patch. */
+static int add_patch(reader *reader, int node, const quad_set *set, scene_patches *patches)
+{
+    if (check_set(reader, node, set) != 0)
+        return -1;
+    for (size_t j = 0; j < set->count; j++) {
+        int *own = &patches->patch[set->index[j]];
+        if (*own >= 0)
+            return tree_fault(reader->t, node,
+                              "set '%s' shares element %lld with another set of these patches; "
+                              "leave it out",
+                              set->name,
+                              (long long)reader->s->quads->mesh.element_label[set->index[j]]);
+        *own = patches->grid[0];
+    }
+    patches->grid[0]++;
+    return 0;
+}
+
+int read_patch_sets(reader *reader, int node, void *to, const void *rule)
+{
+    scene_patches *patches = to;
+    int status = require_kind(reader, node, TREE_LIST);
+    (void)rule;
+    if (status != 0 || require_quads(reader, node, "'sets'") != 0)
+        return -1;
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    const quad_set **found = calloc(mesh->element_sets + 1, sizeof *found);
+    patches->patch = malloc(mesh->elements * sizeof *patches->patch);
+    if (!found || !patches->patch)
+        status = tree_fault(reader->t, node, "out of memory");
+    for (size_t e = 0; patches->patch && e < mesh->elements; e++)
+        patches->patch[e] = -1;
+    patches->grid[0] = 0;
+    for (int i = reader->t->node[node].first; i && status == 0; i = reader->t->node[i].next) {
+        const int count = find_sets(reader, i, found);
+        status = count < 0 ? -1 : 0;
+        for (int k = 0; k < count && status == 0; k++)
+            status = add_patch(reader, i, found[k], patches);
+    }
+    free((void *)found);
+    if (status == 0 && patches->grid[0] == 0)
+        return tree_fault(reader->t, node, "'sets' is empty; name the element sets of the patches");
+    return status;
+}
+
+/* ---- places ------------------------------------------------------------ */
+
+static double distance_to(const quad_mesh *mesh, size_t node, const double x[3])
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+        sum += pow(mesh->position[node][i] - x[i], 2);
+    return sqrt(sum);
+}
+
+/* Length of the longest diagonal of the elements at a node. */
+static double size_at(const quad_mesh *mesh, uint32_t node)
+{
+    double size = 0;
+    for (size_t e = 0; e < mesh->elements; e++)
+        for (int r = 0; r < 4; r++)
+            if (mesh->element[e][r] == node)
+                size = fmax(size,
+                            distance_to(mesh, node, mesh->position[mesh->element[e][(r + 2) % 4]]));
+    return size;
+}
+
+static const field place_fields[] = {
+    {"x", read_real, offsetof(scene_where, x[0]), .required = 1, .of = OF_LENGTH,
+     .help = "Coordinate x of a place on a mesh from a file."},
+    {"y", read_real, offsetof(scene_where, x[1]), .required = 1, .of = OF_LENGTH,
+     .help = "Coordinate y of a place on a mesh from a file."},
+    {"z", read_real, offsetof(scene_where, x[2]), .required = 1, .of = OF_LENGTH,
+     .help = "Coordinate z of a place on a mesh from a file."},
+    {.key = NULL}};
+const form place_form = {.type = FORM_MAP, .fields = place_fields};
+
+int read_place(reader *reader, int node, scene_where *where)
+{
+    if (read_map(reader, node, place_fields, where) != 0)
+        return -1;
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    uint32_t nearest = 0;
+    for (uint32_t n = 1; n < mesh->nodes; n++)
+        if (distance_to(mesh, n, where->x) < distance_to(mesh, nearest, where->x))
+            nearest = n;
+    const double *found = mesh->position[nearest];
+    if (distance_to(mesh, nearest, where->x) > size_at(mesh, nearest))
+        return tree_fault(reader->t, node,
+                          "(%g, %g, %g) is not on the mesh; the nearest node is (%g, %g, %g)",
+                          where->x[0], where->x[1], where->x[2], found[0], found[1], found[2]);
+    where->node[0] = (int)nearest;
+    where->type = WHERE_PLACE;
+    return 0;
+}
+
+/* ---- nodes of a place --------------------------------------------------- */
+
+/* Mark the nodes of the items of a set; `type`: 1 nodes, 2 edges, 4 elements. */
+static void mark_set(const quad_mesh *mesh, const quad_set *set, int type, unsigned char *in_set)
+{
+    for (size_t i = 0; i < set->count; i++) {
+        const uint32_t item = set->index[i];
+        if (type == 1)
+            in_set[item] = 1;
+        for (uint32_t k = 0; type == 2 && k < 2; k++)
+            in_set[mesh->element[item / 4][(item % 4 + k) % 4]] = 1;
+        for (int k = 0; type == 4 && k < 4; k++)
+            in_set[mesh->element[item][k]] = 1;
+    }
+}
+
+size_t scene_mark_nodes(const scene *scene, const scene_where *where, unsigned char *in_set)
+{
+    const quad_mesh *mesh = &scene->quads->mesh;
+    const quad_set *nodes = quad_set_find(mesh->node_set, mesh->node_sets, where->set);
+    const quad_set *edges = quad_set_find(mesh->edge_set, mesh->edge_sets, where->set);
+    const quad_set *elements = quad_set_find(mesh->element_set, mesh->element_sets, where->set);
+    size_t count = 0;
+    memset(in_set, where->type == WHERE_NODES, mesh->nodes);
+    if (where->type == WHERE_PLACE)
+        in_set[where->node[0]] = 1;
+    if (where->type == WHERE_SET && nodes)
+        mark_set(mesh, nodes, 1, in_set);
+    else if (where->type == WHERE_SET && edges)
+        mark_set(mesh, edges, 2, in_set);
+    else if (where->type == WHERE_SET && elements)
+        mark_set(mesh, elements, 4, in_set);
+    for (size_t n = 0; n < mesh->nodes; n++)
+        count += in_set[n];
+    return count;
+}

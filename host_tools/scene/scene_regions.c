@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Layers and patches of a mesh from a file become the regions of its elements (scene_parts.h). */
+#include "scene_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Refuse two patches on one layer that share an element. */
+static int check_overlaps(const scene *scene, char *error)
+{
+    for (int i = 0; i < scene->patch_grids; i++)
+        for (int j = 0; j < i; j++) {
+            const scene_patches *own = &scene->patches[i], *other = &scene->patches[j];
+            for (size_t e = 0; e < scene->quads->mesh.elements && own->layer == other->layer; e++)
+                if (own->patch[e] >= 0 && other->patch[e] >= 0)
+                    return scene_fault(scene, own->at, error,
+                                       "patches '%s' and '%s' overlap on one layer, in element "
+                                       "%lld; use other sets",
+                                       other->name, own->name,
+                                       (long long)scene->quads->mesh.element_label[e]);
+        }
+    return 0;
+}
+
+static int check_layer_sets(const scene *scene, char *error)
+{
+    for (int i = 0; i < scene->layers; i++)
+        if (scene->layer[i].patched && scene->layer[i].present)
+            return scene_fault(scene, scene->layer[i].at, error,
+                               "this layer has 'sets' and is patched; patches say where it is, "
+                               "remove 'sets'");
+    return 0;
+}
+
+/* Layers in an element, bit i for layer i. */
+static uint32_t layers_in(const scene *scene, size_t element)
+{
+    uint32_t layers = 0;
+    for (int i = 0; i < scene->layers && i < 32; i++)
+        if (!scene->layer[i].patched &&
+            (!scene->layer[i].present || scene->layer[i].present[element]))
+            layers |= 1u << i;
+    for (int p = 0; p < scene->patch_grids; p++)
+        if (scene->patches[p].patch[element] >= 0 && scene->patches[p].layer < 32)
+            layers |= 1u << scene->patches[p].layer;
+    return layers;
+}
+
+/* Number of the region with these layers, which is made if there is none. */
+static uint32_t region_of(quad_mesh *mesh, uint32_t layers, const double direction[3])
+{
+    for (size_t i = 0; i < mesh->regions; i++)
+        if (mesh->region[i].present_plies == layers)
+            return (uint32_t)i;
+    quad_region *fresh = &mesh->region[mesh->regions];
+    fresh->present_plies = layers;
+    memcpy(fresh->direction, direction, sizeof fresh->direction);
+    return (uint32_t)mesh->regions++;
+}
+
+int check_regions(scene *scene, char *error)
+{
+    quad_mesh *mesh = &scene->quads->mesh;
+    if (check_overlaps(scene, error) != 0 || check_layer_sets(scene, error) != 0)
+        return -1;
+    free(mesh->region);
+    mesh->regions = 0;
+    mesh->region = calloc(mesh->elements, sizeof *mesh->region);
+    mesh->element_region = calloc(mesh->elements, sizeof *mesh->element_region);
+    if (!mesh->region || !mesh->element_region)
+        return scene_fault(scene, scene->quads->at, error, "the mesh does not fit into memory");
+    for (size_t e = 0; e < mesh->elements; e++)
+        mesh->element_region[e] = region_of(mesh, layers_in(scene, e), scene->quads->direction);
+    return 0;
+}
