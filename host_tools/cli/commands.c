@@ -6,13 +6,13 @@
 #define BIT(command) (1u << (command))
 #define ANALYSES                                                                                   \
     (BIT(COMMAND_CHECK) | BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE))
-#define ON_SCENE (ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_TABLES))
+#define ON_SCENE (ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE))
 
 const char *const command_title =
     "shape control of piezoelectric shells: host simulation and precomputation";
 
-static const char *const starts[] = {"plate",    "mirror",          "panel",
-                                     "measured", "measured-matrix", NULL};
+static const char *const starts[] = {"plate",           "mirror",        "panel",       "measured",
+                                     "measured-matrix", "poke-voltages", "poke-shapes", NULL};
 static const char *const shells[] = {"bash", NULL};
 static const char *const images[] = {"control", "linear", "nonlinear", NULL};
 static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500",
@@ -114,7 +114,7 @@ const command_entry command_table[COMMANDS] = {
           "--device netduinoplus2",
           NULL}},
     [COMMAND_NEW] = {"new",
-                     "[plate|mirror|panel|measured|measured-matrix]",
+                     "[NAME]",
                      ARGUMENT_CHOICE,
                      starts,
                      "a commented scene to start from, on standard output",
@@ -122,7 +122,8 @@ const command_entry command_table[COMMANDS] = {
                      "(the one without an argument), a "
                      "deformable mirror in polar coordinates, or a curved composite panel under "
                      "pressure, or a mirror without a model, from its measured influence matrix; "
-                     "measured-matrix is the file of numbers that the last one names.",
+                     "measured-matrix is the file of numbers that the last one names, "
+                     "poke-voltages and poke-shapes are files for pzs calibrate.",
                      {"pzs new mirror > new.yaml",
                       "pzs new measured > measured.yaml; pzs new measured-matrix > "
                       "measured-matrix.csv",
@@ -159,6 +160,23 @@ const command_entry command_table[COMMANDS] = {
                         "reader; the file scene.schema.json beside the shipped scenes is its "
                         "output.",
                         {"pzs schema > scene.schema.json", NULL}},
+    [COMMAND_CALIBRATE] =
+        {"calibrate",
+         "[SCENE]",
+         ARGUMENT_SCENE,
+         NULL,
+         "influence matrix from measured pokes, with its errors",
+         "Computes an influence matrix from pokes: a file of voltages and one of shapes, with a "
+         "line for each poke and a column for each actuator and each output, of any excitation "
+         "(one by one, Hadamard, random). Without a scene by least squares, which needs as many "
+         "independent pokes as actuators. With a scene as the model, fewer suffice: of a "
+         "structure, whose target nodes are the outputs, factors of stiffness and piezoelectric constants are "
+         "fitted first; a measured matrix is taken as it is. Dead electrodes are named, and with a "
+         "model reversed wires and swapped cables. The matrix is that of the amplifiers as they "
+         "are wired.",
+         {"pzs new poke-voltages > voltages.csv; pzs new poke-shapes > shapes.csv; pzs calibrate "
+          "--voltages voltages.csv --shapes shapes.csv -o matrix.csv",
+          NULL}},
     [COMMAND_COMPLETION] =
         {"completion",
          "[SHELL]",
@@ -196,7 +214,8 @@ const option_entry option_table[OPTIONS] = {
          "amplifier's own limits and held voltage (limits.each) and the depolarisation field "
          "(field_limit) apply besides, so that the narrowest limit always wins; repeat it for a "
          "comparison"},
-    [OPTION_JSON] = {"--json", NULL, "", ARGUMENT_NONE, NULL, ANALYSES | BIT(COMMAND_MODES),
+    [OPTION_JSON] = {"--json", NULL, "", ARGUMENT_NONE, NULL,
+                     ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_CALIBRATE),
                      "numbers for machines on standard output"},
     [OPTION_STRICT] = {"--strict", NULL, "", ARGUMENT_NONE, NULL, ANALYSES,
                        "warnings on implausible numbers end with exit code 1"},
@@ -240,7 +259,12 @@ const option_entry option_table[OPTIONS] = {
          "rate; the header then says so and defines PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
                        "start of every name; default the scene's name"},
-    [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_TABLES),
+    [OPTION_VOLTAGES] = {"--voltages", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
+                         "voltages of the pokes: text or .npy, a line for each poke"},
+    [OPTION_SHAPES] = {"--shapes", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
+                       "measured shapes, in the order of the voltages"},
+    [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL,
+                       BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE),
                        "output file, or a folder for it"},
     [OPTION_MIGRATE] = {"--migrate", NULL, "SCENE", ARGUMENT_FILE, NULL, 0,
                         "the same as pzs migrate SCENE"},

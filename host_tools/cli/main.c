@@ -12,6 +12,7 @@
 #include "../model/follow_path.h"
 #include "../simulate/certify.h"
 #include "../model/estimator.h"
+#include "command_calibrate.h"
 #include "help.h"
 #include "keys.h"
 #include "schema.h"
@@ -767,6 +768,20 @@ static int command_list(void)
     return failed ? OPTIONS_WRONG : 0;
 }
 
+/* Calibrate with the scene as the model, where one is named. */
+static int run_calibrate(const options *options)
+{
+    scene scene;
+    if (!options->scene)
+        return command_calibrate(options, NULL);
+    int status = open_scene(options, &scene);
+    if (status)
+        return status;
+    status = command_calibrate(options, &scene);
+    scene_free(&scene);
+    return status;
+}
+
 static int command_new(const options *options)
 {
     const char *text = templates_text(options->word ? options->word : templates_name[0]);
@@ -808,6 +823,7 @@ static int run_command(command_id id, const options *options)
     case COMMAND_MODES: return run_modes(options);
     case COMMAND_TABLES: return run_on_scene(options, command_tables);
     case COMMAND_SIMULATE: return run_on_scene(options, command_simulate);
+    case COMMAND_CALIBRATE: return run_calibrate(options);
     case COMMAND_NEW: return command_new(options);
     case COMMAND_MIGRATE: return command_migrate(options);
     case COMMAND_KEYS: keys_print(stdout, options->word); return 0;

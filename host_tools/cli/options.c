@@ -197,6 +197,8 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_SVG: return take_file(&options->svg, value);
     case OPTION_VTU: return take_file(&options->vtu, value);
     case OPTION_CSV: return take_file(&options->csv, value);
+    case OPTION_VOLTAGES: return take_file(&options->voltages, value);
+    case OPTION_SHAPES: return take_file(&options->shapes, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
     case OPTION_OUTPUT: return take_file(&options->output, value);
     case OPTION_DEVICE: options->device = device_find(value); return 0;
@@ -266,7 +268,7 @@ static int check_words(const options *options)
     const command_entry *entry = &command_table[options->command];
     if (options->prefix && is_own_prefix(options->prefix))
         return options_refuse("the library's own names start with --prefix", options->prefix);
-    if (entry->kind == ARGUMENT_SCENE && !options->scene)
+    if (entry->kind == ARGUMENT_SCENE && *entry->argument != '[' && !options->scene)
         return options_refuse("name a scene for", entry->name);
     if (options->command == COMMAND_TABLES && !options->output)
         return options_refuse("say where to write with -o FILE for", entry->name);
@@ -301,10 +303,13 @@ static int same_file(const char *a, const char *b)
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];
-    enum { FILES = 6 };
-    const char *const file[FILES] = {scene_path,   options->report, options->svg,
-                                     options->vtu, options->csv,    options->output};
-    shipped_path(options->scene, scene_path);
+    enum { FILES = 8 };
+    const char *const file[FILES] = {scene_path,        options->report, options->svg,
+                                     options->vtu,      options->csv,    options->output,
+                                     options->voltages, options->shapes};
+    scene_path[0] = '\0';
+    if (options->scene)
+        shipped_path(options->scene, scene_path);
     for (int i = 1; i < FILES; i++)
         for (int j = 0; j < i; j++)
             if (file[i] && file[j] && same_file(file[i], file[j]))
@@ -321,7 +326,7 @@ int options_read(options *options, command_id command, int argc, char **argv)
     int wrong = parse(options, argc, argv);
     if (!wrong)
         wrong = check_words(options);
-    if (!wrong && options->scene)
+    if (!wrong && (options->scene || options->command == COMMAND_CALIBRATE))
         wrong = check_files(options);
     return wrong;
 }

@@ -5,25 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../model/material_scale.h"
 #include "../model/mass.h"
 
 /* ---- open ------------------------------------------------------------- */
-
-static void scale_material(scene_material *material, double stiffness, double d)
-{
-    for (int i = 0; i < 3; i++)
-        material->e[i] *= stiffness;
-    material->g23 *= stiffness;
-    material->g13 *= stiffness;
-    material->g12 *= stiffness;
-    material->d31 *= d;
-    material->d32 *= d;
-    material->d33 *= d;
-    material->d24 *= d;
-    material->d15 *= d;
-    for (int i = 0; i < 5; i++)
-        material->piezo_e[i] *= stiffness * d;
-}
 
 /* Append a temperature change of 1 K to the loads of the scene. */
 static int add_temperature(scene *scene)
@@ -79,7 +64,7 @@ static int change_scene(scene *scene)
     scale_matrix(scene);
     scene->kinematics = simulate->kinematics;
     for (int i = 0; i < scene->materials; i++)
-        scale_material(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
+        material_scale(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
                        simulate->d ? simulate->d[i] : 1);
     return warms(simulate) ? add_temperature(scene) : 0;
 }

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Material constants of a scene fitted to pokes (calibrate_model.h). */
+#include "calibrate_model.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "analysis.h"
+#include "material_scale.h"
+
+enum { ITERATIONS = 8, ROUNDS = 6 };
+
+static const double step = 1e-4, settled = 1e-5; /* of logarithms of factors */
+
+/* ---- model ------------------------------------------------------------ */
+
+static int list_factors(calibration_model *model, const scene *scene)
+{
+    model->factor = calloc(2 * (size_t)scene->materials + 1, sizeof *model->factor);
+    if (!model->factor)
+        return -1;
+    for (int i = 0; i < scene->materials; i++) {
+        model->factor[model->factors++] = (model_factor){i, false, 1};
+        if (scene->material[i].has_d || scene->material[i].has_e)
+            model->factor[model->factors++] = (model_factor){i, true, 1};
+    }
+    return 0;
+}
+
+/* Influence of the amplifiers of a prepared scene on its target nodes. */
+static int copy_influence(analysis *analysis, const pokes *pokes, double *influence, char *error)
+{
+    const design *design = &analysis->design;
+    if (design->targets != (int)pokes->outputs || design->amplifiers != (int)pokes->actuators)
+        return scene_fault(design->scene, design->scene->target.what.at, error,
+                           "the scene has %d target nodes and %d amplifiers, the pokes %lu outputs "
+                           "and %lu actuators",
+                           design->targets, design->amplifiers, (unsigned long)pokes->outputs,
+                           (unsigned long)pokes->actuators);
+    if (analysis_influence(analysis, error) < 0)
+        return -1;
+    for (size_t i = 0; i < pokes->outputs; i++)
+        memcpy(influence + i * pokes->actuators,
+               analysis->influence + i * design->structure.input.count,
+               pokes->actuators * sizeof *influence);
+    return 0;
+}
+
+/* Influence of the scene whose materials have the factors of the model. */
+static int model_influence(const calibration_model *model, const scene *nominal, const pokes *pokes,
+                           double *influence, char *error)
+{
+    scene scene;
+    analysis analysis;
+    if (scene_read(&scene, nominal->path, (const char *const *)nominal->set, nominal->sets, error) <
+        0)
+        return -1;
+    scene.kinematics = KINEMATICS_LINEAR;
+    for (int k = 0; k < model->factors; k++) {
+        const model_factor *factor = &model->factor[k];
+        material_scale(&scene.material[factor->material], factor->is_piezo ? 1 : factor->value,
+                       factor->is_piezo ? factor->value : 1);
+    }
+    int failed = analysis_prepare(&analysis, &scene, error);
+    if (!failed) {
+        failed = copy_influence(&analysis, pokes, influence, error);
+        analysis_free(&analysis);
+    }
+    scene_free(&scene);
+    return failed;
+}
+
+/* shape [pokes][outputs] out: V B' */
+static void predict(const pokes *pokes, const double *influence, double *shape)
+{
+    for (size_t p = 0; p < pokes->count; p++)
+        for (size_t i = 0; i < pokes->outputs; i++) {
+            double sum = 0;
+            for (size_t k = 0; k < pokes->actuators; k++)
+                sum +=
+                    pokes->voltage[p * pokes->actuators + k] * influence[i * pokes->actuators + k];
+            shape[p * pokes->outputs + i] = sum;
+        }
+}
+
+/* ---- Gauss-Newton ----------------------------------------------------- */
+
+/* Arrays of one fit; one allocation, at `shape`. */
+typedef struct fit {
+    size_t entries;    /* entries of the shapes, pokes times outputs */
+    double *shape;     /* [entries] predicted */
+    double *slope;     /* [factors][entries] derivative by the logarithm of each factor */
+    double *influence; /* [outputs][actuators] of a changed factor */
+    double *normal;    /* [factors][factors] */
+    double *change;    /* [factors] right-hand side, then the change */
+} fit;
+
+static int fit_open(fit *fit, const calibration_model *model, const pokes *pokes)
+{
+    const size_t entries = pokes->count * pokes->outputs, factors = (size_t)model->factors;
+    const size_t matrix = pokes->outputs * pokes->actuators;
+    fit->entries = entries;
+    fit->shape = calloc((1 + factors) * entries + matrix + factors * factors + factors + 1,
+                        sizeof *fit->shape);
+    fit->slope = fit->shape + entries;
+    fit->influence = fit->slope + factors * entries;
+    fit->normal = fit->influence + matrix;
+    fit->change = fit->normal + factors * factors;
+    return fit->shape ? 0 : -1;
+}
+
+static double squares_left(const fit *fit, const pokes *pokes)
+{
+    double sum = 0;
+    for (size_t e = 0; e < fit->entries; e++)
+        sum += pow(pokes->shape[e] - fit->shape[e], 2);
+    return sum;
+}
+
+static double squares_of(const pokes *pokes)
+{
+    double sum = 0;
+    for (size_t e = 0; e < pokes->count * pokes->outputs; e++)
+        sum += pokes->shape[e] * pokes->shape[e];
+    return sum;
+}
+
+/* Derivatives of the predicted shapes by the logarithms of the factors. */
+static int differentiate(fit *fit, calibration_model *model, const scene *nominal,
+                         const pokes *pokes, char *error)
+{
+    for (int k = 0; k < model->factors; k++) {
+        double *slope = fit->slope + (size_t)k * fit->entries;
+        const double kept = model->factor[k].value;
+        model->factor[k].value = kept * exp(step);
+        const int failed = model_influence(model, nominal, pokes, fit->influence, error);
+        model->factor[k].value = kept;
+        if (failed)
+            return -1;
+        predict(pokes, fit->influence, slope);
+        for (size_t e = 0; e < fit->entries; e++)
+            slope[e] = (slope[e] - fit->shape[e]) / step;
+    }
+    return 0;
+}
+
+/*
+ * Solve the normal equations by Cholesky's method; the prior makes them positive definite.
+ *   a [n][n] in/out, x [n] in: right-hand side, out: solution
+ */
+static void solve(double *a, double *x, int n)
+{
+    for (int j = 0; j < n; j++) {
+        for (int i = j; i < n; i++)
+            for (int k = 0; k < j; k++)
+                a[i * n + j] -= a[i * n + k] * a[j * n + k];
+        a[j * n + j] = sqrt(a[j * n + j]);
+        for (int i = j + 1; i < n; i++)
+            a[i * n + j] /= a[j * n + j];
+        for (int k = 0; k < j; k++)
+            x[j] -= a[j * n + k] * x[k];
+        x[j] /= a[j * n + j];
+    }
+    for (int j = n - 1; j >= 0; j--) {
+        for (int k = j + 1; k < n; k++)
+            x[j] -= a[k * n + j] * x[k];
+        x[j] /= a[j * n + j];
+    }
+}
+
+/* One step: the change of the logarithms. Returns the largest. */
+static double change_factors(fit *fit, calibration_model *model, const pokes *pokes)
+{
+    const int n = model->factors;
+    const double least = DBL_EPSILON * squares_of(pokes);
+    const double variance = fmax(squares_left(fit, pokes), least) / (double)fit->entries;
+    double most = 0;
+    for (int j = 0; j < n; j++) {
+        const double *slope = fit->slope + (size_t)j * fit->entries;
+        fit->change[j] = -log(model->factor[j].value) / pow(MODEL_SPREAD, 2);
+        for (size_t e = 0; e < fit->entries; e++)
+            fit->change[j] += slope[e] * (pokes->shape[e] - fit->shape[e]) / variance;
+        for (int k = 0; k < n; k++) {
+            const double *other = fit->slope + (size_t)k * fit->entries;
+            double sum = j == k ? 1 / pow(MODEL_SPREAD, 2) : 0;
+            for (size_t e = 0; e < fit->entries; e++)
+                sum += slope[e] * other[e] / variance;
+            fit->normal[j * n + k] = sum;
+        }
+    }
+    solve(fit->normal, fit->change, n);
+    for (int j = 0; j < n; j++) {
+        const double change = fmin(fmax(fit->change[j], -0.5), 0.5);
+        model->factor[j].value *= exp(change);
+        most = fmax(most, fabs(change));
+    }
+    return most;
+}
+
+/* Fit the factors to the pokes. Returns 0, or -1 with error filled. */
+static int fit_factors(calibration_model *model, const scene *nominal, const pokes *pokes,
+                       char *error)
+{
+    fit fit;
+    double change = 1;
+    int failed = fit_open(&fit, model, pokes) < 0
+                     ? scene_fault(nominal, nominal->at_surface, error, "out of memory")
+                     : 0;
+    for (int again = 0; !failed && again < ITERATIONS && change > settled; again++) {
+        failed = model_influence(model, nominal, pokes, model->influence, error);
+        if (failed)
+            break;
+        predict(pokes, model->influence, fit.shape);
+        if (model->before < 0)
+            model->before = sqrt(squares_left(&fit, pokes) / squares_of(pokes));
+        failed = differentiate(&fit, model, nominal, pokes, error);
+        change = failed ? 0 : change_factors(&fit, model, pokes);
+    }
+    if (!failed)
+        failed = model_influence(model, nominal, pokes, model->influence, error);
+    if (!failed) {
+        predict(pokes, model->influence, fit.shape);
+        model->after = sqrt(squares_left(&fit, pokes) / squares_of(pokes));
+    }
+    free(fit.shape);
+    return failed ? -1 : 0;
+}
+
+/* ---- faults ----------------------------------------------------------- */
+
+/* Whether two lists have the same faults in the same order. */
+static bool are_same(const wiring_fault *x, int x_faults, const wiring_fault *y, int y_faults)
+{
+    for (int f = 0; f < x_faults && x_faults == y_faults; f++)
+        if (x[f].type != y[f].type || x[f].actuator != y[f].actuator || x[f].other != y[f].other)
+            return false;
+    return x_faults == y_faults;
+}
+
+int calibration_model_fit(calibration_model *model, const scene *nominal, const pokes *given,
+                          char *error)
+{
+    memset(model, 0, sizeof *model);
+    model->before = -1;
+    model->voltage = calloc(given->count * given->actuators + 1, sizeof *model->voltage);
+    model->influence = calloc(given->outputs * given->actuators + 1, sizeof *model->influence);
+    if (!model->voltage || !model->influence || list_factors(model, nominal) < 0)
+        return scene_fault(nominal, nominal->at_surface, error, "out of memory");
+    pokes acting = *given;
+    acting.voltage = model->voltage;
+    for (int again = 0; again < ROUNDS; again++) {
+        wiring_fault fault[WIRING_FAULTS];
+        wiring_apply(model->fault, model->faults, given, model->voltage);
+        if (fit_factors(model, nominal, &acting, error) < 0)
+            return -1;
+        const int faults = wiring_find(fault, given, model->influence);
+        if (faults < 0)
+            return scene_fault(nominal, nominal->at_surface, error, "out of memory");
+        if (are_same(fault, faults, model->fault, model->faults))
+            break;
+        memcpy(model->fault, fault, sizeof fault);
+        model->faults = faults;
+    }
+    wiring_apply(model->fault, model->faults, given, model->voltage);
+    return 0;
+}
+
+void calibration_model_free(calibration_model *model)
+{
+    free(model->factor);
+    free(model->influence);
+    free(model->voltage);
+    memset(model, 0, sizeof *model);
+}
