@@ -199,7 +199,7 @@ static void print_result(const run *r, const char *path)
 static void print_json(const run *r)
 {
     char text[2 * SCENE_LABEL + 40];
-    json json = {stdout, 0, {0}};
+    json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_number(&json, "pokes", (double)r->pokes.count);
     json_number(&json, "actuators", (double)r->pokes.actuators);
