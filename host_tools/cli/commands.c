@@ -170,7 +170,8 @@ const command_entry command_table[COMMANDS] = {
          "line for each poke and a column for each actuator and each output, of any excitation "
          "(one by one, Hadamard, random). Without a scene by least squares, which needs as many "
          "independent pokes as actuators. With a scene as the model, fewer suffice: of a "
-         "structure, whose target nodes are the outputs, factors of stiffness and piezoelectric constants are "
+         "structure, whose target nodes are the outputs, factors of stiffness and piezoelectric "
+         "constants are "
          "fitted first; a measured matrix is taken as it is. Dead electrodes are named, and with a "
          "model reversed wires and swapped cables. The matrix is that of the amplifiers as they "
          "are wired.",
