@@ -7,7 +7,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "surface.h"
+#include "surface_types.h"
 
 /*
  * Largest distance from a mesh line, relative to the span of the mesh, at which a coordinate lies
@@ -90,20 +90,12 @@ static double sample(const scene_line *line, int i)
  */
 static int check_poles(const scene *scene, char *error)
 {
-    static const char *const cures[] = {"",
-                                        "let theta1 (the radius) start above 0",
-                                        "",
-                                        "keep radius + theta1 sin(angle) above 0",
-                                        "let theta1 run inside 0 and pi, leaving a small hole",
-                                        "",
-                                        "keep radius + tube cos(theta1) above 0",
-                                        "let theta1 stay where the meridian's radius is above 0"};
     const scene_line *line = &scene->line[0];
     double largest = 0, least = HUGE_VAL, at = 0;
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double t = sample(line, i), r;
-        if (scene->surface.type == SURFACE_TORUS && i < SAMPLES) /* least radius between samples */
+        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* least radius between samples */
             t = fmax(t, fmin(sample(line, i + 1), (2 * floor(t / full_turn) + 1) * full_turn / 2));
         r = surface_at(&scene->surface, t, 0).a[1];
         largest = fmax(largest, fabs(r));
@@ -115,7 +107,7 @@ static int check_poles(const scene *scene, char *error)
         return 0;
     return scene_fault(scene, line->at, error,
                        "the mesh reaches a pole, where A2 = 0; %s (theta1 = %g)",
-                       cures[scene->surface.type], at);
+                       surface_type_of(&scene->surface)->pole_cure, at);
 }
 
 /*
@@ -125,7 +117,7 @@ static int check_poles(const scene *scene, char *error)
 static int check_meridian(const scene *scene, char *error)
 {
     int i;
-    for (i = 0; i <= SAMPLES && scene->surface.type == SURFACE_REVOLUTION; i++) {
+    for (i = 0; i <= SAMPLES && scene->surface.meridian; i++) {
         const double t = sample(&scene->line[0], i);
         if (surface_at(&scene->surface, t, 0).a[0] < 0.05)
             return scene_fault(scene, scene->at_surface, error,

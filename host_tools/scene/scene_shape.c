@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "surface.h"
+#include "surface_types.h"
 
 /* ---- surface ---- */
 
@@ -108,33 +108,21 @@ static int fit_meridian(reader *reader, int node, surface_text *text)
         "no spline goes through the points of 'meridian'; space them more evenly, smooth less");
 }
 
-static const choice surface_types[] = {
-    {"plate", SURFACE_PLATE},       {"polar", SURFACE_POLAR},
-    {"cylinder", SURFACE_CYLINDER}, {"cone", SURFACE_CONE},
-    {"sphere", SURFACE_SPHERE},     {"hyperboloid", SURFACE_HYPERBOLOID},
-    {"torus", SURFACE_TORUS},       {"revolution", SURFACE_REVOLUTION},
-    {"spiral", SURFACE_SPIRAL},     {NULL, 0}};
+#define WORD(type, word, keys, at, meridian, area, closed, angles, cure, help) {word, type},
+static const choice surface_types[] = {SURFACE_TYPES(WORD){NULL, 0}};
+#undef WORD
 
 static const choice axes[] = {{"theta1", 1}, {"theta2", 2}, {NULL, 0}};
 static const range acute = {
     -90, 90, 1, "must lie between -90 and 90 degrees, ends left out; use polar for a flat ring"};
 
+#define NUMBER(key, range, of, help)                                                               \
+    {#key, read_real, offsetof(surface_text, s.key), &range, 0, of, NULL, help},
 static const field surface_fields[] = {
     {"type", read_choice, offsetof(surface_text, type), surface_types, 1,
      .help = "Type of the surface."},
-    {"radius", read_real, offsetof(surface_text, s.radius), &above_zero, .of = OF_LENGTH,
-     .help = "Radius of a cylinder or sphere, of a cone at theta1 = 0, of the centre circle of a "
-             "torus."},
-    {"angle", read_real, offsetof(surface_text, s.angle), &acute, .of = OF_DEGREES,
-     .help = "Half angle of a cone, in degrees."},
-    {"axial", read_choice, offsetof(surface_text, s.axial), axes,
-     .help = "Coordinate along the axis of a cylinder or spiral."},
-    {"waist", read_real, offsetof(surface_text, s.waist), &above_zero, .of = OF_LENGTH,
-     .help = "Smallest radius of a hyperboloid, at theta1 = 0."},
-    {"height", read_real, offsetof(surface_text, s.height), &above_zero, .of = OF_LENGTH,
-     .help = "Height at which the radius of a hyperboloid is sqrt(2) times the waist."},
-    {"tube", read_real, offsetof(surface_text, s.tube), &above_zero, .of = OF_LENGTH,
-     .help = "Radius of the tube of a torus."},
+    SURFACE_NUMBERS(NUMBER){"axial", read_choice, offsetof(surface_text, s.axial), axes,
+                            .help = "Coordinate along the axis of a cylinder or spiral."},
     {"meridian", read_meridian, offsetof(surface_text, points), .of = OF_LENGTH,
      .form = &meridian_form,
      .help = "Points [radius, z] of the meridian in order; at least 4, or 2 with directions at the "
@@ -145,53 +133,31 @@ static const field surface_fields[] = {
     {"ends", read_ends, offsetof(surface_text, tangents), .of = OF_NUMBER, .form = &ends_form,
      .help = "not-a-knot (default: the two pieces at each end are one cubic), or the directions "
              "[[r', z'], [r', z']] at the first and last point."},
-    {"inner", read_real, offsetof(surface_text, s.inner), &above_zero, .of = OF_LENGTH,
-     .help = "Radius of a spiral at the angle 0."},
-    {"outer", read_real, offsetof(surface_text, s.outer), &above_zero, .of = OF_LENGTH,
-     .help = "Radius of a spiral after all turns."},
-    {"turns", read_real, offsetof(surface_text, s.turns), &above_zero, .of = OF_NUMBER,
-     .help = "Number of turns of a spiral."},
     {.key = NULL}};
+#undef NUMBER
 
-/* Keys of each type of surface, in the order of scene_surface_type. */
-static const form_case surface_cases[] = {
-    {"type=plate", "Plane: x = theta1, y = theta2, e3 = +z."},
-    {"type=polar", "Plane in polar coordinates: theta1 = radius, theta2 = angle in radians, e3 = "
-                   "+z."},
-    {"type=cylinder radius axial",
-     "Circular cylinder, e3 outwards. axial theta1: x = theta1, theta2 from the +z axis towards "
-     "+y. axial theta2: z = theta2, theta1 from the +x axis towards +y. The other coordinate is "
-     "the angle in radians."},
-    {"type=cone radius angle", "Cone: theta1 = length along the meridian downwards, theta2 = "
-                               "azimuth in radians, e3 outwards."},
-    {"type=sphere radius",
-     "Sphere: theta1 = angle from the pole, theta2 = azimuth, both in radians, e3 outwards."},
-    {"type=hyperboloid waist height",
-     "Hyperboloid of revolution: radius waist sqrt(1 + (z/height)^2), theta1 = -z, theta2 = "
-     "azimuth in radians, e3 outwards."},
-    {"type=torus radius tube",
-     "Torus: radius + tube cos(theta1) from the axis, z = -tube sin(theta1), theta2 = azimuth, "
-     "both in radians, e3 out of the tube."},
-    {"type=revolution meridian ?smoothing ?ends",
-     "Surface of revolution about z whose meridian is a cubic spline; theta1 = length of the "
-     "chords between the points from 0, theta2 = azimuth in radians. e3 lies to the left of the "
-     "meridian seen with the radius to the right and z upwards: points that run downwards on the "
-     "outside give e3 outwards."},
-    {"type=spiral inner outer turns axial",
-     "Cylinder over an Archimedean spiral, e3 outwards; the other coordinate is the angle in "
-     "radians, from 0. axial theta1: angle from the +z axis towards +y. axial theta2: from the +x "
-     "axis towards +y."},
-    {NULL, NULL}};
+#define KEYS(type, word, keys, at, meridian, area, closed, angles, cure, help)                     \
+    {"type=" word keys, help},
+static const form_case surface_cases[] = {SURFACE_TYPES(KEYS){NULL, NULL}};
+#undef KEYS
 const form surface_form = {.type = FORM_MAP, .fields = surface_fields, .cases = surface_cases};
+
+static const char *word_of(int type)
+{
+    const choice *one = surface_types;
+    while (one->value != type)
+        one++;
+    return one->word;
+}
 
 static int read_surface_text(reader *reader, int node, surface_text *text)
 {
     if (read_map(reader, node, surface_fields, text) != 0)
         return -1;
     text->s.type = (scene_surface_type)text->type;
-    if (check_type_case(reader, node, surface_cases, surface_types[text->type].word) != 0)
+    if (check_type_case(reader, node, surface_cases, word_of(text->type)) != 0)
         return -1;
-    return text->s.type == SURFACE_REVOLUTION ? fit_meridian(reader, node, text) : 0;
+    return tree_find(reader->t, node, "meridian") ? fit_meridian(reader, node, text) : 0;
 }
 
 int read_surface(reader *reader, int node, void *to, const void *rule)

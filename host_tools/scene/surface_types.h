@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * The reference surfaces, a row each. Reader, schema, help, points, areas and checks of a surface
+ * are made from its row.
+ */
+#ifndef SURFACE_TYPES_H
+#define SURFACE_TYPES_H
+
+#include "surface.h"
+
+/* Coordinates of a surface as a set: theta1, theta2, and the one around its axis (not `axial`). */
+enum { ALONG_THETA1 = 1, ALONG_THETA2 = 2, AROUND_AXIS = 4 };
+
+/* Point of a meridian at theta1: (radius, height), and its first and second derivatives. */
+typedef struct surface_meridian {
+    double x[2], d1[2], d2[2];
+} surface_meridian;
+
+/* Point of a surface at (theta1, theta2). */
+typedef surface_point surface_at_function(const scene_surface *surface, double theta1,
+                                          double theta2);
+
+/* Point of the meridian of a surface of revolution. */
+typedef surface_meridian surface_meridian_function(const scene_surface *surface, double theta1);
+
+/* Area over the rectangle of the coordinates from t1[0] to t1[1] and from t2[0] to t2[1]. */
+typedef double surface_area_function(const scene_surface *surface, const double t1[2],
+                                     const double t2[2]);
+
+/*
+ * Rows: type in scene_surface, word and keys in the scene ("?a" is optional; SURFACE_NUMBERS
+ * defines the keys that are numbers), functions, coordinates that come back to their start after 2
+ * pi, coordinates that are angles, the cure for a mesh that reaches a pole, and a help sentence.
+ * Functions: of points; of the meridian, 0 unless the surface is one of revolution, whose points
+ * are revolution_at; of the area, 0 for a numerical integral.
+ */
+#define SURFACE_TYPES(ROW)                                                                         \
+    ROW(SURFACE_PLATE, "plate", "", plate_at, 0, plate_area, 0, 0, "",                             \
+        "Plane: x = theta1, y = theta2, e3 = +z.")                                                 \
+    ROW(SURFACE_POLAR, "polar", "", revolution_at, polar_meridian, polar_area, ALONG_THETA2,       \
+        ALONG_THETA2, "let theta1 (the radius) start above 0",                                     \
+        "Plane in polar coordinates: theta1 = radius, theta2 = angle in radians, e3 = +z.")        \
+    ROW(SURFACE_CYLINDER, "cylinder", " radius axial", cylinder_at, 0, cylinder_area, AROUND_AXIS, \
+        AROUND_AXIS, "",                                                                           \
+        "Circular cylinder, e3 outwards. axial theta1: x = theta1, theta2 from the +z axis "       \
+        "towards +y. axial theta2: z = theta2, theta1 from the +x axis towards +y. The other "     \
+        "coordinate is the angle in radians.")                                                     \
+    ROW(SURFACE_CONE, "cone", " radius angle", revolution_at, cone_meridian, cone_area,            \
+        ALONG_THETA2, ALONG_THETA2, "keep radius + theta1 sin(angle) above 0",                     \
+        "Cone: theta1 = length along the meridian downwards, theta2 = azimuth in radians, e3 "     \
+        "outwards.")                                                                               \
+    ROW(SURFACE_SPHERE, "sphere", " radius", revolution_at, sphere_meridian, sphere_area,          \
+        ALONG_THETA2, ALONG_THETA1 | ALONG_THETA2,                                                 \
+        "let theta1 run inside 0 and pi, leaving a small hole",                                    \
+        "Sphere: theta1 = angle from the pole, theta2 = azimuth, both in radians, e3 outwards.")   \
+    ROW(SURFACE_HYPERBOLOID, "hyperboloid", " waist height", revolution_at, hyperboloid_meridian,  \
+        0, ALONG_THETA2, ALONG_THETA2, "",                                                         \
+        "Hyperboloid of revolution: radius waist sqrt(1 + (z/height)^2), theta1 = -z, theta2 = "   \
+        "azimuth in radians, e3 outwards.")                                                        \
+    ROW(SURFACE_TORUS, "torus", " radius tube", revolution_at, torus_meridian, torus_area,         \
+        ALONG_THETA1 | ALONG_THETA2, ALONG_THETA1 | ALONG_THETA2,                                  \
+        "keep radius + tube cos(theta1) above 0",                                                  \
+        "Torus: radius + tube cos(theta1) from the axis, z = -tube sin(theta1), theta2 = "         \
+        "azimuth, both in radians, e3 out of the tube.")                                           \
+    ROW(SURFACE_REVOLUTION, "revolution", " meridian ?smoothing ?ends", revolution_at,             \
+        spline_meridian, 0, ALONG_THETA2, ALONG_THETA2,                                            \
+        "let theta1 stay where the meridian's radius is above 0",                                  \
+        "Surface of revolution about z whose meridian is a cubic spline; theta1 = length of the "  \
+        "chords between the points from 0, theta2 = azimuth in radians. e3 lies to the left of "   \
+        "the meridian seen with the radius to the right and z upwards: points that run downwards " \
+        "on the outside give e3 outwards.")                                                        \
+    ROW(SURFACE_SPIRAL, "spiral", " inner outer turns axial", spiral_at, 0, 0, 0, AROUND_AXIS, "", \
+        "Cylinder over an Archimedean spiral, e3 outwards; the other coordinate is the angle in "  \
+        "radians, from 0. axial theta1: angle from the +z axis towards +y. axial theta2: from "    \
+        "the +x axis towards +y.")
+
+/*
+ * Rows: number of a surface, which is a key in the scene and a member of scene_surface, its range
+ * and dimension (scene_fields.h), and its help sentence.
+ */
+#define SURFACE_NUMBERS(ROW)                                                                       \
+    ROW(radius, above_zero, OF_LENGTH,                                                             \
+        "Radius of a cylinder or sphere, of a cone at theta1 = 0, of the centre circle of a "      \
+        "torus.")                                                                                  \
+    ROW(angle, acute, OF_DEGREES, "Half angle of a cone, in degrees.")                             \
+    ROW(waist, above_zero, OF_LENGTH, "Smallest radius of a hyperboloid, at theta1 = 0.")          \
+    ROW(height, above_zero, OF_LENGTH,                                                             \
+        "Height at which the radius of a hyperboloid is sqrt(2) times the waist.")                 \
+    ROW(tube, above_zero, OF_LENGTH, "Radius of the tube of a torus.")                             \
+    ROW(inner, above_zero, OF_LENGTH, "Radius of a spiral at the angle 0.")                        \
+    ROW(outer, above_zero, OF_LENGTH, "Radius of a spiral after all turns.")                       \
+    ROW(turns, above_zero, OF_NUMBER, "Number of turns of a spiral.")
+
+/* Functions of the surfaces (surface_plate.c, surface_cylinder.c, surface_revolution.c). */
+surface_at_function plate_at, cylinder_at, spiral_at, revolution_at;
+surface_meridian_function polar_meridian, cone_meridian, sphere_meridian, hyperboloid_meridian,
+    torus_meridian, spline_meridian;
+surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_area, torus_area;
+
+/* What the row of a surface says (surface.c). */
+typedef struct surface_type {
+    surface_at_function *at;
+    surface_meridian_function *meridian; /* NULL: no surface of revolution */
+    surface_area_function *area;         /* NULL: by numerical integration */
+    int closed, angles;                  /* sets of coordinates */
+    const char *pole_cure;
+} surface_type;
+
+const surface_type *surface_type_of(const scene_surface *surface);
+
+#endif
