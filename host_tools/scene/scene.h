@@ -31,7 +31,8 @@ typedef enum scene_surface_type {
     SURFACE_HYPERBOLOID,
     SURFACE_TORUS,
     SURFACE_REVOLUTION,
-    SURFACE_SPIRAL
+    SURFACE_SPIRAL,
+    SURFACE_PARABOLOID
 } scene_surface_type;
 
 typedef struct scene_surface {
@@ -44,6 +45,7 @@ typedef struct scene_surface {
     double tube;          /* radius of the tube of a torus */
     double inner, outer, turns; /* spiral: radius at angle 0, radius at its end, and number of turns
                                    between them */
+    double focal_length;        /* distance of the focus of a paraboloid from its vertex */
     spline *meridian; /* meridian (r, z) of a surface of revolution over its chord length */
 } scene_surface;
 

@@ -72,7 +72,11 @@ typedef double surface_area_function(const scene_surface *surface, const double 
     ROW(SURFACE_SPIRAL, "spiral", " inner outer turns axial", spiral_at, 0, 0, 0, AROUND_AXIS, "", \
         "Cylinder over an Archimedean spiral, e3 outwards; the other coordinate is the angle in "  \
         "radians, from 0. axial theta1: angle from the +z axis towards +y. axial theta2: from "    \
-        "the +x axis towards +y.")
+        "the +x axis towards +y.")                                                                 \
+    ROW(SURFACE_PARABOLOID, "paraboloid", " focal_length", revolution_at, paraboloid_meridian, 0,  \
+        ALONG_THETA2, ALONG_THETA2, "let theta1 (the radius) start above 0",                       \
+        "Paraboloid of revolution: z = theta1^2/(4 focal_length), theta1 = radius, theta2 = "      \
+        "azimuth in radians, e3 towards the focus.")
 
 /*
  * Rows: number of a surface, which is a key in the scene and a member of scene_surface, its range
@@ -89,12 +93,14 @@ typedef double surface_area_function(const scene_surface *surface, const double 
     ROW(tube, above_zero, OF_LENGTH, "Radius of the tube of a torus.")                             \
     ROW(inner, above_zero, OF_LENGTH, "Radius of a spiral at the angle 0.")                        \
     ROW(outer, above_zero, OF_LENGTH, "Radius of a spiral after all turns.")                       \
-    ROW(turns, above_zero, OF_NUMBER, "Number of turns of a spiral.")
+    ROW(turns, above_zero, OF_NUMBER, "Number of turns of a spiral.")                              \
+    ROW(focal_length, above_zero, OF_LENGTH,                                                       \
+        "Distance of the focus of a paraboloid from its vertex.")
 
 /* Functions of the surfaces (surface_plate.c, surface_cylinder.c, surface_revolution.c). */
 surface_at_function plate_at, cylinder_at, spiral_at, revolution_at;
 surface_meridian_function polar_meridian, cone_meridian, sphere_meridian, hyperboloid_meridian,
-    torus_meridian, spline_meridian;
+    torus_meridian, spline_meridian, paraboloid_meridian;
 surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_area, torus_area;
 
 /* What the row of a surface says (surface.c). */

@@ -71,6 +71,7 @@ static const sample samples[] = {
     {"spiral, axis theta2",
      SURFACE(SURFACE_SPIRAL, .inner = 1.5, .outer = 15, .turns = 4, .axial = 2),
      {{1.3, 1.9}, {0.2, 1.1}}},
+    {"paraboloid", SURFACE(SURFACE_PARABOLOID, .focal_length = 0.6), {{0.3, 0.9}, {0.2, 1.1}}},
     {"revolution", SURFACE(SURFACE_REVOLUTION, .radius = 0), {{35.5, 42}, {0.2, 1.1}}},
 };
 enum { SAMPLES = sizeof samples / sizeof *samples };
@@ -199,6 +200,24 @@ static void test_area_parts(void **state)
     spline_free(s.meridian);
 }
 
+/* e3 of a paraboloid points towards the focus, along the line that reflects a ray from above. */
+static void test_reflector(void **state)
+{
+    const scene_surface s = {.type = SURFACE_PARABOLOID, .focal_length = 0.6};
+    (void)state;
+    for (int k = 1; k < 9; k++) {
+        const surface_point p = surface_at(&s, 0.2 * k, 0.7 * k);
+        const double ray[3] = {0, 0, -1}, along = dot(ray, p.e[2]);
+        const double way = (p.x[2] - s.focal_length) / hypot(p.x[0], p.x[1]);
+        double out[3];
+        for (int i = 0; i < 3; i++)
+            out[i] = ray[i] - 2 * along * p.e[2][i];
+        check("height of the reflected ray over its way to the axis",
+              -out[2] / hypot(out[0], out[1]), way, 1e-14 * (1 + fabs(way)));
+        assert_true(p.e[2][2] > 0 && out[0] * p.x[0] + out[1] * p.x[1] < 0);
+    }
+}
+
 /* e3 of closed surfaces points away from the axis, the tube's axis, or the centre. */
 static void test_outside(void **state)
 {
@@ -213,7 +232,7 @@ static void test_outside(void **state)
         const int axis =
             (s.type == SURFACE_CYLINDER || s.type == SURFACE_SPIRAL) && s.axial == 1 ? 0 : 2;
         double away[3] = {p.x[0], p.x[1], p.x[2]};
-        if (s.type != SURFACE_PLATE && s.type != SURFACE_POLAR) {
+        if (s.type != SURFACE_PLATE && s.type != SURFACE_POLAR && s.type != SURFACE_PARABOLOID) {
             for (int i = 0; i < 2 && tube > 0; i++)
                 away[i] -= tube * (i == 0 ? cos(t[1]) : sin(t[1]));
             if (tube == 0 && s.type != SURFACE_SPHERE)
@@ -515,12 +534,13 @@ static void test_closing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_geometry),       cmocka_unit_test(test_area),
-        cmocka_unit_test(test_area_parts),     cmocka_unit_test(test_outside),
-        cmocka_unit_test(test_not_a_knot),     cmocka_unit_test(test_reproduction),
-        cmocka_unit_test(test_smoothing),      cmocka_unit_test(test_units),
-        cmocka_unit_test(test_no_spline),      cmocka_unit_test(test_prescribed),
-        cmocka_unit_test(test_contradictions), cmocka_unit_test(test_closing),
+        cmocka_unit_test(test_geometry),     cmocka_unit_test(test_area),
+        cmocka_unit_test(test_area_parts),   cmocka_unit_test(test_reflector),
+        cmocka_unit_test(test_outside),      cmocka_unit_test(test_not_a_knot),
+        cmocka_unit_test(test_reproduction), cmocka_unit_test(test_smoothing),
+        cmocka_unit_test(test_units),        cmocka_unit_test(test_no_spline),
+        cmocka_unit_test(test_prescribed),   cmocka_unit_test(test_contradictions),
+        cmocka_unit_test(test_closing),
     };
     const int descriptor = mkstemp(file);
     if (descriptor < 0)
