@@ -688,7 +688,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
 static void print_tables(const options *options, const analysis *analysis, const char *path)
 {
     const design *design = &analysis->design;
-    printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free unknowns\n", path,
+    printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free dof\n", path,
            tables_image_name[options->image], design->scene->name, design->amplifiers,
            design->targets, design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)

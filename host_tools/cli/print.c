@@ -78,9 +78,9 @@ static void print_structure(const analysis *analysis)
         printf("  %d elements from %s", mesh->elements, scene->quads->file);
     else
         printf("  %d x %d elements", scene->line[0].elements, scene->line[1].elements);
-    printf(" of %d kind%s, %d nodes, %d free unknowns, half bandwidth %d\n", mesh->types,
+    printf(" of %d kind%s, %d nodes, %d free dof, half bandwidth %d\n", mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
-    printf("  element: %s kinematics, %s through the thickness, %d unknowns a node\n",
+    printf("  element: %s kinematics, %s through the thickness, %d dof per node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
            scene->element.dof_per_node);
     if (analysis->model.info.condition > 0)

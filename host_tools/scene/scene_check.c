@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "surface.h"
 #include "surface_types.h"
 
 /*

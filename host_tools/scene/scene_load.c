@@ -63,7 +63,7 @@ static int fix_edge(reader *reader, int node, const scene_support *support, int 
     if (support->where.type != WHERE_EDGE)
         return tree_fault(
             reader->t, node,
-            "'%s' depends on an edge; give edge: theta1+ or list the unknowns, as [u2, "
+            "'%s' depends on an edge; give edge: theta1+ or list the displacements, as [u2, "
             "u3]",
             node_text(reader, node));
     if (*fix == FIX_SIMPLE)

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "surface.h"
 #include "surface_types.h"
 
 /* ---- surface ---- */

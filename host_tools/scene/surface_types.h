@@ -6,7 +6,7 @@
 #ifndef SURFACE_TYPES_H
 #define SURFACE_TYPES_H
 
-#include "surface.h"
+#include "surface_point.h"
 
 /* Coordinates of a surface as a set: theta1, theta2, and the one around its axis (not `axial`). */
 enum { ALONG_THETA1 = 1, ALONG_THETA2 = 2, AROUND_AXIS = 4 };
