@@ -23,6 +23,12 @@
 #include "sensor_check.h"
 #include "step_bounds.h"
 
+/*
+ * KKT violation that a damped tick leaves, relative to the gradient at its start: the next tick
+ * corrects it, and at rest both are zero.
+ */
+#define DAMPED_TOLERANCE PZS_R(1e-3)
+
 #define SMALLEST_SQUARE                                                                            \
     PZS_BY_BITS(1e-31f, 1e-292) /* smallest square without loss of digits by underflow (m2) */
 
@@ -180,6 +186,18 @@ static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control
                                  control->state.largest_column;
 }
 
+/* Largest gradient of the free set at the present voltages (m2/V). */
+static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
+{
+    pzs_real largest = 0;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        const pzs_real size =
+            number_absolute(optimiser->model_gradient[i] - optimiser->target_gradient[i]);
+        largest = optimiser->free_set[i] > 0 && size > largest ? size : largest;
+    }
+    return largest;
+}
+
 /* Report a step; clash: first input whose step limit and voltage limits do not overlap, or -1. */
 static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
 {
@@ -212,8 +230,7 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
                                         damping[i];
     }
     const pzs_real height = column > 0 ? largest / column : 0;
-    optimiser->target_energy *= share * share;
-    return share * share * missed + height * height;
+    return missed + height * height;
 }
 
 /*
@@ -231,10 +248,12 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
-    if (damping != NULL)
+    if (damping != NULL) {
+        optimiser->target_rounding += DAMPED_TOLERANCE * largest_free_gradient(optimiser);
         pzs_boxls_optimise(optimiser);
-    else
+    } else {
         optimise(optimiser, control, wanted, shown);
+    }
     return finish_step(optimiser, control, clash);
 }
 
@@ -285,6 +304,22 @@ static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, 
     return finish(control, PZS_W_HELD, where);
 }
 
+/*
+ * Renew the disturbances from measurements. Those of a damped tick are a shape that the damper has
+ * checked already. Returns the number of rejected ones; *where is the index of the first one.
+ */
+static uint32_t compare(const pzs_control *control, const pzs_real *measured, int32_t *where)
+{
+    const uint32_t m = control->state.problem->outputs;
+    const sensor_check all = {m, control->state.predicted, control->state.measured,
+                              control->state.disturbance, control->state.repeats};
+    if (control->state.damping == NULL)
+        return pzs_sensor_check(&all, measured, where);
+    for (uint32_t i = 0; i < m; i++)
+        control->state.disturbance[i] = measured[i] - control->state.predicted[i];
+    return 0;
+}
+
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured)
 {
     const pzs_status status = ready(control, wanted);
@@ -294,9 +329,7 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     const uint32_t m = control->state.problem->outputs;
     int32_t where = -1;
     renew_prediction(optimiser, control);
-    const sensor_check all = {m, control->state.predicted, control->state.measured,
-                              control->state.disturbance, control->state.repeats};
-    const uint32_t unusable = measured != NULL ? pzs_sensor_check(&all, measured, &where) : 0;
+    const uint32_t unusable = measured != NULL ? compare(control, measured, &where) : 0;
     if (unusable == m)
         return hold_voltages(optimiser, control, where);
     const pzs_status stepped = step(

@@ -123,16 +123,6 @@ static pzs_status check(const pzs_vibration *tables, const pzs_problem *problem)
 
 /* ---- modes ------------------------------------------------------------ */
 
-/* y [rows] = a [rows][modes] x, which is 0 without modes. */
-static void multiply_modes(pzs_real *y, const pzs_real *a, const pzs_real *x, size_t rows,
-                           size_t modes)
-{
-    if (modes == 0)
-        memset(y, 0, rows * sizeof *y);
-    else
-        pzs_product_matrix(y, a, x, rows, modes);
-}
-
 static size_t width_of(const pzs_damper *damper)
 {
     return PZS_FOURS(damper->state.tables->modes);
@@ -232,9 +222,8 @@ static void predict_readings(pzs_damper *damper)
     pzs_real *deviation = damper->state.work, *predicted = damper->state.predicted;
     for (uint32_t i = 0; i < tables->modes; i++)
         deviation[i] = damper->state.late[i] - equilibrium[i];
-    multiply_modes(predicted, readings_table(tables), deviation, tables->sensors, tables->modes);
-    for (uint32_t i = 0; i < tables->sensors; i++)
-        predicted[i] += expected[i];
+    pzs_product_add(predicted, expected, readings_table(tables), deviation, tables->sensors,
+                    tables->modes);
 }
 
 /* Residual of one sensor: low-passed innovation minus its part that the modes explain. */
@@ -272,9 +261,13 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
                               damper->state.repeats};
     predict_readings(damper);
     const uint32_t rejected = pzs_sensor_check(&all, readings, where);
-    const pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
+    pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
     const bool is_usable = rejected == 0 && energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
-    return is_usable ? 0 : replace_unusable(damper, readings, where);
+    const uint32_t unusable = is_usable ? 0 : replace_unusable(damper, readings, where);
+    if (!is_usable)
+        energy = pzs_product_dot(innovation, innovation, sensors);
+    damper->info.innovation = PZS_SQRT(energy / (pzs_real)sensors);
+    return unusable;
 }
 
 /* fit [modes] = readings table' times the innovations, weighted by their precision. */
@@ -282,17 +275,12 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
 {
     const pzs_vibration *tables = damper->state.tables;
     const pzs_real *innovation = damper->state.innovation;
-    pzs_real energy = 0;
     if (tables->precision != NULL) {
         pzs_real *weighted = damper->state.predicted;
         for (uint32_t i = 0; i < tables->sensors; i++)
             weighted[i] = tables->precision[i] * innovation[i];
-        energy = pzs_product_dot(weighted, innovation, tables->sensors);
         innovation = weighted;
-    } else {
-        energy = pzs_product_dot(innovation, innovation, tables->sensors);
     }
-    damper->info.innovation = PZS_SQRT(energy / (pzs_real)tables->sensors);
     pzs_product_sum_rows(fit, readings_table(tables), tables->modes, innovation, tables->sensors,
                          tables->modes);
 }
@@ -355,9 +343,9 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
     pzs_real *part = damper->state.work;
     for (size_t i = 0; i < tables->modes; i++)
         part[i] = load[i] - damper->state.residual_modes[i];
-    multiply_modes(shape, tables->shape, part, tables->outputs, tables->modes);
+    pzs_product_add(shape, predicted, tables->shape, part, tables->outputs, tables->modes);
     for (uint32_t i = 0; i < tables->outputs; i++)
-        shape[i] += predicted[i] + damper->state.residual[i];
+        shape[i] += damper->state.residual[i];
 }
 
 /* The same shape from few sensors: B v + C w + gain times residual. */

@@ -44,13 +44,12 @@ MULTIPLY(multiply_many, 4u * FOURS)
 MULTIPLY(multiply_some, 4u * FEW)
 MULTIPLY(multiply_four, 4u)
 
-void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
-                        const pzs_real *restrict x, size_t rows, size_t cols)
+/* y = from + a x; `from` has the entries 0, step, 2 step ... */
+static void multiply(pzs_real *y, const pzs_real *from, size_t step, const pzs_real *a,
+                     const pzs_real *x, size_t rows, size_t cols)
 {
-    static const pzs_real zero = 0;
-    const pzs_real *from = &zero;
     for (size_t j = 0, now; j < cols; j += now) {
-        const size_t left = cols - j, fours = (left + 3u) / 4u, step = j > 0;
+        const size_t left = cols - j, fours = (left + 3u) / 4u;
         now = 4u;
         if (fours >= FOURS)
             now = 4u * FOURS;
@@ -64,7 +63,24 @@ void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
         else
             multiply_four(y, from, step, a + j, cols, x + j, rows, now);
         from = y;
+        step = 1;
     }
+}
+
+void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
+                        const pzs_real *restrict x, size_t rows, size_t cols)
+{
+    static const pzs_real zero = 0;
+    multiply(y, &zero, 0, a, x, rows, cols);
+}
+
+void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
+                     const pzs_real *restrict a, const pzs_real *restrict x, size_t rows,
+                     size_t cols)
+{
+    if (cols == 0)
+        memcpy(y, from, rows * sizeof *y);
+    multiply(y, from, 1, a, x, rows, cols);
 }
 
 /* ---- sums of rows -------------------------------------------------------------- */

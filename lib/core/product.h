@@ -12,6 +12,11 @@
 void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
                         const pzs_real *restrict x, size_t rows, size_t cols);
 
+/* y [rows] = from + a x in the same way, from [rows] not y; it is a copy without columns. */
+void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
+                     const pzs_real *restrict a, const pzs_real *restrict x, size_t rows,
+                     size_t cols);
+
 /* y [cols] = sum over the rows of x_i times row i of a [rows][stride]. */
 void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,
                           const pzs_real *restrict x, size_t rows, size_t cols);

@@ -490,6 +490,79 @@ pzs_status damped_loop_tick(damped_loop *d, const double *wanted)
 
 /* ---- judgement -------------------------------------------------------- */
 
+/* Whether v_j stands at a limit that its slope pushes it against. */
+static bool is_active(double v, double slope, double limit)
+{
+    return (v <= -limit && slope > 0) || (v >= limit && slope < 0);
+}
+
+/*
+ * Solve a x = b for the entries that are free, x 0 elsewhere; a positive definite, by elimination.
+ *   a [n][n], b [n]  in
+ */
+static void solve_free(const double *a, const double *b, const bool *is_free, size_t n, double *x)
+{
+    double *copy = zeros(n * n + n), *right = copy + n * n;
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++)
+            copy[i * n + j] = is_free[i] && is_free[j] ? a[i * n + j] : i == j;
+        right[i] = is_free[i] ? b[i] : 0;
+    }
+    for (size_t p = 0; p < n; p++)
+        for (size_t i = p + 1; i < n; i++) {
+            const double factor = copy[i * n + p] / copy[p * n + p];
+            for (size_t j = p; j < n; j++)
+                copy[i * n + j] -= factor * copy[p * n + j];
+            right[i] -= factor * right[p];
+        }
+    for (size_t i = n; i-- > 0;) {
+        x[i] = right[i];
+        for (size_t j = i + 1; j < n; j++)
+            x[i] -= copy[i * n + j] * x[j];
+        x[i] /= copy[i * n + i];
+    }
+    free(copy);
+}
+
+/* Minimum of v'h v/2 - f'v between the limits by projected Newton steps, halved until they descend.
+ */
+static void bounded_minimum(const double *h, const double *f, size_t n, double limit, double *v)
+{
+    double *slope = zeros(3 * n), *way = slope + n, *next = way + n;
+    bool *is_free = calloc(n, sizeof *is_free);
+    assert_non_null(is_free);
+    for (int step = 0; step < 200; step++) {
+        double part = 1, change = 0, value = 0, now;
+        for (size_t i = 0; i < n; i++) {
+            slope[i] = f[i];
+            for (size_t j = 0; j < n; j++)
+                slope[i] -= h[i * n + j] * v[j];
+            value -= v[i] * (f[i] + slope[i]) / 2;
+            is_free[i] = !is_active(v[i], -slope[i], limit);
+        }
+        solve_free(h, slope, is_free, n, way);
+        do {
+            now = 0;
+            for (size_t i = 0; i < n; i++)
+                next[i] = fmin(fmax(v[i] + part * way[i], -limit), limit);
+            for (size_t i = 0; i < n; i++)
+                for (size_t j = 0; j < n; j++)
+                    now += next[i] * h[i * n + j] * next[j] / 2;
+            for (size_t i = 0; i < n; i++)
+                now -= f[i] * next[i];
+            part /= 2;
+        } while (now > value + 1e-15 * fabs(value) && part > 1e-9);
+        for (size_t i = 0; i < n; i++) {
+            change = fmax(change, fabs(next[i] - v[i]));
+            v[i] = next[i];
+        }
+        if (change <= 1e-12 * limit)
+            break;
+    }
+    free(slope);
+    free(is_free);
+}
+
 void damped_loop_optimum(const damped_loop *d, const double *wanted, double *shape)
 {
     const modal_structure *s = d->structure;
@@ -504,13 +577,7 @@ void damped_loop_optimum(const damped_loop *d, const double *wanted, double *sha
         }
     for (size_t j = 0; j < n; j++)
         h[j * n + j] += (double)d->problem.regularisation;
-    for (int sweep = 0; sweep < 3000; sweep++)
-        for (size_t j = 0; j < n; j++) {
-            double slope = -f[j];
-            for (size_t l = 0; l < n; l++)
-                slope += h[j * n + l] * v[l];
-            v[j] = fmin(fmax(v[j] - slope / h[j * n + j], -s->limit), s->limit);
-        }
+    bounded_minimum(h, f, n, s->limit, v);
     for (size_t i = 0; i < m; i++) {
         shape[i] = d->load * s->load_shape[i];
         for (size_t j = 0; j < n; j++)
