@@ -11,7 +11,7 @@
 #define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)
 #define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
-#define SOME PZS_BY_TILE(2, 4, 4)
+#define SOME PZS_BY_TILE(PZS_BY_BITS(3, 2), 4, 4)
 #define LANES 8u /* sums side by side in a dot product */
 
 /* ---- table times vector ----------------------------------------------------- */

@@ -16,15 +16,19 @@ n=0
     --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' \
     --image control --prefix demo -o "$dir/count_tick.h" >/dev/null || { echo 'not ok 1 - tables'; exit 1; }
 
+"$1" tables plate-50-patches --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 --set 'control={rate: 1000}' \
+    --image control --prefix demo -o "$dir/count_damped.h" >/dev/null || { echo 'not ok 1 - tables of a damped tick'; exit 1; }
+
 # row NAME BITS LEVEL MACHINE SCRIPT PROCESSOR...
 row() {
     n=$((n + 1))
     name=$1 bits=$2 level=$3 machine=$4 script=$5
     shift 5
+    sources=$(echo "$rest" | sed "s/count_tick.c/$program.c/")
     # shellcheck disable=SC2086
-    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES='"count_tick.h"' -nostartfiles -Lfirmware_demo/boards -T"firmware_demo/boards/$script.ld" \
-        -Wl,--gc-sections $rest firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/tick.elf" &&
-        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES='"count_tick.h"' $rest firmware_demo/boards/board_host.c -lm -o "$dir/tick" ||
+    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES="\"$program.h\"" -nostartfiles -Lfirmware_demo/boards -T"firmware_demo/boards/$script.ld" \
+        -Wl,--gc-sections $sources firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/tick.elf" &&
+        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES="\"$program.h\"" $sources firmware_demo/boards/board_host.c -lm -o "$dir/tick" ||
         { echo "not ok $n - build"; return; }
     timeout 120 "${QEMU:-qemu-system-arm}" -M "$machine" -icount shift=10 -kernel "$dir/tick.elf" -nographic -monitor none \
         -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"
@@ -57,8 +61,12 @@ pair() {
             END { if (!seen) print "not ok " n " - " name ": no count" }'
 }
 
+program=count_tick
 row Cortex-M4F 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
 row Cortex-M7 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
+program=count_damped
+row 'Cortex-M4F, damped' 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
+row 'Cortex-M7, damped' 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
 for blocks in 1 5; do
     pair Cortex-M4F 32 -Os mps2-an386 mps2_an386 $blocks -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
     pair Cortex-M7 64 -O2 mps2-an500 mps2_an500 $blocks -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
