@@ -149,7 +149,8 @@ $(call for_variants,tick,64 32 san64 san32,)
 $(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
 $(call for_variants,loop_blocks,64 32 san64 san32,)
-$(call for_variants,vibration_block,64 32,@tests/rigs/damped_loop.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o)
+DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o
+$(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
 $(foreach t,flips supervisor output_gate,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
@@ -233,6 +234,9 @@ check-long: setup-test
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
 	    && $(B)/long-path
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_NONLINEAR=1 -DSTORMS=1 $(INCLUDE) \
+	    tests/unit/test_vibration_block.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka -lyaml -lm \
+	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
 	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done
@@ -251,7 +255,7 @@ measured: $(B)/pzs
 	B=$(B) sh tests/bench/measured.sh --write
 
 oracle:
-	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_quads.py && $(PYTHON) write_plant.py
+	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_quads.py && $(PYTHON) write_plant.py && $(PYTHON) write_damper.py
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

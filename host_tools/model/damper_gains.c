@@ -14,8 +14,9 @@ static const double converged = 1e-14;
 /* Variance of the position in a tick, which keeps the equation regular. */
 static const double position_noise = 1e-12;
 
-/* Regularisation of the least-squares fit of modes to readings, relative to the mean diagonal. */
-static const double ridge = 1e-9;
+/* Regularisation of the least-squares fit of modes to readings, relative to the mean diagonal: what
+ * float resolves. */
+static const double ridge = 1e-7;
 
 damper_settings damper_default_settings(void)
 {
@@ -86,8 +87,12 @@ static int invert(double *a, double *x, size_t n)
         const double pivot = a[p * n + p];
         if (!(fabs(pivot) > 0) || !isfinite(pivot))
             return -1;
+        for (size_t j = 0; j < n; j++) {
+            a[p * n + j] /= pivot;
+            x[p * n + j] /= pivot;
+        }
         for (size_t i = 0; i < n; i++) {
-            const double factor = i == p ? 1 - 1 / pivot : a[i * n + p] / pivot;
+            const double factor = i == p ? 0 : a[i * n + p];
             for (size_t j = 0; j < n && factor != 0; j++) {
                 a[i * n + j] -= factor * a[p * n + j];
                 x[i * n + j] -= factor * x[p * n + j];

@@ -262,8 +262,12 @@ static void fill_gain(const damped_loop *d, double *gain)
                     s->influence[o * inputs + j] * s->influence[output_of(d, i) * inputs + j];
     for (size_t p = 0; p < m; p++) { /* Gauss-Jordan on the columns of gain */
         const double pivot = a[p * m + p];
+        for (size_t i = 0; i < m; i++)
+            a[i * m + p] /= pivot;
+        for (size_t o = 0; o < s->outputs; o++)
+            gain[o * m + p] /= pivot;
         for (size_t l = 0; l < m; l++) {
-            const double factor = l == p ? 1 - 1 / pivot : a[p * m + l] / pivot;
+            const double factor = l == p ? 0 : a[p * m + l];
             for (size_t i = 0; i < m; i++)
                 a[i * m + l] -= factor * a[i * m + p];
             for (size_t o = 0; o < s->outputs; o++)
@@ -347,15 +351,18 @@ enum { HISTORY = 16 }; /* ticks of readings kept */
 static void start(damped_loop *d)
 {
     const size_t inputs = d->problem.inputs, outputs = d->problem.outputs;
+    const size_t count = d->amplifier.step > 0 ? 3 : 2;
     const size_t bytes =
-        PZS_LOOP_BYTES(2, inputs) + PZS_STEP_BLOCK_BYTES(inputs, outputs) +
-        PZS_VIBRATION_BLOCK_BYTES(d->modes, inputs, outputs, d->sensors, d->vibration.delay);
+        PZS_LOOP_BYTES(count, inputs) + PZS_STEP_BLOCK_BYTES(inputs, outputs) +
+        PZS_VIBRATION_BLOCK_BYTES(d->modes, inputs, outputs, d->sensors, d->vibration.delay) +
+        (count > 2 ? PZS_AMPLIFIER_BLOCK_BYTES(inputs) : 0);
     free(d->work);
     d->work = malloc(bytes);
     assert_non_null(d->work);
     d->block[0] = (pzs_block){&pzs_vibration_block, &d->vibration};
     d->block[1] = (pzs_block){&pzs_step_block, &d->problem};
-    assert_int_equal(pzs_loop_init(&d->loop, d->block, 2, NULL, d->work, bytes), PZS_OK);
+    d->block[2] = (pzs_block){&pzs_amplifier_block, &d->amplifier};
+    assert_int_equal(pzs_loop_init(&d->loop, d->block, count, NULL, d->work, bytes), PZS_OK);
 }
 
 void damped_loop_open(damped_loop *d, const modal_structure *s, double interval, double slew,
@@ -412,6 +419,8 @@ void damped_loop_reset(damped_loop *d, plant_error error)
     d->load = 0;
     d->tick = 0;
     d->seed = 1;
+    d->is_silent = d->is_blind = d->is_held = false;
+    d->bad_sensor = -1;
     memset(d->position, 0, s->modes * sizeof *d->position);
     memset(d->velocity, 0, s->modes * sizeof *d->velocity);
     memset(d->shape, 0, s->outputs * sizeof *d->shape);
@@ -464,27 +473,56 @@ static double largest_goal(const modal_structure *s)
     return most;
 }
 
-/* Readings of `error.delay` ticks ago, with noise. */
+void damped_loop_keep(damped_loop *d)
+{
+    const size_t m = d->structure->outputs;
+    d->tick++;
+    memcpy(d->history + (size_t)(d->tick % HISTORY) * m, d->shape, m * sizeof *d->history);
+}
+
+/* Readings of `error.delay` ticks ago, with noise and faults. */
 static void read_plant(damped_loop *d)
 {
     const size_t m = d->structure->outputs;
     const int then = d->tick > d->error.delay ? d->tick - d->error.delay : 0;
-    double *now = d->history + (size_t)(d->tick % HISTORY) * m;
     const double *old = d->history + (size_t)(then % HISTORY) * m;
     const double noise = d->error.noise * largest_goal(d->structure);
-    memcpy(now, d->shape, m * sizeof *now);
-    for (size_t i = 0; i < d->sensors; i++)
+    for (size_t i = 0; i < d->sensors; i++) {
         d->sensed[i] = (pzs_real)(old[output_of(d, i)] + noise * uniform(&d->seed, -1.7, 1.7));
+        if (d->is_blind)
+            d->sensed[i] = (pzs_real)NAN;
+        else if ((int)i == d->bad_sensor)
+            d->sensed[i] = (pzs_real)d->bad_value;
+    }
+}
+
+/* The new voltages are inside their limits and step limits. */
+static void assert_limits(const damped_loop *d, const pzs_real *last)
+{
+    const pzs_control_info *info = &d->loop.info.control->info;
+    for (size_t j = 0; j < d->problem.inputs; j++) {
+        const pzs_real v = d->loop.info.voltage[j];
+        assert_true(v >= d->problem.lower[j] && v <= d->problem.upper[j]);
+        if (info->lower[j] < info->upper[j])
+            assert_true(fabs((double)v - (double)last[j]) <=
+                        (double)d->problem.step_limit[j] * (1 + 4 * (double)PZS_EPSILON));
+    }
 }
 
 pzs_status damped_loop_tick(damped_loop *d, const double *wanted)
 {
+    pzs_real last[256];
+    assert_true(d->problem.inputs <= 256);
+    memcpy(last, d->loop.info.voltage, d->problem.inputs * sizeof *last);
     read_plant(d);
     for (size_t i = 0; i < d->structure->outputs; i++)
         d->wanted[i] = (pzs_real)wanted[i];
-    const pzs_status status = pzs_loop_tick(&d->loop, d->wanted, d->sensed);
+    const pzs_status status = pzs_loop_tick(&d->loop, d->wanted, d->is_silent ? NULL : d->sensed);
+    assert_limits(d, last);
+    if (d->is_held)
+        return status;
     damped_loop_move_plant(d);
-    d->tick++;
+    damped_loop_keep(d);
     return status;
 }
 

@@ -80,6 +80,12 @@ typedef struct damped_loop {
     pzs_real *wanted, *sensed;
     int tick;
     unsigned seed;
+    pzs_amplifier amplifier; /* with a step above 0 the loop has converter steps */
+    bool is_silent;          /* no frame arrives */
+    bool is_blind;           /* all readings are missing */
+    bool is_held;            /* damped_loop_tick does not move the plant */
+    int bad_sensor;          /* sensor that reads bad_value; -1: none */
+    double bad_value;
 } damped_loop;
 
 /*
@@ -97,11 +103,15 @@ void damped_loop_close(damped_loop *d);
 /* Put plant and loop to rest, with another plant. */
 void damped_loop_reset(damped_loop *d, plant_error error);
 
-/* One tick: readings, controller, plant. Returns the status. wanted [outputs] in */
+/*
+ * One tick: readings, controller, plant. Returns the status. Every voltage must be inside its limit
+ * and its step limit, to the last bit. wanted [outputs] in
+ */
 pzs_status damped_loop_tick(damped_loop *d, const double *wanted);
 
-/* Plant alone under the present voltages. */
+/* Plant alone under the present voltages; keep its shape as a reading and count the tick. */
 void damped_loop_move_plant(damped_loop *d);
+void damped_loop_keep(damped_loop *d);
 
 /*
  * Shape of the bounded optimum of the plant for a target: coordinate descent in double.
