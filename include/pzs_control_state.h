@@ -214,6 +214,7 @@ typedef struct pzs_monitor_state {
     pzs_real envelope;     /* deviation that changes of the target explain (m) */
     pzs_real moved;        /* fading sum of squares of predicted changes of the shape (m2) */
     pzs_real answered;     /* fading sum of products of predicted and measured changes (m2) */
+    uint32_t fixed;        /* number of fixed inputs in the last tick (monitor.c) */
     bool is_started;
 } pzs_monitor_state;
 

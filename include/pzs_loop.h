@@ -339,7 +339,7 @@ typedef struct pzs_supervision {
     uint16_t alarm_ticks; /* the alarm comes after this many implausible ticks, which count one up,
                              plausible ones two down */
     uint16_t waits;       /* 1: INITIALISE is left by the command ARM; 0: by itself */
-    const pzs_real *park; /* [inputs] park voltages (V), inside the limits */
+    const pzs_real *park; /* [inputs] park voltages (V); clamped to the limits */
     pzs_real fading; /* factor of one tick by which the explained deviation fades, 0 < fading < 1 */
     pzs_real noise;  /* RMS noise of the measured shape (m) */
     pzs_real load;   /* RMS change of the shape by the largest sudden load (m) */
@@ -386,8 +386,7 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
 
 /*
  * The supervisor as a block of PZS_PHASE_SUPERVISE. Tables: pzs_supervision. Object:
- * pzs_supervisor. Its init returns ARGUMENT (also tables of other counts), FORMAT, CRC, NONFINITE,
- * LIMITS (park voltages outside the limits).
+ * pzs_supervisor. Its init returns ARGUMENT (also tables of other counts), FORMAT, CRC, NONFINITE.
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \

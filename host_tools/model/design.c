@@ -726,6 +726,7 @@ void design_free(design *design)
     free(design->upper);
     free(design->step_limit);
     free(design->reference_voltage);
+    free(design->park);
     mesh_free(&design->mesh);
     memset(design, 0, sizeof *design);
 }

@@ -58,6 +58,7 @@ typedef struct design {
     double *hessian;   /* [amplifiers][amplifiers] B'W^2 B */
     double *lower, *upper, *step_limit, *reference_voltage; /* [amplifiers] limits, step limits and
                                                                reference voltages, V */
+    double *park; /* [amplifiers] park voltages of the supervisor, V */
     pzs_problem problem;
 } design;
 

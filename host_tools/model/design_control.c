@@ -169,8 +169,9 @@ static int allocate_control(design *design)
     design->upper = calloc(n, sizeof *design->upper);
     design->step_limit = calloc(n, sizeof *design->step_limit);
     design->reference_voltage = calloc(n, sizeof *design->reference_voltage);
-    return design->wanted && design->influence && design->hessian && design->lower &&
-           design->upper && design->step_limit && design->reference_voltage;
+    design->park = calloc(n, sizeof *design->park);
+    return design->park && design->wanted && design->influence && design->hessian &&
+           design->lower && design->upper && design->step_limit && design->reference_voltage;
 }
 
 int design_control(design *design, const double *influence, char *error)
@@ -203,6 +204,9 @@ int design_control(design *design, const double *influence, char *error)
     problem->regularisation = build_hessian(design);
     if (build_limits(design, error) < 0)
         return -1;
+    for (size_t k = 0; k < n; k++)
+        design->park[k] =
+            fmin(fmax(design->scene->safety.park, design->lower[k]), design->upper[k]);
     problem->format = PZS_TABLE_FORMAT;
     problem->scene = design->scene->hash;
     problem->inputs = (uint16_t)n;

@@ -525,6 +525,15 @@ typedef struct scene_control {
     double rate; /* tick rate (ticks per second); 0 if neither given nor needed by a simulation */
 } scene_control;
 
+/* Supervisor of the control loop. */
+typedef struct scene_safety {
+    int given;
+    double park;    /* park voltage of all amplifiers, clamped to the limits of each */
+    int timeout;    /* ticks without usable readings until control is taken away; 0: never */
+    int ramp_ticks; /* shortest ramp to the park voltages (ticks) */
+    int waits;      /* 1: the loop waits for the command to arm; 0: it arms itself */
+} scene_safety;
+
 typedef struct scene {
     char *path; /* path of the scene file */
     char **set; /* changes applied to the scene file [sets] */
@@ -560,6 +569,7 @@ typedef struct scene {
     scene_simulate simulate;
     scene_dynamics dynamics;
     scene_control control;
+    scene_safety safety;
     scene_influence influence;
     int amplifiers; /* number of amplifiers of all actuators, in the order of the actuators */
     int electrodes; /* number of electrodes of all sensors, in the order of the sensors */

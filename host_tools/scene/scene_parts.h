@@ -56,6 +56,9 @@ field_read read_estimate;
 /* Data for vibration, and of the control loop on the device (scene_dynamics.c). */
 field_read read_dynamics, read_control;
 
+/* Supervisor of the control loop (scene_safety.c). */
+field_read read_safety;
+
 /* Wrong wires of amplifiers (scene_imperfections.c); `to` is the scene_simulate. */
 field_read read_reversed, read_swapped;
 
@@ -109,9 +112,10 @@ extern const int place_components[];
 
 /* Forms of the sections. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
-    reference_form, patches_form, actuators_form, sensors_form, control_form, limits_form,
-    supports_form, loads_form, contact_form, outputs_form, target_form, compare_form, estimate_form,
-    dynamics_form, simulate_form, equilibrium_form, influence_form, measured_target_form;
+    reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
+    limits_form, supports_form, loads_form, contact_form, outputs_form, target_form, compare_form,
+    estimate_form, dynamics_form, simulate_form, equilibrium_form, influence_form,
+    measured_target_form;
 
 /* Default element formulation of a scene. */
 extern const scene_element element_improved;

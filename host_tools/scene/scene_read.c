@@ -83,6 +83,14 @@ static const range relative = {0, 1, 1,
      OF_NOTHING,                                                                                   \
      &control_form,                                                                                \
      "The control loop on the device."},                                                           \
+        {"safety",                                                                                 \
+         read_safety,                                                                              \
+         0,                                                                                        \
+         NULL,                                                                                     \
+         0,                                                                                        \
+         OF_NOTHING,                                                                               \
+         &safety_form,                                                                             \
+         "Supervisor of the control loop: it parks the output when control is lost."},             \
     {                                                                                              \
         "limits", read_limits, 0, NULL, 0, OF_NOTHING, &limits_form, "Limits of the amplifiers."   \
     }

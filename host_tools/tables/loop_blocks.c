@@ -2,6 +2,7 @@
 /* Blocks of the control tick that a scene needs (loop_blocks.h). */
 #include "loop_blocks.h"
 #include <ctype.h>
+#include <math.h>
 #include <string.h>
 #include "../../lib/core/guard.h"
 
@@ -54,6 +55,11 @@ static bool has_detector(const loop_blocks *blocks)
     return blocks->design->scene->simulate.finds;
 }
 
+static bool has_supervisor(const loop_blocks *blocks)
+{
+    return blocks->design->scene->safety.given;
+}
+
 /* ---- tables for the host ---------------------------------------------- */
 
 static const void *known_tables(loop_blocks *blocks)
@@ -92,6 +98,46 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
+/* RMS of the wanted displacements (m). */
+static double target_rms(const design *design)
+{
+    double sum = 0;
+    for (int i = 0; i < design->targets; i++)
+        sum += design->target[i] * design->target[i] / design->targets;
+    return sqrt(sum);
+}
+
+/*
+ * Tables of the supervisor. The divergence monitor allows for a sudden load of 0.3 of the target
+ * and for noise of at least 0.005 of it. Changes of the target explain a deviation that fades by a
+ * factor of e in two periods of the first mode, or in 50 ticks without modes. The alarm waits for
+ * one period, at least 20 ticks.
+ */
+static const void *supervision_tables(loop_blocks *blocks)
+{
+    const design *design = blocks->design;
+    const scene *scene = design->scene;
+    const double wanted = target_rms(design);
+    pzs_supervision *tables = &blocks->supervision;
+    *tables = (pzs_supervision){.scene = design->problem.scene,
+                                .inputs = design->problem.inputs,
+                                .timeout = (uint16_t)scene->safety.timeout,
+                                .ramp_ticks = (uint16_t)scene->safety.ramp_ticks,
+                                .alarm_ticks = 20,
+                                .waits = (uint16_t)scene->safety.waits,
+                                .park = design->park,
+                                .fading = 0.98,
+                                .noise = fmax(scene->simulate.noise, 0.005 * wanted),
+                                .load = 0.3 * wanted};
+    if (blocks->damper->is_used && blocks->damper->modes > 0) {
+        const double period = blocks->damper->rate / blocks->damper->frequency[0];
+        tables->fading = exp(-1 / (2 * period));
+        tables->alarm_ticks = (uint16_t)fmin(fmax(20, ceil(period)), 60000);
+    }
+    (void)pzs_supervision_seal(tables);
+    return tables;
+}
+
 /* ---- tables as source ------------------------------------------------- */
 
 static void write_known(emitter *emitter, const loop_blocks *blocks)
@@ -121,6 +167,23 @@ static void write_detection(emitter *emitter, const loop_blocks *blocks)
         "/* delay of the measurements (ticks), amplitude of the test signal (V; 0: default) */\n"
         "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
         emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
+}
+
+static void write_supervision(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_supervision *tables = &blocks->supervision;
+    const uint16_t counts[5] = {tables->inputs, tables->timeout, tables->ramp_ticks,
+                                tables->alarm_ticks, tables->waits};
+    const double settings[3] = {tables->fading, tables->noise, tables->load};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emit_reals(emitter, "park", tables->park, tables->inputs, "park voltages (V)");
+    emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
+    emit_begin(emitter, "supervision", "supervision", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_park, ", counts[0], counts[1], counts[2],
+            counts[3], counts[4], emitter->prefix);
+    for (int i = 0; i < 3; i++)
+        fprintf(emitter->file, "PZS_R(%.17g), ", settings[i]);
+    fputs("\n};\n", emitter->file);
 }
 
 /* Arrays of the damper in the order in which they are declared. */
@@ -215,6 +278,8 @@ static const struct {
      "amplifier", "AMPLIFIER_BLOCK_BYTES(%_INPUTS)"},
     {&pzs_fault_detector_block, has_detector, detection_tables, write_detection, "fault_detector",
      "fault_detection", "FAULT_DETECTOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS, %_DELAY)"},
+    {&pzs_supervisor_block, has_supervisor, supervision_tables, write_supervision, "supervisor",
+     "supervision", "SUPERVISOR_BLOCK_BYTES(%_OUTPUTS)"},
 };
 enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 

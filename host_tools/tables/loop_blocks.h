@@ -16,6 +16,7 @@ typedef struct loop_blocks {
     pzs_known_loads known_loads; /* tables of the blocks that are stored nowhere else */
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
+    pzs_supervision supervision;
     pzs_block block[PZS_BLOCK_LIMIT];
     int count;
 } loop_blocks;

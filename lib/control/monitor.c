@@ -12,7 +12,7 @@
  *     predicted shape) minus its low-passed value, so that steady loads and a steady error of the
  *     model do not count;
  *   - the shape does not answer: over the last moves, the measured changes of the shape had less
- *     than a quarter of the predicted size in the predicted direction, as with a wrong polarity, an
+ *     than a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
  *     amplifier that is off, or a structure that vibrates under a loop without a model of it.
  *
  * Work of a tick: about 20 operations an output.
@@ -28,7 +28,7 @@
 #define PEAK_FADING PZS_R(0.9)
 /* Gain of the low-pass filter of the disturbance, and of the sums over the last moves. */
 #define SLOW PZS_R(0.02)
-#define LEAST_ANSWER PZS_R(0.25) /* smallest plausible answer to a predicted change */
+#define LEAST_ANSWER PZS_R(0.1) /* smallest plausible answer to a predicted change */
 /* Moves are judged if the root of their sum of squares is above this part of the load. */
 #define LEAST_MOVE PZS_R(0.25)
 
@@ -56,6 +56,22 @@ typedef struct squares {
     pzs_real answered;  /* predicted times measured change of the shape */
 } squares;
 
+/*
+ * Number of inputs whose voltage is fixed, times 2, plus 1 while a test signal is applied. Where
+ * this number changes, a voltage has jumped to where the electrode already was.
+ */
+static uint32_t count_fixed(const pzs_loop_signals *signals)
+{
+    const pzs_control_info *info = &signals->control->info;
+    uint32_t fixed = 0, is_tested = 0;
+    for (uint32_t i = 0; i < signals->control->state.problem->inputs; i++) {
+        fixed += info->lower[i] < info->upper[i] ? 0u : 1u;
+        if (signals->electrode != NULL && signals->electrode[i] == PZS_ELECTRODE_TESTED)
+            is_tested = 1;
+    }
+    return 2u * fixed + is_tested;
+}
+
 /* Take over the shapes of the first tick, with which later ones are compared. */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -75,6 +91,7 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
     monitor->envelope = PZS_SQRT(square);
     monitor->moved = 0;
     monitor->answered = 0;
+    monitor->fixed = count_fixed(signals);
     monitor->is_started = true;
 }
 
@@ -119,6 +136,23 @@ static bool is_unanswered(const pzs_monitor_state *monitor, const pzs_supervisio
     return monitor->moved > least * least && monitor->answered < LEAST_ANSWER * monitor->moved;
 }
 
+/*
+ * Add the moves of this tick to the sums by which answers are judged. While electrodes are tested
+ * or have just been held, there is nothing to judge.
+ */
+static void sum_moves(pzs_monitor_state *monitor, const squares *sum,
+                      const pzs_loop_signals *signals)
+{
+    const uint32_t fixed = count_fixed(signals);
+    const bool is_judged = fixed == monitor->fixed && fixed % 2u == 0;
+    monitor->fixed = fixed;
+    monitor->moved = is_judged ? monitor->moved + sum->moved - SLOW * monitor->moved : 0;
+    monitor->answered =
+        is_judged ? monitor->answered + sum->answered - SLOW * monitor->answered : 0;
+    for (uint32_t i = 0; !is_judged && i < signals->control->state.problem->outputs; i++)
+        monitor->move[i] = 0;
+}
+
 bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
                       const pzs_loop_signals *signals)
 {
@@ -134,8 +168,7 @@ bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
     const pzs_real faded = PEAK_FADING * monitor->amplitude;
     monitor->amplitude = now > faded ? now : faded;
     monitor->envelope = tables->fading * monitor->envelope + PZS_SQRT(sum.target);
-    monitor->moved += sum.moved - SLOW * monitor->moved;
-    monitor->answered += sum.answered - SLOW * monitor->answered;
+    sum_moves(monitor, &sum, signals);
     return monitor->amplitude > pzs_monitor_threshold(monitor, tables) ||
            (!has_modes && is_unanswered(monitor, tables));
 }

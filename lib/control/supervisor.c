@@ -51,12 +51,6 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
     *where = pzs_guard_nonfinite(tables->park, tables->inputs);
     if (*where >= 0)
         return PZS_E_NONFINITE;
-    for (uint32_t i = 0; i < tables->inputs; i++) {
-        *where = (int32_t)i;
-        if (!(tables->park[i] >= problem->lower[i] && tables->park[i] <= problem->upper[i]))
-            return PZS_E_LIMITS;
-    }
-    *where = -1;
     return are_in_range(tables) ? PZS_OK : PZS_E_ARGUMENT;
 }
 
@@ -126,20 +120,22 @@ uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *p
     return most;
 }
 
-/* The reference voltage of input i, inside its limits (V). */
-static pzs_real flat_voltage(const pzs_problem *problem, uint32_t i)
+/* A voltage of input i inside its limits (V). */
+static pzs_real inside(const pzs_problem *problem, uint32_t i, pzs_real voltage)
 {
-    return number_clamp(problem->reference_voltage[i], problem->lower[i], problem->upper[i]);
+    return number_clamp(voltage, problem->lower[i], problem->upper[i]);
 }
 
 uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_problem *problem)
 {
     uint32_t most = tables->ramp_ticks;
     for (uint32_t i = 0; i < problem->inputs; i++) {
-        most = longer(most, problem, i, problem->lower[i], tables->park[i]);
-        most = longer(most, problem, i, problem->upper[i], tables->park[i]);
-        most = longer(most, problem, i, problem->lower[i], flat_voltage(problem, i));
-        most = longer(most, problem, i, problem->upper[i], flat_voltage(problem, i));
+        const pzs_real park = inside(problem, i, tables->park[i]);
+        const pzs_real flat = inside(problem, i, problem->reference_voltage[i]);
+        most = longer(most, problem, i, problem->lower[i], park);
+        most = longer(most, problem, i, problem->upper[i], park);
+        most = longer(most, problem, i, problem->lower[i], flat);
+        most = longer(most, problem, i, problem->upper[i], flat);
     }
     return most;
 }
@@ -147,8 +143,10 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 /* Voltage at the end of the ramp (V). */
 static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
-    return supervisor->state.core[0].is_flat != 0 ? flat_voltage(supervisor->state.problem, i)
-                                                  : supervisor->state.tables->park[i];
+    const pzs_problem *problem = supervisor->state.problem;
+    const bool is_flat = supervisor->state.core[0].is_flat != 0;
+    return inside(problem, i,
+                  is_flat ? problem->reference_voltage[i] : supervisor->state.tables->park[i]);
 }
 
 /* Start a ramp from the voltages given last. */

@@ -422,6 +422,19 @@ run 0 simulate plate-closed-loop $quick --set simulate.ticks=300 --set simulate.
     law loop.html text 'Plant with inertia, 100 modes'
 check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 [ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop ${quick% --set simulate.events*} --set 'safety={}'; check 'safety: no false alarm in the shipped schedule of faults' $?
+# shellcheck disable=SC2086
+run 1 simulate plate-closed-loop $quick --set 'safety={}' --set 'simulate.amplifiers={reversed: [v]}' && grep -q 'control was taken away' "$dir/err"
+check 'safety: reversed amplifiers end parked' $?
+run 2 check plate-closed-loop --set 'safety={timeout: -1}' && grep -q 'must be from 0 to 60000 ticks' "$dir/err"; check 'safety: a negative time-out is refused' $?
+run 0 tables plate-closed-loop --quasi-static --set 'safety={park: 400, arm: command}' --prefix safe -o "$dir/safe.h" &&
+    printf '#include "pzs.h"\n#include "safe.h"\nstatic double work[SAFE_LOOP_BYTES / 8 + 2];\nstatic pzs_loop loop;\nint main(void) {\n%s\n%s\n%s\n}\n' \
+        'const pzs_status s = pzs_loop_init(&loop, safe_blocks, SAFE_BLOCKS, NULL, work, sizeof work);' \
+        'static const pzs_real wanted[SAFE_OUTPUTS]; if (s != PZS_OK) return 1;' \
+        'return pzs_loop_tick(&loop, wanted, NULL) != PZS_W_PARKED;' >"$dir/safe.c" &&
+    (for bits in 32 64; do gcc -std=c99 -DPZS_REAL_BITS=$bits -Iinclude -I"$dir" "$dir/safe.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/safe" && "$dir/safe" || exit 1; done)
+check 'safety: its tables run in float and double' $?
 run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
 run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
 run 0 tables plate-closed-loop --quasi-static -o "$dir/target.h" && run 0 tables plate-closed-loop --quasi-static --set simulate.influence=undeformed -o "$dir/rest.h" &&

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Section `safety`: the supervisor of the control loop. */
+#include "scene_parts.h"
+
+static const choice arming[] = {{"automatic", 0}, {"command", 1}, {NULL, 0}};
+static const form arming_form = {.type = FORM_WORD, .words = arming};
+static const range waited = {0, 60000, 0, "must be from 0 to 60000 ticks"};
+static const range ramped = {1, 60000, 0, "must be from 1 to 60000 ticks"};
+static const form waited_form = {.type = FORM_WHOLE, .range = &waited};
+static const form ramped_form = {.type = FORM_WHOLE, .range = &ramped};
+
+static int read_arming(reader *reader, int node, void *to, const void *rule)
+{
+    scene_safety *safety = to;
+    (void)rule;
+    return read_choice(reader, node, &safety->waits, arming);
+}
+
+static const field safety_fields[] = {
+    {"park", read_real, offsetof(scene_safety, park), NULL, .of = OF_VOLTAGE,
+     .help = "Park voltage of all amplifiers, clamped to the limits of each; default 0."},
+    {"timeout", read_int, offsetof(scene_safety, timeout), &waited, .form = &waited_form,
+     .help = "Ticks without usable readings after which control is taken away; 0: never; default "
+             "100."},
+    {"ramp_ticks", read_int, offsetof(scene_safety, ramp_ticks), &ramped, .form = &ramped_form,
+     .help = "Shortest ramp to the park voltages in ticks, which step limits may lengthen; default "
+             "50."},
+    {"arm", read_arming, .form = &arming_form,
+     .help = "automatic: the loop takes control after the first whole frame of readings (default); "
+             "command: it waits for the command of the firmware as well."},
+    {.key = NULL}};
+
+const form safety_form = {.type = FORM_MAP, .fields = safety_fields};
+
+int read_safety(reader *reader, int node, void *to, const void *rule)
+{
+    static const int default_timeout = 100, default_ramp = 50;
+    scene *scene = to;
+    (void)rule;
+    scene->safety.given = 1;
+    scene->safety.timeout = default_timeout;
+    scene->safety.ramp_ticks = default_ramp;
+    return read_map(reader, node, safety_fields, &scene->safety);
+}
