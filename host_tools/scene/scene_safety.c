@@ -19,10 +19,12 @@ static int read_arming(reader *reader, int node, void *to, const void *rule)
 static const field safety_fields[] = {
     {"park", read_real, offsetof(scene_safety, park), NULL, .of = OF_VOLTAGE,
      .help = "Park voltage of all amplifiers, clamped to the limits of each; default 0."},
-    {"timeout", read_int, offsetof(scene_safety, timeout), &waited, .form = &waited_form,
+    {"timeout", read_int, offsetof(scene_safety, timeout), &waited, .of = OF_NUMBER,
+     .form = &waited_form,
      .help = "Ticks without usable readings after which control is taken away; 0: never; default "
              "100."},
-    {"ramp_ticks", read_int, offsetof(scene_safety, ramp_ticks), &ramped, .form = &ramped_form,
+    {"ramp_ticks", read_int, offsetof(scene_safety, ramp_ticks), &ramped, .of = OF_NUMBER,
+     .form = &ramped_form,
      .help = "Shortest ramp to the park voltages in ticks, which step limits may lengthen; default "
              "50."},
     {"arm", read_arming, .form = &arming_form,
