@@ -226,16 +226,29 @@ static void print_json(const run *r)
     json_close(&json, '}');
 }
 
+/* Places of the outputs where the model has some, else NULL. [outputs][3] */
+static double (*places(const run *r))[3]
+{
+    return r->scene && r->scene->influence.given ? r->scene->influence.place : r->model.place;
+}
+
 static void write_matrix(FILE *file, const run *r)
 {
     char name[SCENE_LABEL];
+    double(*place)[3] = places(r);
+    fputs(place ? "x,y,z," : "", file);
     for (size_t k = 0; k < r->pokes.actuators; k++) {
         actuator_name(r, k, name);
         fprintf(file, "%s%s", k ? "," : "", name);
     }
     fputc('\n', file);
-    for (size_t i = 0; i < r->pokes.outputs * r->pokes.actuators; i++)
-        fprintf(file, "%.17g%c", r->result.influence[i], (i + 1) % r->pokes.actuators ? ',' : '\n');
+    for (size_t i = 0; i < r->pokes.outputs; i++) {
+        for (int a = 0; a < 3 && place; a++)
+            fprintf(file, "%.17g,", place[i][a]);
+        for (size_t k = 0; k < r->pokes.actuators; k++)
+            fprintf(file, "%.17g%c", r->result.influence[i * r->pokes.actuators + k],
+                    k + 1 < r->pokes.actuators ? ',' : '\n');
+    }
 }
 
 static int write_file(const run *r, const char *path)

@@ -114,7 +114,7 @@ const command_entry command_table[COMMANDS] = {
           "--device netduinoplus2",
           NULL}},
     [COMMAND_NEW] = {"new",
-                     "[NAME]",
+                     "[plate|mirror|panel|measured|measured-matrix|poke-voltages|poke-shapes]",
                      ARGUMENT_CHOICE,
                      starts,
                      "a commented scene to start from, on standard output",
@@ -175,9 +175,8 @@ const command_entry command_table[COMMANDS] = {
          "fitted first; a measured matrix is taken as it is. Dead electrodes are named, and with a "
          "model reversed wires and swapped cables. The matrix is that of the amplifiers as they "
          "are wired.",
-         {"pzs new poke-voltages > voltages.csv; pzs new poke-shapes > shapes.csv; pzs calibrate "
-          "--voltages voltages.csv --shapes shapes.csv -o matrix.csv",
-          NULL}},
+         {"pzs new poke-voltages > voltages.csv; pzs new poke-shapes > shapes.csv",
+          "pzs calibrate --voltages voltages.csv --shapes shapes.csv -o matrix.csv", NULL}},
     [COMMAND_COMPLETION] =
         {"completion",
          "[SHELL]",
@@ -260,6 +259,16 @@ const option_entry option_table[OPTIONS] = {
          "rate; the header then says so and defines PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
                        "start of every name; default the scene's name"},
+    [OPTION_NPZ] =
+        {"--npz", NULL, "FILE.npz", ARGUMENT_FILE, NULL,
+         BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES) | BIT(COMMAND_SIMULATE),
+         "arrays for numpy.load: places, target, influence, limits, voltages, shapes and "
+         "misfits (a row for each set of voltages), displacements, mode shapes, the "
+         "ticks of simulate; the array units names their units"},
+    [OPTION_CSV_FOLDER] = {"--csv-dir", NULL, "FOLDER", ARGUMENT_FILE, NULL,
+                           BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES) |
+                               BIT(COMMAND_SIMULATE),
+                           "the same arrays, a CSV file for each"},
     [OPTION_VOLTAGES] = {"--voltages", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
                          "voltages of the pokes: text or .npy, a line for each poke"},
     [OPTION_SHAPES] = {"--shapes", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),

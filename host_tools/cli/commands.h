@@ -37,6 +37,8 @@ typedef enum option_id {
     OPTION_VTU,
     OPTION_NUMBER,
     OPTION_CSV,
+    OPTION_NPZ,
+    OPTION_CSV_FOLDER,
     OPTION_VOLTAGES,
     OPTION_SHAPES,
     OPTION_DEVICE,

@@ -13,6 +13,7 @@
 #include "../simulate/certify.h"
 #include "../model/estimator.h"
 #include "command_calibrate.h"
+#include "export.h"
 #include "help.h"
 #include "keys.h"
 #include "schema.h"
@@ -243,6 +244,8 @@ static int solved(const options *options, analysis *analysis, const double *u)
         status = write_vtu(analysis, u, options->vtu);
     if (status == 0)
         status = write_reports(options, write_solve, &result);
+    if (status == 0)
+        status = export_solve(options, analysis, u, value);
     free(value);
     return status;
 }
@@ -375,6 +378,8 @@ static int command_shape(const options *options, analysis *analysis)
             status = write_vtu(analysis, best->u, options->vtu);
         if (status == 0)
             status = write_reports(options, write_shape, &run);
+        if (status == 0)
+            status = export_shape(options, &run);
     } else {
         status = complain(error, failed_code(analysis));
     }
@@ -390,16 +395,20 @@ static int command_shape(const options *options, analysis *analysis)
 
 /*
  * Run all ticks of a simulation, with a CSV file where the options request one, then compute the
- * optima. Returns 0, or an exit code.
+ * optima.
+ *   history  out  every tick of the controller
+ * Returns 0, or an exit code.
  */
-static int run_simulation(simulation *run, const options *options, simulate_record *record)
+static int run_simulation(simulation *run, const options *options, simulate_record *record,
+                          history *history)
 {
     char error[SCENE_ERROR];
     outfile csv = {NULL, NULL, "", -1};
     const int status = options->csv ? outfile_begin(&csv, options->csv) : 0;
     if (status)
         return status;
-    if (print_run(run, record, csv.file, error) == 0)
+    const simulate_sinks sinks = {record, csv.file, history->room > 0 ? history : NULL};
+    if (print_run(run, &sinks, error) == 0)
         return options->csv ? outfile_end(&csv, 0) : 0;
     if (options->csv)
         outfile_drop(&csv);
@@ -438,6 +447,7 @@ static int command_simulate(const options *options, analysis *analysis)
     const scene *scene = analysis->design.scene;
     simulation run;
     simulate_record record;
+    history history = {.ticks = 0};
     const simulated result = {&run, &record};
     char error[SCENE_ERROR];
     int status = 0;
@@ -457,19 +467,23 @@ static int command_simulate(const options *options, analysis *analysis)
         status = complain(error, OPTIONS_WRONG);
     } else if (options->device && simulate_device(&run, options->device, error) < 0) {
         status = complain(error, 1);
-    } else if (record_open(&record, &run) < 0) {
+    } else if (record_open(&record, &run) < 0 ||
+               (export_is_wanted(options) && !history_open(&history, scene))) {
         status = options_refuse("out of memory for", options->scene);
-    } else if ((status = run_simulation(&run, options, &record)) == 0) {
+    } else if ((status = run_simulation(&run, options, &record, &history)) == 0) {
         check_phases(&analysis->warnings, &run);
         progress_stop();
         (options->as_json ? print_simulation_json : print_simulation)(&run, &record);
         status = write_reports(options, write_simulate, &result);
+        if (status == 0)
+            status = export_simulation(options, &run, &history);
         status |= run.count[LAW_CONTROLLER].beyond > 0 ||
                   run.count[LAW_CONTROLLER].not_finite > 0 ||
                   (run.board && run.board->twin &&
                    simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].same);
     }
     record_close(&record);
+    history_close(&history);
     simulate_close(&run);
     return status;
 }
@@ -531,6 +545,8 @@ static int modes_of(const options *options, const design *design)
                                                                     &mesh_error);
     if (status == 0 && options->vtu)
         status = write_modes(&vibration, &design->mesh, options->vtu);
+    if (status == 0)
+        status = export_modes(options, design, &vibration);
     vibration_free(&vibration);
     return status;
 }

@@ -197,6 +197,8 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_SVG: return take_file(&options->svg, value);
     case OPTION_VTU: return take_file(&options->vtu, value);
     case OPTION_CSV: return take_file(&options->csv, value);
+    case OPTION_NPZ: return take_file(&options->npz, value);
+    case OPTION_CSV_FOLDER: return take_file(&options->csv_folder, value);
     case OPTION_VOLTAGES: return take_file(&options->voltages, value);
     case OPTION_SHAPES: return take_file(&options->shapes, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
@@ -303,10 +305,10 @@ static int same_file(const char *a, const char *b)
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];
-    enum { FILES = 8 };
+    enum { FILES = 9 };
     const char *const file[FILES] = {scene_path,        options->report, options->svg,
                                      options->vtu,      options->csv,    options->output,
-                                     options->voltages, options->shapes};
+                                     options->voltages, options->shapes, options->npz};
     scene_path[0] = '\0';
     if (options->scene)
         shipped_path(options->scene, scene_path);

@@ -23,6 +23,7 @@ typedef struct options {
     int follows_path;    /* follow the load path through limit points */
     int estimates_error; /* estimate the discretisation error from coarser meshes */
     const char *report, *svg, *vtu, *csv, *output, *prefix;
+    const char *npz, *csv_folder;  /* file and folder for arrays of numbers */
     const char *voltages, *shapes; /* measured pokes of calibrate */
     int words; /* number of arguments of the whole command line, which the report prints */
     char *const *words_given; /* [words] arguments of the whole command line */

@@ -44,25 +44,26 @@ static void print_csv_tick(FILE *file, const scene *scene, int estimates,
 
 typedef struct onlookers {
     const scene *scene;
-    simulate_record *record;
-    FILE *csv;
+    const simulate_sinks *sinks;
     int estimates;
 } onlookers;
 
 static void look(void *context, const simulate_sample *sample)
 {
     onlookers *w = context;
-    record_tick(w->record, sample);
-    if (w->csv && sample->law == LAW_CONTROLLER)
-        print_csv_tick(w->csv, w->scene, w->estimates, sample);
+    record_tick(w->sinks->record, sample);
+    if (w->sinks->history && sample->law == LAW_CONTROLLER)
+        history_add(w->sinks->history, w->scene, sample);
+    if (w->sinks->csv && sample->law == LAW_CONTROLLER)
+        print_csv_tick(w->sinks->csv, w->scene, w->estimates, sample);
     progress_count(sample->tick + 1, w->scene->simulate.ticks);
 }
 
-int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *error)
+int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 {
-    onlookers w = {simulation->nominal->design.scene, record, csv, simulation->estimates};
-    if (csv)
-        print_csv_head(csv, w.scene, simulation->estimates);
+    onlookers w = {simulation->nominal->design.scene, sinks, simulation->estimates};
+    if (sinks->csv)
+        print_csv_head(sinks->csv, w.scene, simulation->estimates);
     progress_stage("simulating the controller");
     if (simulate_run(simulation, LAW_CONTROLLER, look, &w, error) < 0)
         return -1;

@@ -5,14 +5,20 @@
 
 #include <stdio.h>
 #include "../report/report_simulate.h"
+#include "history.h"
+
+/* What receives the ticks of a simulation. */
+typedef struct simulate_sinks {
+    simulate_record *record; /* opened record of all control laws */
+    FILE *csv;               /* a header and one line per tick of the controller, or NULL */
+    history *history;        /* opened history of the controller, or NULL */
+} simulate_sinks;
 
 /*
- * Run the simulation under all control laws, then compute the optimum of each phase.
- *   record in/out  opened record that stores every tick
- *   csv in  file for a header and one line per tick of the controller, or NULL
- * Returns 0, or -1 with error filled.
+ * Run the simulation under all control laws, then compute the optimum of each phase. Returns 0, or
+ * -1 with error filled.
  */
-int print_run(simulation *simulation, simulate_record *record, FILE *csv, char *error);
+int print_run(simulation *simulation, const simulate_sinks *sinks, char *error);
 
 /* Print the results on standard output, after print_run. */
 void print_simulation(const simulation *simulation, const simulate_record *record);

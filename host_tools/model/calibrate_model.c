@@ -27,8 +27,9 @@ static int list_factors(calibration_model *model, const scene *scene)
     return 0;
 }
 
-/* Influence of the amplifiers of a prepared scene on its target nodes. */
-static int copy_influence(analysis *analysis, const pokes *pokes, double *influence, char *error)
+/* Influence of the amplifiers of a prepared scene on its target nodes, and their places. */
+static int copy_influence(const calibration_model *model, analysis *analysis, const pokes *pokes,
+                          double *influence, char *error)
 {
     const design *design = &analysis->design;
     if (design->targets != (int)pokes->outputs || design->amplifiers != (int)pokes->actuators)
@@ -43,6 +44,9 @@ static int copy_influence(analysis *analysis, const pokes *pokes, double *influe
         memcpy(influence + i * pokes->actuators,
                analysis->influence + i * design->structure.input.count,
                pokes->actuators * sizeof *influence);
+    for (size_t i = 0; i < pokes->outputs; i++)
+        memcpy(model->place[i], design->mesh.point[design->target_node[i]].x,
+               sizeof model->place[i]);
     return 0;
 }
 
@@ -63,7 +67,7 @@ static int model_influence(const calibration_model *model, const scene *nominal,
     }
     int failed = analysis_prepare(&analysis, &scene, error);
     if (!failed) {
-        failed = copy_influence(&analysis, pokes, influence, error);
+        failed = copy_influence(model, &analysis, pokes, influence, error);
         analysis_free(&analysis);
     }
     scene_free(&scene);
@@ -244,7 +248,8 @@ int calibration_model_fit(calibration_model *model, const scene *nominal, const 
     model->before = -1;
     model->voltage = calloc(given->count * given->actuators + 1, sizeof *model->voltage);
     model->influence = calloc(given->outputs * given->actuators + 1, sizeof *model->influence);
-    if (!model->voltage || !model->influence || list_factors(model, nominal) < 0)
+    model->place = calloc(given->outputs + 1, sizeof *model->place);
+    if (!model->voltage || !model->influence || !model->place || list_factors(model, nominal) < 0)
         return scene_fault(nominal, nominal->at_surface, error, "out of memory");
     pokes acting = *given;
     acting.voltage = model->voltage;
@@ -270,5 +275,6 @@ void calibration_model_free(calibration_model *model)
     free(model->factor);
     free(model->influence);
     free(model->voltage);
+    free(model->place);
     memset(model, 0, sizeof *model);
 }

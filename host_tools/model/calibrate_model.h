@@ -19,6 +19,7 @@ typedef struct calibration_model {
     int factors;
     model_factor *factor; /* [factors] */
     double *influence;    /* [outputs][amplifiers] of the scene with these factors */
+    double (*place)[3];   /* [outputs] coordinates of the target nodes */
     double before, after; /* root mean square of what the scene, and the fitted model, leave of the
                              measured shapes, relative to these shapes */
     int faults;

@@ -94,12 +94,13 @@ complete() {
 if command -v bash >/dev/null; then
     "$PZS" completion >"$dir/pzs.bash" && ln -sf "$(realpath "$PZS")" "$dir/pzs" && PATH="$dir:$PATH" && : >"$dir/a.html" &&
         [ "$(complete so)" = solve ] && [ "$(complete solve --rep)" = --report ] && [ "$(complete tables x --image no)" = nonlinear ] &&
-        [ "$(complete shape plate-50)" = plate-50-patches ] && [ "$(complete help ch)" = check ] && [ "$(complete solve x --csv)" = '' ] &&
+        [ "$(complete shape plate-50)" = plate-50-patches ] && [ "$(complete help ch)" = check ] && [ "$(complete solve x --csv)" = --csv-dir ] &&
         [ "$(complete solve x --report "$dir/a.h")" = "$dir/a.html" ]
     check 'bash completes commands, options, choices, scenes and files' $?
 fi
 # Starting scenes: every choice of the help is a valid scene whose shape is found, with comments, not too long
-for kind in $("$PZS" help new | sed -n 's/^usage: pzs new \[\([^]]*\)\].*/\1/p' | tr '|' ' '); do
+# (those without a structure are checked below).
+for kind in $("$PZS" help new | sed -n 's/^usage: pzs new \[\([^]]*\)\].*/\1/p' | tr '|' '\n' | grep -v -e measured -e poke); do
     "$PZS" new "$kind" >"$dir/$kind.yaml" && run 0 check "$dir/$kind.yaml" && run 0 shape "$dir/$kind.yaml" --json && json "j['scene'] == '$kind' and 0 < j['shape_error'] < .1" &&
         run 0 solve "$dir/$kind.yaml" && [ "$(wc -l <"$dir/$kind.yaml")" -le 56 ] && [ "$(grep -c '#' "$dir/$kind.yaml")" -ge 12 ] && [ "$(awk 'length > 100' "$dir/$kind.yaml" | wc -l)" -eq 0 ]
     check "new $kind" $?
@@ -116,6 +117,25 @@ done
 run 0 new && cmp -s "$dir/out" "$dir/plate.yaml"; check 'new without an argument is a plate' $?
 run 0 new measured-matrix && mv "$dir/out" "$dir/measured-matrix.csv" && run 0 new measured && mv "$dir/out" "$dir/measured.yaml" &&
     run 0 check "$dir/measured.yaml" --strict && grep -qF 'rank 7' "$dir/out"; check 'new measured is valid with its matrix' $?
+run 2 solve "$dir/measured.yaml" && says 'needs a structure'; check 'solve of a measured matrix is refused by name' $?
+run 2 modes "$dir/measured.yaml" && says 'need a structure'; check 'modes of a measured matrix are refused by name' $?
+for image in linear nonlinear; do
+    run 2 tables "$dir/measured.yaml" --image $image -o "$dir/t.h" && says 'needs a structure' && [ ! -e "$dir/t.h" ]
+    check "a $image image of a measured matrix is refused by name" $?
+done
+run 0 shape "$dir/measured.yaml" --npz "$dir/a.npz" --csv-dir "$dir/arrays" --report "$dir/m.html" --svg "$dir/m.svg" &&
+    /usr/bin/python3 tests/cli/arrays_check.py "$dir/a.npz" "$dir/arrays"; check 'shapes in .npz and CSV are influence times voltages' $?
+/usr/bin/python3 tests/cli/report_check.py "$dir/m.html" xml && /usr/bin/python3 tests/cli/report_check.py "$dir/m.svg" xml
+check 'the report of a measured matrix is well-formed' $?
+run 0 simulate "$dir/measured.yaml" --npz "$dir/s.npz" --csv "$dir/s.csv" && /usr/bin/python3 tests/cli/arrays_check.py "$dir/s.npz" "$dir/s.csv" ticks
+check 'the ticks in .npz are those of --csv' $?
+run 0 new poke-voltages && mv "$dir/out" "$dir/voltages.csv" && run 0 new poke-shapes && mv "$dir/out" "$dir/shapes.csv" &&
+    run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" -o "$dir/matrix.csv" && grep -qF 'fault: e4 is dead' "$dir/out" &&
+    run 0 check "$dir/measured.yaml" --set influence.file=matrix.csv --set influence.scale=1; check 'calibrate names a dead actuator and writes a matrix' $?
+run 2 calibrate --voltages "$dir/voltages.csv" && says '--shapes FILE'; check 'calibrate without shapes says what is missing' $?
+head -c 100000000 /dev/zero >"$dir/huge.csv"
+run 2 check "$dir/measured.yaml" --set influence.file=huge.csv && says 'huge.csv: it has 95.4 MB'; check '100 MB are refused by their size' $?
+rm -f "$dir/huge.csv"
 # Scenes in the words of version 0.1: the migrated scene gives the tables of the shipped one, but for the hash of the file
 for s in plate-50-patches plate-closed-loop plate-few-sensors hyperboloid-patches; do
     set -- --set name=$s

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Results as named arrays in files: the options --npz and --csv-dir. */
+#ifndef EXPORT_H
+#define EXPORT_H
+
+#include "../data/named_array.h"
+#include "../model/vibration.h"
+#include "options.h"
+#include "history.h"
+#include "print.h"
+
+/* Whether the options ask for arrays. */
+bool export_is_wanted(const options *options);
+
+/*
+ * Write the arrays of a result. Each returns 0, or an exit code after printing an error message.
+ *   export_solve   u [free_dof], value [output rows]
+ *   export_shape   every set of voltages with its shape
+ *   export_modes   frequencies and mode shapes
+ */
+int export_solve(const options *options, const analysis *analysis, const double *u,
+                 const double *value);
+int export_shape(const options *options, const shape_run *run);
+int export_modes(const options *options, const design *design, const vibration *vibration);
+
+int export_simulation(const options *options, const simulation *simulation, const history *history);
+
+#endif

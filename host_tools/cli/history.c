@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* The controller's course in a simulation (history.h). */
+#include "history.h"
+#include <stdlib.h>
+#include <string.h>
+
+bool history_open(history *history, const scene *scene)
+{
+    memset(history, 0, sizeof *history);
+    history->room = (size_t)scene->simulate.ticks;
+    history->amplifiers = (size_t)scene->amplifiers;
+    history->row = calloc(history->room * HISTORY_COLUMNS, sizeof *history->row);
+    history->voltage = calloc(history->room * history->amplifiers, sizeof *history->voltage);
+    return history->row && history->voltage;
+}
+
+void history_add(history *history, const scene *scene, const simulate_sample *sample)
+{
+    if (history->ticks == history->room)
+        return;
+    const double values[HISTORY_COLUMNS] = {sample->tick / scene->control.rate,
+                                            sample->error,
+                                            sample->vibration,
+                                            sample->missed,
+                                            sample->active,
+                                            sample->iterations,
+                                            sample->status,
+                                            sample->lost};
+    memcpy(history->row + history->ticks * HISTORY_COLUMNS, values, sizeof values);
+    memcpy(history->voltage + history->ticks * history->amplifiers, sample->voltage,
+           history->amplifiers * sizeof *history->voltage);
+    history->ticks++;
+}
+
+void history_close(history *history)
+{
+    free(history->row);
+    free(history->voltage);
+}
