@@ -573,6 +573,8 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_number(json, "narrower", result->narrowed);
     json_number(json, "shape_error", result->error);
     json_number(json, "shape_error_all_rows", result->error_all);
+    json_number(json, "misfit_rms", result->rms);
+    json_number(json, "misfit_peak_to_valley", result->valley);
     json_number(json, "fixed_rows_off", result->fixed_off);
     json_number(json, "active", result->active_limits);
     json_number(json, "iterations", result->iterations);

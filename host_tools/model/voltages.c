@@ -168,6 +168,22 @@ static double relative(double misfit, double wanted)
     return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
+/* Fill RMS and peak-to-valley value from the misfit [targets] and its weighted squares. */
+static void measure_misfit(const design *design, const double *misfit, double squares,
+                           voltages *result)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, weight = 0;
+    for (int i = 0; i < design->targets; i++) {
+        weight += design->weight[i] * design->weight[i];
+        if (!(design->weight[i] > 0))
+            continue;
+        low = fmin(low, misfit[i]);
+        high = fmax(high, misfit[i]);
+    }
+    result->rms = sqrt(squares / weight);
+    result->valley = high - low;
+}
+
 /* Fill result->shape, result->aligned_target and the errors of result->u. */
 static void measure_errors(const analysis *analysis, voltages *result)
 {
@@ -178,6 +194,7 @@ static void measure_errors(const analysis *analysis, voltages *result)
                  wanted = design_squares(design, design->wanted, NULL);
     const double missed_fixed =
         design_misfit(design, result->shape, design->target, result->aligned_target);
+    measure_misfit(design, result->aligned_target, misfit, result);
     result->fixed_off = 0;
     for (int i = 0; i < design->targets; i++)
         most = fmax(most, fabs(design->target[i]));
@@ -358,6 +375,8 @@ static void go_back(analysis *analysis, const newton *newton, voltages *result)
            (size_t)analysis->design.targets * sizeof *result->aligned_target);
     result->error = newton->best.error;
     result->error_all = newton->best.error_all;
+    result->rms = newton->best.rms;
+    result->valley = newton->best.valley;
     result->fixed_off = newton->best.fixed_off;
     result->residual = newton->best.residual;
     result->active_limits = newton->best.active_limits;

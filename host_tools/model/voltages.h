@@ -20,6 +20,8 @@ typedef struct voltages {
                      that can move, P removing the free functions; the shape without voltages is the
                      linear one; NAN: no equilibrium found */
     double error_all;      /* the same error with the rows on constrained dof included */
+    double rms, valley;    /* root mean square, with the weights, and peak-to-valley value of the
+                              misfit, in the rows that can move */
     int fixed_off;         /* rows on constrained dof that differ from the target */
     double optimality;     /* KKT violation / largest |B'W^2 wanted|; NAN where the result is not an
                               optimum */
