@@ -206,6 +206,22 @@ int mesh_select(const mesh *mesh, const scene_where *where, int *node)
     return count;
 }
 
+int mesh_point_node(const mesh *mesh, const scene_where *where)
+{
+    int first = 0;
+    if (where->type == WHERE_PLACE)
+        return where->node[0];
+    if (where->type != WHERE_SET)
+        return mesh_node(mesh, where->node[0], where->node[1]);
+    unsigned char *in_set = calloc((size_t)mesh->nodes, 1);
+    if (in_set)
+        scene_mark_nodes(mesh->scene, where, in_set);
+    while (in_set && first < mesh->nodes - 1 && !in_set[first])
+        first++;
+    free(in_set);
+    return first;
+}
+
 /* ---- element types --------------------------------------------------- */
 
 static double distance(const double a[3], const double b[3])

@@ -80,6 +80,9 @@ typedef struct mesh_text {
 mesh_text mesh_node_text(const mesh *mesh, int node);
 mesh_text mesh_element_text(const mesh *mesh, int element);
 
+/* Node of a place that is a single node: a point, or the first node of a set. */
+int mesh_point_node(const mesh *mesh, const scene_where *where);
+
 /* List the nodes of a region in node order. node [nodes] out. Returns their number. */
 int mesh_select(const mesh *mesh, const scene_where *where, int *node);
 

@@ -59,8 +59,12 @@ static void write_structure_facts(FILE *file, const analysis *analysis, double r
     const scene *scene = analysis->design.scene;
     static const char *const kinematics[] = {"local", "Cartesian"}, *const metric[] = {"flat",
                                                                                        "exact"};
-    put(file, FACT("Mesh", "%d × %d elements of %d type%s, %d nodes"), scene->line[0].elements,
-        scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s", mesh->nodes);
+    if (mesh->quads)
+        put(file, FACT("Mesh", "%d elements of %d type%s, %d nodes"), mesh->elements, mesh->types,
+            mesh->types == 1 ? "" : "s", mesh->nodes);
+    else
+        put(file, FACT("Mesh", "%d × %d elements of %d type%s, %d nodes"), scene->line[0].elements,
+            scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s", mesh->nodes);
     put(file, FACT("Free dof", "%d, half bandwidth %d"), mesh->free_dof, mesh_half_bandwidth(mesh));
     put(file, FACT("Element", "%s kinematics, %s metric, %d dof per node"),
         kinematics[scene->element.cartesian], metric[scene->element.metric],

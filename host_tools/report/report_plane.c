@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "report_quads.h"
 #include "../text/words.h"
 
 static const double full_turn = 6.283185307179586, left_margin = 34, top_margin = 6;
@@ -120,6 +121,10 @@ shell shell_in_plane(FILE *file, const mesh *mesh)
     shell s = {.file = file, .m = mesh, .plane = {.x0 = left_margin, .y0 = top_margin}};
     shell_plane *p = &s.plane;
     const double room = SHELL_PLANE_WIDTH - left_margin - 2;
+    if (mesh->quads) {
+        quads_plane(p, mesh);
+        return s;
+    }
     for (int a = 0; a < 2 && mesh->elements > 0; a++) {
         const scene_line *line = &mesh->scene->line[a];
         p->low[a] = line->point[0];
@@ -179,7 +184,9 @@ static void axis_words(const shell *s, int a, double length)
 static void plane_end(const shell *s, draw_type type)
 {
     shell_edges(s, "frame");
-    if (s->plane.is_polar) {
+    if (s->m->quads) {
+        quads_words(s);
+    } else if (s->plane.is_polar) {
         polar_words(s);
     } else {
         put(s->file, "<g transform=\"translate(%f %f) rotate(90)\">", s->plane.x0 - 14,
@@ -197,7 +204,8 @@ int shell_map(FILE *file, const mesh *mesh, const double *value, const draw_scal
 {
     const shell s = shell_in_plane(file, mesh);
     draw_begin(file, DRAW_IMAGE, SHELL_PLANE_WIDTH, s.plane.picture_height, title,
-               "Map over the parameters theta1 and theta2 of the surface");
+               mesh->quads ? "Map of the surface, seen along its mean normal"
+                           : "Map over the parameters theta1 and theta2 of the surface");
     const int failed = shell_surface(&s, value, scale);
     shell_lines(&s, "grid");
     plane_end(&s, DRAW_IMAGE);
@@ -212,8 +220,10 @@ static bool do_overlap(const scene *scene, const scene_actuator *x, const scene_
     for (int k = 0; k < x->drives * y->drives; k++) {
         const scene_patches *patches = &scene->patches[x->drive[k / y->drives].patches];
         const scene_patches *q = &scene->patches[y->drive[k % y->drives].patches];
-        if (patches->theta1[0] < q->theta1[1] && q->theta1[0] < patches->theta1[1] &&
-            patches->theta2[0] < q->theta2[1] && q->theta2[0] < patches->theta2[1])
+        if (patches->patch
+                ? quads_overlap(scene, patches, q)
+                : patches->theta1[0] < q->theta1[1] && q->theta1[0] < patches->theta1[1] &&
+                      patches->theta2[0] < q->theta2[1] && q->theta2[0] < patches->theta2[1])
             return true;
     }
     return false;
@@ -350,15 +360,17 @@ static void write_voltage(FILE *file, const draw_scale *scale, const tile *t, do
             tone, size, t->at[0], t->at[1] + size * 0.36, sign, text + (*text == '-'));
 }
 
+/* What the title of a patch says of a voltage, for each shell_mark. */
+static const char *const limit_words[] = {"", ", limit active", ", beyond the limits of the scene"};
+
 static void draw_tile(const shell *s, int amplifier, const tile *t, double voltage, shell_mark mark,
                       const draw_scale *scale)
 {
-    static const char *const said[] = {"", ", limit active", ", beyond the limits of the scene"};
     static const char *const style[] = {"", "limit", "beyond"};
     char name[SCENE_LABEL];
     scene_amplifier_name(s->m->scene, amplifier, name);
     put(s->file, "<g><title>%t: %q%s</title><path class=\"%s patch\" d=\"", name, voltage,
-        scale->unit, said[mark], draw_class(scale, draw_level(scale, voltage)));
+        scale->unit, limit_words[mark], draw_class(scale, draw_level(scale, voltage)));
     tile_path(s->file, &s->plane, t, 0);
     fputs("\"/>", s->file);
     if (mark != SHELL_FREE) {
@@ -373,6 +385,28 @@ static void draw_tile(const shell *s, int amplifier, const tile *t, double volta
     fputs("</g>\n", s->file);
 }
 
+/* Draw one patch of a mesh from a file with its voltage. */
+static void draw_set(const shell *s, const scene_patches *patches, int patch, int amplifier,
+                     double voltage, shell_mark mark, const draw_scale *scale)
+{
+    static const char *const style[] = {"frame", "limit", "beyond"};
+    char name[SCENE_LABEL];
+    tile t;
+    memset(&t, 0, sizeof t);
+    quads_patch_room(s, patches, patch, t.at, &t.width);
+    t.height = t.width;
+    scene_amplifier_name(s->m->scene, amplifier, name);
+    put(s->file, "<g><title>%t: %q%s</title><path class=\"%s\" d=\"", name, voltage, scale->unit,
+        limit_words[mark], draw_class(scale, draw_level(scale, voltage)));
+    quads_patch(s, patches, patch);
+    put(s->file, "\"/><path class=\"%s %s\" d=\"", style[mark], draw_tone(scale, voltage));
+    quads_patch_outline(s, patches, patch);
+    fputs("\"/>", s->file);
+    if (isfinite(voltage))
+        write_voltage(s->file, scale, &t, voltage, mark);
+    fputs("</g>\n", s->file);
+}
+
 /* Draw all patches of an actuator with their voltages. */
 static void draw_actuator(const shell *s, const scene_actuator *actuator, const double *voltage,
                           const shell_mark *mark, const draw_scale *scale)
@@ -381,6 +415,10 @@ static void draw_actuator(const shell *s, const scene_actuator *actuator, const 
     for (int k = actuator->drives * cells - 1; k >= 0; k--) {
         const int cell = k % cells, amplifier = actuator->first + cell;
         const scene_patches *patches = &s->m->scene->patches[actuator->drive[k / cells].patches];
+        if (patches->patch) {
+            draw_set(s, patches, cell, amplifier, voltage[amplifier], mark[amplifier], scale);
+            continue;
+        }
         const tile t =
             tile_of(&s->plane, patches, cell / actuator->grid[1], cell % actuator->grid[1]);
         draw_tile(s, amplifier, &t, voltage[amplifier], mark[amplifier], scale);

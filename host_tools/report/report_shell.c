@@ -3,6 +3,7 @@
 #include "report_shell.h"
 #include <math.h>
 #include <stdlib.h>
+#include "report_quads.h"
 
 enum {
     MOST_CELLS = 48,
@@ -247,6 +248,8 @@ int shell_surface(const shell *s, const double *value, const draw_scale *scale)
         draw_points(s, value, scale);
         return 0;
     }
+    if (s->m->quads)
+        return quads_surface(s, value, scale);
     cell *cells = calloc((size_t)MOST_CELLS * MOST_CELLS, sizeof *cells);
     if (!cells)
         return -1;
@@ -289,6 +292,8 @@ static void trace(const shell *s, int a, int across)
 
 bool shell_is_thinned(const mesh *mesh)
 {
+    if (mesh->quads)
+        return quads_is_thinned(mesh);
     return mesh->lines[0] > MOST_LINES + 1 || mesh->lines[1] > MOST_LINES + 1;
 }
 
@@ -296,6 +301,10 @@ static void lines_at_most(const shell *s, const char *style, int most)
 {
     if (s->m->elements == 0)
         return;
+    if (s->m->quads) {
+        quads_lines(s, style, most == 0);
+        return;
+    }
     draw_path(s->file, style);
     for (int a = 0; a < 2; a++) {
         const int last = s->m->scene->line[1 - a].elements,
@@ -323,7 +332,7 @@ void shell_edges(const shell *s, const char *style)
 
 static int node_of(const shell *s, const scene_where *point)
 {
-    return mesh_node(s->m, point->node[0], point->node[1]);
+    return mesh_point_node(s->m, point);
 }
 
 void shell_dot(const shell *s, int node)
@@ -382,11 +391,13 @@ void shell_outputs(const shell *s)
     for (int k = 0; k < s->m->scene->outputs; k++) {
         int before = 0; /* number of earlier outputs at the same node */
         double at[2];
-        if (output[k].where.type != WHERE_POINT)
+        if (output[k].where.type != WHERE_POINT && output[k].where.type != WHERE_PLACE)
             continue;
         const int node = node_of(s, &output[k].where);
         for (int i = 0; i < k; i++)
-            before += output[i].where.type == WHERE_POINT && node_of(s, &output[i].where) == node;
+            before +=
+                (output[i].where.type == WHERE_POINT || output[i].where.type == WHERE_PLACE) &&
+                node_of(s, &output[i].where) == node;
         if (before == 0)
             shell_dot(s, node);
         node_at(s, node, at);

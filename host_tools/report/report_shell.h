@@ -23,6 +23,7 @@ typedef struct shell_plane {
     double zoom; /* pixels per length unit of a polar plate, whose centre is at x0 + centre[0], y0 +
                     centre[1] */
     double centre[2];
+    draw_view flat; /* mesh from a file: the view of its maps */
 } shell_plane;
 
 enum { SHELL_PLANE_WIDTH = 320 };

@@ -55,6 +55,10 @@ static void write_place(FILE *file, const analysis *analysis, int k, int i, doub
     char name[SCENE_LABEL];
     if (node >= 0) {
         const double *theta = mesh->theta[node], *x = mesh->point[node].x;
+        if (mesh->quads) {
+            put_row(file, "%d|%n|%n|%n|%a", i + 1, x[0], x[1], x[2], value, most, unit);
+            return;
+        }
         put_row(file, "%d|%n|%n|%n|%n|%n|%a", i + 1, theta[0], theta[1], x[0], x[1], x[2], value,
                 most, unit);
     } else {
@@ -66,6 +70,8 @@ static void write_place(FILE *file, const analysis *analysis, int k, int i, doub
 /* Write the table of all values of an output with several nodes or electrodes. */
 static void write_places(FILE *file, const analysis *analysis, const double *output, int k)
 {
+    static const char *const heads[] = {"Electrode|Value", "Node|θ₁|θ₂|x|y|z|Value",
+                                        "Node|x|y|z|Value"};
     enum { MOST_VALUES = 400 };
     const spread s = spread_of(analysis, output, k);
     const bool has_nodes = analysis_output_node(analysis, k, 0) >= 0;
@@ -74,7 +80,7 @@ static void write_places(FILE *file, const analysis *analysis, const double *out
     put(file, "<details><summary>%t: %d values</summary>\n", analysis->design.scene->output[k].name,
         s.count);
     put_table(file, s.count > MOST_VALUES ? "The first 400; --json gives all" : "",
-              has_nodes ? "Node|θ₁|θ₂|x|y|z|Value" : "Electrode|Value");
+              heads[has_nodes + (has_nodes && analysis->design.mesh.quads)]);
     for (int i = 0; i < s.count && i < MOST_VALUES; i++)
         write_place(file, analysis, k, i, analysis_output(analysis, k, i, output), s.most, unit);
     put_table_end(file);
@@ -113,7 +119,8 @@ static int line_of(const analysis *analysis, int k)
 {
     const scene_output *output = &analysis->design.scene->output[k];
     bool differs[2] = {false, false};
-    if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE)
+    if (analysis->design.mesh.quads || output->electric != ELECTRIC_NONE ||
+        output->contact != CONTACT_NONE)
         return -1;
     for (int i = 2; i < 2 * analysis_outputs(analysis, k); i++)
         differs[i % 2] |= theta_of(analysis, k, i / 2)[i % 2] != theta_of(analysis, k, 0)[i % 2];
@@ -293,7 +300,9 @@ static int write_deformed(const solve_page *p)
 /* Draw the map of the displacement component along e1, e2 or e3 (a = 0, 1, 2). */
 static int draw_component_map(const solve_page *p, int a)
 {
-    static const char *const label[3] = {"u₁ along θ₁", "u₂ along θ₂", "u₃ outwards"};
+    static const char *const label[3] = {"u₁ along θ₁", "u₂ along θ₂", "u₃ outwards"},
+                             *const quad_label[3] = {"u₁ along e₁ of the nodes",
+                                                     "u₂ along e₂ of the nodes", "u₃ outwards"};
     draw_scale scale = {true, 0, p->scale.unit};
     for (int n = 0; n < p->m->nodes; n++) {
         p->size[n] = draw_dot3(p->m->point[n].e[a], p->vector + 3 * n);
@@ -302,7 +311,8 @@ static int draw_component_map(const solve_page *p, int a)
     const bool is_negligible = scale.most > 0 && scale.most < 1e-9 * p->scale.most;
     scale.most = is_negligible ? 0 : scale.most;
     put(p->file, "<figure><h3>%s</h3>\n", label[a]);
-    const int failed = shell_map(p->file, p->m, p->size, &scale, label[a]);
+    const int failed =
+        shell_map(p->file, p->m, p->size, &scale, (p->m->quads ? quad_label : label)[a]);
     if (is_negligible)
         fputs("<p class=\"keys\">Below 10⁻⁹ of the largest displacement.</p>", p->file);
     else

@@ -26,10 +26,22 @@ static void write_where(FILE *file, const scene *scene, const scene_where *where
     char unit[2][WORDS_UNIT];
     for (int a = 0; a < 2; a++)
         words_unit(scene, words_of_theta(scene, a), unit[a]);
-    if (where->type == WHERE_POINT)
+    if (where->type == WHERE_SET)
+        put(file, "set %t", where->set);
+    else if (where->type == WHERE_PLACE)
+        put(file, "the node nearest to (%n, %n, %n)%u", where->x[0], where->x[1], where->x[2],
+            scene->unit_length);
+    else if (where->type == WHERE_POINT)
         put(file, "point θ₁ = %q, θ₂ = %q", where->theta[0], unit[0], where->theta[1], unit[1]);
     else
         fputs(where->type == WHERE_EDGE ? edge[where->edge] : set[where->type], file);
+}
+
+static const char *layer_place(const scene_layer *layer)
+{
+    if (layer->patched)
+        return "in patches";
+    return layer->present ? "in its sets" : "everywhere";
 }
 
 static void write_layers(FILE *file, const scene *scene)
@@ -43,7 +55,7 @@ static void write_layers(FILE *file, const scene *scene)
         const scene_layer *layer = &scene->layer[k];
         put_row(file, "%d %t|<%t|%a|%n°|<%s", k + 1, layer->name,
                 scene->material[layer->material].name, layer->thickness, most, scene->unit_length,
-                layer->angle, layer->patched ? "in patches" : "everywhere");
+                layer->angle, layer_place(layer));
     }
     put_table_end(file);
 }
@@ -87,11 +99,23 @@ static void write_support(FILE *file, const scene *scene, const scene_support *s
                 {0x10, "u₂ difference"},
                 {0x20, "u₃ difference"},
                 {0x40, "u₃ middle"}};
+    static const char *const words[] = {"simple", "symmetric", "x constrained", "y constrained",
+                                        "z constrained"};
     const unsigned all = (1u << dof_per_node) - 1;
     unsigned left = support->fix & all;
+    const unsigned special = support->fix & ~127u;
     const char *comma = ": ";
     begin_row(file, "Support", "");
     write_where(file, scene, &support->where);
+    for (unsigned i = 0; i < 5 && special; i++)
+        if (special >> (7 + i) & 1u) {
+            put(file, "%s%s", comma, words[i]);
+            comma = ", ";
+        }
+    if (special) {
+        fputs(end_cell, file);
+        return;
+    }
     if (left == all) {
         put(file, ": clamped%s", end_cell);
         return;
@@ -114,8 +138,7 @@ static void write_value(FILE *file, const mesh *mesh, const scene_load *load)
     char unit[WORDS_UNIT];
     for (int n = 0; n < mesh->nodes; n++) {
         const expr_point at = mesh_place(mesh, n);
-        if (load->type == LOAD_POINT &&
-            n != mesh_node(mesh, load->where.node[0], load->where.node[1]))
+        if (load->type == LOAD_POINT && n != mesh_point_node(mesh, &load->where))
             continue;
         low = fmin(low, expr_value(load->value, &at));
         high = fmax(high, expr_value(load->value, &at));
