@@ -109,7 +109,7 @@ install: $(B)/pzs $(B)/64/libpiezoshape.a $(B)/32/libpiezoshape.a
 	$(INSTALL) -m 644 $(B)/32/libpiezoshape.a '$(TO)/lib/libpiezoshape32.a'
 	$(call pkg_config,,64)
 	$(call pkg_config,32,32)
-	$(INSTALL) -m 644 $(SCENES)/*.yaml $(SCENES)/scene.schema.json '$(TO)/share/piezoshape/scenes'
+	$(INSTALL) -m 644 $(SCENES)/*.yaml $(SCENES)/*.msh $(SCENES)/*.geo $(SCENES)/scene.schema.json '$(TO)/share/piezoshape/scenes'
 	$(B)/pzs man >'$(TO)/share/man/man1/pzs.1'
 	$(B)/pzs completion >'$(TO)/share/bash-completion/completions/pzs'
 
@@ -117,7 +117,7 @@ uninstall:
 	rm -f '$(TO)/bin/pzs' '$(TO)/lib/libpiezoshape.a' '$(TO)/lib/libpiezoshape32.a' '$(TO)/lib/pkgconfig/piezoshape.pc' \
 	    '$(TO)/lib/pkgconfig/piezoshape32.pc' '$(TO)/share/man/man1/pzs.1' '$(TO)/share/bash-completion/completions/pzs' \
 	    $(patsubst include/%,'$(TO)/include/piezoshape/%',$(wildcard include/*.h))
-	for file in $(notdir $(wildcard $(SCENES)/*.yaml)) scene.schema.json; do \
+	for file in $(notdir $(wildcard $(SCENES)/*.yaml $(SCENES)/*.msh $(SCENES)/*.geo)) scene.schema.json; do \
 	    rm -f '$(TO)/share/piezoshape/scenes'/$$file; done
 	for folder in include/piezoshape share/piezoshape/scenes share/piezoshape; do \
 	    [ ! -d '$(TO)'/$$folder ] || rmdir '$(TO)'/$$folder 2>/dev/null || echo "kept $$folder: other files in it"; done
@@ -159,6 +159,7 @@ $(call for_variants,quad_element,64 san64,@tests/rigs/testdata.o @tests/rigs/qua
 $(call for_variants,scene,64 san64,@host.a)
 $(call for_variants,surface,64 san64,@host.a)
 $(call for_variants,quads,64 san64,@tests/rigs/mesh_writer.o @host.a)
+$(call for_variants,file_mesh,64 san64,@tests/rigs/mesh_writer.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,suggest,64 san64,@host.a)
 $(call for_variants,mesh_error,64 san64,@host.a)
 $(call for_variants,migrate,64 san64,@host.a)
@@ -239,6 +240,7 @@ check-long: setup-test
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
 	$(B)/test/sweep-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
+	    case $$e$$s in publishedhex-mirror|publishedwing-panel) continue ;; esac; \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done
 	/usr/bin/python3 tests/bench/mesh_error.py $(B)/pzs
 	@echo 'long checks passed'

@@ -8,7 +8,7 @@ demo) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/stdio
 test) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/cmocka.h:libcmocka-dev clang:clang g++:g++ clang-format:clang-format
     arm-none-eabi-gcc:gcc-arm-none-eabi /usr/lib/arm-none-eabi/include/stdio.h:libnewlib-arm-none-eabi
     /usr/lib/picolibc/arm-none-eabi:picolibc-arm-none-eabi
-    qemu-system-arm:qemu-system-arm pkg-config:pkg-config /usr/bin/python3:python3 /usr/lib/python3/dist-packages/numpy:python3-numpy
+    qemu-system-arm:qemu-system-arm gmsh:gmsh pkg-config:pkg-config /usr/bin/python3:python3 /usr/lib/python3/dist-packages/numpy:python3-numpy
     /usr/lib/python3/dist-packages/scipy:python3-scipy /usr/lib/python3/dist-packages/jsonschema:python3-jsonschema
     /usr/lib/python3/dist-packages/yaml:python3-yaml" ;;
 bench) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/x86_64-linux-gnu/cblas.h:libopenblas-dev

@@ -45,7 +45,7 @@ top=$dir/root/opt/shape
         echo "./$file"
     done
     (cd include && ls -- *.h) | sed 's/^/.\/include\/piezoshape\//'
-    (cd host_tools/scenes && ls -- *.yaml scene.schema.json) | sed 's/^/.\/share\/piezoshape\/scenes\//'
+    (cd host_tools/scenes && ls -- *.yaml *.msh *.geo scene.schema.json) | sed 's/^/.\/share\/piezoshape\/scenes\//'
 } | sort >"$dir/expected"
 files "$top" >"$dir/said"; cmp -s "$dir/said" "$dir/expected"; check 'every file in its place' $?
 ! grep -rlI "$dir" "$top" >"$dir/said"; check 'DESTDIR is in no file' $?

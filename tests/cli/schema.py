@@ -10,9 +10,11 @@ EVERY: 1 runs all changes, 5 every fifth.
 """
 import collections
 import copy
+import glob
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -30,7 +32,8 @@ BEYOND_SCHEMA = [
     "is a mapping of keys", "given twice", "past the axis", "reaches a pole", "more than a full turn", "turns back on itself",
     "shrink to nothing", "no spline goes", "is per second, but", "'to' must be above", "is the same everywhere", "knows x, y, z only",
     "has no direction; give one", "depends on an edge", "is no single displacement", "no node of the mesh", "needs lin33", "makes more electrodes",
-    "two .* named", "driven by", "need the same shape", "is empty; write \\[lowest", "d31 or e31", "plant with a contact is nonlinear",
+    "two .* named", "driven by", "need the same shape", "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is not on the mesh",
+    "is no unit of length", "brings its own surface", "needs the scene.s own unit", "the scene has no unit of", "is not above -1", "is empty; write \\[lowest", "d31 or e31", "plant with a contact is nonlinear",
     "the first (one )?is", "never comes back to its start", "uses theta", "varies over the surface", "add the output", "is of a contact",
     "no contact in this scene", "lies above the outer face", "'from'' is missing|'(from|to)' is missing", "has d", "no meaning as", "'meridian' has",
     "out of range; magnitudes", "both .* faces", "acts on one face", "is per (deformed|reference) area", "also the name",
@@ -127,6 +130,8 @@ def main(pzs, schema_path, every, scenes):
     valid = jsonschema.Draft202012Validator(schema).is_valid
     folder = tempfile.mkdtemp()
     path = os.path.join(folder, "scene.yaml")
+    for mesh in glob.glob(os.path.join(os.path.dirname(schema_path), "*.msh")):
+        shutil.copy(mesh, folder)
     counts = collections.Counter()
     wrong = []
     seen = set()
@@ -152,8 +157,7 @@ def main(pzs, schema_path, every, scenes):
         print(f"# {key[0]}: {key[1]} {counts[key]}")
     for line in wrong:
         print("#", line)
-    os.unlink(path) if os.path.exists(path) else None
-    os.rmdir(folder)
+    shutil.rmtree(folder)
     return 1 if wrong or sum(counts.values()) * every < 1500 else 0
 
 
