@@ -6,7 +6,7 @@
 #ifndef REPORT_QUADS_H
 #define REPORT_QUADS_H
 
-#include "report_shell.h"
+#include "report_picture.h"
 
 /* Set the view of the maps, and their size in pixels. */
 void quads_plane(shell_plane *plane, const mesh *mesh);

@@ -7,26 +7,9 @@
 #define REPORT_SHELL_H
 
 #include "../model/analysis.h"
-#include "report_draw.h"
+#include "report_picture.h"
 
 #define SHELL_THETA(a) ((a) ? "θ₂" : "θ₁")
-
-/*
- * Picture of the parameter plane. theta1 increases downwards and theta2 to the right, as the rows
- * and columns of a printed table of voltages do. A polar plate is drawn in its true form, a disc or
- * a sector, with theta2 anticlockwise from the right.
- */
-typedef struct shell_plane {
-    double low[2], range[2]; /* lowest value and range of theta1 and theta2 */
-    double x0, y0, width, height, picture_height;
-    bool is_polar;
-    double zoom; /* pixels per length unit of a polar plate, whose centre is at x0 + centre[0], y0 +
-                    centre[1] */
-    double centre[2];
-    draw_view flat; /* mesh from a file: the view of its maps */
-} shell_plane;
-
-enum { SHELL_PLANE_WIDTH = 320 };
 
 /*
  * plane_at returns the pixel coordinates of the point (theta1, theta2). plane_theta returns theta1
@@ -34,19 +17,6 @@ enum { SHELL_PLANE_WIDTH = 320 };
  */
 void plane_at(const shell_plane *p, double theta1, double theta2, double at[2]);
 double plane_theta(const mesh *mesh, int a, double line);
-
-/*
- * One picture of a mesh. With a view: the surface in space, displaced by factor * vector
- * [nodes][3]. Without one (NULL): the map over the parameter plane.
- */
-typedef struct shell {
-    FILE *file;
-    const mesh *m;
-    const draw_view *view;
-    const double *vector;
-    double factor;
-    shell_plane plane;
-} shell;
 
 /* Prepare a picture of a mesh over its parameter plane. */
 shell shell_in_plane(FILE *file, const mesh *mesh);
