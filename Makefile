@@ -201,6 +201,12 @@ $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run
 	@mkdir -p $(@D)
 	$(CC) $^ -lyaml -lm -o $@
 
+# Storms on two structures with the unit tests, on all of them and with all laws with check-long.
+UNIT_64 += $(B)/test/storms-64
+$(B)/test/storms-64: $(B)/64/tests/unit/sweep_storms.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ -lyaml -lm -o $@
+
 format:
 	clang-format -i $$(git ls-files "*.c" "*.h" ":!host_tools/tables/example.h")
 
@@ -239,6 +245,7 @@ check-long: setup-test
 	    tests/unit/test_vibration_block.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka -lyaml -lm \
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
 	$(B)/test/sweep-64 full
+	$(B)/test/storms-64 full
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
 	    case $$e$$s in publishedhex-mirror|publishedwing-panel) continue ;; esac; \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done

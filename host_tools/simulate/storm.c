@@ -14,7 +14,8 @@ enum {
     REST_PERIODS = 12, /* periods of the first mode that the last target stands */
     EVERY_LEAST = 10,  /* fewest and most ticks between two targets */
     EVERY_MOST = 1200,
-    REST_LEAST = 300, /* fewest and most ticks of rest */
+    REST_LEAST = 1200, /* fewest ticks of rest: six time constants of what the modes do not explain
+                        */
     REST_MOST = 20000,
     END_LEAST = 20, /* fewest and most ticks that count as the end */
     END_MOST = 500
