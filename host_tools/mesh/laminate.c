@@ -3,6 +3,8 @@
 #include "laminate.h"
 #include <math.h>
 #include <string.h>
+#include "invert.h"
+#include "laminate_shear.h"
 
 enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5, SHEAR = 8 };
 
@@ -11,31 +13,6 @@ static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
 static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
 
 /* ---- plies ------------------------------------------------------------ */
-
-/*
- * Invert a positive definite matrix a [n][stride] in place by Gauss-Jordan elimination. Returns -1
- * at a pivot that is not positive.
- */
-static int invert(double *a, int n, int stride)
-{
-    for (int p = 0; p < n; p++) {
-        const double pivot = a[p * stride + p];
-        if (!(pivot > 0) || !isfinite(pivot))
-            return -1;
-        a[p * stride + p] = 1;
-        for (int j = 0; j < n; j++)
-            a[p * stride + j] /= pivot;
-        for (int i = 0; i < n; i++) {
-            const double factor = a[i * stride + p];
-            if (i == p)
-                continue;
-            a[i * stride + p] = 0;
-            for (int j = 0; j < n; j++)
-                a[i * stride + j] -= factor * a[p * stride + j];
-        }
-    }
-    return 0;
-}
 
 /* Stiffness of a ply in its own axes, from the engineering constants of its material. */
 static int ply_stiffness(const scene_material *material, double c[6][6])
@@ -253,6 +230,52 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
                                c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
         }
     }
+}
+
+/* Shear stiffness from equilibrium of the plies that are present, in material axes. */
+static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
+{
+    shear_ply ply[LAMINATE_LAYERS];
+    int plies = 0;
+    for (int p = 0; p < laminate->plies; p++)
+        if (place->present_plies >> p & 1u) {
+            memcpy(ply[plies].z, laminate->ply[p].z, sizeof ply[plies].z);
+            ply[plies++].c = laminate->ply[p].c;
+        }
+    return laminate_shear(ply, plies, k);
+}
+
+/*
+ * Element option shear: equilibrium. The block of the transverse shears in d becomes A' K A, where
+ * A turns the shears of the element's directions into those of the material axes.
+ */
+static int set_shear(const laminate *laminate, const laminate_place *place, double d[N][N])
+{
+    const double(*j)[3] = (const double(*)[3])place->natural.base;
+    double k[2][2], a[2][2] = {{1, 0}, {0, 1}};
+    if (shear_of_plies(laminate, place, k) < 0)
+        return -1;
+    if (place->is_general) {
+        const double size = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+        const double inverse[2][2] = {{j[1][1] / size, -j[1][0] / size},
+                                      {-j[0][1] / size, j[0][0] / size}};
+        memcpy(a, inverse, sizeof a);
+    }
+    for (int i = 0; i < 4; i++) {
+        double sum = 0;
+        for (int m = 0; m < 4; m++)
+            sum += a[m / 2][i / 2] * k[m / 2][m % 2] * a[m % 2][i % 2];
+        d[SHEAR + i / 2][SHEAR + i % 2] = sum;
+    }
+    return 0;
+}
+
+/* Stiffness D of the package before the options of the modes. Returns 0, or -1 as set_shear. */
+static int package_stiffness(const laminate *laminate, const scene_element *element,
+                             const laminate_place *place, double d[N][N])
+{
+    integrate_stiffness(laminate, element, place, d);
+    return element->equilibrium_shear ? set_shear(laminate, place, d) : 0;
 }
 
 /*
@@ -474,7 +497,8 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
     const double mode_weight[4] = {1, 1 / (3 - skew[0] * skew[0]), 1 / (3 - skew[1] * skew[1]),
                                    1 / 9.0};
     double d[N][N], inverse[N][N], plane[N][N], m[N][N], flexibility[2];
-    integrate_stiffness(laminate, element, place, d);
+    if (package_stiffness(laminate, element, place, d) < 0)
+        return -1;
     if (element->lin33 && relax_e33(d, NULL) < 0)
         return -1;
     if (inverse_of(d, inverse) < 0 || plane_compliance(d, plane) < 0)
@@ -535,8 +559,7 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double d[N][N], double *h0)
 {
-    integrate_stiffness(laminate, element, place, d);
-    return relax_e33(d, h0);
+    return package_stiffness(laminate, element, place, d) < 0 ? -1 : relax_e33(d, h0);
 }
 
 /*

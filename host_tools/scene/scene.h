@@ -81,6 +81,8 @@ typedef struct scene_element {
     int metric;    /* 1: exact variation of the surface metric through the thickness */
     int exact_area;   /* 1: exact element area; 0: area from the metric at the element centre */
     int dof_per_node; /* 7 or 6 */
+    int equilibrium_shear; /* 1: transverse shear stiffness of a laminate from equilibrium; 0: shear
+                              strain constant through the thickness */
 } scene_element;
 
 typedef struct scene_line { /* mesh lines along theta1 or theta2 */

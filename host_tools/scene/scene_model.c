@@ -7,8 +7,8 @@
 
 /* ---- element ---- */
 
-const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7};
-static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7};
+const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0};
+static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7, 0};
 
 static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
 static const form preset_form = {.type = FORM_WORD, .words = presets};
@@ -24,6 +24,7 @@ static int read_preset(reader *reader, int node, void *to, const void *rule)
 }
 
 static const choice strain_kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
+static const choice shears[] = {{"uniform", 0}, {"equilibrium", 1}, {NULL, 0}};
 static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
 
 /* The preset is the first row, because the others modify the preset. */
@@ -42,6 +43,9 @@ static const field element_fields[] = {
      .help = "Condense the compliance in the strain modes 01, 10 and 11."},
     {"lin33", read_flag, offsetof(scene_element, lin33),
      .help = "Condense the linear part of the normal strain e33."},
+    {"shear", read_choice, offsetof(scene_element, equilibrium_shear), shears,
+     .help = "Transverse shear strain constant through the thickness (uniform, default), or shear "
+             "stiffness from the equilibrium of the plies, for laminates with a soft core."},
     {"metric", read_flag, offsetof(scene_element, metric),
      .help = "Exact variation of the surface metric through the thickness."},
     {"area", read_choice, offsetof(scene_element, exact_area), areas,

@@ -100,19 +100,16 @@ def ring(i, j):
 
 # ---------------------------------------------------------------- against three-dimensional elasticity
 
-def plate_3d(side_to_h, material, angles):
+def laminate_3d(layers):
     """w at the middle of the simply supported unit square under sin(pi x) sin(pi y) on top.
 
-    Plies of equal thickness, 0 or 90 degrees.  State (U, V, W, s33, s13, s23)' = A state in
-    each half ply; plate in z from 0 to h, load 1 on the upper face.
+    layers: (thickness, stiffness [6][6] in the axes of the plate) from below, orthotropic along
+    the axes.  State (U, V, W, s33, s13, s23)' = A state in each part; the parts are cut at the
+    middle of the package.  Load 1 on the upper face.
     """
-    p, h = np.pi, 1 / side_to_h
-    half, middle = np.eye(6), None
-    for layer, angle in enumerate(np.repeat(angles, 2)):
-        if layer == len(angles):
-            middle = half
-        turn = ply_turn(angle)
-        c = turn.T @ ply_stiffness(material["constants"]) @ turn
+    p, middle, total, below = np.pi, None, sum(t for t, _ in layers), 0.0
+    state = np.eye(6)
+    for thick, c in layers:
         e11, e22 = np.array([-p, 0, 0, 0, 0, 0]), np.array([0, -p, 0, 0, 0, 0])
         e33 = (np.eye(6)[3] - c[0, 2] * e11 - c[1, 2] * e22) / c[2, 2]
         s12 = c[5, 5] * np.array([p, p, 0, 0, 0, 0])
@@ -123,9 +120,27 @@ def plate_3d(side_to_h, material, angles):
             [0, 0, 0, 0, p, p],
             -p * (c[0, 0] * e11 + c[0, 1] * e22 + c[0, 2] * e33) + p * s12,
             -p * (c[0, 1] * e11 + c[1, 1] * e22 + c[1, 2] * e33) + p * s12])
-        half = expm(a * h / len(angles) / 2) @ half
-    bottom = np.append(np.linalg.solve(half[3:, :3], [1, 0, 0]), [0, 0, 0])
+        first = min(max(total / 2 - below, 0.0), thick)
+        state = expm(a * first) @ state
+        if middle is None and below + thick > total / 2 - 1e-12 * total:
+            middle = state
+        state = expm(a * (thick - first)) @ state
+        below += thick
+    bottom = np.append(np.linalg.solve(state[3:, :3], [1, 0, 0]), [0, 0, 0])
     return (middle @ bottom)[2]
+
+
+def plate_3d(side_to_h, material, angles):
+    """laminate_3d of plies of equal thickness and one material, at 0 or 90 degrees."""
+    turns = [ply_turn(angle) for angle in angles]
+    plain = ply_stiffness(material["constants"])
+    return laminate_3d([(1 / side_to_h / len(angles), t.T @ plain @ t) for t in turns])
+
+
+def sandwich_3d(side_to_h, ratio):
+    """laminate_3d of faces of E = 1 and a tenth of the height, and a core of 1/ratio; nu = .3."""
+    h, face = 1 / side_to_h, ply_stiffness(isotropic(1.0, 0.3)["constants"])
+    return laminate_3d([(0.1 * h, face), (0.8 * h, face / ratio), (0.1 * h, face)])
 
 
 def sine_plate(n, preset, unknowns, side_to_h, material, angles):
