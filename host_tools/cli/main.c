@@ -107,6 +107,7 @@ typedef int command(const options *o, analysis *a);
 static int run_with_warnings(const options *options, analysis *analysis, command *run)
 {
     plausible_scene(&analysis->warnings, analysis->design.scene);
+    plausible_mesh(&analysis->warnings, &analysis->design.mesh);
     const int status = run(options, analysis);
     if (!options->as_json)
         plausible_print(stdout, &analysis->warnings);

@@ -17,11 +17,7 @@ static void plane_stress(const shear_ply *ply, double q[3][3])
                       ply->c[plane[i]][2] * ply->c[2][plane[j]] / ply->c[2][2];
 }
 
-/*
- * Strains and curvatures per bending moment: columns 3 to 5 of the inverse of [[A, B], [B, D]].
- *   flex [6][6] out
- */
-static int bending_compliance(const shear_ply *ply, int plies, double flex[6][6])
+int laminate_flexure(const shear_ply *ply, int plies, double flex[6][6])
 {
     memset(flex, 0, 36 * sizeof(double));
     for (int p = 0; p < plies; p++) {
@@ -88,7 +84,7 @@ static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], 
 int laminate_shear(const shear_ply *ply, int plies, double k[2][2])
 {
     double flex[6][6], below[3][3] = {{0}}, work[2][2] = {{0}};
-    if (bending_compliance(ply, plies, flex) < 0)
+    if (laminate_flexure(ply, plies, flex) < 0)
         return -1;
     for (int p = 0; p < plies; p++)
         if (add_ply(&ply[p], flex, below, work) < 0)

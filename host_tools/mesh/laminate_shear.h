@@ -22,6 +22,13 @@ typedef struct shear_ply {
 } shear_ply;
 
 /*
+ * Strains and curvatures per force and moment, the inverse of [[A, B], [B, D]], order 11 22 12.
+ *   flex [6][6] out
+ * Returns 0, or -1 where the laminate has no bending stiffness.
+ */
+int laminate_flexure(const shear_ply *ply, int plies, double flex[6][6]);
+
+/*
  * Shear stiffness k of 13 and 23 (N/m) of plies listed from the lower face on. Returns 0, or -1
  * where the laminate has no bending or shear stiffness.
  */

@@ -11,6 +11,7 @@
 
 typedef enum subject_type {
     SUBJECT_SCENE,
+    SUBJECT_MESH,
     SUBJECT_RESULT,
     SUBJECT_VOLTAGES,
     SUBJECT_PATH
@@ -38,6 +39,20 @@ static const struct rule {
     {"resolution", SUBJECT_SCENE, measure_resolution, 0, 1,
      "times the size that resolves the bending there",
      "the displacement under the load may come out too small; use more elements"},
+    {"irregular_mesh", SUBJECT_MESH, measure_locking, 0, 0, "elements",
+     "bending is far too stiff there, free edges most of all; smooth or refine the mesh, or mesh "
+     "along lines of curvature"},
+    {"coarse_mesh", SUBJECT_MESH, measure_coarse, 0, 0, "elements",
+     "bending is too stiff there; smooth or refine the mesh, or mesh along lines of curvature"},
+    {"twisted_strip", SUBJECT_MESH, measure_strips, 0, 0, "elements",
+     "displacements come out too small; use rectangles along the strip"},
+    {"narrow_element", SUBJECT_MESH, measure_narrow, 0.3, 1, "of that at its centre",
+     "elements that are nearly triangles are inaccurate; use others"},
+    {"uniform_shear", SUBJECT_MESH, measure_shear, -HUGE_VAL, 0.05, "",
+     "the laminate comes out too stiff; use element: {shear: equilibrium}"},
+    {"faces", SUBJECT_MESH, measure_faces, 0, 0.05, "",
+     "the faces of the sandwich bend by themselves, which the element cannot represent; the "
+     "displacement comes out too large"},
     {"path", SUBJECT_PATH, measure_path, 0, 0.01, "of the displacement",
      "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
     {"stability", SUBJECT_PATH, measure_stability, 0, 0, "negative pivots",
@@ -127,6 +142,13 @@ void plausible_scene(plausible *warnings, const scene *scene)
 {
     const subject of = {.scene = scene, .name = ""};
     apply_all(warnings, SUBJECT_SCENE, &of);
+}
+
+void plausible_mesh(plausible *warnings, const mesh *mesh)
+{
+    const subject of = {.scene = mesh->scene, .mesh = mesh, .name = ""};
+    if (mesh->elements > 0)
+        apply_all(warnings, SUBJECT_MESH, &of);
 }
 
 void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,

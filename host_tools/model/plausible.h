@@ -35,6 +35,9 @@ typedef struct plausible {
 /* Apply the rules on the numbers of a checked scene. */
 void plausible_scene(plausible *warnings, const scene *scene);
 
+/* Apply the rules on a mesh and its laminate. */
+void plausible_mesh(plausible *warnings, const mesh *mesh);
+
 /*
  * Apply the rules on a displacement of a structure; of several displacements the worst is kept for
  * each rule. u [free_dof] in  displacement is_linear    in  whether it was computed with linear

@@ -32,6 +32,10 @@ typedef int measure(const subject *of, int k, measured *found);
 measure measure_modulus, measure_density, measure_piezo, measure_thickness;
 measure measure_limit_field, measure_applied_field, measure_resolution;
 
+/* Rules on a mesh and its laminate (plausible_mesh.c). */
+measure measure_locking, measure_coarse, measure_strips, measure_narrow;
+measure measure_shear, measure_faces;
+
 /* Rules on a measured influence matrix (plausible_matrix.c). */
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
 

@@ -315,6 +315,62 @@ static void test_found_voltages(void **state)
     }
 }
 
+/* ---- meshes and laminates ---------------------------------------------- */
+
+/* Law: each number of a general mesh that is out of its range is warned of, with its cure. */
+static void test_general_mesh(void **state)
+{
+    (void)state;
+    static const char *const rule[] = {"irregular_mesh", "coarse_mesh", "twisted_strip",
+                                       "narrow_element"};
+    static const quad_report bad = {3, 2, 1, 4, 200, 0.3, 0.2}, good = {.jacobian = 0.31};
+    const scene scene = {.path = (char *)(uintptr_t) "scene"};
+    const quad_mesh quads = {.nodes = 4};
+    mesh mesh = {.scene = &scene, .quads = &quads, .elements = 1, .quad_report = bad};
+    plausible warnings;
+    memset(&warnings, 0, sizeof warnings);
+    plausible_mesh(&warnings, &mesh);
+    assert_int_equal(warnings.count, 4);
+    for (int k = 0; k < 4; k++)
+        assert_true(find_rule(&warnings, rule[k]) && strchr(warnings.warning[k].text, ';'));
+    memset(&warnings, 0, sizeof warnings);
+    mesh.quad_report = good;
+    plausible_mesh(&warnings, &mesh);
+    assert_int_equal(warnings.count, 0);
+}
+
+/*
+ * Law: a soft core between stiff faces is warned of where its shear counts, and with the shear from
+ * equilibrium where the faces bend by themselves. A plate of one material is not.
+ */
+static void test_soft_core(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *shear, *core, *rule;
+    } row[] = {{"uniform", "1", NULL},
+               {"equilibrium", "1", NULL},
+               {"uniform", "0.001", "uniform_shear"},
+               {"equilibrium", "0.01", NULL},
+               {"equilibrium", "0.0001", "faces"}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char changes[500];
+        plausible warnings;
+        scene_run r;
+        memset(&warnings, 0, sizeof warnings);
+        snprintf(changes, sizeof changes,
+                 "element={preset: improved, shear: %s};materials={face: {E: 1, nu: 0.3}, core: "
+                 "{E: %s, nu: 0.3}};layers=[{material: face, thickness: 0.002}, {material: core, "
+                 "thickness: 0.016}, {material: face, thickness: 0.002}]",
+                 row[i].shear, row[i].core);
+        open_run(&r, "vlasov-plate", changes);
+        plausible_mesh(&warnings, &r.analysis.design.mesh);
+        assert_int_equal(warnings.count, row[i].rule != NULL);
+        assert_true(!row[i].rule || find_rule(&warnings, row[i].rule));
+        scene_run_close(&r);
+    }
+}
+
 /* ---- shipped scenes --------------------------------------------------- */
 
 /*
@@ -330,7 +386,7 @@ static const struct {
     {"bimorph-sensor", " displacement"},
     {"clamped-plate", ""},
     {"crawley-lazarus", " displacement"},
-    {"crossply", " displacement strain"},
+    {"crossply", " uniform_shear displacement strain"},
     {"cylinder-contact", " strain"},
     {"hemisphere", " strain"},
     {"hemisphere-linear", " displacement"},
@@ -364,6 +420,7 @@ static void test_shipped(void **state)
         memset(&warnings, 0, sizeof warnings);
         solve_run(&r, shipped[i].scene, "");
         plausible_scene(&warnings, &r.scene);
+        plausible_mesh(&warnings, &r.analysis.design.mesh);
         plausible_result(&warnings, &r.analysis.design.mesh, r.u, !r.analysis.nonlinear,
                          "the solution");
         for (int k = 0; k < warnings.count; k++)
@@ -389,6 +446,8 @@ int main(void)
         cmocka_unit_test(test_strain_of_rotation),
         cmocka_unit_test(test_worst),
         cmocka_unit_test(test_found_voltages),
+        cmocka_unit_test(test_general_mesh),
+        cmocka_unit_test(test_soft_core),
         cmocka_unit_test(test_shipped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

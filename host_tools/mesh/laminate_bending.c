@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* How much a laminate's transverse shear counts in its bending (laminate_bending.h). */
+#include "laminate_bending.h"
+#include <math.h>
+#include <string.h>
+#include "laminate_shear.h"
+
+/* A ply is soft, a core, if its transverse shear modulus is below this part of the largest one. */
+static const double soft_part = 0.1;
+
+/* Plane stress modulus of a ply along its axis 1, strain 22 held. */
+static double plane_modulus(const laminate_ply *ply)
+{
+    return ply->c[0][0] - ply->c[0][2] * ply->c[0][2] / ply->c[2][2];
+}
+
+static void add_plies(const laminate *laminate, laminate_bending *bending)
+{
+    double largest = 0, faces = 0;
+    int has_core = 0;
+    for (int p = 0; p < laminate->plies; p++)
+        largest = fmax(largest, laminate->ply[p].c[4][4]);
+    for (int p = 0; p < laminate->plies; p++) {
+        const laminate_ply *ply = &laminate->ply[p];
+        const double h = ply->z[1] - ply->z[0];
+        const int is_soft = ply->c[4][4] < soft_part * largest;
+        bending->constant += ply->c[4][4] * h;
+        has_core |= is_soft;
+        if (!is_soft)
+            faces += plane_modulus(ply) * h * h * h / 12;
+    }
+    bending->faces = has_core ? faces : 0;
+}
+
+int laminate_bending_fill(const laminate *laminate, laminate_bending *bending)
+{
+    shear_ply ply[LAMINATE_LAYERS];
+    double k[2][2], flex[6][6];
+    memset(bending, 0, sizeof *bending);
+    for (int p = 0; p < laminate->plies; p++) {
+        memcpy(ply[p].z, laminate->ply[p].z, sizeof ply[p].z);
+        ply[p].c = laminate->ply[p].c;
+    }
+    if (laminate_flexure(ply, laminate->plies, flex) < 0 ||
+        laminate_shear(ply, laminate->plies, k) < 0)
+        return -1;
+    add_plies(laminate, bending);
+    bending->bending = 1 / flex[3][3];
+    bending->shear = k[0][0];
+    return 0;
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Plausibility of a general mesh, and of the transverse shear of a laminate (plausible_parts.h). */
+#include "plausible_parts.h"
+#include <math.h>
+#include <stdio.h>
+#include "../mesh/laminate_bending.h"
+
+/* ---- general meshes ----------------------------------------------------- */
+
+/* The numbers of a general mesh are one each; meshes along lines have none. */
+static int is_first(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->at_surface;
+    return k == 0 && of->mesh->quads != NULL;
+}
+
+int measure_locking(const subject *of, int k, measured *found)
+{
+    const quad_report *report = &of->mesh->quad_report;
+    if (!is_first(of, k, found))
+        return 0;
+    found->value = report->locking;
+    snprintf(found->what, WHAT,
+             "elements too thin for their irregular mesh, curvature x length^2/thickness up to "
+             "%.3g, irregularity up to %.2g",
+             report->thinness, report->irregularity);
+    return 1;
+}
+
+int measure_coarse(const subject *of, int k, measured *found)
+{
+    const quad_report *report = &of->mesh->quad_report;
+    if (!is_first(of, k, found))
+        return 0;
+    found->value = report->coarse;
+    snprintf(found->what, WHAT,
+             "thin elements of an irregular mesh, curvature x length^2/thickness up to %.3g, "
+             "irregularity up to %.2g",
+             report->thinness, report->irregularity);
+    return 1;
+}
+
+int measure_strips(const subject *of, int k, measured *found)
+{
+    if (!is_first(of, k, found))
+        return 0;
+    found->value = of->mesh->quad_report.strips;
+    snprintf(found->what, WHAT, "distorted elements of a thin twisted strip");
+    return 1;
+}
+
+int measure_narrow(const subject *of, int k, measured *found)
+{
+    if (!is_first(of, k, found))
+        return 0;
+    found->value = of->mesh->quad_report.jacobian;
+    snprintf(found->what, WHAT, "smallest area at the corner of an element");
+    return 1;
+}
+
+/* ---- laminates ---------------------------------------------------------- */
+
+/* Second largest extent of the nodes along the axes: the shorter side of the structure. */
+static double shorter_side(const mesh *mesh)
+{
+    double extent[3];
+    for (int i = 0; i < 3; i++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int n = 0; n < mesh->nodes; n++) {
+            low = fmin(low, mesh->point[n].x[i]);
+            high = fmax(high, mesh->point[n].x[i]);
+        }
+        extent[i] = high - low;
+    }
+    const double largest = fmax(extent[0], fmax(extent[1], extent[2]));
+    const double smallest = fmin(extent[0], fmin(extent[1], extent[2]));
+    return extent[0] + extent[1] + extent[2] - largest - smallest;
+}
+
+/* Stiffnesses of the laminate, and the square of the wave number of a half wave over its side. */
+static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
+                      double *wave)
+{
+    static const double pi = 3.141592653589793;
+    const double side = shorter_side(of->mesh);
+    found->at = of->scene->at_layers;
+    *wave = pi * pi / (side * side);
+    return k == 0 && side > 0 && laminate_bending_fill(&of->mesh->laminate, bending) == 0;
+}
+
+/* Relative change of the deflection by the shear from equilibrium. */
+int measure_shear(const subject *of, int k, measured *found)
+{
+    laminate_bending b;
+    double wave;
+    if (!bending_of(of, k, found, &b, &wave) || of->scene->element.equilibrium_shear)
+        return 0;
+    found->value = wave * b.bending * (1 / b.shear - 1 / b.constant);
+    snprintf(found->what, WHAT, "part of the deflection that a uniform shear strain leaves out");
+    return 1;
+}
+
+int measure_faces(const subject *of, int k, measured *found)
+{
+    laminate_bending b;
+    double wave;
+    if (!bending_of(of, k, found, &b, &wave) || !of->scene->element.equilibrium_shear)
+        return 0;
+    found->value = wave * b.faces / b.shear;
+    snprintf(found->what, WHAT, "bending of the stiff plies by themselves over the shear");
+    return 1;
+}
