@@ -16,7 +16,8 @@ field_read read_surface, read_mesh;
  * scene_layer, and of patches, to = scene_patches; a set as a place, to = scene_where; three
  * numbers, and a unit vector, to = double[3].
  */
-field_read read_mesh_file, read_layer_sets, read_patch_sets, read_set, read_vector, read_unit;
+field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, read_set, read_vector,
+    read_unit;
 
 /* Read a place in space, as a mapping of x, y, z, and find its nearest node (scene_quads.c). */
 int read_place(reader *reader, int node, scene_where *where);
@@ -74,7 +75,8 @@ field_read read_simulate;
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
-extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form;
+extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form,
+    mesh_disc_form;
 extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 

@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Mesh of a disc (quad_disc.h). */
+#include "quad_disc.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "quad_steps.h"
+
+static const double pi = 3.141592653589793;
+
+/* Corners of the middle block, as parts of the first radius: middle of a side, and on the diagonal
+ * along both axes. Between 0.42 and 0.5 the angles around the block are nearly equal. */
+static const double middle_of_side = 0.5, corner_of_block = 0.42;
+
+/* Circles that bound the rings, the rim included, and the elements between them. */
+typedef struct disc_plan {
+    const quad_disc *disc;
+    int around; /* elements along a circle */
+    int bands;  /* circles: disc->rings + 1 */
+    double circle[QUAD_RINGS + 1];
+    int across[QUAD_RINGS + 1]; /* elements across each band; the first one lies between the middle
+                                   block and the first circle */
+    int layers;                 /* sum of across */
+} disc_plan;
+
+static disc_plan make_plan(const quad_disc *disc)
+{
+    disc_plan plan = {.disc = disc, .around = 4 * disc->elements, .bands = disc->rings + 1};
+    memcpy(plan.circle, disc->ring, sizeof disc->ring);
+    plan.circle[disc->rings] = disc->radius;
+    plan.across[0] = disc->elements / 2;
+    for (int k = 1; k < plan.bands; k++) {
+        const double width = plan.circle[k] - plan.circle[k - 1];
+        const double length = pi * (plan.circle[k] + plan.circle[k - 1]) / plan.around;
+        plan.across[k] = width > 1.5 * length ? (int)(width / length + 0.5) : 1;
+    }
+    for (int k = 0; k < plan.bands; k++)
+        plan.layers += plan.across[k];
+    return plan;
+}
+
+/* ---- nodes --------------------------------------------------------------- */
+
+/* Point of the middle block, u and v from -1 to 1. */
+static void block_point(double radius, double u, double v, double x[2])
+{
+    const double side = middle_of_side * radius, less = (middle_of_side - corner_of_block) * radius;
+    x[0] = u * (side - less * fabs(v));
+    x[1] = v * (side - less * fabs(u));
+}
+
+/* Node of the middle block at place j along its border, counterclockwise from the corner below
+ * right. */
+static uint32_t border_node(int n, int j)
+{
+    const int side = j / n, at = j % n;
+    const int column[4] = {n, n - at, 0, at}, row[4] = {at, n, n - at, 0};
+    return (uint32_t)(column[side] * (n + 1) + row[side]);
+}
+
+/* Point at place j of layer i, i = 1 .. layers, outside the middle block. */
+static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int j, double x[2])
+{
+    const double angle = -pi / 4 + 2 * pi * j / plan->around;
+    int band = 0, before = 0;
+    while (i > before + plan->across[band])
+        before += plan->across[band++];
+    const double part = (double)(i - before) / plan->across[band];
+    const double outer[2] = {plan->circle[band] * cos(angle), plan->circle[band] * sin(angle)};
+    double inner[2];
+    for (int a = 0; a < 2; a++) {
+        if (band == 0)
+            inner[a] = mesh->position[border_node(plan->disc->elements, j)][a];
+        else
+            inner[a] = plan->circle[band - 1] * (a ? sin(angle) : cos(angle));
+        x[a] = inner[a] + part * (outer[a] - inner[a]);
+    }
+}
+
+/* Height and director of a node whose place in the plane is known. */
+static void lift_node(const quad_disc *disc, double x[3], double director[3])
+{
+    const double sphere = disc->sphere, upward[3] = {0, 0, 1};
+    memcpy(director, upward, sizeof upward);
+    if (!(sphere > 0))
+        return;
+    const double square = x[0] * x[0] + x[1] * x[1];
+    const double height = sqrt(sphere * sphere - square);
+    x[2] = height - sqrt(sphere * sphere - disc->radius * disc->radius);
+    director[0] = x[0] / sphere;
+    director[1] = x[1] / sphere;
+    director[2] = height / sphere;
+}
+
+static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)
+{
+    const int n = plan->disc->elements;
+    size_t node = 0;
+    for (int i = 0; i <= n; i++)
+        for (int j = 0; j <= n; j++)
+            block_point(plan->circle[0], 2.0 * i / n - 1, 2.0 * j / n - 1, mesh->position[node++]);
+    for (int i = 1; i <= plan->layers; i++)
+        for (int j = 0; j < plan->around; j++)
+            ring_point(plan, mesh, i, j, mesh->position[node++]);
+    for (size_t k = 0; k < mesh->nodes; k++) {
+        double *axis = mesh->axis[k], *director = mesh->director[k];
+        lift_node(plan->disc, mesh->position[k], director);
+        const double length = hypot(director[0], director[2]);
+        axis[0] = director[2] / length;
+        axis[2] = -director[0] / length;
+        mesh->node_label[k] = (int64_t)k + 1;
+    }
+}
+
+/* ---- elements ------------------------------------------------------------ */
+
+/* Node at place j of layer i; layer 0 is the border of the middle block. */
+static uint32_t layer_node(const disc_plan *plan, int i, int j)
+{
+    const int n = plan->disc->elements, at = j % plan->around;
+    return i == 0 ? border_node(n, at)
+                  : (uint32_t)((n + 1) * (n + 1) + (i - 1) * plan->around + at);
+}
+
+static void fill_elements(const disc_plan *plan, quad_mesh *mesh)
+{
+    const int n = plan->disc->elements;
+    size_t e = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++, e++) {
+            const uint32_t corner = (uint32_t)(i * (n + 1) + j), next = corner + (uint32_t)n + 1;
+            const uint32_t node[4] = {corner, next, next + 1, corner + 1};
+            memcpy(mesh->element[e], node, sizeof node);
+        }
+    for (int i = 0; i < plan->layers; i++)
+        for (int j = 0; j < plan->around; j++, e++) {
+            const uint32_t node[4] = {layer_node(plan, i, j), layer_node(plan, i + 1, j),
+                                      layer_node(plan, i + 1, j + 1), layer_node(plan, i, j + 1)};
+            memcpy(mesh->element[e], node, sizeof node);
+        }
+    for (size_t k = 0; k < mesh->elements; k++)
+        mesh->element_label[k] = (int64_t)k + 1;
+}
+
+/* ---- sets ---------------------------------------------------------------- */
+
+/* Give a set its name and room for `most` members. Returns 0, or -1 where memory runs out. */
+static int open_set(quad_set *set, const char *name, size_t most)
+{
+    set->name = malloc(strlen(name) + 1);
+    set->index = calloc(most, sizeof *set->index);
+    if (!set->name || !set->index)
+        return -1;
+    memcpy(set->name, name, strlen(name) + 1);
+    return 0;
+}
+
+/* Add the elements of one sector of the layers from `first` to before `last`. */
+static void add_sector(const disc_plan *plan, int first, int last, int sector, int sectors,
+                       quad_set *set)
+{
+    const int n = plan->disc->elements, each = plan->around / sectors, turn = n / 2;
+    for (int i = first; i < last; i++)
+        for (int j = 0; j < plan->around; j++) /* the x axis lies n/2 places after the first corner
+                                                */
+            if ((j - turn + plan->around) % plan->around / each == sector)
+                set->index[set->count++] = (uint32_t)(n * n + i * plan->around + j);
+}
+
+static int fill_element_sets(const disc_plan *plan, quad_mesh *mesh)
+{
+    const int n = plan->disc->elements, sectors = plan->disc->sectors;
+    char name[40];
+    int first = plan->across[0];
+    quad_set *set = mesh->element_set;
+    if (open_set(set, "ring1", mesh->elements) < 0)
+        return -1;
+    for (int e = 0; e < n * n; e++)
+        set->index[set->count++] = (uint32_t)e;
+    add_sector(plan, 0, first, 0, 1, set++);
+    for (int k = 1; k < plan->bands; k++) {
+        for (int sector = 0; sector < sectors; sector++, set++) {
+            snprintf(name, sizeof name, "ring%d-%d", k + 1, sector + 1);
+            if (sectors == 1)
+                snprintf(name, sizeof name, "ring%d", k + 1);
+            if (open_set(set, name, mesh->elements) < 0)
+                return -1;
+            add_sector(plan, first, first + plan->across[k], sector, sectors, set);
+        }
+        first += plan->across[k];
+    }
+    return 0;
+}
+
+static int fill_sets(const disc_plan *plan, quad_mesh *mesh)
+{
+    const int n = plan->disc->elements;
+    if (fill_element_sets(plan, mesh) < 0 || open_set(mesh->node_set, "centre", 1) < 0 ||
+        open_set(mesh->edge_set, "rim", (size_t)plan->around) < 0)
+        return -1;
+    mesh->node_set[0].index[mesh->node_set[0].count++] = (uint32_t)(n / 2 * (n + 2));
+    for (int j = 0; j < plan->around; j++) { /* side 1 of an element of a ring lies outside */
+        const uint32_t element = (uint32_t)(n * n + (plan->layers - 1) * plan->around + j);
+        mesh->edge_set[0].index[mesh->edge_set[0].count++] = 4 * element + 1;
+    }
+    return 0;
+}
+
+/* ---- mesh ---------------------------------------------------------------- */
+
+static int allocate(const disc_plan *plan, quad_mesh *mesh)
+{
+    const size_t n = (size_t)plan->disc->elements,
+                 rings = (size_t)plan->layers * (size_t)plan->around;
+    mesh->nodes = (n + 1) * (n + 1) + rings;
+    mesh->elements = n * n + rings;
+    mesh->regions = mesh->node_sets = mesh->edge_sets = 1;
+    mesh->element_sets = 1 + (size_t)(plan->bands - 1) * (size_t)plan->disc->sectors;
+    mesh->position = calloc(mesh->nodes, sizeof *mesh->position);
+    mesh->director = calloc(mesh->nodes, sizeof *mesh->director);
+    mesh->axis = calloc(mesh->nodes, sizeof *mesh->axis);
+    mesh->node_label = calloc(mesh->nodes, sizeof *mesh->node_label);
+    mesh->element = calloc(mesh->elements, sizeof *mesh->element);
+    mesh->element_label = calloc(mesh->elements, sizeof *mesh->element_label);
+    mesh->region = calloc(1, sizeof *mesh->region);
+    mesh->node_set = calloc(1, sizeof *mesh->node_set);
+    mesh->edge_set = calloc(1, sizeof *mesh->edge_set);
+    mesh->element_set = calloc(mesh->element_sets, sizeof *mesh->element_set);
+    if (!mesh->node_set || !mesh->edge_set || !mesh->element_set) {
+        mesh->node_sets = mesh->edge_sets = mesh->element_sets = 0;
+        return -1;
+    }
+    return mesh->position && mesh->director && mesh->axis && mesh->node_label && mesh->element &&
+                   mesh->element_label && mesh->region
+               ? 0
+               : -1;
+}
+
+int quad_disc_make(quad_mesh *mesh, const quad_disc *disc)
+{
+    const disc_plan plan = make_plan(disc);
+    memset(mesh, 0, sizeof *mesh);
+    int status = allocate(&plan, mesh);
+    if (status == 0) {
+        mesh->region[0].present_plies = ~0u;
+        fill_nodes(&plan, mesh);
+        fill_elements(&plan, mesh);
+        status = fill_sets(&plan, mesh);
+    }
+    if (status == 0)
+        status = quad_turn(mesh);
+    if (status == 0)
+        status = quad_renumber(mesh);
+    if (status < 0)
+        quad_mesh_free(mesh);
+    return status;
+}
