@@ -490,6 +490,37 @@ extern const pzs_block_type pzs_vibration_block;
                 PZS_ALIGNED(PZS_DAMPER_BYTES(modes, inputs, sensors, delay)) +                     \
                 (size_t)(outputs) * sizeof(pzs_real))
 
+/* ---- governor: moving targets of a damped tick (lib/control/governor.c) */
+
+/*
+ * Tables of the governor, which lets a damped tick follow a moving target: it computes the bounded
+ * static optimum of each new target, and lets the voltages go there at a part of the step limits,
+ * all in proportion. Put it behind the feed-forward and before the vibration block.
+ */
+typedef struct pzs_governor {
+    pzs_real share; /* part of the way in one tick of the damped tick, as in pzs_vibration */
+    pzs_real part;  /* largest part of the step limits, 0 < part <= 1 */
+} pzs_governor;
+
+/* State of the governor. */
+typedef struct pzs_governor_state {
+    const pzs_governor *tables;
+    pzs_control *control; /* the controller of the loop */
+    pzs_control optimum;  /* finds the bounded static optimum of the target */
+    pzs_real *reference;  /* [inputs] voltages on the way to the optimum (V) */
+    pzs_real *ahead;      /* [inputs] voltages by whose shape the target is moved back (V) */
+    pzs_real *target;     /* [outputs] target of the optimum (m) */
+    pzs_real *wanted;     /* [outputs] target that is passed on (m) */
+    bool has_target;      /* `target` and its optimum are valid */
+} pzs_governor_state;
+
+/* The governor as a block of PZS_PHASE_READINGS. Tables: pzs_governor. */
+extern const pzs_block_type pzs_governor_block;
+#define PZS_GOVERNOR_BLOCK_BYTES(inputs, outputs)                                                  \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_governor_state)) +                                          \
+                PZS_ALIGNED(PZS_CONTROL_BYTES(inputs, outputs)) +                                  \
+                sizeof(pzs_real) * (2u * PZS_FOURS(inputs) + 2u * (size_t)(outputs)))
+
 /* ---- feed-forward of known loads and temperatures (lib/control/feed_forward.c) */
 
 /*

@@ -525,6 +525,7 @@ typedef struct scene_dynamics {
 /* Data of the control loop on the device. */
 typedef struct scene_control {
     double rate; /* tick rate (ticks per second); 0 if neither given nor needed by a simulation */
+    int moving_target; /* 1: a governor lets the damped tick follow a moving target */
 } scene_control;
 
 /* Supervisor of the control loop. */

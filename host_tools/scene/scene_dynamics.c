@@ -88,6 +88,9 @@ static const field control_fields[] = {
     {"rate", read_real, offsetof(scene_control, rate), &above_zero, .of = OF_RATE,
      .help = "Tick rate of the control loop (ticks a second): the rate at which its stability is "
              "assessed, and the time axis of a simulation, which assumes 1000 if it is not given."},
+    {"moving_target", read_flag, offsetof(scene_control, moving_target),
+     .help = "Whether the target moves while it is followed: a governor then takes the lag out of "
+             "the tick that damps vibration; default no."},
     {.key = NULL}};
 
 const form control_form = {.type = FORM_MAP, .fields = control_fields};

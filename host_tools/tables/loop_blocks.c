@@ -6,6 +6,9 @@
 #include <string.h>
 #include "../../lib/core/guard.h"
 
+/* Part of the step limits that the governor takes; the rest is left for damping. */
+static const double governor_part = 0.5;
+
 /* ---- conditions -------------------------------------------------------- */
 
 int loop_estimates(const scene *scene)
@@ -45,6 +48,11 @@ static bool has_damper(const loop_blocks *blocks)
     return blocks->damper->is_used;
 }
 
+static bool has_governor(const loop_blocks *blocks)
+{
+    return blocks->damper->is_used && blocks->design->scene->control.moving_target;
+}
+
 static bool has_amplifier(const loop_blocks *blocks)
 {
     return loop_quantises(blocks->design->scene);
@@ -78,6 +86,13 @@ static const void *estimator_tables(loop_blocks *blocks)
 static const void *damper_tables(loop_blocks *blocks)
 {
     return &blocks->damper->tables;
+}
+
+static const void *governor_tables(loop_blocks *blocks)
+{
+    blocks->governor.share = blocks->damper->tables.share;
+    blocks->governor.part = governor_part;
+    return &blocks->governor;
 }
 
 static const void *problem_tables(loop_blocks *blocks)
@@ -150,6 +165,14 @@ static void write_known(emitter *emitter, const loop_blocks *blocks)
         fprintf(emitter->file, "&%s_reading_feed_forward};\n", emitter->prefix);
     else
         fputs("NULL};\n", emitter->file);
+}
+
+static void write_governor(emitter *emitter, const loop_blocks *blocks)
+{
+    fprintf(emitter->file,
+            "/* part of the way in one tick, part of the step limits */\n"
+            "static const pzs_governor %s_governor = {PZS_R(%.17g), PZS_R(%.17g)};\n",
+            emitter->prefix, blocks->governor.share, blocks->governor.part);
 }
 
 static void write_amplifier(emitter *emitter, const loop_blocks *blocks)
@@ -268,6 +291,8 @@ static const struct {
 } block_types[] = {
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
      "known_loads", "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
+    {&pzs_governor_block, has_governor, governor_tables, write_governor, "governor", "governor",
+     "GOVERNOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS)"},
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
      "ESTIMATOR_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",

@@ -14,6 +14,7 @@ typedef struct loop_blocks {
     const estimator *estimator;
     const damper *damper;
     pzs_known_loads known_loads; /* tables of the blocks that are stored nowhere else */
+    pzs_governor governor;
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
     pzs_supervision supervision;

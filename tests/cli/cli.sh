@@ -493,6 +493,7 @@ run 2 solve bimorph-actuator --error && says 'mesh.theta1 has 5 elements, which 
 run 2 solve mirror --error && says 'no output with a single value'; check 'solve --error: no output' $?
 run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-50-patches --number 2.5 && says '--number' && run 2 check plate-50-patches --number 3 && says 'belongs to modes'; check 'modes: a wrong number' $?
 run 0 tables plate-closed-loop -o "$dir/x.h" && grep -q 'pzs_vibration_block' "$dir/x.h" && grep -q '9 modes from 15.04 to 314.2 Hz, at 1000 ticks a second' "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of an unstable loop damp vibration' $?
+run 0 tables plate-closed-loop --set control.moving_target=true -o "$dir/x.h" && grep -q 'pzs_governor_block' "$dir/x.h"; check 'tables of a moving target have a governor' $?
 run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set control.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
 run 0 check plate-closed-loop --json && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and

@@ -351,17 +351,24 @@ enum { HISTORY = 16 }; /* ticks of readings kept */
 static void start(damped_loop *d)
 {
     const size_t inputs = d->problem.inputs, outputs = d->problem.outputs;
-    const size_t count = d->amplifier.step > 0 ? 3 : 2;
-    const size_t bytes =
-        PZS_LOOP_BYTES(count, inputs) + PZS_STEP_BLOCK_BYTES(inputs, outputs) +
-        PZS_VIBRATION_BLOCK_BYTES(d->modes, inputs, outputs, d->sensors, d->vibration.delay) +
-        (count > 2 ? PZS_AMPLIFIER_BLOCK_BYTES(inputs) : 0);
+    size_t count = 0, bytes = PZS_STEP_BLOCK_BYTES(inputs, outputs) +
+                              PZS_VIBRATION_BLOCK_BYTES(d->modes, inputs, outputs, d->sensors,
+                                                        d->vibration.delay);
+    if (d->governor.part > 0) {
+        d->governor.share = d->vibration.share;
+        d->block[count++] = (pzs_block){&pzs_governor_block, &d->governor};
+        bytes += PZS_GOVERNOR_BLOCK_BYTES(inputs, outputs);
+    }
+    d->block[count++] = (pzs_block){&pzs_vibration_block, &d->vibration};
+    d->block[count++] = (pzs_block){&pzs_step_block, &d->problem};
+    if (d->amplifier.step > 0) {
+        d->block[count++] = (pzs_block){&pzs_amplifier_block, &d->amplifier};
+        bytes += PZS_AMPLIFIER_BLOCK_BYTES(inputs);
+    }
+    bytes += PZS_LOOP_BYTES(count, inputs);
     free(d->work);
     d->work = malloc(bytes);
     assert_non_null(d->work);
-    d->block[0] = (pzs_block){&pzs_vibration_block, &d->vibration};
-    d->block[1] = (pzs_block){&pzs_step_block, &d->problem};
-    d->block[2] = (pzs_block){&pzs_amplifier_block, &d->amplifier};
     assert_int_equal(pzs_loop_init(&d->loop, d->block, count, NULL, d->work, bytes), PZS_OK);
 }
 

@@ -70,7 +70,7 @@ typedef struct damped_loop {
     pzs_real *tables;                                        /* memory of all tables */
     pzs_problem problem;
     pzs_vibration vibration;
-    pzs_block block[4];
+    pzs_block block[5];
     pzs_loop loop;
     void *work;
     plant_error error;
@@ -80,6 +80,7 @@ typedef struct damped_loop {
     pzs_real *wanted, *sensed;
     int tick;
     unsigned seed;
+    pzs_governor governor;   /* with a part above 0 the loop has a governor */
     pzs_amplifier amplifier; /* with a step above 0 the loop has converter steps */
     bool is_silent;          /* no frame arrives */
     bool is_blind;           /* all readings are missing */

@@ -724,6 +724,69 @@ static void few_sensors_settle(void **state)
     structure_close(&s);
 }
 
+/* RMS distance from a target that moves as a sine of `periods` periods of the first mode, over the
+ * target's RMS, after the start. */
+static double tracking_error(damped_loop *d, double periods)
+{
+    const modal_structure *s = d->structure;
+    const double period = periods * period_of(s, d->interval);
+    const int ticks = (int)(3 * period);
+    double *wanted = calloc(2 * s->outputs, sizeof *wanted), *half = wanted + s->outputs, sum = 0,
+           goal = 0;
+    for (size_t i = 0; i < s->outputs; i++)
+        half[i] = s->goal[i] / 2;
+    damped_loop_reset(d, d->error);
+    for (int k = 0; k < ticks; k++) {
+        const double factor = sin(6.283185307179586 * k / period);
+        for (size_t i = 0; i < s->outputs; i++)
+            wanted[i] = factor * half[i];
+        (void)damped_loop_tick(d, wanted);
+        for (size_t i = 0; i < s->outputs && k > ticks / 3; i++) {
+            sum += pow(d->shape[i] - wanted[i], 2);
+            goal += pow(wanted[i], 2);
+        }
+    }
+    free(wanted);
+    return sqrt(sum / goal);
+}
+
+/*
+ * With the governor the plate follows a sine of ten periods of its first mode with a fifth of the
+ * error, a target step settles in less than one period, and storms settle as without.
+ */
+static void governor_follows_moving_targets(void **state)
+{
+    const damper_settings settings = damper_default_settings();
+    modal_structure s;
+    damped_loop d;
+    double error[2][2];
+    (void)state;
+    structure_of_plate(&s, 60);
+    damped_loop_open(&d, &s, 1e-3, 20, 1, NULL, 0, &settings);
+    d.error.delay = 1;
+    for (int with = 0; with < 2; with++) {
+        d.governor.part = with ? PZS_R(0.5) : 0;
+        error[with][0] = tracking_error(&d, 10);
+        error[with][1] = tracking_error(&d, 4);
+        print_message("governor %d: RMS error of a sine of 10 periods %.3g, of 4 periods %.3g\n",
+                      with, error[with][0], error[with][1]);
+    }
+    assert_true(error[0][0] > 0.2 && error[1][0] < error[0][0] / 4);
+    assert_true(error[1][1] < error[0][1] / 4);
+    damped_loop_reset(&d, d.error);
+    const int step = settle(&d, s.goal, 660);
+    double end = 0;
+    for (int k = 0; k < 4; k++) {
+        const plant_error wrong = {k & 1 ? 1.33 : 0.8, k & 2 ? 1.1 : 0.9, 1, 1, 0, 0, 1e-4};
+        end = fmax(end, storm(&d, wrong, 1200));
+    }
+    print_message("with the governor: target step %d ticks, storms end within %.2g\n", step, end);
+    assert_in_range(step, 1, 60);
+    assert_true(end < 0.05);
+    damped_loop_close(&d);
+    structure_close(&s);
+}
+
 #ifdef STORMS /* with check-long */
 /* Structures with near-equal modes, wide and narrow spectra, at rates of 3 to 110 ticks a period.
  */
@@ -774,13 +837,20 @@ static void near_equal_modes_settle(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(damper_is_that_of_numpy),     cmocka_unit_test(bad_tables_are_refused),
-        cmocka_unit_test(exact_plant_is_known),        cmocka_unit_test(energy_never_rises),
-        cmocka_unit_test(rest_is_the_bounded_optimum), cmocka_unit_test(bad_readings_do_no_harm),
-        cmocka_unit_test(converter_steps_are_carried), cmocka_unit_test(few_sensors_settle),
-        cmocka_unit_test(plate_settles_fast),          cmocka_unit_test(plate_settles_after_storms),
+        cmocka_unit_test(damper_is_that_of_numpy),
+        cmocka_unit_test(bad_tables_are_refused),
+        cmocka_unit_test(exact_plant_is_known),
+        cmocka_unit_test(energy_never_rises),
+        cmocka_unit_test(rest_is_the_bounded_optimum),
+        cmocka_unit_test(bad_readings_do_no_harm),
+        cmocka_unit_test(converter_steps_are_carried),
+        cmocka_unit_test(few_sensors_settle),
+        cmocka_unit_test(governor_follows_moving_targets),
+        cmocka_unit_test(plate_settles_fast),
+        cmocka_unit_test(plate_settles_after_storms),
 #ifdef STORMS
-        cmocka_unit_test(near_equal_modes_settle),     cmocka_unit_test(other_structures_settle),
+        cmocka_unit_test(near_equal_modes_settle),
+        cmocka_unit_test(other_structures_settle),
 #endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Reference governor: lets a damped tick follow a moving target without its lag.
+ *
+ * A damped tick goes a small share of the way to the static optimum. The governor computes the
+ * bounded optimum v_t of the target alone whenever the target changes, moves reference voltages
+ * v_ref towards v_t by at most a part of the step limits, dr in a tick, and replaces the target z
+ * by
+ *
+ *   z - B (v_t - v_ref) + B dr / share,
+ *
+ * so that the damped tick adds dr itself to the voltages, and a share only of what is left. Once
+ * v_ref has arrived, the target is passed on as it is.
+ *
+ * Work of a tick: nothing while the target stands and v_ref has arrived; otherwise outputs * inputs
+ * multiply-adds, and a voltage step when the target has changed.
+ */
+#include <string.h>
+#include "pzs_loop.h"
+#include "control.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+
+/* ---- layout ------------------------------------------------------------ */
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    return PZS_GOVERNOR_BLOCK_BYTES(problem->inputs, problem->outputs);
+}
+
+static void *work_of(pzs_governor_state *state)
+{
+    return (uint8_t *)state + PZS_ALIGNED(sizeof *state);
+}
+
+/* Let the block point to its tables and its arrays. */
+static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_control *control)
+{
+    const pzs_problem *problem = control->state.problem;
+    const size_t width = PZS_FOURS(problem->inputs);
+    state->tables = tables;
+    state->control = control;
+    state->reference = (void *)((uint8_t *)work_of(state) +
+                                PZS_ALIGNED(PZS_CONTROL_BYTES(problem->inputs, problem->outputs)));
+    state->ahead = state->reference + width;
+    state->target = state->ahead + width;
+    state->wanted = state->target + problem->outputs;
+}
+
+/* The influence matrix as pzs_control_init takes it: NULL for that of the problem. */
+static const pzs_real *influence_of(const pzs_control *control)
+{
+    const pzs_real *influence = control->state.influence;
+    return influence == control->state.problem->influence ? NULL : influence;
+}
+
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_governor *governor = tables;
+    pzs_governor_state *state = self;
+    const pzs_problem *problem = signals->control->state.problem;
+    if (!(governor->share > 0) || !(governor->share <= 1) || !(governor->part > 0) ||
+        !(governor->part <= 1))
+        return PZS_E_ARGUMENT;
+    memset(state, 0, sizeof *state);
+    place(state, governor, signals->control);
+    memcpy(state->reference, signals->control->state.voltage,
+           problem->inputs * sizeof *state->reference);
+    return pzs_control_init(&state->optimum, problem, influence_of(signals->control),
+                            work_of(state), PZS_CONTROL_BYTES(problem->inputs, problem->outputs));
+}
+
+/* ---- tick ---------------------------------------------------------------- */
+
+/* Whether target and limits are those of the last optimum. */
+static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
+{
+    const pzs_problem *problem = state->control->state.problem;
+    const size_t limits = problem->inputs * sizeof(pzs_real);
+    const pzs_control_state *own = &state->optimum.state, *loop = &state->control->state;
+    return state->has_target &&
+           memcmp(state->target, wanted, problem->outputs * sizeof *wanted) == 0 &&
+           memcmp(own->lower, loop->lower, limits) == 0 &&
+           memcmp(own->upper, loop->upper, limits) == 0;
+}
+
+/* Compute the bounded optimum of the target, within the limits in force and without step limits. */
+static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
+{
+    const pzs_problem *problem = state->control->state.problem;
+    const size_t limits = problem->inputs * sizeof(pzs_real);
+    pzs_control *optimum = &state->optimum;
+    pzs_control_restore(optimum, problem, influence_of(state->control), work_of(state));
+    memcpy(optimum->state.lower, state->control->state.lower, limits);
+    memcpy(optimum->state.upper, state->control->state.upper, limits);
+    optimum->state.has_step_limits = false;
+    pzs_control_share_bounds(&optimum->state.optimiser, optimum);
+    memcpy(state->target, wanted, problem->outputs * sizeof *wanted);
+    state->has_target = !PZS_IS_ERROR(pzs_step(optimum, wanted));
+}
+
+/* Largest part of the way to the optimum that keeps within the governor's part of the step limits.
+ */
+static pzs_real largest_part(const pzs_governor_state *state)
+{
+    pzs_real part = 1;
+    for (uint32_t j = 0; j < state->control->state.problem->inputs; j++) {
+        const pzs_real way = number_absolute(state->optimum.state.voltage[j] - state->reference[j]);
+        const pzs_real most = state->tables->part * state->control->state.step_limit[j];
+        part = part * way > most ? most / way : part;
+    }
+    return part;
+}
+
+/*
+ * Move the reference voltages. ahead = v_t - v_ref - dr / share. Returns whether the target has to
+ * be moved.
+ */
+static bool move_reference(pzs_governor_state *state)
+{
+    const pzs_real part = largest_part(state);
+    bool is_moving = false;
+    for (uint32_t j = 0; j < state->control->state.problem->inputs; j++) {
+        const pzs_real way = state->optimum.state.voltage[j] - state->reference[j];
+        const pzs_real move = part * way;
+        state->reference[j] =
+            part < 1 ? state->reference[j] + move : state->optimum.state.voltage[j];
+        state->ahead[j] =
+            state->optimum.state.voltage[j] - state->reference[j] - move / state->tables->share;
+        is_moving |= !(way >= 0 && way <= 0);
+    }
+    return is_moving;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_governor_state *state = self;
+    const pzs_problem *problem = signals->control->state.problem;
+    place(state, signals->tables, signals->control);
+    if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
+        return PZS_OK; /* the control step holds the voltages and says why */
+    if (!is_known(state, signals->wanted))
+        find_optimum(state, signals->wanted);
+    if (!state->has_target || !move_reference(state))
+        return PZS_OK;
+    pzs_product_matrix(state->wanted, signals->control->state.influence, state->ahead,
+                       problem->outputs, problem->inputs);
+    for (uint32_t i = 0; i < problem->outputs; i++)
+        state->wanted[i] = signals->wanted[i] - state->wanted[i];
+    signals->wanted = state->wanted;
+    return PZS_OK;
+}
+
+const pzs_block_type pzs_governor_block = {"governor", PZS_PHASE_READINGS, block_bytes, block_init,
+                                           block_tick};
