@@ -4,22 +4,26 @@
 #include "problem.h"
 #include "../core/guard.h"
 
+/* An array of `count` reals, which may be absent. */
+static scrub_part reals(const pzs_real *x, size_t count)
+{
+    const scrub_part part = {x, x != NULL ? count * sizeof *x : 0};
+    return part;
+}
+
 void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS])
 {
-    const size_t n = problem->inputs, m = problem->outputs, real = sizeof(pzs_real);
-    const scrub_part all[PROBLEM_PARTS] = {
-        {&problem->inputs, sizeof problem->inputs},
-        {&problem->outputs, sizeof problem->outputs},
-        {problem->influence, problem->influence != NULL ? m * n * real : 0},
-        {problem->hessian, problem->hessian != NULL ? n * n * real : 0},
-        {problem->weight, problem->weight != NULL ? m * real : 0},
-        {problem->lower, problem->lower != NULL ? n * real : 0},
-        {problem->upper, problem->upper != NULL ? n * real : 0},
-        {problem->step_limit, problem->step_limit != NULL ? n * real : 0},
-        {problem->reference_voltage, problem->reference_voltage != NULL ? n * real : 0},
-        {&problem->regularisation, real}};
-    for (uint32_t k = 0; k < PROBLEM_PARTS; k++)
-        part[k] = all[k];
+    const size_t n = problem->inputs, m = problem->outputs;
+    part[0] = (scrub_part){&problem->inputs, sizeof problem->inputs};
+    part[1] = (scrub_part){&problem->outputs, sizeof problem->outputs};
+    part[2] = reals(problem->influence, m * n);
+    part[3] = reals(problem->hessian, n * n);
+    part[4] = reals(problem->weight, m);
+    part[5] = reals(problem->lower, n);
+    part[6] = reals(problem->upper, n);
+    part[7] = reals(problem->step_limit, n);
+    part[8] = reals(problem->reference_voltage, n);
+    part[9] = reals(&problem->regularisation, 1);
 }
 
 uint32_t pzs_problem_crc(const pzs_problem *problem)

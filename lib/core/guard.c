@@ -43,18 +43,20 @@ uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_
     return data != NULL ? pzs_guard_crc(crc, data, count * size) : crc;
 }
 
-/*
- * The number of entries is part of the table itself: `start` is hashed first, and a damaged `start`
- * cannot lead the checksum beyond count * dof entries, the most that the rows can have.
- */
+bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof)
+{
+    return rows->start == NULL || rows->start[rows->count] <= (uint32_t)rows->count * dof;
+}
+
+/* The number of entries is part of the table itself, so `start` is hashed first. */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 {
     if (rows->start == NULL)
         return crc;
     crc = pzs_guard_crc(crc, rows->start, ((size_t)rows->count + 1u) * sizeof rows->start[0]);
-    const uint32_t entries = rows->start[rows->count];
-    if (entries > (uint32_t)rows->count * dof)
+    if (!pzs_guard_rows_fit(rows, dof))
         return ~crc;
+    const uint32_t entries = rows->start[rows->count];
     crc = pzs_guard_array_crc(crc, rows->dof, entries, sizeof rows->dof[0]);
     return pzs_guard_array_crc(crc, rows->value, entries, sizeof rows->value[0]);
 }

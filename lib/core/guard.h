@@ -59,6 +59,12 @@ static inline uint32_t guard_add(uint32_t sum, pzs_real x)
     return sum;
 }
 
+/*
+ * Whether the number of entries of sparse rows is one that rows over `dof` columns can have.
+ * Neither a checksum nor a check of indices may read rows of which this is not true.
+ */
+bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof);
+
 /* CRC of sparse rows over `dof` columns, continued from crc. */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof);
 

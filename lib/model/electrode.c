@@ -55,7 +55,8 @@ pzs_status pzs_electrode_check(const pzs_electrodes *tables, const pzs_structure
         return PZS_E_ARGUMENT;
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != structure->scene)
         return PZS_E_FORMAT;
-    if (pzs_electrode_crc(tables, structure->input.count) != tables->crc)
+    if (!pzs_guard_rows_fit(&tables->direct, structure->input.count) ||
+        pzs_electrode_crc(tables, structure->input.count) != tables->crc)
         return PZS_E_CRC;
     return indices_in_range(tables, structure->input.count) ? PZS_OK : PZS_E_ARGUMENT;
 }
@@ -91,7 +92,9 @@ pzs_real pzs_electrode_direct(const pzs_electrodes *tables, uint32_t electrode, 
 
 pzs_status pzs_electrodes_seal(pzs_electrodes *tables, const pzs_structure *structure)
 {
-    if (!tables || !structure || !tables->input || !tables->open || !tables->direct.start)
+    if (!tables || !structure || !tables->input || !tables->open || !tables->direct.start ||
+        tables->direct.count != tables->count ||
+        !pzs_guard_rows_fit(&tables->direct, structure->input.count))
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
     tables->scene = structure->scene;

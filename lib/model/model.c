@@ -114,7 +114,7 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
         return PZS_E_FORMAT;
     if (!structure_complete(structure))
         return PZS_E_ARGUMENT;
-    if (pzs_structure_crc(structure) != structure->crc)
+    if (!pzs_structure_rows_fit(structure) || pzs_structure_crc(structure) != structure->crc)
         return PZS_E_CRC;
     if (!indices_in_range(structure))
         return PZS_E_ARGUMENT;

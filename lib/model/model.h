@@ -18,6 +18,9 @@ enum { STAGE_READY = 1, STAGE_ASSEMBLED = 2, STAGE_FACTORED = 3, STAGE_AT_SHAPE 
 /* Checksum of the counts and arrays of a structure, as stored in its crc field. */
 uint32_t pzs_structure_crc(const pzs_structure *structure);
 
+/* Whether the rows of inputs and outputs have no more entries than they can have. */
+bool pzs_structure_rows_fit(const pzs_structure *structure);
+
 /* Stiffness factor of the type of an element; 1 if no factors were passed to the assembly. */
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 

@@ -26,10 +26,16 @@ uint32_t pzs_structure_crc(const pzs_structure *structure)
     return ~pzs_guard_rows_crc(crc, &structure->output, structure->free_dof);
 }
 
+bool pzs_structure_rows_fit(const pzs_structure *structure)
+{
+    return pzs_guard_rows_fit(&structure->input, structure->free_dof) &&
+           pzs_guard_rows_fit(&structure->output, structure->free_dof);
+}
+
 pzs_status pzs_structure_seal(pzs_structure *structure)
 {
     if (structure == NULL || structure->nodes == 0 || structure->elements == 0 ||
-        structure->types == 0)
+        structure->types == 0 || !pzs_structure_rows_fit(structure))
         return PZS_E_ARGUMENT;
     structure->format = PZS_TABLE_FORMAT;
     structure->crc = pzs_structure_crc(structure);

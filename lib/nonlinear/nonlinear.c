@@ -24,14 +24,25 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 
 /* ---- init ------------------------------------------------------------- */
 
+/*
+ * Whether the numbers of entries are ones that tables of this structure can have. A damaged number
+ * must lead neither the checksum nor the check of indices beyond the tables.
+ */
+static bool counts_fit(const pzs_nonlinear *tables, const pzs_structure *structure)
+{
+    const uint32_t inputs = structure->input.count,
+                   entries = tables->given.start ? tables->given.start[inputs] : 0;
+    return entries <= inputs * structure->elements && tables->given.values <= entries &&
+           tables->prescribed.count <= structure->free_dof;
+}
+
 uint32_t pzs_nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
     const uint32_t inputs = structure->input.count,
                    entries = tables->given.start ? tables->given.start[inputs] : 0;
     uint32_t crc = GUARD_CRC_START;
-    if (entries > inputs * structure->elements || tables->given.values > entries ||
-        tables->prescribed.count > structure->free_dof)
-        return crc; /* a damaged count must not lead the checksum beyond the tables */
+    if (!counts_fit(tables, structure))
+        return crc;
     if (entries > 0) {
         crc = pzs_guard_crc(crc, tables->given.start, (inputs + 1) * sizeof *tables->given.start);
         crc = pzs_guard_crc(crc, tables->given.element, entries * sizeof *tables->given.element);
@@ -51,7 +62,7 @@ uint32_t pzs_nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *str
 
 pzs_status pzs_nonlinear_seal(pzs_nonlinear *tables, const pzs_structure *structure)
 {
-    if (!tables || !structure)
+    if (!tables || !structure || !counts_fit(tables, structure))
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
     tables->scene = structure->scene;
@@ -99,7 +110,7 @@ pzs_status pzs_solver_init(pzs_solver *solver, pzs_model *model, const pzs_nonli
     solver->info.where = -1;
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != structure->scene)
         return PZS_E_FORMAT;
-    if (pzs_nonlinear_crc(tables, structure) != tables->crc)
+    if (!counts_fit(tables, structure) || pzs_nonlinear_crc(tables, structure) != tables->crc)
         return PZS_E_CRC;
     if (!tables_in_range(tables, structure))
         return PZS_E_ARGUMENT;

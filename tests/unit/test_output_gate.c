@@ -259,6 +259,39 @@ static void test_vote(void **state)
         }
 }
 
+/*
+ * Law: tables whose numbers of entries are beyond what their structure allows are refused before a
+ * checksum reads them: a seal cannot make them valid, and no init accepts them by a checksum that
+ * was not computed.
+ */
+static void test_damaged_lengths(void **state)
+{
+    static const uint32_t good[2] = {0, 1}, bad[2] = {0, 1000000};
+    static const uint16_t index[1] = {0};
+    static const uint8_t open[1] = {0};
+    static const pzs_real value[1] = {1};
+    pzs_structure structure = {.nodes = 4, .elements = 1, .types = 1, .dof_per_node = 7};
+    structure.free_dof = 4;
+    structure.input = (pzs_rows){1, good, index, value};
+    (void)state;
+    assert_int_equal(pzs_structure_seal(&structure), PZS_OK);
+    structure.output = (pzs_rows){1, bad, index, value};
+    assert_int_equal(pzs_structure_seal(&structure), PZS_E_ARGUMENT);
+    structure.output = (pzs_rows){0, NULL, NULL, NULL};
+    pzs_electrodes electrodes = {.count = 1, .input = index, .open = open};
+    electrodes.direct = (pzs_rows){1, good, index, value};
+    assert_int_equal(pzs_electrodes_seal(&electrodes, &structure), PZS_OK);
+    electrodes.direct.start = bad;
+    assert_int_equal(pzs_electrodes_seal(&electrodes, &structure), PZS_E_ARGUMENT);
+    pzs_nonlinear nonlinear = {.prescribed = {.count = 0}};
+    assert_int_equal(pzs_nonlinear_seal(&nonlinear, &structure), PZS_OK);
+    nonlinear.prescribed.count = 5; /* of four free dof */
+    assert_int_equal(pzs_nonlinear_seal(&nonlinear, &structure), PZS_E_ARGUMENT);
+    nonlinear.prescribed.count = 0;
+    nonlinear.given.start = bad;
+    assert_int_equal(pzs_nonlinear_seal(&nonlinear, &structure), PZS_E_ARGUMENT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_damaged_voltage),
@@ -267,6 +300,7 @@ int main(void)
                                        cmocka_unit_test(test_damaged_tables),
                                        cmocka_unit_test(test_damaged_device_influence),
                                        cmocka_unit_test(test_frames),
-                                       cmocka_unit_test(test_vote)};
+                                       cmocka_unit_test(test_vote),
+                                       cmocka_unit_test(test_damaged_lengths)};
     return cmocka_run_group_tests_name("output_gate", tests, NULL, NULL);
 }
