@@ -688,7 +688,7 @@ void design_applied(const design *design, double *voltage)
     for (int k = 0; k < design->scene->actuators; k++) {
         const scene_actuator *actuator = &design->scene->actuator[k];
         for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++)
-            voltage[actuator->first + c] = actuator->applied;
+            voltage[actuator->first + c] = actuator->each ? actuator->each[c] : actuator->applied;
     }
 }
 

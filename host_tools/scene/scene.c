@@ -42,8 +42,10 @@ void scene_free(scene *scene)
     free_quads(scene);
     for (i = 0; i < scene->sets; i++)
         free(scene->set[i]);
-    for (i = 0; i < scene->actuators; i++)
+    for (i = 0; i < scene->actuators; i++) {
         free(scene->actuator[i].drive);
+        free(scene->actuator[i].each);
+    }
     for (i = 0; i < scene->sensors; i++)
         free(scene->sensor[i].drive);
     for (i = 0; i < scene->supports; i++)

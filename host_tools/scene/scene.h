@@ -163,7 +163,9 @@ typedef struct scene_actuator {
     scene_drive *drive;
     int is_temperature;
     double applied; /* voltage (V) or temperature (K) on each amplifier of the actuator in a plain
-                       solution */
+                       solution; of a list, the value with the largest magnitude */
+    double *each;   /* the same of every amplifier, [grid[0] grid[1]]; NULL where all have `applied`
+                     */
     int open;       /* sensor: 1 for open circuit, 0 for short circuit */
     int first, grid[2]; /* index of the first amplifier, or of the first electrode of a sensor, and
                            size of the grid: there are grid[0] * grid[1] of them */

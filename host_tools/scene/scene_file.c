@@ -235,9 +235,9 @@ static const field function_fields[] = {
 static const form function_file_form = {.type = FORM_MAP, .fields = function_fields};
 
 static const field list_fields[] = {FILE_ROW, COLUMN_ROWS, {.key = NULL}};
-static const form list_file_form = {.type = FORM_MAP, .fields = list_fields};
+const form list_file_form = {.type = FORM_MAP, .fields = list_fields};
 
-static const form list_form = {.type = FORM_LIST, .item = &number_form};
+const form list_form = {.type = FORM_LIST, .item = &number_form};
 static const form *const row_functions[] = {&formula_form, &list_form, &function_file_form, NULL};
 const form row_function_form = {.type = FORM_ANY, .any = row_functions};
 static const form *const place_functions[] = {&formula_form, &function_file_form, NULL};

@@ -28,7 +28,7 @@ int scene_table_read(reader *reader, int node, number_table *table);
  * values in the order of the rows of a target; read_place_function refuses them.
  */
 field_read read_row_function, read_place_function;
-extern const form row_function_form, place_function_form;
+extern const form row_function_form, place_function_form, list_form, list_file_form;
 
 /*
  * Read numbers, as a list or as {file: FILE, column: NAME}, all finite. The values are allocated.

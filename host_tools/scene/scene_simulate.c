@@ -6,6 +6,7 @@
 #include "scene_file.h"
 #include "scene_parts.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -538,7 +539,67 @@ static const form_case event_cases[] = {{"target", NULL},
                                         {"delay ticks", NULL},
                                         {NULL, NULL}};
 static const form event_form = {.type = FORM_MAP, .fields = event_fields, .cases = event_cases};
-static const form events_form = {.type = FORM_LIST, .item = &event_form};
+/* Make the event of one line of a schedule. */
+static int read_scheduled(reader *reader, int node, const number_table *table, size_t row,
+                          const int column[2], scene_event *event)
+{
+    const double *values = table->value + row * table->columns;
+    const double tick = values[column[0]], factor = values[column[1]];
+    char place[NUMBER_NAME];
+    number_table_place(table, row, (size_t)column[0], place);
+    if (!(tick >= 0 && tick < reader->s->simulate.ticks && tick == floor(tick)))
+        return tree_fault(reader->t, node, "%.80s: %s is %g; a tick is a whole number from 0 to %d",
+                          node_text(reader, node), place, tick, reader->s->simulate.ticks - 1);
+    if (row > 0 && tick < table->value[(row - 1) * table->columns + (size_t)column[0]])
+        return tree_fault(reader->t, node,
+                          "%.80s: %s: tick %g comes after a later one; sort the "
+                          "lines by their ticks",
+                          node_text(reader, node), place, tick);
+    if (!isfinite(factor))
+        return tree_fault(reader->t, node, "%.80s: %s has the factor %g; write a finite number",
+                          node_text(reader, node), place, factor);
+    event->type = EVENT_TARGET;
+    event->tick = (int)tick;
+    event->amount = factor;
+    event->told = TOLD_NEVER;
+    event->at = node_at(reader, node);
+    return 0;
+}
+
+/* Read the events of a table with the columns at and target. */
+static int read_schedule_file(reader *reader, int node, void *to, const void *rule)
+{
+    scene_simulate *simulate = to;
+    number_table table;
+    (void)rule;
+    if (scene_table_read(reader, node, &table) != 0)
+        return -1;
+    const int column[2] = {number_table_column(&table, "at"),
+                           number_table_column(&table, "target")};
+    int failed = 0;
+    simulate->event = calloc(table.rows + 1, sizeof *simulate->event);
+    if (!table.column_name || column[0] < 0 || column[1] < 0)
+        failed = tree_fault(reader->t, node,
+                            "%.80s needs a first line with the names at and target of its columns",
+                            node_text(reader, node));
+    else if (!simulate->event)
+        failed = tree_fault(reader->t, node, "out of memory");
+    for (size_t row = 0; row < table.rows && !failed; row++) {
+        failed = read_scheduled(reader, node, &table, row, column, &simulate->event[row]);
+        simulate->events += !failed;
+    }
+    number_table_free(&table);
+    return failed;
+}
+
+static const form event_list_form = {.type = FORM_LIST, .item = &event_form};
+static const field schedule_fields[] = {
+    {"file", read_schedule_file, .required = 1, .form = &label_form,
+     .help = "Table with a line for each event: columns at (tick) and target (factor)."},
+    {.key = NULL}};
+static const form schedule_form = {.type = FORM_MAP, .fields = schedule_fields};
+static const form *const events_forms[] = {&event_list_form, &schedule_form, NULL};
+static const form events_form = {.type = FORM_ANY, .any = events_forms};
 
 static int read_event(reader *reader, int node, scene_event *event)
 {
@@ -556,6 +617,8 @@ static int read_events(reader *reader, int node, void *to, const void *rule)
     scene_simulate *simulate = to;
     int i, k = 0;
     (void)rule;
+    if (reader->t->node[node].kind == TREE_MAP)
+        return read_map(reader, node, schedule_fields, to);
     simulate->event =
         new_items(reader, node, TREE_LIST, sizeof *simulate->event, &simulate->events);
     if (!simulate->event)

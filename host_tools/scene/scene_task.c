@@ -139,6 +139,30 @@ static int read_drives(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+static const form *const applied_forms[] = {&number_form, &list_form, &list_file_form, NULL};
+static const form applied_form = {.type = FORM_ANY, .any = applied_forms};
+
+/* Read one value for all amplifiers of an actuator, or a list or file with one for each. */
+static int read_applied(reader *reader, int node, void *to, const void *rule)
+{
+    scene_actuator *actuator = to;
+    const int amplifiers = actuator->grid[0] * actuator->grid[1];
+    scene_numbers list;
+    if (reader->t->node[node].kind == TREE_SCALAR)
+        return read_real(reader, node, &actuator->applied, rule);
+    if (scene_numbers_read(reader, node, &list) != 0)
+        return -1;
+    actuator->each = list.value;
+    for (int k = 0; k < list.count; k++)
+        if (fabs(list.value[k]) > fabs(actuator->applied))
+            actuator->applied = list.value[k];
+    if (list.count == amplifiers)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "%d values for %d amplifiers of '%s'; give one for each, theta2 fastest",
+                      list.count, amplifiers, actuator->name);
+}
+
 static const choice uniform[] = {{"uniform", 1}, {NULL, 0}};
 
 static const field actuator_fields[] = {
@@ -148,8 +172,9 @@ static const field actuator_fields[] = {
      .help = "Grids of the same shape; patches at the same position share an amplifier."},
     {"temperature", read_choice, offsetof(scene_actuator, is_temperature), uniform,
      .help = "uniform: the input is a temperature instead of voltages."},
-    {"applied", read_real, offsetof(scene_actuator, applied), .of = OF_ACTUATOR,
-     .help = "Voltage of each amplifier, or temperature, when the scene is solved; default 0."},
+    {"applied", read_applied, .of = OF_ACTUATOR, .form = &applied_form,
+     .help = "Voltage of each amplifier, or temperature, when the scene is solved: one for all, or "
+             "a list or file with one for each amplifier; default 0."},
     {.key = NULL}};
 
 static const form_case actuator_cases[] = {

@@ -410,6 +410,57 @@ static void test_simulation(void **state)
     scene_run_close(&m);
 }
 
+/* Law: a schedule from a file is the same as its events in the scene, to the last bit. */
+static void test_schedule(void **state)
+{
+    (void)state;
+    static const char *const events[2] = {
+        "simulate.events=[{at: 10, target: 0.5}, {at: 20, target: -1}]",
+        "simulate.events={file: wanted.csv}"};
+    double steady[2][3];
+    write_text("matrix.csv", "1 0.2 0\n0.1 1 0\n0 0.1 1\n");
+    write_text("wanted.csv", "at,target\n10,0.5\n20,-1\n");
+    write_text("scene.yaml", "name: m\ninfluence: {file: matrix.csv}\n"
+                             "limits: {voltage: [-9, 9]}\ntarget: {value: [1, 2, 3]}\n"
+                             "simulate: {ticks: 30, plant: {gain: 0.7}, sensors: {noise: 0.01}}\n");
+    for (int k = 0; k < 2; k++) {
+        scene_run m;
+        simulation run;
+        open_measured(&m, events[k]);
+        if (simulate_open(&run, &m.analysis, m.error) < 0 ||
+            simulate_run(&run, LAW_CONTROLLER, NULL, NULL, m.error) < 0)
+            fail_msg("%s", m.error);
+        assert_int_equal(run.phases, 3);
+        for (int p = 0; p < 3; p++)
+            steady[k][p] = run.phase[p].course[LAW_CONTROLLER].steady;
+        simulate_close(&run);
+        scene_run_close(&m);
+    }
+    assert_memory_equal(steady[0], steady[1], sizeof steady[0]);
+}
+
+/* Law: voltages from a file are applied as those of the scene, one for each amplifier. */
+static void test_applied(void **state)
+{
+    (void)state;
+    scene_run list, file;
+    char change[256];
+    FILE *values = fopen(path_of("wanted.csv"), "w");
+    assert_non_null(values);
+    for (int k = 0; k < 25; k++)
+        fprintf(values, "%d\n", 10 * k - 100);
+    assert_int_equal(fclose(values), 0);
+    solve_run(&list, "plate-50-patches",
+              "actuators.0.applied=[-100,-90,-80,-70,-60,-50,-40,-30,-20,-10,0,10,20,30,40,50,60,"
+              "70,80,90,100,110,120,130,140]");
+    snprintf(change, sizeof change, "actuators.0.applied={file: %s}", path_of("wanted.csv"));
+    solve_run(&file, "plate-50-patches", change);
+    assert_true(scene_run_value(&list, 0) != 0);
+    assert_true(scene_run_value(&list, 0) == scene_run_value(&file, 0));
+    scene_run_close(&list);
+    scene_run_close(&file);
+}
+
 /* ---- wrong scenes and files --------------------------------------------- */
 
 #define GOOD "1 0\n0 1\n1 1\n"
@@ -468,6 +519,14 @@ static void test_faults(void **state)
         {GOOD, "name: m\ninfluence: {file: other.csv}\n" TARGET, "2:19: other.csv: cannot read it"},
         {GOOD, "name: m\ninfluence: {}\n" TARGET, "'file' is missing"},
         {GOOD, "name: m\ninfluence: {file: [a]}\n" TARGET, "must be a single value"},
+        {GOOD, SCENE("", TARGET "simulate: {ticks: 9, events: {file: matrix.csv}}\n"),
+         "needs a first line with the names at and target"},
+        {"at,target\n1,1\n9,1\n1,2\n",
+         SCENE("", TARGET "simulate: {ticks: 9, events: {file: matrix.csv}}\n"),
+         "line 3, column 1 is 9; a tick is a whole number from 0 to 8"},
+        {"at,target\n2,1\n1,0\n1,2\n",
+         SCENE("", TARGET "simulate: {ticks: 9, events: {file: matrix.csv}}\n"),
+         "tick 1 comes after a later one"},
         {GOOD, SCENE("", "target: {value: {file: matrix.csv}}\n"), "write columns: [x, y, value]"},
         {GOOD, SCENE("", "target: {value: {file: matrix.csv, column: 3}}\n"), "no column '3'"},
         {GOOD, SCENE("", "target: {value: {file: matrix.csv, columns: [x, y, z, a]}}\n"),
@@ -548,7 +607,8 @@ int main(void)
         cmocka_unit_test(test_same_answer), cmocka_unit_test(test_ignored),
         cmocka_unit_test(test_held),        cmocka_unit_test(test_hash),
         cmocka_unit_test(test_bimorph),     cmocka_unit_test(test_scattered_target),
-        cmocka_unit_test(test_simulation),  cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_simulation),  cmocka_unit_test(test_schedule),
+        cmocka_unit_test(test_applied),     cmocka_unit_test(test_faults),
         cmocka_unit_test(test_warnings),    cmocka_unit_test(test_without_structure),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
