@@ -480,6 +480,12 @@ static void print_target_rows(const design *design, const voltages *result)
         printf("%s%s", comma, design->scene->target.free[k].name);
     if (design->free_functions > 0)
         putchar('\n');
+    const double gap = design_target_gap(design);
+    if (gap > 0)
+        printf("\n  target through the points of %s: a node is at most %.3g times their usual "
+               "spacing from the nearest%s\n",
+               expr_text(design->scene->target.value), gap,
+               gap > 2 ? "; it is EXTRAPOLATED there, give more points" : "");
 }
 
 /*
@@ -603,6 +609,7 @@ void print_shape_json(const shape_run *run)
     json_number(&json, "amplifiers", design->amplifiers);
     json_number(&json, "targets", design->targets);
     json_number(&json, "fixed_rows", design->fixed_rows);
+    json_number(&json, "target_gap", design_target_gap(design));
     json_number(&json, "free_functions", design->free_functions);
     json_string(&json, "kinematics", analysis->nonlinear ? "nonlinear" : "linear");
     if (analysis->nonlinear) {

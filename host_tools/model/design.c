@@ -149,6 +149,16 @@ int design_row(const design *design, int target)
     return influence->given ? influence->row[target] : target;
 }
 
+double design_target_gap(const design *design)
+{
+    double most = 0;
+    for (int i = 0; i < design->targets; i++) {
+        const expr_point place = mesh_place(&design->mesh, design->target_node[i]);
+        most = fmax(most, expr_gap(design->scene->target.value, &place));
+    }
+    return most;
+}
+
 /* Fill error: the value of a target row is not finite. Returns -1. */
 static int refuse_value(const design *design, int target, scene_at at, char *error)
 {

@@ -122,6 +122,13 @@ int design_patch(const mesh *mesh, int element, const scene_patches *patches);
 int design_row(const design *design, int target);
 
 /*
+ * Largest distance of a target node from the nearest of the scattered points that give the target,
+ * in multiples of their usual spacing; 0 for targets that are no scattered points. Above 2 the
+ * target is extrapolated.
+ */
+double design_target_gap(const design *design);
+
+/*
  * Target displacement at the target nodes, without the free functions. value [targets] out. Returns
  * 0, or -1 with error filled where a value is not finite.
  */

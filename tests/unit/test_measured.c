@@ -377,6 +377,10 @@ static void test_scattered_target(void **state)
     open_run(&p, "plate-50-patches", change);
     for (int i = 0; i < f.analysis.design.targets; i++)
         assert_true(fabs(f.analysis.design.target[i] - p.analysis.design.target[i]) < 1e-14);
+    /* 300 random points: the mean distance to a neighbour is 0.5/sqrt(300/0.04); no node is far. */
+    const double gap = design_target_gap(&p.analysis.design);
+    assert_true(gap > 1 && gap < 5);
+    assert_true(design_target_gap(&f.analysis.design) == 0);
     scene_run_close(&f);
     scene_run_close(&p);
 }
