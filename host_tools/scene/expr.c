@@ -4,63 +4,15 @@
  * code with stacks of limited size.
  */
 #include "expr.h"
+#include "expr_code.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../data/scatter.h"
 
-enum { CODE = 256, STACK = 64 };
-
-typedef enum operation {
-    OP_NUMBER,
-    OP_X,
-    OP_Y,
-    OP_Z,
-    OP_THETA1,
-    OP_THETA2,
-    OP_OPEN,
-    OP_ADD,
-    OP_SUBTRACT,
-    OP_MULTIPLY,
-    OP_DIVIDE,
-    OP_NEGATE,
-    OP_POWER,
-    OP_SIN,
-    OP_COS,
-    OP_TAN,
-    OP_ASIN,
-    OP_ACOS,
-    OP_ATAN,
-    OP_SQRT,
-    OP_EXP,
-    OP_LOG,
-    OP_ABS,
-    OP_MIN,
-    OP_MAX,
-    OP_ATAN2,
-    OP_POW,
-    OP_HYPOT,
-    OP_ZERNIKE
-} operation;
-
-typedef struct instruction {
-    operation op;
-    double number;
-} instruction;
-
-struct expr {
-    const char *text; /* copy of the source text, stored after the code */
-    int length, constant;
-    scatter *scatter;          /* function through scattered points, or NULL */
-    int axes, axis[EXPR_AXES]; /* its coordinates */
-    double spacing;            /* usual distance of its points */
-    double *list;              /* [rows] values of a list, or NULL */
-    int rows;
-    instruction code[];
-};
+enum { CODE = 256, STACK = EXPR_STACK };
 
 typedef struct word {
     const char *text;
@@ -112,7 +64,7 @@ static int fault(parser *parser, const char *error)
     return -1;
 }
 
-static int arity(operation op)
+int expr_arity(operation op)
 {
     if (op < OP_OPEN)
         return 0;
@@ -138,7 +90,7 @@ static int emit(parser *parser, operation op, double number)
 {
     if (parser->length == CODE)
         return fault(parser, "the expression is too long; shorten it");
-    parser->depth += 1 - arity(op);
+    parser->depth += 1 - expr_arity(op);
     if (parser->depth > STACK)
         return fault(parser, "the expression is nested too deeply; shorten it");
     parser->code[parser->length].op = op;
@@ -428,19 +380,27 @@ static double apply2(operation op, double a, double b)
     }
 }
 
-/*
- * Return the radial Zernike polynomial
- * R_n^m(rho) = sum_k (-1)^k (n-k)! / (k! ((n+m)/2-k)! ((n-m)/2-k)!) rho^(n-2k).
- */
+void expr_zernike_orders(int j, int *n, int *m)
+{
+    *n = 0;
+    while ((*n + 1) * (*n + 2) / 2 < j)
+        (*n)++;
+    const int place = j - *n * (*n + 1) / 2;
+    *m = *n % 2 ? (place - 1) / 2 * 2 + 1 : place / 2 * 2;
+}
+
+double expr_zernike_coefficient(int n, int m, int k)
+{
+    return (k % 2 ? -1 : 1) * exp(lgamma(n - k + 1) - lgamma(k + 1) - lgamma((n + m) / 2 - k + 1) -
+                                  lgamma((n - m) / 2 - k + 1));
+}
+
+/* Return the radial Zernike polynomial R_n^m(rho). */
 static double radial(int n, int m, double rho)
 {
     double sum = 0;
-    int k;
-    for (k = 0; k <= (n - m) / 2; k++)
-        sum += (k % 2 ? -1 : 1) *
-               exp(lgamma(n - k + 1) - lgamma(k + 1) - lgamma((n + m) / 2 - k + 1) -
-                   lgamma((n - m) / 2 - k + 1)) *
-               pow(rho, n - 2 * k);
+    for (int k = 0; k <= (n - m) / 2; k++)
+        sum += expr_zernike_coefficient(n, m, k) * pow(rho, n - 2 * k);
     return sum;
 }
 
@@ -450,13 +410,11 @@ static double radial(int n, int m, double rho)
  */
 static double zernike(double number, double rho, double phi)
 {
-    int n = 0, j = (int)number, m;
+    int n, m;
+    const int j = (int)number;
     if (!(number >= 1 && number <= 1000) || j != number)
         return (double)NAN;
-    while ((n + 1) * (n + 2) / 2 < j)
-        n++;
-    m = j - n * (n + 1) / 2;
-    m = n % 2 ? (m - 1) / 2 * 2 + 1 : m / 2 * 2;
+    expr_zernike_orders(j, &n, &m);
     if (m == 0)
         return sqrt(n + 1) * radial(n, m, rho);
     return sqrt(2 * (n + 1)) * radial(n, m, rho) * (j % 2 ? sin(m * phi) : cos(m * phi));
@@ -468,7 +426,7 @@ static double formula_value(const expr *expression, const expr_point *at)
     int i, top = 0;
     for (i = 0; i < expression->length; i++) {
         operation op = expression->code[i].op;
-        int n = arity(op);
+        int n = expr_arity(op);
         if (n == 3) {
             stack[top - 3] = zernike(stack[top - 3], stack[top - 2], stack[top - 1]);
             top -= 2;
