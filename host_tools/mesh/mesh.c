@@ -8,6 +8,8 @@
 #include "../../lib/model/shell.h"
 #include "corner_tables.h"
 #include "element_types.h"
+#include "quads_of_lines.h"
+#include "../scene/surface_formula.h"
 #include "vector.h"
 #include "warp.h"
 
@@ -126,8 +128,15 @@ static void place_quads(mesh *mesh)
             mesh->element[e][r] = (uint16_t)quads->element[e][r];
 }
 
+/* Whether mesh line i of theta1 is an edge along theta2. */
+static int is_edge_of_theta1(const mesh *mesh, int i)
+{
+    return !is_closed(mesh->scene, 0) && (i == 0 || i == mesh->lines[0] - 1);
+}
+
 static void place_nodes(mesh *mesh)
 {
+    const int is_general = surface_is_general(&mesh->scene->surface);
     for (int i = 0; i < mesh->lines[0]; i++)
         for (int j = 0; j < mesh->lines[1]; j++) {
             const int n = mesh_node(mesh, i, j);
@@ -135,6 +144,8 @@ static void place_nodes(mesh *mesh)
             mesh->theta[n][1] = mesh->scene->line[1].point[j];
             mesh->point[n] =
                 surface_at(&mesh->scene->surface, mesh->theta[n][0], mesh->theta[n][1]);
+            if (is_general && is_edge_of_theta1(mesh, i))
+                surface_formula_turn(&mesh->scene->surface, mesh->theta[n], &mesh->point[n]);
         }
     for (int e = 0; e < mesh->elements; e++) {
         int i, j;
@@ -257,6 +268,23 @@ static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord
     }
 }
 
+/* Plies that are present at the centre of an element, as the bits of laminate_place. */
+static uint32_t present_plies(const mesh *mesh, const double middle[2])
+{
+    const scene *scene = mesh->scene;
+    uint32_t present = 0;
+    for (int i = 0; i < scene->layers; i++)
+        if (!scene->layer[i].patched)
+            present |= 1u << i;
+    for (int p = 0; p < scene->patch_grids; p++) {
+        const scene_patches *patches = &scene->patches[p];
+        if (middle[0] > patches->theta1[0] && middle[0] < patches->theta1[1] &&
+            middle[1] > patches->theta2[0] && middle[1] < patches->theta2[1])
+            present |= 1u << patches->layer;
+    }
+    return present;
+}
+
 /* Area, curvatures and chords of an element at its centre, and the plies that are present in it. */
 static laminate_place element_place(const mesh *mesh, int element)
 {
@@ -275,15 +303,7 @@ static laminate_place element_place(const mesh *mesh, int element)
     place.area = scene->element.exact_area
                      ? surface_area(&scene->surface, t[0], t[1])
                      : centre.a[0] * centre.a[1] * (t[0][1] - t[0][0]) * (t[1][1] - t[1][0]);
-    for (int i = 0; i < scene->layers; i++)
-        if (!scene->layer[i].patched)
-            place.present_plies |= 1u << i;
-    for (int p = 0; p < scene->patch_grids; p++) {
-        const scene_patches *patches = &scene->patches[p];
-        if (middle[0] > patches->theta1[0] && middle[0] < patches->theta1[1] &&
-            middle[1] > patches->theta2[0] && middle[1] < patches->theta2[1])
-            place.present_plies |= 1u << patches->layer;
-    }
+    place.present_plies = present_plies(mesh, middle);
     return place;
 }
 
@@ -328,17 +348,100 @@ static void set_node_curvatures(mesh *mesh)
     free(elements_at);
 }
 
+/* Exact area and plies of every element between coordinate lines. */
+static void measure_elements(const mesh *mesh, double *area, uint32_t *present)
+{
+    for (int e = 0; e < mesh->elements; e++) {
+        double t[2][2], middle[2];
+        mesh_cell(mesh, e, t[0], t[1]);
+        for (int a = 0; a < 2; a++)
+            middle[a] = (t[a][0] + t[a][1]) / 2;
+        area[e] = surface_area(&mesh->scene->surface, t[0], t[1]);
+        present[e] = present_plies(mesh, middle);
+    }
+}
+
+static int build_quad_types(mesh *mesh, const quad_mesh *quads, type_list *list, char *error)
+{
+    return quad_types_build(list, quads, mesh->point, mesh->accept_irregular, mesh->element_type,
+                            &mesh->quad_report, error);
+}
+
+/* Element types of a surface whose coordinate lines are not lines of curvature. */
+static int build_general_types(mesh *mesh, type_list *list, char *error)
+{
+    const size_t elements = (size_t)mesh->elements;
+    double *area = calloc(elements, sizeof *area);
+    uint32_t *present = calloc(elements, sizeof *present);
+    const line_mesh lines = {mesh->point, (size_t)mesh->nodes, elements, mesh->element, area,
+                             present};
+    quad_mesh quads;
+    int status = -1;
+    scene_fault(mesh->scene, mesh->scene->line[0].at, error,
+                "%d elements do not fit into memory; use fewer", mesh->elements);
+    if (area && present) {
+        measure_elements(mesh, area, present);
+        status = quads_of_lines(&lines, &quads);
+        if (status == 0) {
+            status = build_quad_types(mesh, &quads, list, error);
+            quad_mesh_free(&quads);
+        }
+    }
+    free(area);
+    free(present);
+    return status;
+}
+
 static int build_all_types(mesh *mesh, char *error)
 {
     type_list list = {mesh->scene, &mesh->laminate, mesh->type, mesh->place, 0};
-    const int status =
-        mesh->quads ? quad_types_build(&list, mesh->quads, mesh->point, mesh->accept_irregular,
-                                       mesh->element_type, &mesh->quad_report, error)
-                    : build_types(mesh, &list, error);
+    int status;
+    if (mesh->quads)
+        status = build_quad_types(mesh, mesh->quads, &list, error);
+    else if (surface_is_general(&mesh->scene->surface))
+        status = build_general_types(mesh, &list, error);
+    else
+        status = build_types(mesh, &list, error);
     mesh->types = list.count;
     if (status == 0 && mesh->quads)
         set_node_curvatures(mesh);
     return status;
+}
+
+/* ---- supports of skewed corners --------------------------------------- */
+
+/* Whether a support tells direction 1 from direction 2. */
+static int is_directed(const scene_support *support)
+{
+    const unsigned first_of_pairs = 1u << 0 | 1u << 3;
+    return ((support->fix ^ support->fix >> 1) & first_of_pairs) != 0;
+}
+
+/*
+ * Refuse a support on an edge along theta1 that acts along or across it, where that edge meets the
+ * next one at another angle than 90 degrees: the triad of the corner lies along the next edge.
+ */
+static int check_corners(const scene *scene, char *error)
+{
+    const double right_angle = 1e-6;
+    for (int k = 0; k < scene->supports; k++) {
+        const scene_where *where = &scene->support[k].where;
+        const int is_edge = where->type == WHERE_EDGE &&
+                            (where->edge == EDGE_THETA2_MINUS || where->edge == EDGE_THETA2_PLUS);
+        const int line = where->edge == EDGE_THETA2_PLUS ? scene->line[1].elements : 0;
+        for (int end = 0; end < 2 && is_edge && is_directed(&scene->support[k]); end++) {
+            const double theta1 = scene->line[0].point[end ? scene->line[0].elements : 0];
+            const double theta2 = scene->line[1].point[line];
+            const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);
+            if (fabs(cosine) > right_angle)
+                return scene_fault(scene, scene->support[k].at, error,
+                                   "this support acts along or across its edge, which meets the "
+                                   "next edge at %.4g degrees at theta1 = %g, theta2 = %g; clamp "
+                                   "the edge, hold u3 alone, or let the edges meet at 90 degrees",
+                                   acos(cosine) * 57.29577951308232, theta1, theta2);
+        }
+    }
+    return 0;
 }
 
 /* ---- numbering -------------------------------------------------------- */
@@ -590,7 +693,8 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
     if (scene->quads)
         return mesh_build_quads(mesh, scene, &scene->quads->mesh,
                                 scene->quads->accept_irregular != 0, error);
-    if (check_lines(scene, error) < 0)
+    if (check_lines(scene, error) < 0 ||
+        (surface_is_general(&scene->surface) && check_corners(scene, error) < 0))
         return -1;
     mesh->scene = scene;
     mesh->dof_per_node = (unsigned)scene->element.dof_per_node;

@@ -65,6 +65,8 @@ void scene_free(scene *scene)
     free(scene->target.mode);
     free(scene->target.free);
     spline_free(scene->surface.meridian);
+    for (int i = 0; i < 3; i++)
+        expr_free(scene->surface.formula[i]);
     free(scene->path);
     free(scene->set);
     free(scene->about);

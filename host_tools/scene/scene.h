@@ -32,7 +32,8 @@ typedef enum scene_surface_type {
     SURFACE_TORUS,
     SURFACE_REVOLUTION,
     SURFACE_SPIRAL,
-    SURFACE_PARABOLOID
+    SURFACE_PARABOLOID,
+    SURFACE_FORMULA
 } scene_surface_type;
 
 typedef struct scene_surface {
@@ -46,6 +47,7 @@ typedef struct scene_surface {
     double inner, outer, turns; /* spiral: radius at angle 0, radius at its end, and number of turns
                                    between them */
     double focal_length;        /* distance of the focus of a paraboloid from its vertex */
+    expr *formula[3];           /* x, y, z of theta1 and theta2; NULL: theta1, theta2, 0 */
     spline *meridian; /* meridian (r, z) of a surface of revolution over its chord length */
 } scene_surface;
 

@@ -9,6 +9,7 @@
 #include <string.h>
 #include "surface.h"
 #include "surface_types.h"
+#include "surface_formula.h"
 
 /*
  * Largest distance from a mesh line, relative to the span of the mesh, at which a coordinate lies
@@ -149,6 +150,37 @@ static int check_depth(const scene *scene, double h, char *error)
     return 0;
 }
 
+/*
+ * Check a surface given by formulas: finite, with a normal, and with coordinate lines that meet at
+ * more than 15 degrees.
+ */
+static int check_formula(const scene *scene, char *error)
+{
+    const double most = 0.966;
+    if (surface_is_general(&scene->surface) && !scene->element.cartesian)
+        return scene_fault(scene, scene->at_surface, error,
+                           "the published element needs coordinates along lines of curvature; use "
+                           "`element: improved` on a surface given by formulas");
+    for (int i = 0; i <= SAMPLES && surface_is_general(&scene->surface); i++)
+        for (int j = 0; j <= SAMPLES; j++) {
+            const double theta1 = sample(&scene->line[0], i), theta2 = sample(&scene->line[1], j);
+            const surface_point p = surface_at(&scene->surface, theta1, theta2);
+            const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);
+            if (!isfinite(p.x[0] + p.x[1] + p.x[2] + p.k[0] + p.k[1]) || isnan(cosine))
+                return scene_fault(scene, scene->at_surface, error,
+                                   "the formulas have no finite position, normal and curvature at "
+                                   "theta1 = %g, theta2 = %g; correct them, or leave the point out "
+                                   "of the mesh",
+                                   theta1, theta2);
+            if (fabs(cosine) > most)
+                return scene_fault(scene, scene->at_surface, error,
+                                   "the coordinate lines meet at an angle of %.3g degrees at "
+                                   "theta1 = %g, theta2 = %g; at least 15 are needed",
+                                   acos(fabs(cosine)) * 57.29577951308232, theta1, theta2);
+        }
+    return 0;
+}
+
 static int check_turn(const scene *scene, int direction, char *error)
 {
     const scene_line *line = &scene->line[direction - 1];
@@ -170,7 +202,8 @@ static int check_surface(const scene *scene, char *error)
         h += scene->layer[i].thickness;
     if (surface_revolves(&scene->surface) && check_poles(scene, error) != 0)
         return -1;
-    if (check_meridian(scene, error) != 0 || check_depth(scene, h, error) != 0)
+    if (check_formula(scene, error) != 0 || check_meridian(scene, error) != 0 ||
+        check_depth(scene, h, error) != 0)
         return -1;
     return check_turn(scene, 1, error) != 0 ? -1 : check_turn(scene, 2, error);
 }

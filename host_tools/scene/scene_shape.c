@@ -134,6 +134,12 @@ static const field surface_fields[] = {
     {"ends", read_ends, offsetof(surface_text, tangents), .of = OF_NUMBER, .form = &ends_form,
      .help = "not-a-knot (default: the two pieces at each end are one cubic), or the directions "
              "[[r', z'], [r', z']] at the first and last point."},
+    {"x", read_expr, offsetof(surface_text, s.formula[0]), .of = OF_NUMBER, .form = &formula_form,
+     .help = "Surface by formula: x of theta1 and theta2; theta1 if left out."},
+    {"y", read_expr, offsetof(surface_text, s.formula[1]), .of = OF_NUMBER, .form = &formula_form,
+     .help = "Surface by formula: y of theta1 and theta2; theta2 if left out."},
+    {"z", read_expr, offsetof(surface_text, s.formula[2]), .of = OF_NUMBER, .form = &formula_form,
+     .help = "Surface by formula: z of theta1 and theta2, of which x and y are other names."},
     {.key = NULL}};
 #undef NUMBER
 

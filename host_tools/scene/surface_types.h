@@ -76,7 +76,10 @@ typedef double surface_area_function(const scene_surface *surface, const double 
     ROW(SURFACE_PARABOLOID, "paraboloid", " focal_length", revolution_at, paraboloid_meridian, 0,  \
         ALONG_THETA2, ALONG_THETA2, "let theta1 (the radius) start above 0",                       \
         "Paraboloid of revolution: z = theta1^2/(4 focal_length), theta1 = radius, theta2 = "      \
-        "azimuth in radians, e3 towards the focus.")
+        "azimuth in radians, e3 towards the focus.")                                               \
+    ROW(SURFACE_FORMULA, "formula", " ?x ?y z", formula_at, 0, formula_area, 0, 0, "",             \
+        "Surface x, y, z of the two coordinates, which need not be lines of curvature. e1 along "  \
+        "theta1, e3 normal, with theta2 to the left of theta1.")
 
 /*
  * Rows: number of a surface, which is a key in the scene and a member of scene_surface, its range
@@ -97,11 +100,15 @@ typedef double surface_area_function(const scene_surface *surface, const double 
     ROW(focal_length, above_zero, OF_LENGTH,                                                       \
         "Distance of the focus of a paraboloid from its vertex.")
 
-/* Functions of the surfaces (surface_plate.c, surface_cylinder.c, surface_revolution.c). */
-surface_at_function plate_at, cylinder_at, spiral_at, revolution_at;
+/*
+ * Functions of the surfaces (surface_plate.c, surface_cylinder.c, surface_revolution.c,
+ * surface_formula.c).
+ */
+surface_at_function plate_at, cylinder_at, spiral_at, revolution_at, formula_at;
 surface_meridian_function polar_meridian, cone_meridian, sphere_meridian, hyperboloid_meridian,
     torus_meridian, spline_meridian, paraboloid_meridian;
-surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_area, torus_area;
+surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_area, torus_area,
+    formula_area;
 
 /* What the row of a surface says (surface.c). */
 typedef struct surface_type {

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Reference surfaces given by formulas (surface_formula.h). */
+#include "surface_formula.h"
+#include <math.h>
+#include <string.h>
+#include "expr_jet.h"
+#include "surface_types.h"
+
+/* Position with its derivatives: by theta1, theta2; by theta1 twice, theta2 twice. */
+typedef struct place {
+    double x[3], first[2][3], second[2][3];
+} place;
+
+/*
+ * Coordinates of the surface. A formula that is not given stands for the parameter: x for theta1, y
+ * for theta2, z for 0.
+ */
+static place place_at(const scene_surface *surface, double theta1, double theta2)
+{
+    const expr_jet usual[3] = {
+        {theta1, {1, 0}, {0, 0, 0}}, {theta2, {0, 1}, {0, 0, 0}}, {0, {0, 0}, {0, 0, 0}}};
+    place at;
+    for (int i = 0; i < 3; i++) {
+        const expr *formula = surface->formula[i];
+        const expr_jet jet = formula ? expr_jet_at(formula, theta1, theta2) : usual[i];
+        at.x[i] = jet.value;
+        for (int a = 0; a < 2; a++) {
+            at.first[a][i] = jet.first[a];
+            at.second[a][i] = jet.second[a];
+        }
+    }
+    return at;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+int surface_is_general(const scene_surface *surface)
+{
+    return surface->type == SURFACE_FORMULA;
+}
+
+/* Scale a vector to unit length. Returns its length before. */
+static double normalise(double a[3])
+{
+    const double length = sqrt(dot(a, a));
+    for (int i = 0; i < 3; i++)
+        a[i] /= length;
+    return length;
+}
+
+surface_point formula_at(const scene_surface *surface, double theta1, double theta2)
+{
+    const place at = place_at(surface, theta1, theta2);
+    surface_point point;
+    memset(&point, 0, sizeof point);
+    memcpy(point.x, at.x, sizeof point.x);
+    memcpy(point.e[0], at.first[0], sizeof point.e[0]);
+    point.a[0] = normalise(point.e[0]);
+    point.a[1] = sqrt(dot(at.first[1], at.first[1]));
+    cross(at.first[0], at.first[1], point.e[2]);
+    normalise(point.e[2]);
+    cross(point.e[2], point.e[0], point.e[1]);
+    for (int a = 0; a < 2; a++)
+        point.k[a] = -dot(point.e[2], at.second[a]) / (point.a[a] * point.a[a]);
+    return point;
+}
+
+void surface_formula_turn(const scene_surface *surface, const double theta[2], surface_point *point)
+{
+    const place at = place_at(surface, theta[0], theta[1]);
+    memcpy(point->e[1], at.first[1], sizeof point->e[1]);
+    normalise(point->e[1]);
+    cross(point->e[1], point->e[2], point->e[0]);
+}
+
+double surface_formula_cosine(const scene_surface *surface, double theta1, double theta2)
+{
+    const place at = place_at(surface, theta1, theta2);
+    return dot(at.first[0], at.first[1]) /
+           sqrt(dot(at.first[0], at.first[0]) * dot(at.first[1], at.first[1]));
+}
+
+/* Area of the surface per unit of theta1 and theta2. */
+static double density(const scene_surface *surface, double theta1, double theta2)
+{
+    const place at = place_at(surface, theta1, theta2);
+    double normal[3];
+    cross(at.first[0], at.first[1], normal);
+    return sqrt(dot(normal, normal));
+}
+
+double formula_area(const scene_surface *surface, const double theta1[2], const double theta2[2])
+{
+    static const double point[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                    0.9602898564975363};
+    static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                     0.1012285362903763};
+    const double middle[2] = {(theta1[0] + theta1[1]) / 2, (theta2[0] + theta2[1]) / 2};
+    const double half[2] = {(theta1[1] - theta1[0]) / 2, (theta2[1] - theta2[0]) / 2};
+    double sum = 0;
+    for (int i = 0; i < 8; i++)
+        for (int j = 0; j < 8; j++) {
+            const double s = (i & 1 ? 1 : -1) * point[i / 2], t = (j & 1 ? 1 : -1) * point[j / 2];
+            sum += weight[i / 2] * weight[j / 2] *
+                   density(surface, middle[0] + half[0] * s, middle[1] + half[1] * t);
+        }
+    return half[0] * half[1] * sum;
+}
