@@ -7,7 +7,6 @@
 #define EXPR_CODE_H
 
 #include "../data/scatter.h"
-#include "expr.h"
 
 enum { EXPR_STACK = 64 };
 
@@ -51,10 +50,10 @@ typedef struct instruction {
 struct expr {
     const char *text; /* copy of the source text, stored after the code */
     int length, constant;
-    scatter *scatter;          /* function through scattered points, or NULL */
-    int axes, axis[EXPR_AXES]; /* its coordinates */
-    double spacing;            /* usual distance of its points */
-    double *list;              /* [rows] values of a list, or NULL */
+    scatter *scatter;             /* function through scattered points, or NULL */
+    int axes, axis[SCATTER_AXES]; /* its coordinates */
+    double spacing;               /* usual distance of its points */
+    double *list;                 /* [rows] values of a list, or NULL */
     int rows;
     instruction code[];
 };
