@@ -47,6 +47,7 @@ part oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear
 part scipy sh tests/oracle/boxls.sh
 part cli sh tests/cli/cli.sh
 part examples sh tests/cli/examples.sh
+part gmsh sh tests/cli/gmsh.sh
 part measured sh tests/bench/measured.sh --check
 part install sh tests/cli/install.sh
 for gate in tests/gates/*.sh; do

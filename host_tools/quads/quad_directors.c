@@ -174,7 +174,7 @@ typedef struct quadric {
 static void start_quadric(const double director[3], quadric *sum)
 {
     memset(sum, 0, sizeof *sum);
-    quad_default_axis(director, sum->t[0]);
+    quad_default_axis(director, -1, sum->t[0]);
     cross(director, sum->t[0], sum->t[1]);
 }
 
@@ -313,7 +313,7 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
 {
     for (size_t n = 0; n < mesh->nodes; n++) {
         memset(&sums[n], 0, sizeof *sums);
-        quad_default_axis(mesh->director[n], sums[n].t[0]);
+        quad_default_axis(mesh->director[n], -1, sums[n].t[0]);
         cross(mesh->director[n], sums[n].t[0], sums[n].t[1]);
     }
     for (size_t e = 0; e < mesh->elements; e++)
@@ -418,8 +418,9 @@ int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topolo
         find_slit(mesh, states, list, warnings);
         fit_directors(mesh, states, fits, size);
         continue_directors(mesh, states, sums);
+        const int common = quad_common_axis(mesh);
         for (size_t n = 0; n < mesh->nodes; n++)
-            quad_default_axis(mesh->director[n], mesh->axis[n]);
+            quad_default_axis(mesh->director[n], common, mesh->axis[n]);
         status = 0;
     }
     free(states);

@@ -54,10 +54,24 @@ const quad_set *quad_set_find(const quad_set *set, size_t count, const char *nam
     return NULL;
 }
 
-void quad_default_axis(const double director[3], double axis[3])
+int quad_common_axis(const quad_mesh *mesh)
 {
-    int least = 0;
+    const double most_aligned = 0.95;
+    double largest[3] = {0, 0, 0};
+    int best = 0;
+    for (size_t n = 0; n < mesh->nodes; n++)
+        for (int i = 0; i < 3; i++)
+            largest[i] = fmax(largest[i], fabs(mesh->director[n][i]));
     for (int i = 1; i < 3; i++)
+        if (largest[i] < largest[best] - 1e-9)
+            best = i;
+    return largest[best] < most_aligned ? best : -1;
+}
+
+void quad_default_axis(const double director[3], int common, double axis[3])
+{
+    int least = common < 0 ? 0 : common;
+    for (int i = 1; i < 3 && common < 0; i++)
         if (fabs(director[i]) < fabs(director[least]) - 1e-9)
             least = i;
     double square = 0;

@@ -62,7 +62,16 @@ const quad_set *quad_set_find(const quad_set *set, size_t count, const char *nam
 /* Whether a set contains an index. */
 bool quad_set_has(const quad_set *set, uint32_t index);
 
-/* Axis of a node that nothing prescribes: the global axis least aligned with the director. */
-void quad_default_axis(const double director[3], double axis[3]);
+/*
+ * Global axis (0, 1, 2) whose projections can be the axes of all nodes, because no director comes
+ * near it: the one that all directors avoid most. -1: there is none, as on half a sphere.
+ */
+int quad_common_axis(const quad_mesh *mesh);
+
+/*
+ * Axis of a node that nothing prescribes: the projection of the common axis, or where that is -1 of
+ * the global axis least aligned with the director.
+ */
+void quad_default_axis(const double director[3], int common, double axis[3]);
 
 #endif

@@ -10,8 +10,8 @@
  * Read a mesh file, check it, orient its elements, and fill directors, axes, sets and order.
  *
  * A director is the mean of the normals of its elements, weighted with their angles. On a free edge
- * it continues the directors inside, so that a sphere and a cylinder keep theirs. An axis is the
- * global axis that is least aligned with the director, projected. There is one region.
+ * it continues the directors inside, so that a sphere and a cylinder keep theirs. Axes are those of
+ * quad_default_axis. There is one region.
  *   error [QUAD_ERROR] out
  * Returns 0, or -1 with error filled and the mesh empty.
  */

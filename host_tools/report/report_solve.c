@@ -201,7 +201,7 @@ static void draw_lines(FILE *file, const analysis *analysis, const double *outpu
 {
     const scene *scene = analysis->design.scene;
     line_chart c = {.file = file, .a = analysis, .output = output, .along = along};
-    if (!fit_chart(&c))
+    if (analysis->design.mesh.quads || !fit_chart(&c))
         return;
     put(file, "<section>\n<h2>Along lines of %s</h2>\n<figure style=\"max-width:760px\">\n",
         SHELL_THETA(along));
@@ -300,9 +300,10 @@ static int write_deformed(const solve_page *p)
 /* Draw the map of the displacement component along e1, e2 or e3 (a = 0, 1, 2). */
 static int draw_component_map(const solve_page *p, int a)
 {
-    static const char *const label[3] = {"u₁ along θ₁", "u₂ along θ₂", "u₃ outwards"},
+    static const char *const lines_label[3] = {"u₁ along θ₁", "u₂ along θ₂", "u₃ outwards"},
                              *const quad_label[3] = {"u₁ along e₁ of the nodes",
                                                      "u₂ along e₂ of the nodes", "u₃ outwards"};
+    const char *const name = p->m->quads ? quad_label[a] : lines_label[a];
     draw_scale scale = {true, 0, p->scale.unit};
     for (int n = 0; n < p->m->nodes; n++) {
         p->size[n] = draw_dot3(p->m->point[n].e[a], p->vector + 3 * n);
@@ -310,9 +311,8 @@ static int draw_component_map(const solve_page *p, int a)
     }
     const bool is_negligible = scale.most > 0 && scale.most < 1e-9 * p->scale.most;
     scale.most = is_negligible ? 0 : scale.most;
-    put(p->file, "<figure><h3>%s</h3>\n", label[a]);
-    const int failed =
-        shell_map(p->file, p->m, p->size, &scale, (p->m->quads ? quad_label : label)[a]);
+    put(p->file, "<figure><h3>%s</h3>\n", name);
+    const int failed = shell_map(p->file, p->m, p->size, &scale, name);
     if (is_negligible)
         fputs("<p class=\"keys\">Below 10⁻⁹ of the largest displacement.</p>", p->file);
     else

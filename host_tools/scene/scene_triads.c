@@ -320,9 +320,10 @@ static int hold_support(triads *t, const scene_support *support)
 /* Axes that no support has chosen follow the turned directors. */
 static void finish_axes(triads *t)
 {
+    const int common = quad_common_axis(t->mesh);
     for (size_t n = 0; n < t->mesh->nodes; n++)
         if (!t->fixed[n])
-            quad_default_axis(t->mesh->director[n], t->mesh->axis[n]);
+            quad_default_axis(t->mesh->director[n], common, t->mesh->axis[n]);
 }
 
 /* Apply the supports; those with a value leave their dof free, which the mesh prescribes later. */

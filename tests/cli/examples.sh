@@ -38,7 +38,7 @@ help_examples() {
 # Indented lines of a text that are shell commands, without their comments, in the order of the text.
 shell_lines() {
     awk '/^```/ {code = !code; next} !code' "$1" |
-        sed -n 's/^    \(\(build\/[a-z]*\|make\|gcc\|g++\|cp\|sh\|\.\/[a-z-]*\)\( .*\)\{0,1\}\)$/\1/p' | sed 's/  *# .*//'
+        sed -n 's/^    \(\(build\/[a-z]*\|make\|gcc\|g++\|gmsh\|cp\|sh\|\.\/[a-z-]*\)\( .*\)\{0,1\}\)$/\1/p' | sed 's/  *# .*//'
 }
 
 # Commands of a text between back quotes. One that is only mentioned by its name has to have a help.
@@ -67,6 +67,14 @@ run_example() {
         if ! has_qemu; then
             n=$((n + 1))
             echo "ok $n - $2 # SKIP no QEMU or no compiler for it"
+            return
+        fi ;;
+    esac
+    case $2 in
+    gmsh\ *|*disc-plate*)
+        if ! command -v gmsh >/dev/null 2>&1; then
+            n=$((n + 1))
+            echo "ok $n - $2 # SKIP no gmsh"
             return
         fi ;;
     esac
