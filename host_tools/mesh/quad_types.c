@@ -229,6 +229,13 @@ static double of_nodes(const quad_build *build, int element)
     return largest;
 }
 
+/* Number of an element for messages: that in its mesh file, if it comes from one. */
+static int label_of(const quad_mesh *quads, int element)
+{
+    const int64_t label = quads->element_label ? quads->element_label[element] : element;
+    return label >= 0 && label < INT32_MAX ? (int)label : element;
+}
+
 static int build_all(quad_build *build, bool accept_irregular, char *error)
 {
     const double h = build->list->laminate->thickness;
@@ -238,11 +245,11 @@ static int build_all(quad_build *build, bool accept_irregular, char *error)
     for (int e = 0; e < (int)build->quads->elements; e++) {
         quad_geometry g;
         const int status = quad_geometry_fill(build->quads, (size_t)e, &g);
-        if (check_shape(build->list->scene, e, status, &g, error) < 0)
+        if (check_shape(build->list->scene, label_of(build->quads, e), status, &g, error) < 0)
             return -1;
         const quad_rule rule = quad_rule_of(&g, h, of_nodes(build, e));
         if (rule.lock > QUAD_LOCK && report->locking < NAMED)
-            named[report->locking] = e;
+            named[report->locking] = label_of(build->quads, e);
         lock = fmax(lock, rule.lock);
         add_to_report(report, &rule, &g, h);
         if (add_quad(build, e, &g, &rule, error) < 0)

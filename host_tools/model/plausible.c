@@ -63,6 +63,10 @@ static const struct rule {
     {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
     {"piezo_constant", SUBJECT_SCENE, measure_piezo, 1e-13, 1e-8, "m/V", CHECK_UNITS "-210 pm/V"},
     {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
+    {"sharp_edge", SUBJECT_SCENE, measure_sharp_edge, 0, 40, "degrees",
+     "the two sides share one mean director there; smaller elements at the edge reduce the error"},
+    {"slit", SUBJECT_SCENE, measure_slit, 0, 0, "pairs",
+     "the surface is open there; where it should not be, mesh with Coherence;"},
     {"influence", SUBJECT_SCENE, measure_matrix_entry, 1e-12, 1e-4, "m/V",
      "compare the matrix with units.length, or write influence.scale, as 1e-6 for micrometres in a "
      "scene in metres"},

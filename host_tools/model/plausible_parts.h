@@ -36,6 +36,9 @@ measure measure_limit_field, measure_applied_field, measure_resolution;
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
 measure measure_shear, measure_faces;
 
+/* Rules on a mesh from a file (plausible_file.c). */
+measure measure_sharp_edge, measure_slit;
+
 /* Rules on a measured influence matrix (plausible_matrix.c). */
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
 

@@ -128,8 +128,6 @@ static void mark_edge(const quad_mesh *mesh, size_t element, int s, node_state s
 static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, node_state *states,
                        quad_warnings *warnings)
 {
-    double sharpest = 0;
-    size_t where[2] = {0, 0};
     for (size_t e = 0; e < mesh->elements; e++)
         for (int s = 0; s < 4; s++) {
             const uint32_t other = topology->neighbour[e][s];
@@ -145,17 +143,12 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
             if (angle <= sharp_angle)
                 continue;
             mark_edge(mesh, e, s, ON_SHARP_EDGE, states);
-            if (angle > sharpest) {
-                sharpest = angle;
-                where[0] = e;
-                where[1] = other / 4;
+            if (angle > warnings->sharp_angle) {
+                warnings->sharp_angle = angle;
+                warnings->sharp[0] = quad_element_label(mesh, e);
+                warnings->sharp[1] = quad_element_label(mesh, other / 4);
             }
         }
-    if (sharpest > 0)
-        quad_warn(warnings,
-                  "sharp edges: up to %.0f degrees between elements %lld and %lld; one mean "
-                  "director is used at their nodes",
-                  sharpest, quad_element_label(mesh, where[0]), quad_element_label(mesh, where[1]));
 }
 
 /* ---- fits of a quadric -------------------------------------------------- */
@@ -390,11 +383,10 @@ static void find_slit(const quad_mesh *mesh, const node_state *states, placed *l
             minus(mesh->position[list[i].node], mesh->position[list[j].node], gap);
             if (dot(gap, gap) > near * near)
                 continue;
-            quad_warn(warnings,
-                      "nodes %lld and %lld lie at one place and are not joined: the surface is "
-                      "slit there; where it should not be, mesh with Coherence;",
-                      quad_node_label(mesh, list[i].node), quad_node_label(mesh, list[j].node));
-            return;
+            if (warnings->slits++ > 0)
+                continue;
+            warnings->slit[0] = quad_node_label(mesh, list[i].node);
+            warnings->slit[1] = quad_node_label(mesh, list[j].node);
         }
 }
 

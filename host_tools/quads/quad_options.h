@@ -3,7 +3,9 @@
 #ifndef QUAD_OPTIONS_H
 #define QUAD_OPTIONS_H
 
-#include "quad_file.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct quad_options {
     double unit;       /* length unit of the file in the unit of the scene */
@@ -11,14 +13,13 @@ typedef struct quad_options {
     size_t most_nodes; /* largest number of nodes that is accepted */
 } quad_options;
 
-/* Warnings on a valid mesh; those that do not fit are left out. */
-enum { QUAD_WARNINGS = 8 };
+/* What is to be told about a valid mesh. Elements and nodes are given by their numbers in the file.
+ */
 typedef struct quad_warnings {
-    int count;
-    char text[QUAD_WARNINGS][QUAD_ERROR];
+    double sharp_angle; /* largest angle of a sharp edge, degrees; 0: there is none */
+    int64_t sharp[2];   /* the two elements there */
+    size_t slits;       /* pairs of nodes at one place that are not joined */
+    int64_t slit[2];    /* the first pair */
 } quad_warnings;
-
-/* Add a warning. */
-void quad_warn(quad_warnings *warnings, const char *format, ...);
 
 #endif

@@ -64,7 +64,7 @@ int quad_read(quad_mesh *mesh, const char *path, const quad_options *options,
     quad_origin origin = {&file, NULL};
     memset(mesh, 0, sizeof *mesh);
     memset(&raw, 0, sizeof raw);
-    warnings->count = 0;
+    memset(warnings, 0, sizeof *warnings);
     if (quad_file_open(&file, path, error) < 0)
         return -1;
     int status = read_raw(&file, &raw);

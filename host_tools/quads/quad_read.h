@@ -3,6 +3,7 @@
 #ifndef QUAD_READ_H
 #define QUAD_READ_H
 
+#include "quad_file.h"
 #include "quad_mesh.h"
 #include "quad_options.h"
 
