@@ -146,6 +146,7 @@ $(call for_variants,linalg,$(ALL),)
 $(call for_variants,control,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,step,$(ALL),)
 $(call for_variants,tick,64 32 san64 san32,)
+$(call for_variants,work,64 32 san64 san32,)
 $(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
 $(call for_variants,loop_blocks,64 32 san64 san32,)
@@ -233,6 +234,8 @@ check-long: setup-test
 	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/unit/test_tick.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DWORK_TICKS=1000000 $(INCLUDE) tests/unit/test_work.c \
+	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-work && $(B)/long-work || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_faults.c tests/rigs/testdata.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) -I$(B)/tables \

@@ -29,19 +29,8 @@
 #define PZS_TILE 4
 #endif
 
-/*
- * Most iterations of the voltage optimiser in one step. A step that needs more returns
- * PZS_W_ITERATIONS; its voltages are feasible and no worse than before.
- */
-#ifndef PZS_STEP_ITERATIONS
-#define PZS_STEP_ITERATIONS 200
-#endif
-
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "piezoshape needs NaN and infinity: do not use -ffast-math, -Ofast, -ffinite-math-only"
-#endif
-#if PZS_STEP_ITERATIONS < 1 || PZS_STEP_ITERATIONS > 65535
-#error "PZS_STEP_ITERATIONS is 1 to 65535"
 #endif
 #if PZS_REAL_BITS != 32 && PZS_REAL_BITS != 64
 #error "PZS_REAL_BITS is 32 or 64"

@@ -64,12 +64,48 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* Largest number of inputs of a problem. */
 #define PZS_INPUT_LIMIT 4096
 
+/* Inputs rounded up to whole tiles: the length of a row of the Hessian and of the tableau. */
+#define PZS_CONTROL_WIDTH(inputs) PZS_CEIL(inputs)
+
+/* ---- work of a step --------------------------------------------------- */
+
+/*
+ * Work is counted in multiply-adds; a loop over the inputs that compares counts as some of them.
+ * The first macros are the parts of a step: a product of the Hessian or of the tableau with a
+ * vector; the exchange of an input between free set and active set; an iteration, which makes at
+ * most one exchange; the start of a round of iterations. lib/control/boxls.c explains them.
+ */
+#define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
+#define PZS_EXCHANGE_WORK(inputs)                                                                  \
+    (((uint64_t)(inputs) + 6u) * ((uint64_t)(inputs) + 6u) / 2u +                                  \
+     (PZS_PENDING + 4u) * PZS_CONTROL_WIDTH(inputs))
+#define PZS_ITERATION_LOOPS 8u
+#define PZS_ITERATION_WORK(inputs)                                                                 \
+    (PZS_EXCHANGE_WORK(inputs) +                                                                   \
+     (2u * PZS_PENDING + PZS_ITERATION_LOOPS) * PZS_CONTROL_WIDTH(inputs))
+#define PZS_ROUND_LOOPS 16u
+#define PZS_ROUND_WORK(inputs)                                                                     \
+    (PZS_PRODUCT_WORK(inputs) + PZS_ROUND_LOOPS * PZS_CONTROL_WIDTH(inputs))
+
+/* Least value of work_limit: with it a step makes at least one iteration. */
+#define PZS_WORK_LEAST(inputs)                                                                     \
+    (4u * PZS_PRODUCT_WORK(inputs) + PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
+
+/* Default value of work_limit, which only contrived problems reach. */
+#define PZS_WORK_LIMIT(inputs)                                                                     \
+    (40u * PZS_ROUND_WORK(inputs) + (8u * (uint64_t)(inputs) + 100u) * PZS_ITERATION_WORK(inputs))
+
+/* Most multiply-adds of pzs_tick with a work_limit of at least PZS_WORK_LEAST. */
+#define PZS_STEP_WORK(inputs, outputs, work_limit)                                                 \
+    ((uint64_t)(work_limit) + 3u * (uint64_t)(inputs) * (outputs) +                                \
+     16u * ((uint64_t)(outputs) + PZS_CONTROL_WIDTH(inputs)))
+
 /* ---- controller ------------------------------------------------------- */
 
 /* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
-    uint16_t iteration_limit; /* most iterations of the optimiser in one step, at most
-                                 PZS_STEP_ITERATIONS (the default) */
+    uint64_t work_limit; /* most multiply-adds of the optimiser in one step, at least
+                            PZS_WORK_LEAST; PZS_WORK_LIMIT by default */
 } pzs_control_settings;
 
 /* Results of the controller that a program may read. */
@@ -83,6 +119,8 @@ typedef struct pzs_control_info {
     int32_t where;                 /* index that belongs to the last status, or -1 */
     uint16_t iterations;           /* iterations of the last step */
     uint16_t iterations_most;      /* largest number of iterations of a step so far */
+    uint64_t work;                 /* multiply-adds of the optimiser in the last step */
+    uint64_t work_most;            /* largest number of them in a step so far */
 } pzs_control_info;
 
 typedef struct pzs_control {
@@ -91,13 +129,10 @@ typedef struct pzs_control {
     pzs_control_state state;
 } pzs_control;
 
-/* Inputs rounded up to whole tiles: the length of a row of the Hessian and of the tableau. */
-#define PZS_CONTROL_WIDTH(inputs) PZS_CEIL(inputs)
-
 /* Bytes of workspace for a controller. */
 #define PZS_CONTROL_BYTES(inputs, outputs)                                                         \
-    (sizeof(pzs_real) *                                                                            \
-         ((2u * (size_t)(inputs) + 21u) * PZS_CONTROL_WIDTH(inputs) + 5u * (size_t)(outputs)) +    \
+    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 23u + PZS_PENDING) * PZS_CONTROL_WIDTH(inputs) + \
+                         5u * (size_t)(outputs)) +                                                 \
      (size_t)(inputs) + (size_t)(outputs))
 
 /*
@@ -141,11 +176,11 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
  * The result info.voltage is inside every limit to the last bit. Its objective is no larger than
  * that of the last voltages clamped to the limits, and it is optimal unless a warning says
- * otherwise, both up to a rounding error of epsilon |W B|^2 |v|^2. The work is bounded:
- * iteration_limit iterations of at most inputs^2 multiply-adds, and at most 16 recomputations of
- * the tableau of inputs^3 each, which only rounding errors can require. Warnings: ITERATIONS,
- * STEP_LIMIT. Errors: ARGUMENT, STAGE, NONFINITE (the voltages are held; `where` is -1 after an
- * overflow).
+ * otherwise, both up to a rounding error of epsilon |W B|^2 |v|^2. The work is bounded by
+ * work_limit (PZS_STEP_WORK); what it cuts off is continued in the next step. Rounding errors may
+ * require to recompute the tableau: this is begun at most once in a step, counts as work, and is
+ * continued in the next steps if need be. Warnings: ITERATIONS, STEP_LIMIT. Errors: ARGUMENT,
+ * STAGE, NONFINITE (the voltages are held; `where` is -1 after an overflow).
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 

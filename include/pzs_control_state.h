@@ -15,6 +15,17 @@ struct pzs_known_loads;
 struct pzs_amplifier;
 struct pzs_block;
 
+/* Exchanges between free set and active set that are collected before the tableau is updated. */
+#define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
+
+/* One collected exchange; its vector is in pzs_optimiser.pending. */
+typedef struct pzs_exchange {
+    uint32_t input;
+    pzs_real sign;  /* sign of the pivot */
+    pzs_real scale; /* 1 / square root of the size of the pivot */
+    pzs_real pivot; /* diagonal entry of the input after the exchange */
+} pzs_exchange;
+
 /*
  * Active-set method for box-constrained least squares. Vectors are [width], the number of inputs
  * rounded up to whole tiles. The free set holds the inputs that may move; the active set holds
@@ -22,14 +33,20 @@ struct pzs_block;
  */
 typedef struct pzs_optimiser {
     uint32_t inputs, width;
-    uint32_t iteration_limit, iterations;
-    pzs_real *hessian;       /* [inputs][width] H (m2/V2) */
-    pzs_real *tableau;       /* [inputs][width] H with the free set swept (pivoted) into it */
-    pzs_real *voltage;       /* v, voltages (V) */
-    pzs_real *lower, *upper; /* lower and upper bound of the voltages in this step (V) */
-    pzs_real *free_set;      /* 1 in the free set, 0 in the active set; real numbers, because vector
-                                loops multiply by them */
-    pzs_real *base;          /* voltages around which the gradient is linearised (V) */
+    uint32_t iterations;
+    uint64_t work, work_limit; /* multiply-adds of this step, and the most that are allowed */
+    pzs_real *hessian;         /* [inputs][width] H (m2/V2) */
+    pzs_real *tableau;         /* [inputs][width] H after the exchange of the free set, without the
+                                  pending exchanges */
+    pzs_real *pivot;           /* diagonal of the tableau with the pending exchanges */
+    pzs_real *pending;         /* [PZS_PENDING][width] vectors of the pending exchanges */
+    pzs_real *waiting;         /* 1 for inputs that are to join the free set when the tableau is
+                                  recomputed */
+    pzs_real *voltage;         /* v, voltages (V) */
+    pzs_real *lower, *upper;   /* lower and upper bound of the voltages in this step (V) */
+    pzs_real *free_set; /* 1 in the free set, 0 in the active set; real numbers, because vector
+                           loops multiply by them */
+    pzs_real *base;     /* voltages around which the gradient is linearised (V) */
     pzs_real *regularisation_gradient; /* regularisation * (base - reference voltage) (m2/V) */
     pzs_real *target_gradient;         /* B'W^2 (e - B base) (m2/V) */
     pzs_real *model_gradient; /* H (v - base) + regularisation gradient, as predicted after a direct
@@ -49,13 +66,22 @@ typedef struct pzs_optimiser {
     pzs_real pivot_floor;     /* a pivot below this part of its diagonal entry counts as linearly
                                  dependent */
     pzs_real model_rounding;  /* rounding-error bound of the model gradient (m2/V) */
+    pzs_real start_rounding;  /* model_rounding at the start of a round (m2/V) */
     pzs_real target_rounding; /* rounding-error bound of the target gradient (m2/V) */
     pzs_real target_energy;   /* |W e|^2, the scale of the objective (m2) */
     pzs_real kkt_violation;   /* largest KKT violation among the measured inputs (m2/V) */
     pzs_real rounding_bound;  /* rounding-error bound of kkt_violation (m2/V) */
     uint32_t active_count;    /* number of inputs in the active set */
     uint32_t checked_next;    /* input whose gradient is measured next to verify the tableau */
-    bool is_verified;         /* the last round with this tableau ended at the optimum */
+    uint32_t pending_count;   /* number of pending exchanges */
+    uint32_t exchanges;       /* exchanges since the tableau was last computed from H */
+    uint32_t rebuilds;        /* recomputations of the tableau that were begun in this step */
+    pzs_exchange exchange[PZS_PENDING];
+    bool is_rebuilding; /* inputs are waiting: the tableau is not yet complete */
+    bool is_predicted;  /* model_gradient was predicted by the tableau, in a round: at its start */
+    bool is_cut;        /* the limit of the work ended the last round */
+    bool is_fresh;      /* no round has ended at the optimum since the last recomputation */
+    bool is_verified;   /* the last round with this tableau ended at the optimum */
     bool is_optimal;
 } pzs_optimiser;
 

@@ -204,9 +204,8 @@ static void print_count(const simulation *simulation, simulate_law law)
            law_name[law], count->beyond, count->not_finite, run, count->missed,
            count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
     if (law == LAW_CONTROLLER)
-        printf("  %-10s iterations of the optimiser: %.2f a tick, %d at most of %d\n", "",
-               run ? (double)count->iterations / (double)run : 0, count->iterations_most,
-               PZS_STEP_ITERATIONS);
+        printf("  %-10s iterations of the optimiser: %.2f a tick, %d at most\n", "",
+               run ? (double)count->iterations / (double)run : 0, count->iterations_most);
 }
 
 /* Print the largest error of the estimated shape. */

@@ -3,13 +3,17 @@
  * The voltage optimiser (boxls.h): a primal active-set method on one symmetric matrix, the tableau
  * (boxls_tableau.h). F is the free set, A the active set.
  *
- * A round starts from the true gradient and makes iterations of two kinds:
- *   descent  go along the direction to the minimum over F; an input that meets a bound stays there
- * and leaves F; release  at a minimum over F: an active input k with a KKT violation moves, while F
- * follows so that its gradient stays zero. It stops at the minimum of this ray, where k joins F, at
- * the other bound of k, or where an input of F meets a bound and leaves F. A round ends with the
- * true gradient computed from H, so rounding errors of the tableau never reach the voltages: they
- * only cost another round, and a tableau that has become inaccurate is recomputed.
+ * A round starts from the gradient and the direction to the minimum over F. If nothing blocks the
+ * whole direction and no multiplier has the wrong sign, the round takes it. Otherwise it iterates:
+ *   descent           go along the direction; an input that meets a bound stays there and leaves F;
+ *   release together  at a minimum over F: all active inputs that would each run to their other
+ *                     bound move there at once, while F follows so that its gradient stays zero,
+ *                     up to the minimum of this line or to the first bound that an input of F
+ *                     meets, which leaves F;
+ *   release           the same with one active input; if the minimum of its ray is nearer than its
+ *                     bound, it joins F there.
+ * A round ends with the true gradient computed from H, so rounding errors of the tableau never
+ * reach the voltages: they only cost another round.
  *
  * Termination. A descent that is stopped shrinks F. A release prefers inputs strictly between their
  * bounds; each such iteration lowers 2 (number of these) + (size of F), so at most 3 inputs
@@ -17,22 +21,30 @@
  * minimum of its face, whose objective depends only on which inputs stand at which bound. Only
  * there an input at a bound is released. Iterations of zero length only shrink F; the next one of
  * positive length strictly lowers the objective. So the objective of successive faces falls
- * strictly, no face occurs twice, and there are finitely many.
+ * strictly, no face occurs twice, and there are finitely many. Releases together never raise the
+ * objective, and their number in a round is limited.
  *
- * An input whose pivot is below inputs * epsilon of its diagonal entry depends linearly on F. It is
- * not swept into F. At a minimum over F its gradient is zero up to rounding; if it is released, its
- * ray has no curvature and ends at a bound.
+ * Work. Multiply-adds are counted, and nothing is begun that could exceed the limit together with
+ * the product that ends the round. What is cut off is continued in the next step, from feasible
+ * voltages and with the free set reached.
  *
- * Verified tableau. A tableau whose round ended at the optimum is verified until the next sweep.
+ * An input whose pivot is below inputs * epsilon of its diagonal entry depends linearly on F and is
+ * not exchanged into F. At a minimum over F its gradient is zero up to rounding; if it is released,
+ * its ray has no curvature and ends at a bound.
+ *
+ * Verified tableau. A tableau whose round ended at the optimum is verified until the next exchange.
  * With it, a descent that nothing blocks takes one direct iteration, after which only two entries
  * of the gradient are measured, in turn. An entry that differs from its prediction ends the
- * verification, and a normal round follows. An error of the tableau can thus last until its input
- * is measured, at most inputs/2 + 1 steps.
+ * verification, and the round computes the true gradient. An error of the tableau can thus last
+ * until its input is measured, at most inputs/2 + 1 steps.
+ *
+ * Recomputation. The tableau is computed anew from H, at most once in a step, after a round of
+ * little progress, or after a failed check if many exchanges have left their rounding errors.
  *
  * Rounding. Only KKT violations above their rounding bound count. A round that neither ends at the
- * optimum nor lowers the objective (by the true gradients at both ends) is undone. Iterations and
- * rounds are limited. The voltages are feasible after every iteration: they are only ever clamped,
- * or accepted where every one compares as inside its bounds.
+ * optimum nor lowers the objective (by the gradients at both ends) is undone. The voltages are
+ * feasible after every iteration: they are only ever clamped, or accepted where every one compares
+ * as inside its bounds.
  */
 #include <string.h>
 #include "boxls.h"
@@ -40,7 +52,10 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define ROUNDS 8u /* largest number of rounds in one call */
+#define ROUNDS 8u         /* largest number of rounds in one call */
+#define WORN 2u           /* exchanges per input after which a failed check renews the tableau */
+#define TOGETHER 8u       /* largest number of releases of several inputs in one round */
+#define LEAST_TOGETHER 3u /* least number of inputs that are released together */
 /* KKT violations below ROUNDING_FACTOR times the rounding bounds count as zero. */
 #define ROUNDING_FACTOR 4
 /*
@@ -62,31 +77,35 @@
 
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 {
-    pzs_real **const vector[BOXLS_VECTORS] = {&optimiser->lower,
-                                              &optimiser->upper,
-                                              &optimiser->free_set,
-                                              &optimiser->base,
-                                              &optimiser->regularisation_gradient,
-                                              &optimiser->target_gradient,
-                                              &optimiser->model_gradient,
-                                              &optimiser->gradient,
-                                              &optimiser->direction,
-                                              &optimiser->diagonal,
-                                              &optimiser->start_voltage,
-                                              &optimiser->start_gradient,
-                                              &optimiser->next_voltage,
-                                              &optimiser->scratch};
-    for (uint32_t k = 0; k < BOXLS_VECTORS; k++)
+    pzs_real **const vector[] = {&optimiser->lower,
+                                 &optimiser->upper,
+                                 &optimiser->free_set,
+                                 &optimiser->base,
+                                 &optimiser->regularisation_gradient,
+                                 &optimiser->target_gradient,
+                                 &optimiser->model_gradient,
+                                 &optimiser->gradient,
+                                 &optimiser->direction,
+                                 &optimiser->diagonal,
+                                 &optimiser->start_voltage,
+                                 &optimiser->start_gradient,
+                                 &optimiser->next_voltage,
+                                 &optimiser->scratch,
+                                 &optimiser->pivot,
+                                 &optimiser->waiting,
+                                 &optimiser->pending};
+    for (uint32_t k = 0; k < sizeof vector / sizeof *vector; k++)
         *vector[k] = work + (size_t)k * optimiser->width;
 }
 
 /* ---- gradients ------------------------------------------------------ */
 
 /* y = A x, A [n][width] symmetric. */
-static void symmetric(const pzs_optimiser *optimiser, pzs_real *restrict y,
-                      const pzs_real *restrict a, const pzs_real *restrict x)
+static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict y, const pzs_real *restrict a,
+                      const pzs_real *restrict x)
 {
     pzs_product_sum_rows(y, a, optimiser->width, x, optimiser->inputs, optimiser_span(optimiser));
+    optimiser->work += PZS_PRODUCT_WORK(optimiser->inputs);
 }
 
 /* gradient = model gradient - target gradient; next = this gradient on F, 0 on A. */
@@ -133,6 +152,7 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
     optimiser->model_rounding = rounding_of_product(optimiser, optimiser->scratch);
     symmetric(optimiser, optimiser->model_gradient, optimiser->hessian, optimiser->scratch);
     add(optimiser->model_gradient, optimiser->regularisation_gradient, optimiser_span(optimiser));
+    optimiser->is_predicted = false;
     pzs_boxls_gradient(optimiser);
 }
 
@@ -150,8 +170,8 @@ static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, p
 
 /*
  * Direction of the free inputs, gradient after the step of the active ones; voltages after the
- * step, and their offset from the base. Returns how many inputs would leave their bounds or, in the
- * active set, have a KKT violation above `rounding`; 0 ends the round.
+ * step, and their offset from the base. Returns how many bounds the free inputs would pass and how
+ * many active inputs would have a KKT violation above `rounding`; 0 ends the round.
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -161,22 +181,16 @@ static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
 {
     uint32_t open = 0;
     for (size_t i = 0; i < span; i++) {
-        if (!OPTIMISER_WIDE && free_set[i] > 0) { /* shortcut with the same result for processors
-                                                     without vector instructions */
-            const pzs_real x = v[i] + move[i];
-            next[i] = x;
-            offset[i] = x - base[i];
-            open += !(x >= lower[i] && x <= upper[i]);
-            continue;
+        pzs_real x = v[i];
+        if (free_set[i] > 0) {
+            x += move[i];
+        } else {
+            move[i] = gradient[i] - move[i];
+            open += entry_violation(move[i], x, lower[i], upper[i]) <= rounding ? 0u : 1u;
         }
-        const pzs_real way = free_set[i] > 0 ? move[i] : 0;
-        const pzs_real slope = free_set[i] > 0 ? 0 : gradient[i] - move[i];
-        const pzs_real x = v[i] + way, most = entry_violation(slope, x, lower[i], upper[i]);
-        move[i] = way + slope;
         next[i] = x;
         offset[i] = x - base[i];
-        open +=
-            (x >= lower[i] ? 0u : 1u) + (x <= upper[i] ? 0u : 1u) + (most <= rounding ? 0u : 1u);
+        open += x >= lower[i] && x <= upper[i] ? 0u : 1u;
     }
     return open;
 }
@@ -210,16 +224,16 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
  * Whether gradients of this size (m2/V) on F raise the objective by less than epsilon times the
  * target energy. The bound is size^2 times the trace of the inverse of H on F.
  */
-static int is_negligible(pzs_optimiser *optimiser, pzs_real size)
+static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
     const pzs_real square = size * size, most = PZS_EPSILON * optimiser->target_energy;
     if (optimiser->inverse_trace_bound > 0 && square * optimiser->inverse_trace_bound <= most)
-        return 1;
+        return true;
     const pzs_real soft = pzs_tableau_inverse_trace(optimiser);
     return soft >= 0 && square * soft <= most;
 }
 
-int pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
+bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 {
     return !is_negligible(optimiser, optimiser->model_rounding);
 }
@@ -234,10 +248,10 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
                               pzs_real turn, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        const pzs_real known = entry_violation(gradient[i], v[i], lower[i], upper[i]),
-                       any = number_absolute(gradient[i]) > turn ? known : turn;
-        const pzs_real at = lower[i] < upper[i] ? any : known;
-        out[i] = free_set[i] > 0 ? 0 : at;
+        const pzs_real violation = entry_violation(gradient[i], v[i], lower[i], upper[i]);
+        const bool may_turn = number_absolute(gradient[i]) <= turn && lower[i] < upper[i];
+        const pzs_real counts = may_turn ? turn : violation;
+        out[i] = free_set[i] > 0 ? 0 : counts;
     }
 }
 
@@ -247,7 +261,7 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
  * input's multiplier. Never where a voltage is not finite, because then the rounding bound is not
  * finite either.
  */
-static int is_converged(pzs_optimiser *optimiser)
+static bool is_converged(pzs_optimiser *optimiser)
 {
     if (!number_is_finite(optimiser->rounding_bound))
         return 0;
@@ -272,125 +286,95 @@ typedef struct blocking {
     uint32_t input; /* first input to meet a bound, or the number of inputs if none does */
 } blocking;
 
-/* urgency = |direction| / room where `part` of the direction of a free input leads beyond its
- * bound, else 0. */
-static void rank_blocking(pzs_real *restrict urgency, const pzs_real *restrict direction,
-                          const pzs_real *restrict v, const pzs_real *restrict lower,
-                          const pzs_real *restrict upper, const pzs_real *restrict free_set,
-                          pzs_real part, size_t span)
+static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
 {
-    for (size_t i = 0; i < span; i++) {
-        const pzs_real down = v[i] - lower[i], up = upper[i] - v[i],
-                       room = direction[i] < 0 ? down : up, size = number_absolute(direction[i]);
-        const int meets = (room < part * size) & (free_set[i] > 0);
-        urgency[i] = (meets ? size : 0) / (meets ? room : 1);
-    }
+    return optimiser->free_set[i] > 0;
 }
 
-/* First input with the largest entry of x, or the number of inputs if none is above `least`. */
-static uint32_t find_largest(const pzs_optimiser *optimiser, const pzs_real *x, pzs_real least)
+/* Distance of v to the bound in the direction of `way` (V). */
+static inline pzs_real room_towards(pzs_real way, pzs_real v, pzs_real lower, pzs_real upper)
 {
-    const pzs_real most = pzs_product_largest(x, optimiser->width);
-    uint32_t i = most > least ? 0 : optimiser->inputs;
-    while (i < optimiser->inputs && !(x[i] >= most))
-        i++;
-    return i;
+    return way < 0 ? v - lower : upper - v;
 }
 
-/* Shorten `part` of the direction of the free inputs to the first bound that it meets. */
-static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *direction,
+/* Shorten `part` of the direction sense * move of the free inputs to the first bound it meets. */
+static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
 {
-    rank_blocking(optimiser->scratch, direction, optimiser->voltage, optimiser->lower,
-                  optimiser->upper, optimiser->free_set, part, optimiser_span(optimiser));
-    blocking first = {part, find_largest(optimiser, optimiser->scratch, 0)};
-    if (first.input < optimiser->inputs) {
-        const uint32_t i = first.input;
-        first.part = (direction[i] < 0 ? optimiser->voltage[i] - optimiser->lower[i]
-                                       : optimiser->upper[i] - optimiser->voltage[i]) /
-                     number_absolute(direction[i]);
+    const pzs_real *free_set = optimiser->free_set, *v = optimiser->voltage;
+    const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
+    const uint32_t inputs = optimiser->inputs;
+    blocking first = {part, inputs};
+    for (uint32_t i = 0; i < inputs; i++) {
+        if (!(free_set[i] > 0))
+            continue;
+        const pzs_real way = sense * move[i], size = number_absolute(way);
+        const pzs_real room = room_towards(way, v[i], lower[i], upper[i]);
+        if (room < first.part * size) {
+            first.part = room / size;
+            first.input = i;
+        }
     }
     return first;
 }
 
-/* v += part * direction on F, clamped to the bounds. */
-static void advance(pzs_real *restrict v, const pzs_real *restrict direction,
-                    const pzs_real *restrict lower, const pzs_real *restrict upper,
-                    const pzs_real *restrict free_set, pzs_real part, size_t span)
+/*
+ * Move the free inputs by first.part of the direction sense * move, clamped to their bounds; an
+ * input that meets its bound is set to exactly that bound.
+ */
+static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
+                       blocking first)
 {
-    for (size_t i = 0; i < span; i++) {
-        const pzs_real there = number_clamp(v[i] + part * direction[i], lower[i], upper[i]);
-        v[i] = free_set[i] > 0 ? there : v[i];
+    const pzs_real *free_set = optimiser->free_set;
+    const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
+    const pzs_real far = sense * first.part;
+    pzs_real *v = optimiser->voltage;
+    for (uint32_t i = 0, inputs = optimiser->inputs; i < inputs; i++) {
+        if (free_set[i] > 0)
+            v[i] = number_clamp(v[i] + far * move[i], lower[i], upper[i]);
+    }
+    if (first.input < optimiser->inputs) {
+        const bool down = sense * move[first.input] < 0;
+        v[first.input] = down ? optimiser->lower[first.input] : optimiser->upper[first.input];
     }
 }
 
-/* Move along the direction; an input that meets its bound is set to exactly that bound. */
-static void move_along(pzs_optimiser *optimiser, const pzs_real *direction, blocking first)
+/* Move input j, which has met a bound, from F to A. Uses next_voltage. */
+static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 {
-    advance(optimiser->voltage, direction, optimiser->lower, optimiser->upper, optimiser->free_set,
-            first.part, optimiser_span(optimiser));
-    if (first.input < optimiser->inputs)
-        optimiser->voltage[first.input] = direction[first.input] < 0
-                                              ? optimiser->lower[first.input]
-                                              : optimiser->upper[first.input];
-}
-
-/* direction *= remaining on F. */
-static void scale_direction(pzs_real *restrict move, const pzs_real *restrict free_set,
-                            pzs_real remaining, size_t span)
-{
-    for (size_t i = 0; i < span; i++)
-        move[i] *= free_set[i] > 0 ? remaining : 1;
-}
-
-/* z += inside * x on F, z += outside * x on A. */
-static void add_multiples(pzs_real *restrict z, const pzs_real *restrict x,
-                          const pzs_real *restrict free_set, pzs_real inside, pzs_real outside,
-                          size_t span)
-{
-    for (size_t i = 0; i < span; i++)
-        z[i] += (free_set[i] > 0 ? inside : outside) * x[i];
-}
-
-/* Move input j from F to A, when the fraction `remaining` of the direction is still to be taken. */
-static void leave_free_set(pzs_optimiser *optimiser, uint32_t j, pzs_real remaining)
-{
-    const pzs_real *row = optimiser->tableau + (size_t)j * optimiser->width;
-    pzs_tableau_sweep(optimiser, j);
-    add_multiples(optimiser->direction, row, optimiser->free_set, remaining, -remaining,
-                  optimiser_span(optimiser));
-    optimiser->direction[j] = -remaining * row[j];
-}
-
-/* Make one descent iteration. Returns nonzero if a bound stopped it. */
-static int descend(pzs_optimiser *optimiser)
-{
-    const blocking first = first_blocking(optimiser, optimiser->direction, 1);
-    move_along(optimiser, optimiser->direction, first);
-    if (first.input == optimiser->inputs)
-        return 0;
-    scale_direction(optimiser->direction, optimiser->free_set, 1 - first.part,
-                    optimiser_span(optimiser));
-    leave_free_set(optimiser, first.input, optimiser->direction[first.input]);
-    return 1;
+    pzs_tableau_row(optimiser, j, optimiser->next_voltage);
+    pzs_tableau_exchange(optimiser, j, optimiser->next_voltage);
+    optimiser->direction[j] = 0;
 }
 
 /*
- * Split the KKT violations of the active inputs into two arrays: of inputs strictly between their
- * bounds, and of inputs at a bound. All other entries are 0.
+ * Change the directions of the free inputs and the gradients of A after input j has left F when
+ * `remaining` of its direction was still to be taken (V); row [width] is row j of the tableau.
  */
-static void sort_active(pzs_real *restrict between, pzs_real *restrict at,
-                        const pzs_real *restrict v, const pzs_real *restrict lower,
-                        const pzs_real *restrict upper, const pzs_real *restrict move,
-                        const pzs_real *restrict free_set, size_t span)
+static void redirect(pzs_real *restrict direction, const pzs_real *restrict row,
+                     const pzs_real *restrict free_set, pzs_real remaining, size_t span)
 {
-    for (size_t i = 0; i < span; i++) {
-        const pzs_real most =
-            free_set[i] > 0 ? 0 : entry_violation(move[i], v[i], lower[i], upper[i]);
-        const int inside = (v[i] > lower[i]) & (v[i] < upper[i]);
-        between[i] = inside ? most : 0;
-        at[i] = inside ? 0 : most;
+    for (size_t i = 0; i < span; i++)
+        direction[i] += (free_set[i] > 0 ? remaining : -remaining) * row[i];
+}
+
+/* Make one descent iteration. Returns whether a bound stopped it. */
+static bool descend(pzs_optimiser *optimiser)
+{
+    pzs_real *direction = optimiser->direction;
+    const blocking first = first_blocking(optimiser, direction, 1, 1);
+    move_along(optimiser, direction, 1, first);
+    if (first.input == optimiser->inputs)
+        return false;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        if (is_free(optimiser, i))
+            direction[i] *= 1 - first.part;
     }
+    const pzs_real remaining = direction[first.input];
+    leave_free_set(optimiser, first.input);
+    redirect(direction, optimiser->next_voltage, optimiser->free_set, remaining,
+             optimiser_span(optimiser));
+    return true;
 }
 
 /*
@@ -400,26 +384,40 @@ static void sort_active(pzs_real *restrict between, pzs_real *restrict at,
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
-    sort_active(optimiser->scratch, optimiser->next_voltage, optimiser->voltage, optimiser->lower,
-                optimiser->upper, optimiser->direction, optimiser->free_set,
-                optimiser_span(optimiser));
-    const uint32_t between = find_largest(optimiser, optimiser->scratch, rounding);
-    return between < optimiser->inputs ? between
-                                       : find_largest(optimiser, optimiser->next_voltage, rounding);
+    const pzs_real *free_set = optimiser->free_set, *v = optimiser->voltage;
+    const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
+    const uint32_t inputs = optimiser->inputs;
+    uint32_t between = inputs, at_bound = inputs;
+    pzs_real most_between = rounding, most_at_bound = rounding;
+    for (uint32_t i = 0; i < inputs; i++) {
+        const pzs_real slope = optimiser->direction[i], size = number_absolute(slope);
+        if (free_set[i] > 0 || !(size > most_at_bound || size > most_between))
+            continue;
+        if (!(room_towards(-slope, v[i], lower[i], upper[i]) > 0))
+            continue;
+        if (v[i] > lower[i] && v[i] < upper[i]) {
+            most_between = size > most_between ? size : most_between;
+            between = size >= most_between ? i : between;
+        } else if (size > most_at_bound) {
+            most_at_bound = size;
+            at_bound = i;
+        }
+    }
+    return between < optimiser->inputs ? between : at_bound;
 }
 
 /*
  * Length of the ray of input k (V): the distance to the minimum along the ray, or to the bound of k
  * if this is nearer.
  */
-static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, int *to_limit)
+static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
+                           bool *to_limit)
 {
-    const pzs_real slope = number_absolute(optimiser->direction[k]),
-                   pivot = optimiser->tableau[(size_t)k * optimiser->width + k];
-    const pzs_real room = optimiser->direction[k] > 0 ? optimiser->voltage[k] - optimiser->lower[k]
-                                                      : optimiser->upper[k] - optimiser->voltage[k];
-    const pzs_real least =
-        (number_is_finite(room) ? PZS_EPSILON : optimiser->pivot_floor) * optimiser->diagonal[k];
+    const pzs_real slope = number_absolute(optimiser->direction[k]);
+    const pzs_real room = room_towards(-optimiser->direction[k], optimiser->voltage[k],
+                                       optimiser->lower[k], optimiser->upper[k]);
+    const pzs_real floor = number_is_finite(room) ? PZS_EPSILON : optimiser->pivot_floor;
+    const pzs_real least = floor * optimiser->diagonal[k];
     const pzs_real curvature = pivot > least ? pivot : least;
     *to_limit = !(slope < room * curvature);
     return *to_limit ? room : slope / curvature;
@@ -429,46 +427,116 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, int *to_l
  * Move input k along its ray, with v_F -= row_F * length, and update the gradients of A. Returns
  * what stopped the move.
  */
-static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, pzs_real length)
+static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
+                           pzs_real length)
 {
-    const pzs_real *row = optimiser->tableau + (size_t)k * optimiser->width,
-                   sign = optimiser->direction[k] > 0 ? (pzs_real)-1 : (pzs_real)1;
+    const pzs_real sense = optimiser->direction[k] > 0 ? (pzs_real)1 : (pzs_real)-1;
+    const blocking first = first_blocking(optimiser, row, sense, length);
+    if (!number_is_finite(first.part))
+        return first;
+    const pzs_real far = -sense * first.part;
+    move_along(optimiser, row, sense, first);
+    optimiser->voltage[k] =
+        number_clamp(optimiser->voltage[k] + far, optimiser->lower[k], optimiser->upper[k]);
     for (uint32_t i = 0; i < optimiser->inputs; i++)
-        optimiser->next_voltage[i] = -sign * row[i];
-    const blocking first = first_blocking(optimiser, optimiser->next_voltage, length);
-    if (number_is_finite(first.part)) {
-        const pzs_real far = sign * first.part;
-        move_along(optimiser, optimiser->next_voltage, first);
-        optimiser->voltage[k] =
-            number_clamp(optimiser->voltage[k] + far, optimiser->lower[k], optimiser->upper[k]);
-        add_multiples(optimiser->direction, row, optimiser->free_set, far, far,
-                      optimiser_span(optimiser));
-    }
+        optimiser->direction[i] += far * row[i];
     return first;
 }
 
 /* Make one release iteration from a minimum over F: input k moves along its ray. */
 static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
-    const int down = optimiser->direction[k] > 0;
-    int to_limit;
-    const pzs_real length = ray_length(optimiser, k, &to_limit);
-    const blocking first = follow_ray(optimiser, k, length);
+    pzs_real *row = optimiser->next_voltage;
+    const bool down = optimiser->direction[k] > 0;
+    bool to_limit;
+    pzs_tableau_row(optimiser, k, row);
+    const pzs_real length = ray_length(optimiser, k, row[k], &to_limit);
+    const blocking first = follow_ray(optimiser, k, row, length);
     if (first.input < optimiser->inputs) {
-        leave_free_set(optimiser, first.input, 0);
+        leave_free_set(optimiser, first.input);
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
         optimiser->direction[k] = 0; /* zero at the minimum of the ray; along a ray without bound or
                                         curvature, any decrease would be rounding only */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
-            pzs_tableau_sweep(optimiser, k);
+            pzs_tableau_exchange(optimiser, k, row);
     }
+}
+
+/*
+ * Count one more iteration if its work, and `more`, are allowed; otherwise note that the step is
+ * cut here.
+ */
+static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
+{
+    const uint64_t work = PZS_ITERATION_WORK(optimiser->inputs);
+    optimiser->is_cut = !optimiser_affords(optimiser, work + more);
+    if (optimiser->is_cut)
+        return false;
+    optimiser->iterations++;
+    optimiser->work += PZS_ITERATION_LOOPS * optimiser->width;
+    return true;
+}
+
+/*
+ * way [width] = the way to their other bounds of all active inputs whose own rays would lead there,
+ * 0 for all others (V). Returns how many there are.
+ */
+static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real rounding, pzs_real *way)
+{
+    const pzs_real *free_set = optimiser->free_set, *v = optimiser->voltage;
+    const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
+    uint32_t count = 0;
+    memset(way, 0, optimiser->width * sizeof *way);
+    for (uint32_t i = 0, inputs = optimiser->inputs; i < inputs; i++) {
+        const pzs_real slope = optimiser->direction[i], size = number_absolute(slope);
+        if (free_set[i] > 0 || !(size > rounding))
+            continue;
+        const pzs_real room = room_towards(-slope, v[i], lower[i], upper[i]);
+        if (number_is_finite(room) && room > 0 && size > room * optimiser->pivot[i]) {
+            way[i] = slope > 0 ? -room : room;
+            count++;
+        }
+    }
+    return count;
+}
+
+/*
+ * Move all active inputs that want to change to their other bound at once, while F follows so that
+ * its gradient stays zero. The move stops at its minimum, or where an input of F meets a bound and
+ * leaves F. Returns whether there was such a move.
+ */
+static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    pzs_real *way = optimiser->next_voltage, *change = optimiser->scratch;
+    if (collect_releases(optimiser, rounding, way) < LEAST_TOGETHER ||
+        !may_iterate(optimiser, PZS_PRODUCT_WORK(optimiser->inputs)))
+        return false;
+    pzs_tableau_apply(optimiser);
+    symmetric(optimiser, change, optimiser->tableau, way);
+    const pzs_real slope = pzs_product_dot(optimiser->direction, way, optimiser->width);
+    const pzs_real curvature = pzs_product_dot(change, way, optimiser->width);
+    const pzs_real most = -slope < curvature ? -slope / curvature : 1;
+    const blocking first = first_blocking(optimiser, change, -1, most);
+    if (!number_is_finite(first.part) || !(slope < 0))
+        return false;
+    move_along(optimiser, change, -1, first);
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        const pzs_real end = way[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];
+        const pzs_real stop = first.part < 1 ? optimiser->voltage[i] + first.part * way[i] : end;
+        if (number_absolute(way[i]) > 0)
+            optimiser->voltage[i] = number_clamp(stop, optimiser->lower[i], optimiser->upper[i]);
+        optimiser->direction[i] += first.part * change[i];
+    }
+    if (first.input < optimiser->inputs)
+        leave_free_set(optimiser, first.input);
+    return true;
 }
 
 /* Whether no free input has a gradient above the rounding bound; next_voltage holds these
  * gradients. */
-static int is_stationary(const pzs_optimiser *optimiser)
+static bool is_stationary(const pzs_optimiser *optimiser)
 {
     uint32_t i = 0;
     while (i < optimiser->inputs &&
@@ -480,19 +548,23 @@ static int is_stationary(const pzs_optimiser *optimiser)
 /*
  * Make iterations, starting where a bound blocks the full direction, until the tableau predicts no
  * KKT violation: first descent iterations until no bound stops them, then release iterations.
- * Returns the number of iterations, at most `allowed`.
  */
-static uint32_t iterate(pzs_optimiser *optimiser, pzs_real rounding, uint32_t allowed)
+static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
-    const uint32_t most =
-        2u * optimiser->inputs + 8u < allowed ? 2u * optimiser->inputs + 8u : allowed;
-    uint32_t used = 0, k = 0;
-    int blocked = 1;
-    for (; blocked && used < most; used++)
+    const uint32_t most = optimiser->iterations + 4u * optimiser->inputs + 8u;
+    bool blocked = true;
+    pzs_tableau_read_pivots(optimiser);
+    while (blocked && may_iterate(optimiser, 0))
         blocked = descend(optimiser);
-    for (; used < most && (k = input_to_release(optimiser, rounding)) < optimiser->inputs; used++)
+    for (uint32_t k = 0; !blocked && k < TOGETHER && release_together(optimiser, rounding); k++)
+        continue;
+    while (!blocked && optimiser->iterations < most) {
+        const uint32_t k = input_to_release(optimiser, rounding);
+        if (k == optimiser->inputs || !may_iterate(optimiser, 0))
+            break;
         release_input(optimiser, k);
-    return used;
+    }
+    pzs_tableau_apply(optimiser);
 }
 
 /* ---- direct iteration ----------------------------------------------- */
@@ -539,7 +611,7 @@ static void accept_prediction(pzs_real *restrict v, pzs_real *restrict model_gra
  * inputs from H as a check. Returns 0 if they differ from their prediction: the voltages are then
  * unchanged, and the tableau no longer counts as verified.
  */
-static int take_direct_iteration(pzs_optimiser *optimiser)
+static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
     const pzs_real *offset = optimiser->scratch, rough = rounding_of_product(optimiser, offset);
     const uint32_t one = optimiser->checked_next, two = one + 1u < optimiser->inputs ? one + 1u : 0;
@@ -555,8 +627,9 @@ static int take_direct_iteration(pzs_optimiser *optimiser)
         (optimiser->kkt_violation > optimiser->rounding_bound &&
          !is_negligible(optimiser, UNMEASURED_FACTOR * optimiser->kkt_violation))) {
         optimiser->is_verified = false;
-        pzs_boxls_gradient(optimiser);
-        return 0;
+        subtract(optimiser->gradient, optimiser->model_gradient, optimiser->target_gradient,
+                 optimiser_span(optimiser));
+        return false;
     }
     optimiser->model_rounding = rough;
     optimiser->checked_next = two + 1u < optimiser->inputs ? two + 1u : 0;
@@ -564,9 +637,10 @@ static int take_direct_iteration(pzs_optimiser *optimiser)
     accept_prediction(optimiser->voltage, optimiser->model_gradient, optimiser->next_voltage,
                       optimiser->direction, optimiser->free_set, optimiser->target_gradient,
                       optimiser_span(optimiser));
+    optimiser->is_predicted = true;
     optimiser->model_gradient[one] = model_gradient[0];
     optimiser->model_gradient[two] = model_gradient[1];
-    return 1;
+    return true;
 }
 
 /* ---- rounds --------------------------------------------------------- */
@@ -587,7 +661,7 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope, const p
  * proportional to (v - start) . (sum of the gradients at both ends). The rounding error over this
  * distance must be below the target energy, or far below the decrease.
  */
-static int has_decreased(const pzs_optimiser *optimiser)
+static bool has_decreased(const pzs_optimiser *optimiser)
 {
     difference(optimiser->scratch, optimiser->direction, optimiser->voltage,
                optimiser->start_voltage, optimiser->gradient, optimiser->start_gradient,
@@ -601,19 +675,35 @@ static int has_decreased(const pzs_optimiser *optimiser)
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }
 
+/* Go back to the start of the round. A gradient that was only predicted there is computed. */
+static void undo_round(pzs_optimiser *optimiser)
+{
+    const size_t bytes = optimiser->width * sizeof(pzs_real);
+    memcpy(optimiser->voltage, optimiser->start_voltage, bytes);
+    memcpy(optimiser->gradient, optimiser->start_gradient, bytes);
+    memcpy(optimiser->model_gradient, optimiser->start_gradient, bytes);
+    add(optimiser->model_gradient, optimiser->target_gradient, optimiser_span(optimiser));
+    optimiser->model_rounding = optimiser->start_rounding;
+    if (optimiser->is_predicted)
+        pzs_boxls_true_gradient(optimiser);
+}
+
 /* Run one round, from the direction to the true gradient at the end of the step. */
-static void run_round(pzs_optimiser *optimiser, int blocked)
+static void run_round(pzs_optimiser *optimiser, bool blocked)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
     memcpy(optimiser->start_voltage, optimiser->voltage, bytes);
     memcpy(optimiser->start_gradient, optimiser->gradient, bytes);
-    if (blocked)
-        optimiser->iterations += iterate(optimiser, optimiser->rounding_bound / 2,
-                                         optimiser->iteration_limit - optimiser->iterations);
-    else
+    optimiser->start_rounding = optimiser->model_rounding;
+    if (blocked) {
+        iterate(optimiser, optimiser->rounding_bound / 2);
+    } else {
         memcpy(optimiser->voltage, optimiser->next_voltage, bytes);
-    optimiser->iterations += !blocked;
+        optimiser->iterations++;
+    }
+    const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
+    optimiser->is_predicted = was_predicted;
 }
 
 /* Compute the KKT violation at v, and the bound up to which it may be caused by rounding. */
@@ -639,10 +729,10 @@ static uint32_t clamp_voltages(pzs_real *restrict v, const pzs_real *restrict lo
     return outside;
 }
 
-int pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
+bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 {
-    const int moved = clamp_voltages(optimiser->voltage, optimiser->lower, optimiser->upper,
-                                     optimiser_span(optimiser)) != 0;
+    const bool moved = clamp_voltages(optimiser->voltage, optimiser->lower, optimiser->upper,
+                                      optimiser_span(optimiser)) != 0;
     if (moved)
         pzs_boxls_true_gradient(optimiser);
     return moved;
@@ -654,7 +744,7 @@ int pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
  * below the rounding bound only because the move raised that bound, the objective must have fallen
  * too.
  */
-static void conclude_round(pzs_optimiser *optimiser, int moved)
+static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
     const pzs_real rounding = optimiser->rounding_bound;
     assess(optimiser);
@@ -664,68 +754,100 @@ static void conclude_round(pzs_optimiser *optimiser, int moved)
         optimiser->checked_next = 0;
     }
     if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
-        has_decreased(optimiser))
+        has_decreased(optimiser)) {
+        optimiser->is_predicted = optimiser->is_predicted && !moved;
         return;
-    memcpy(optimiser->voltage, optimiser->start_voltage, optimiser->width * sizeof(pzs_real));
-    (void)clamp_voltages(optimiser->voltage, optimiser->lower, optimiser->upper,
-                         optimiser_span(optimiser));
-    pzs_boxls_true_gradient(optimiser);
+    }
+    undo_round(optimiser);
     optimiser->is_verified = false;
     assess(optimiser);
     optimiser->is_optimal = is_converged(optimiser);
 }
 
 /*
- * Recompute the tableau after a round of little progress. If the tableau was already fresh, raise
- * the pivot threshold too, so that more inputs count as linearly dependent.
+ * Begin to recompute the tableau, at most once in a step. If the tableau was already fresh, raise
+ * the pivot threshold too, so that more inputs count as linearly dependent. Returns whether another
+ * round is needed.
  */
-static void renew_tableau(pzs_optimiser *optimiser, int fresh)
+static bool renew_tableau(pzs_optimiser *optimiser)
 {
     const pzs_real most = BOXLS_DEPENDENT * 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
-    optimiser->pivot_floor =
-        fresh ? number_clamp(optimiser->pivot_floor * 16, 0, most) : optimiser->pivot_floor;
-    pzs_tableau_rebuild(optimiser);
-    pzs_boxls_gradient(optimiser);
+    if (optimiser->rebuilds > 0 ||
+        !optimiser_affords(optimiser, PZS_PRODUCT_WORK(optimiser->inputs)))
+        return false;
+    if (optimiser->is_fresh)
+        optimiser->pivot_floor = number_clamp(optimiser->pivot_floor * 16, 0, most);
+    optimiser->is_fresh = true;
+    optimiser->rebuilds++;
+    pzs_tableau_reset(optimiser);
+    return !optimiser->is_optimal;
+}
+
+/* Whether the last round, which did not end at the optimum, made too little progress. */
+static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
+{
+    return !moves ||
+           optimiser->kkt_violation * LEAST_PROGRESS >
+               pzs_boxls_violation(optimiser, optimiser->start_voltage, optimiser->start_gradient);
+}
+
+/* Make one round with a complete tableau. Returns whether another one may help. */
+static bool make_round(pzs_optimiser *optimiser)
+{
+    const bool stationary = is_stationary(optimiser);
+    const bool blocked = pzs_boxls_find_direction(optimiser, optimiser->rounding_bound / 2) != 0;
+    const bool moves = blocked || !stationary, verified = optimiser->is_verified;
+    if ((blocked || stationary) && pzs_boxls_enforce_limits(optimiser))
+        return true;
+    if (moves && !blocked && verified && take_direct_iteration(optimiser)) {
+        optimiser->is_optimal = true;
+        return false;
+    }
+    if (moves)
+        run_round(optimiser, blocked);
+    conclude_round(optimiser, moves);
+    optimiser->is_fresh = optimiser->is_fresh && !optimiser->is_optimal;
+    const bool failed = moves && !blocked && verified;
+    const bool is_worn = failed && optimiser->exchanges > WORN * optimiser->inputs;
+    if (is_worn || (!optimiser->is_optimal && !optimiser->is_cut && is_stuck(optimiser, moves)))
+        return renew_tableau(optimiser);
+    return !optimiser->is_optimal && !optimiser->is_cut;
+}
+
+/* Complete the tableau. Returns whether the work that is left allows a round. */
+static bool may_make_round(pzs_optimiser *optimiser)
+{
+    bool complete = true;
+    if (optimiser->is_rebuilding) {
+        complete = pzs_tableau_rebuild(optimiser);
+        pzs_boxls_gradient(optimiser);
+    }
+    optimiser->is_cut =
+        !complete || !optimiser_affords(optimiser, PZS_ROUND_WORK(optimiser->inputs));
+    if (optimiser->is_cut)
+        return false;
+    optimiser->work += PZS_ROUND_LOOPS * optimiser->width;
+    return true;
 }
 
 void pzs_boxls_optimise(pzs_optimiser *optimiser)
 {
-    int fresh = 0;
+    bool again = true;
     optimiser->rounding_bound =
         ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);
-    optimiser->is_optimal = 0;
-    if (optimiser->iterations >= optimiser->iteration_limit) {
-        (void)pzs_boxls_enforce_limits(optimiser);
-        assess(optimiser);
-        optimiser->is_optimal = optimiser->kkt_violation <= optimiser->rounding_bound;
-    }
-    for (uint32_t round = 0; round < ROUNDS && !optimiser->is_optimal &&
-                             optimiser->iterations < optimiser->iteration_limit;
-         round++) {
-        const int rest = is_stationary(optimiser),
-                  blocked = pzs_boxls_find_direction(optimiser, optimiser->rounding_bound / 2) != 0,
-                  moves = blocked || !rest;
-        if ((blocked || rest) && pzs_boxls_enforce_limits(optimiser))
-            continue;
-        if (moves && !blocked && optimiser->is_verified) {
-            optimiser->is_optimal = take_direct_iteration(optimiser);
-            continue;
-        }
-        if (moves)
-            run_round(optimiser, blocked);
-        conclude_round(optimiser, moves);
-        if (!optimiser->is_optimal && optimiser->iterations < optimiser->iteration_limit &&
-            (!moves || optimiser->kkt_violation * LEAST_PROGRESS >
-                           pzs_boxls_violation(optimiser, optimiser->start_voltage,
-                                               optimiser->start_gradient))) {
-            renew_tableau(optimiser, fresh);
-            fresh = 1;
+    optimiser->is_optimal = false;
+    pzs_boxls_gradient(optimiser);
+    for (uint32_t round = 0; round < ROUNDS && again; round++) {
+        again = may_make_round(optimiser) && make_round(optimiser);
+        if (optimiser->is_cut) {
+            (void)pzs_boxls_enforce_limits(optimiser);
+            assess(optimiser);
         }
     }
     /*
-     * After the last round, a violation slightly above its rounding bound is accepted: rounding
-     * errors prevent a lower one.
+     * After a last round that was not cut, a violation slightly above its rounding bound is
+     * accepted: rounding errors prevent a lower one.
      */
-    optimiser->is_optimal |= optimiser->iterations < optimiser->iteration_limit &&
-                             optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;
+    optimiser->is_optimal |=
+        !optimiser->is_cut && optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;
 }

@@ -13,7 +13,8 @@
 
 #include "optimiser.h"
 
-#define BOXLS_VECTORS 14u /* vectors of width entries that the optimiser needs */
+/* Vectors of width entries that the optimiser needs. */
+#define BOXLS_VECTORS (16u + PZS_PENDING)
 #define BOXLS_DEPENDENT                                                                            \
     256 /* largest factor by which the pivot floor may grow over its start, 4 inputs epsilon */
 
@@ -35,12 +36,13 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
 /* Clamp voltages that are outside their bounds. If there were any, renew the gradient and return
- * nonzero. */
-int pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
+ * true. */
+bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 
 /*
- * From a gradient to the optimum. Adds to iterations; sets kkt_violation, rounding_bound and
- * is_optimal. The voltages come inside their bounds and stay there.
+ * From the model gradient to the optimum, as far as work_limit allows it. Adds to iterations and
+ * work; sets kkt_violation, rounding_bound and is_optimal. The voltages come inside their bounds
+ * and stay there.
  */
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
@@ -49,6 +51,6 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
                              const pzs_real *gradient);
 
 /* Whether the rounding error of H (v - base) may cost more than epsilon of the target energy. */
-int pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
+bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 
 #endif

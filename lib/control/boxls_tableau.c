@@ -2,14 +2,23 @@
 /* The tableau of the voltage optimiser (boxls_tableau.h). */
 #include <string.h>
 #include "boxls_tableau.h"
+#include "../core/lane.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
+#include "../core/unrolled.h"
+
+#define BLOCK 4u                             /* rows and columns of a block of the tableau */
+#define BLOCK_WIDE PZS_BY_TILE(4u, 16u, 32u) /* columns of a wide block */
 
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k)
 {
-    return optimiser->diagonal[k] > 0
-               ? optimiser->tableau[(size_t)k * optimiser->width + k] / optimiser->diagonal[k]
-               : 0;
+    return optimiser->diagonal[k] > 0 ? optimiser->pivot[k] / optimiser->diagonal[k] : 0;
+}
+
+void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
+{
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->pivot[i] = optimiser->tableau[(size_t)i * optimiser->width + i];
 }
 
 /* z = factor x. */
@@ -19,81 +28,242 @@ static void multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real 
         z[i] = factor * x[i];
 }
 
-/* m -= sign s s', symmetric to the last bit. Without vectors one half is computed and mirrored. */
-static void rank_one(const pzs_optimiser *optimiser, pzs_real *restrict m,
-                     const pzs_real *restrict s, pzs_real sign)
+/* z -= factor x. */
+static void subtract_multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real factor,
+                              size_t span)
 {
-    const size_t span = optimiser_span(optimiser), stride = optimiser->width;
-    for (uint32_t i = 0; i < optimiser->inputs; i++) {
-        pzs_real *row = m + i * stride;
-        const pzs_real f = sign * s[i];
-        for (size_t j = 0; j < (OPTIMISER_WIDE ? span : i + 1u); j++) {
-            row[j] -= f * s[j];
-            if (!OPTIMISER_WIDE)
-                m[j * stride + i] = row[j];
-        }
+    for (size_t i = 0; i < span; i++)
+        z[i] -= factor * x[i];
+}
+
+/* ---- exchanges ------------------------------------------------------- */
+
+/*
+ * An exchange of input k with the pivot p = row_k and u = row / sqrt |p| changes
+ *   entry i, j  by  -sign(p) u_i u_j,
+ *   entry i, k  to  row_i / |p|, which is the same formula on a zero entry if u_k is set to
+ *                   -sign(p) / sqrt |p|,
+ *   entry k, k  to  -1 / p.
+ * The row of an exchanged input is thus a multiple of u, and independent of what was before.
+ */
+static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
+{
+    const size_t width = optimiser->width, span = optimiser_span(optimiser);
+    uint32_t j = optimiser->pending_count;
+    while (j > 0 && optimiser->exchange[j - 1u].input != k)
+        j--;
+    if (j > 0) {
+        const pzs_exchange *own = &optimiser->exchange[j - 1u];
+        multiple(row, optimiser->pending + (j - 1u) * width, own->scale, span);
+        row[k] = own->pivot;
+    } else {
+        memcpy(row, optimiser->tableau + k * width, width * sizeof *row);
+    }
+    for (; j < optimiser->pending_count; j++) {
+        const pzs_real *update = optimiser->pending + j * width;
+        const pzs_exchange *exchange = &optimiser->exchange[j];
+        row[exchange->input] = 0;
+        subtract_multiple(row, update, exchange->sign * update[k], span);
     }
 }
 
-void pzs_tableau_sweep(pzs_optimiser *optimiser, uint32_t k)
+void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
-    pzs_real *row = optimiser->tableau + (size_t)k * optimiser->width, *s = optimiser->scratch;
-    const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(number_absolute(pivot));
-    multiple(s, row, scale, optimiser_span(optimiser));
-    rank_one(optimiser, optimiser->tableau, s, pivot < 0 ? (pzs_real)-1 : (pzs_real)1);
-    multiple(row, s, scale, optimiser_span(optimiser));
-    row[k] = -1 / pivot;
-    for (uint32_t j = 0; j < optimiser->inputs; j++)
-        optimiser->tableau[(size_t)j * optimiser->width + k] = row[j];
-    optimiser->free_set[k] = 1 - optimiser->free_set[k];
-    optimiser->active_count =
-        optimiser->free_set[k] > 0 ? optimiser->active_count - 1u : optimiser->active_count + 1u;
-    optimiser->inverse_trace = 0;
-    optimiser->is_verified = false;
+    correct_row(optimiser, k, row);
+    optimiser->work += optimiser->pending_count * optimiser->width;
 }
 
-/* Most independent active input that is still marked in `direction`, or the number of inputs. */
+void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
+{
+    if (optimiser->pending_count == PZS_PENDING)
+        pzs_tableau_apply(optimiser);
+    const size_t width = optimiser->width, span = optimiser_span(optimiser);
+    const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(number_absolute(pivot));
+    const pzs_real sign = pivot < 0 ? (pzs_real)-1 : (pzs_real)1;
+    pzs_real *update = optimiser->pending + optimiser->pending_count * width;
+    multiple(update, row, scale, span);
+    for (size_t i = 0; i < span; i++)
+        optimiser->pivot[i] -= sign * update[i] * update[i];
+    update[k] = -sign * scale;
+    multiple(row, update, scale, span);
+    row[k] = optimiser->pivot[k] = -1 / pivot;
+    optimiser->exchange[optimiser->pending_count++] = (pzs_exchange){k, sign, scale, row[k]};
+    optimiser->free_set[k] = 1 - optimiser->free_set[k];
+    optimiser->active_count += optimiser->free_set[k] > 0 ? UINT32_MAX : 1u;
+    optimiser->exchanges++;
+    optimiser->inverse_trace = 0;
+    optimiser->is_verified = false;
+    optimiser->work += PZS_EXCHANGE_WORK(optimiser->inputs);
+}
+
+/*
+ * Compute the rows and columns of the exchanged inputs, and take these inputs out of the updates.
+ */
+static void apply_to_exchanged(pzs_optimiser *optimiser)
+{
+    const size_t width = optimiser->width;
+    for (uint32_t j = 0; j < optimiser->pending_count; j++) {
+        const uint32_t input = optimiser->exchange[j].input;
+        pzs_real *row = optimiser->tableau + input * width;
+        correct_row(optimiser, input, row);
+        for (uint32_t i = 0; i < optimiser->inputs; i++)
+            optimiser->tableau[i * width + input] = row[i];
+    }
+    for (uint32_t j = 0; j < optimiser->pending_count; j++)
+        for (uint32_t i = 0; i < optimiser->pending_count; i++)
+            optimiser->pending[i * width + optimiser->exchange[j].input] = 0;
+}
+
+/* Copy a block of the tableau to the other side of the diagonal. */
+static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, size_t rows,
+                                size_t columns)
+{
+    const size_t width = optimiser->width;
+    const pzs_real *block = optimiser->tableau + i * width + j;
+    pzs_real *mirror = optimiser->tableau + j * width + i;
+    for (size_t c = 0; c < columns; c++)
+        for (size_t r = 0; r < rows; r++)
+            mirror[c * width + r] = block[r * width + c];
+}
+
+/*
+ * Apply all updates to a block of the tableau, ROWS rows from i and COUNT entries of type `entry`
+ * from column j, and mirror a block below the diagonal. The block is kept in registers.
+ */
+#define UPDATE_BLOCK(name, entry, ROWS, COUNT)                                                     \
+    static void name(pzs_optimiser *optimiser, size_t i, size_t j)                                 \
+    {                                                                                              \
+        const size_t width = optimiser->width,                                                     \
+                     columns = (COUNT) * sizeof(entry) / sizeof(pzs_real);                         \
+        pzs_real *at = optimiser->tableau + i * width + j;                                         \
+        entry block[ROWS][COUNT];                                                                  \
+        UNROLLED                                                                                   \
+        for (unsigned r = 0; r < (ROWS); r++) {                                                    \
+            UNROLLED                                                                               \
+            for (unsigned c = 0; c < (COUNT); c++)                                                 \
+                block[r][c] = ((const entry *)(at + r * width))[c];                                \
+        }                                                                                          \
+        const pzs_real *update = optimiser->pending;                                               \
+        for (uint32_t k = 0; k < optimiser->pending_count; k++, update += width) {                 \
+            const entry *row = (const entry *)(update + j);                                        \
+            const pzs_real sign = optimiser->exchange[k].sign;                                     \
+            UNROLLED                                                                               \
+            for (unsigned r = 0; r < (ROWS); r++) {                                                \
+                const pzs_real factor = sign * update[i + r];                                      \
+                UNROLLED                                                                           \
+                for (unsigned c = 0; c < (COUNT); c++)                                             \
+                    block[r][c] -= factor * row[c];                                                \
+            }                                                                                      \
+        }                                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned r = 0; r < (ROWS); r++) {                                                    \
+            UNROLLED                                                                               \
+            for (unsigned c = 0; c < (COUNT); c++)                                                 \
+                ((entry *)(at + r * width))[c] = block[r][c];                                      \
+        }                                                                                          \
+        if (j + columns <= i)                                                                      \
+            mirror_block(optimiser, i, j, ROWS, columns);                                          \
+    }
+
+UPDATE_BLOCK(update_square, pzs_real, BLOCK, BLOCK)
+UPDATE_BLOCK(update_row, pzs_real, 1u, BLOCK)
+#if PZS_TILE > 4
+UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
+#else
+#define update_wide update_square
+#endif
+
+/*
+ * Apply all updates to the lower triangle in blocks, and mirror it. The blocks on the diagonal are
+ * computed as a whole; the last inputs, fewer than a block, row by row.
+ */
+static void apply_to_all(pzs_optimiser *optimiser)
+{
+    const size_t inputs = optimiser->inputs, even = inputs & ~(size_t)(BLOCK - 1u);
+    for (size_t i = 0; i < even; i += BLOCK) {
+        size_t j = 0;
+        for (; BLOCK_WIDE > BLOCK && j + BLOCK_WIDE <= i; j += BLOCK_WIDE)
+            update_wide(optimiser, i, j);
+        for (; j <= i; j += BLOCK)
+            update_square(optimiser, i, j);
+    }
+    for (size_t i = even; i < inputs; i++)
+        for (size_t j = 0; j <= even; j += BLOCK)
+            update_row(optimiser, i, j);
+}
+
+void pzs_tableau_apply(pzs_optimiser *optimiser)
+{
+    if (optimiser->pending_count == 0)
+        return;
+    apply_to_exchanged(optimiser);
+    apply_to_all(optimiser);
+    optimiser->pending_count = 0;
+}
+
+/* ---- recomputation --------------------------------------------------- */
+
+void pzs_tableau_reset(pzs_optimiser *optimiser)
+{
+    const size_t bytes = optimiser->width * sizeof(pzs_real);
+    memcpy(optimiser->tableau, optimiser->hessian, optimiser->inputs * bytes);
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        const bool waits = optimiser->is_rebuilding && optimiser->waiting[i] > 0;
+        optimiser->waiting[i] = waits || optimiser->free_set[i] > 0 ? 1 : 0;
+        optimiser->free_set[i] = 0;
+    }
+    optimiser->active_count = optimiser->inputs;
+    optimiser->pending_count = 0;
+    optimiser->exchanges = 0;
+    optimiser->inverse_trace = 0;
+    optimiser->is_verified = false;
+    optimiser->is_rebuilding = true;
+    optimiser->work += (uint64_t)optimiser->inputs * optimiser->width;
+}
+
+/* Most independent waiting input, or the number of inputs. */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {
     pzs_real most = optimiser->pivot_floor;
     uint32_t next = optimiser->inputs;
     for (uint32_t k = 0; k < optimiser->inputs; k++) {
-        const pzs_real part =
-            optimiser->direction[k] > 0 ? pzs_tableau_independence(optimiser, k) : 0;
-        next = part > most ? k : next;
-        most = part > most ? part : most;
+        if (!(optimiser->waiting[k] > 0))
+            continue;
+        const pzs_real independence = pzs_tableau_independence(optimiser, k);
+        if (independence > most) {
+            most = independence;
+            next = k;
+        }
     }
     return next;
 }
 
-void pzs_tableau_rebuild(pzs_optimiser *optimiser)
+bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
 {
-    memcpy(optimiser->tableau, optimiser->hessian,
-           (size_t)optimiser->inputs * optimiser->width * sizeof(pzs_real));
-    memcpy(optimiser->direction, optimiser->free_set, optimiser->width * sizeof(pzs_real));
-    memset(optimiser->free_set, 0, optimiser->width * sizeof(pzs_real));
-    optimiser->active_count = optimiser->inputs;
-    optimiser->inverse_trace = 0;
-    optimiser->is_verified = false;
-    uint32_t k = next_pivot(optimiser);
-    for (uint32_t count = 0; count < optimiser->inputs && k < optimiser->inputs; count++) {
-        pzs_tableau_sweep(optimiser, k);
-        optimiser->direction[k] = 0;
-        k = next_pivot(optimiser);
+    const uint64_t cost = PZS_ITERATION_WORK(optimiser->inputs);
+    pzs_tableau_read_pivots(optimiser);
+    while (optimiser->is_rebuilding && optimiser_affords(optimiser, cost)) {
+        const uint32_t k = next_pivot(optimiser);
+        optimiser->is_rebuilding = k < optimiser->inputs;
+        if (optimiser->is_rebuilding) {
+            pzs_tableau_row(optimiser, k, optimiser->next_voltage);
+            pzs_tableau_exchange(optimiser, k, optimiser->next_voltage);
+            optimiser->waiting[k] = 0;
+        }
     }
+    pzs_tableau_apply(optimiser);
+    return !optimiser->is_rebuilding;
 }
 
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser)
 {
     if (optimiser->inverse_trace > 0)
         return optimiser->inverse_trace;
-    pzs_real *pivot = optimiser->scratch;
-    for (uint32_t i = 0; i < optimiser->inputs; i++)
-        pivot[i] = optimiser->tableau[(size_t)i * optimiser->width + i];
-    pzs_real soft = -pzs_product_dot(optimiser->free_set, pivot, optimiser->width);
+    pzs_tableau_read_pivots(optimiser);
+    pzs_real soft = -pzs_product_dot(optimiser->free_set, optimiser->pivot, optimiser->width);
     for (uint32_t i = 0; optimiser->active_count > 0 && i < optimiser->inputs; i++) {
         const pzs_real least = optimiser->pivot_floor * optimiser->diagonal[i];
-        if ((pivot[i] < least) & !(optimiser->free_set[i] > 0))
+        if (optimiser->pivot[i] < least && !(optimiser->free_set[i] > 0))
             soft += 1 / least;
     }
     optimiser->inverse_trace = soft;

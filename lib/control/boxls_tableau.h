@@ -6,9 +6,13 @@
  *   tableau on F, A:   [ -H_FF^-1         H_FF^-1 H_FA                ]
  *                      [ H_AF H_FF^-1     H_AA - H_AF H_FF^-1 H_FA    ]
  *
- * One symmetric rank-one update (a sweep) moves an input between F and A. One product of the
- * tableau with the gradient of F gives the direction: on F the step to the minimum over F, on A the
- * change of the gradient by this step.
+ * An exchange moves one input between F and A by a symmetric rank-one update. Exchanges are
+ * collected: up to PZS_PENDING of them are kept as vectors, rows are corrected for them when they
+ * are read, and all are applied to the matrix together, which reads and writes it only once. The
+ * result has the bits of applying them one by one.
+ *
+ * One product of the tableau with the gradient of F gives the direction: on F the step to the
+ * minimum over F, on A the change of the gradient by this step.
  */
 #ifndef PZS_LIB_BOXLS_TABLEAU_H
 #define PZS_LIB_BOXLS_TABLEAU_H
@@ -19,17 +23,36 @@
  * 0 if dependent. */
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
-/* Move input k into F (positive pivot) or out of F (negative pivot). Uses scratch. */
-void pzs_tableau_sweep(pzs_optimiser *optimiser, uint32_t k);
+/* Read the pivots of all inputs from the tableau, when no exchange is pending. */
+void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
+
+/* row [width] = row k of the tableau, pending exchanges included. */
+void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Recompute the tableau from H with the inputs marked as free, the most independent first. Inputs
- * that depend linearly on those before them end in the active set.
+ * Move input k into F (positive pivot) or out of F (negative pivot).
+ *   row [width] in/out  row k of the tableau before and after the exchange
  */
-void pzs_tableau_rebuild(pzs_optimiser *optimiser);
+void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
+
+/* Apply the pending exchanges to the matrix. */
+void pzs_tableau_apply(pzs_optimiser *optimiser);
+
+/*
+ * Begin to recompute the tableau from H: all inputs become active, and those that were free wait
+ * for pzs_tableau_rebuild.
+ */
+void pzs_tableau_reset(pzs_optimiser *optimiser);
+
+/*
+ * Exchange the waiting inputs into F, the most independent first, as long as the work allows it.
+ * Inputs that depend linearly on those before them stay active. Returns whether no input waits any
+ * more. Uses next_voltage.
+ */
+bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /* Trace of the inverse of H on F; dependent inputs count with the largest value possible (V2/m2).
- * Uses scratch. */
+ */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 
 #endif

@@ -74,12 +74,11 @@ static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control
 }
 
 /*
- * Start a step: gradient, and bounds if step limits are in force. Returns the first input whose
- * step limit and voltage limits do not overlap, or -1.
+ * Set the bounds of a step if step limits are in force. Returns the first input whose step limit
+ * and voltage limits do not overlap, or -1.
  */
 static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 {
-    pzs_boxls_gradient(optimiser);
     if (!control->state.has_step_limits ||
         set_step_bounds(optimiser->lower, optimiser->upper, optimiser->voltage,
                         control->state.step_limit, control->state.lower, control->state.upper,
@@ -132,6 +131,7 @@ static void rebase(pzs_optimiser *optimiser, pzs_control *control)
         control->state.problem->weight, control->state.predicted, control->state.problem->outputs);
     control->state.behind = PZS_BEHIND_NOTHING;
     optimiser->model_rounding = 0;
+    optimiser->is_predicted = false;
 }
 
 static pzs_status finish(pzs_control *control, pzs_status status, int32_t where)
@@ -157,30 +157,38 @@ static const pzs_real *expected(const pzs_control *control)
     return sum;
 }
 
+/* Largest number of multiply-adds of the optimiser in this step. */
+static uint64_t work_limit(const pzs_control *control)
+{
+    const uint64_t least = PZS_WORK_LEAST(control->state.problem->inputs);
+    return control->settings.work_limit > least ? control->settings.work_limit : least;
+}
+
 /*
- * Optimise. If the base is so far away that rounding errors could cost accuracy, optimise again
- * from a new base.
+ * Optimise. If the base is so far away that rounding errors could cost accuracy, and the work that
+ * is left allows it, optimise again from a new base.
  */
 static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                      const pzs_real *shown)
 {
+    const uint64_t products = 2u * (uint64_t)control->state.problem->outputs * optimiser->inputs;
     pzs_boxls_optimise(optimiser);
-    if (pzs_boxls_needs_new_base(optimiser)) {
-        rebase(optimiser, control);
-        (void)project_target(optimiser, control, wanted,
-                             shown == control->state.predicted ? shown : expected(control));
-        pzs_boxls_gradient(optimiser);
-        pzs_boxls_optimise(optimiser);
-    }
+    if (!pzs_boxls_needs_new_base(optimiser) ||
+        !optimiser_affords(optimiser, products + PZS_ROUND_WORK(optimiser->inputs)))
+        return;
+    optimiser->work += products;
+    rebase(optimiser, control);
+    (void)project_target(optimiser, control, wanted,
+                         shown == control->state.predicted ? shown : expected(control));
+    pzs_boxls_optimise(optimiser);
 }
 
-/* Iteration limit and rounding-error bound of a step; missed = |W (e - B base)|^2. */
+/* Limit of the work and rounding-error bound of a step; missed = |W (e - B base)|^2. */
 static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control, pzs_real missed)
 {
-    optimiser->iterations = 0;
-    optimiser->iteration_limit = control->settings.iteration_limit < PZS_STEP_ITERATIONS
-                                     ? control->settings.iteration_limit
-                                     : PZS_STEP_ITERATIONS;
+    optimiser->iterations = optimiser->rebuilds = 0;
+    optimiser->work = 0;
+    optimiser->work_limit = work_limit(control);
     optimiser->target_rounding = PZS_EPSILON *
                                  PZS_SQRT(optimiser->target_energy + missed + SMALLEST_SQUARE) *
                                  control->state.largest_column;
@@ -202,6 +210,9 @@ static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
 static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
 {
     control->state.behind = PZS_BEHIND_PREDICTION;
+    control->info.work = optimiser->work;
+    control->info.work_most =
+        control->info.work > control->info.work_most ? control->info.work : control->info.work_most;
     control->info.iterations = (uint16_t)optimiser->iterations;
     control->info.iterations_most = control->info.iterations > control->info.iterations_most
                                         ? control->info.iterations
@@ -473,7 +484,9 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
     set_initial_bounds(optimiser, control);
     pzs_control_set_constants(control);
     rebase(optimiser, control);
-    pzs_tableau_rebuild(optimiser);
+    optimiser->work_limit = UINT64_MAX;
+    pzs_tableau_reset(optimiser);
+    (void)pzs_tableau_rebuild(optimiser);
 }
 
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
@@ -489,7 +502,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     *control = (pzs_control){.state.problem = problem,
                              .state.influence = use,
                              .info.where = -1,
-                             .settings.iteration_limit = PZS_STEP_ITERATIONS};
+                             .settings.work_limit = PZS_WORK_LIMIT(problem->inputs)};
     const pzs_status status = check(problem, use, &control->info.where);
     if (status != PZS_OK)
         return status;

@@ -146,7 +146,7 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
         pzs_control_set_constants(control);
     }
     if (is_repaired)
-        pzs_tableau_rebuild(optimiser);
+        pzs_tableau_reset(optimiser);
 }
 
 /* ---- controller --------------------------------------------------------- */
@@ -166,6 +166,10 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     pzs_control_place(control, work);
     pzs_control_damp(control, 1, NULL, NULL); /* unless the damper of this tick says otherwise */
     guard_repair_bool(&optimiser->is_verified);
+    guard_repair_bool(&optimiser->is_rebuilding);
+    guard_repair_bool(&optimiser->is_predicted);
+    guard_repair_bool(&optimiser->is_fresh);
+    optimiser->pending_count = 0;
     if (optimiser->checked_next >= optimiser->inputs)
         optimiser->checked_next = 0;
     restore_limits(control);
@@ -186,6 +190,6 @@ void pzs_control_recover(pzs_control *control, const pzs_real *influence)
         if (!number_is_finite(control->state.disturbance[i]))
             control->state.disturbance[i] = 0;
     pzs_control_set_constants(control);
-    pzs_tableau_rebuild(optimiser);
+    pzs_tableau_reset(optimiser);
     pzs_control_moved(control);
 }

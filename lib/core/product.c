@@ -2,6 +2,7 @@
 /* Products of tables and vectors (product.h). */
 #include <string.h>
 #include "product.h"
+#include "lane.h"
 #include "unrolled.h"
 
 /*
@@ -67,11 +68,20 @@ static void multiply(pzs_real *y, const pzs_real *from, size_t step, const pzs_r
     }
 }
 
+/*
+ * From this number of columns on, rows are too long to be read group by group of columns: each row
+ * is read once, and its sum is that of pzs_product_dot.
+ */
+#define LONG_ROW 128u
+
 void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
                         const pzs_real *restrict x, size_t rows, size_t cols)
 {
     static const pzs_real zero = 0;
-    multiply(y, &zero, 0, a, x, rows, cols);
+    if (cols < LONG_ROW)
+        multiply(y, &zero, 0, a, x, rows, cols);
+    for (size_t i = 0; cols >= LONG_ROW && i < rows; i++)
+        y[i] = pzs_product_dot(a + i * cols, x, cols);
 }
 
 void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
@@ -110,20 +120,6 @@ void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
     }
 
 #else
-
-/* Entries that a vector register holds, or a tile if that is smaller. */
-#if defined(__AVX512F__)
-#define REGISTER 64u
-#elif defined(__AVX__)
-#define REGISTER 32u
-#else
-#define REGISTER 16u
-#endif
-#define LANE_BYTES (REGISTER < PZS_TILE * sizeof(pzs_real) ? REGISTER : PZS_TILE * sizeof(pzs_real))
-#define IN_LANE (LANE_BYTES / sizeof(pzs_real))
-#define IN_TILE (PZS_TILE / IN_LANE)
-typedef pzs_real lane
-    __attribute__((vector_size(LANE_BYTES), aligned(sizeof(pzs_real)), may_alias));
 
 /*
  * First column of lane k of COUNT lanes. The last lane ends with the last column; where two lanes

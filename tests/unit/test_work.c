@@ -1,0 +1,187 @@
+/*
+ * The work of control ticks is bounded: on a plate whose Hessian has a condition of 1e5, with
+ * targets that jump, electrodes that die and recover, and limits of the work down to the least one.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include "pzs.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../../lib/control/control.h"
+#include "../rigs/uniform.h"
+
+#ifndef WORK_TICKS
+#define WORK_TICKS 20000
+#endif
+
+enum { N = 25, M = 121 };
+
+typedef struct rig {
+    pzs_problem problem;
+    pzs_control control;
+    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N];
+    pzs_real wanted[M], before[N];
+    double work[PZS_CONTROL_BYTES(N, M) / sizeof(double) + 1];
+    unsigned seed;
+} rig;
+
+/* A plate clamped at one end, 5 x 5 patches that bend it, outputs on a grid of 11 x 11. */
+static void fill_influence(rig *r)
+{
+    for (int i = 0; i < M; i++) {
+        const double x = (i / 11 + 1) / 11.0 * 5, y = (i % 11) / 10.0 * 5;
+        for (int j = 0; j < N; j++) {
+            const double past = fmax(x - j / 5, 0), across = y - (j % 5 + .5);
+            const double bend = past < 1 ? past * past / 2 : past - .5;
+            r->influence[i * N + j] = (pzs_real)(1e-6 * bend * (.15 + exp(-.8 * across * across)));
+        }
+    }
+}
+
+static void open_rig(rig *r, double step_limit)
+{
+    memset(r, 0, sizeof *r);
+    r->seed = 3;
+    fill_influence(r);
+    for (int i = 0; i < M; i++)
+        r->weight[i] = 1;
+    for (int j = 0; j < N; j++) {
+        r->lower[j] = -200;
+        r->upper[j] = 200;
+        r->step_limit[j] = (pzs_real)step_limit;
+    }
+    r->problem = (pzs_problem){.inputs = N,
+                               .outputs = M,
+                               .influence = r->influence,
+                               .weight = r->weight,
+                               .lower = r->lower,
+                               .upper = r->upper,
+                               .step_limit = r->step_limit,
+                               .reference_voltage = r->reference};
+    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
+    assert_int_equal(pzs_control_init(&r->control, &r->problem, NULL, r->work, sizeof r->work),
+                     PZS_OK);
+}
+
+/* A target that voltages within 1.5 times the limits reach. */
+static void jump(rig *r)
+{
+    memset(r->wanted, 0, sizeof r->wanted);
+    for (int j = 0; j < N; j++) {
+        const double voltage = uniform(&r->seed, -300, 300);
+        for (int i = 0; i < M; i++)
+            r->wanted[i] += (pzs_real)(voltage * (double)r->influence[i * N + j]);
+    }
+}
+
+static void disturb(rig *r)
+{
+    const double chance = uniform(&r->seed, 0, 1);
+    const uint16_t input = (uint16_t)uniform(&r->seed, 0, N - 1e-6);
+    if (chance < .2)
+        jump(r);
+    else if (chance < .22)
+        assert_int_equal(pzs_hold(&r->control, input, (pzs_real)uniform(&r->seed, -200, 200)),
+                         PZS_OK);
+    else if (chance < .3)
+        assert_int_equal(pzs_release(&r->control, input), PZS_OK);
+}
+
+static void assert_feasible(const rig *r)
+{
+    for (int j = 0; j < N; j++) {
+        const pzs_real v = r->control.info.voltage[j];
+        assert_true(v >= r->control.info.lower[j] && v <= r->control.info.upper[j]);
+    }
+}
+
+/* Law: a tick never takes more multiply-adds than the limit, whatever the limit, begins at most one
+ * recomputation of the tableau, and leaves voltages inside their limits. */
+static void test_bound(void **state)
+{
+    (void)state;
+    static rig r;
+    static const double step_limit[] = {20, HUGE_VAL};
+    for (int k = 0; k < 2; k++) {
+        unsigned cut = 0, rebuilds = 0;
+        uint64_t most = 0;
+        open_rig(&r, step_limit[k]);
+        for (int tick = 0; tick < WORK_TICKS / 2; tick++) {
+            const uint64_t spare = (uint64_t)(tick % 7) * PZS_ITERATION_WORK(N) * 3u / 2u;
+            r.control.settings.work_limit = PZS_WORK_LEAST(N) + spare;
+            disturb(&r);
+            const pzs_status status = pzs_tick(&r.control, r.wanted, NULL);
+            assert_false(PZS_IS_ERROR(status));
+            assert_true(r.control.info.work <= r.control.settings.work_limit);
+            assert_true(r.control.state.optimiser.rebuilds <= 1);
+            assert_feasible(&r);
+            cut += status == PZS_W_ITERATIONS;
+            rebuilds += r.control.state.optimiser.rebuilds;
+            most = r.control.info.work > most ? r.control.info.work : most;
+        }
+        print_message("  step limit %g V: %u of %d ticks cut, %u recomputations, most work %u\n",
+                      step_limit[k], cut, WORK_TICKS / 2, rebuilds, (unsigned)most);
+        assert_true(cut > WORK_TICKS / 100);
+    }
+}
+
+/* |W (B v - e)|^2 of the present voltages. */
+static long double objective(const rig *r)
+{
+    long double sum = 0;
+    for (int i = 0; i < M; i++) {
+        long double miss = -(long double)r->wanted[i];
+        for (int j = 0; j < N; j++)
+            miss += (long double)r->influence[i * N + j] * r->control.info.voltage[j];
+        sum += miss * miss;
+    }
+    return sum;
+}
+
+/* Law: with the least limit a target that stands still is reached as well as without a limit,
+ * monotonically and in a bounded number of ticks. */
+static void test_continued(void **state)
+{
+    (void)state;
+    static rig r, free_rig;
+    int longest = 0;
+    open_rig(&r, HUGE_VAL);
+    open_rig(&free_rig, HUGE_VAL);
+    r.control.settings.work_limit = 0;
+    for (int k = 0; k < WORK_TICKS / 500; k++) {
+        jump(&r);
+        memcpy(free_rig.wanted, r.wanted, sizeof r.wanted);
+        long double last = objective(&r), energy = 0;
+        for (int i = 0; i < M; i++)
+            energy += (long double)r.wanted[i] * r.wanted[i];
+        int ticks = 1;
+        while (pzs_tick(&r.control, r.wanted, NULL) == PZS_W_ITERATIONS && ticks < 400) {
+            const long double now = objective(&r);
+            assert_true(now <= last + 1000 * (long double)PZS_EPSILON * energy);
+            last = now;
+            ticks++;
+        }
+        for (int i = 0; i < 3; i++)
+            (void)pzs_tick(&r.control, r.wanted, NULL);
+        for (int i = 0; i < 3; i++)
+            assert_int_equal(pzs_tick(&free_rig.control, r.wanted, NULL), PZS_OK);
+        const long double gap = objective(&r) - objective(&free_rig);
+        assert_true(gap <= (long double)PZS_BY_BITS(1e-6, 1e-12) * energy);
+        longest = ticks > longest ? ticks : longest;
+    }
+    print_message("  at most %d ticks of the least work to the optimum\n", longest);
+    assert_true(longest < 100);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_continued),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
