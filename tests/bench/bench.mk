@@ -4,7 +4,7 @@
 
 FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
-BENCHES := bench-linalg bench-step bench-accuracy bench-path bench-count bench-device
+BENCHES := bench-linalg bench-step bench-growth bench-accuracy bench-path bench-count bench-device
 .PHONY: bench bench-peers $(BENCHES)
 bench: setup-bench
 	@$(MAKE) --no-print-directory -s -k $(BENCHES) bench-peers PEERS=--quick
@@ -31,6 +31,8 @@ bench-device: setup-test $(B)/pzs
 	@B=$(B) sh tests/bench/device.sh
 	@echo 'A control tick with estimate, feed-forward, converter steps and watch'
 	@B=$(B) sh tests/bench/count_tick.sh $(B)/pzs
+	@echo 'Control ticks with targets that jump'
+	@B=$(B) sh tests/bench/count_work.sh $(B)/pzs
 
 # The whole library for this machine; and for valgrind, which does not know AVX-512.
 FAST_PATH := -O3 -ffp-contract=fast -DPZS_REAL_BITS=64 -DPZS_TILE=8
@@ -65,12 +67,17 @@ bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)
 	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \
 	    $(PYTHON) -B tests/bench/peers/compare.py $(B)/bench/peers.json && exit $$failed
 
-# bench_step holds lib/control/boxls.c and lib/control/control.c itself, to time the solver apart from the product B'e.
+STEP_SOURCES := $(wildcard lib/core/*.c lib/control/*.c)
 $(B)/daqp/libdaqp.a:
 	@CC='$(CC)' sh tests/bench/get_daqp.sh $(B)/daqp
 bench-step:
 	@$(MAKE) --no-print-directory -s $(B)/daqp/libdaqp.a; mkdir -p $(B)/bench
 	@if [ -f $(B)/daqp/libdaqp.a ]; then with='-DWITH_DAQP -I$(B)/daqp/include'; peer=$(B)/daqp/libdaqp.a; fi; \
-	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_step.c lib/core/guard.c $$peer -lm -o $(B)/bench/step
-	@echo 'Warm voltage step against DAQP'
+	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_step.c $(STEP_SOURCES) $$peer -lm -o $(B)/bench/step
+	@echo 'Voltage steps against DAQP'
 	@$(B)/bench/step
+bench-growth:
+	@mkdir -p $(B)/bench
+	@$(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 tests/bench/bench_growth.c $(STEP_SOURCES) -lopenblas -lm -o $(B)/bench/growth
+	@echo 'Growth of the controller with the number of inputs, against OpenBLAS'
+	@OPENBLAS_NUM_THREADS=1 $(B)/bench/growth
