@@ -530,6 +530,7 @@ typedef struct scene_dynamics {
 typedef struct scene_control {
     double rate; /* tick rate (ticks per second); 0 if neither given nor needed by a simulation */
     int moving_target; /* 1: a governor lets the damped tick follow a moving target */
+    double clock;      /* clock of the device's processor (Hz); 0 if not given */
 } scene_control;
 
 /* Supervisor of the control loop. */

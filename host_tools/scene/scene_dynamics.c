@@ -91,6 +91,9 @@ static const field control_fields[] = {
     {"moving_target", read_flag, offsetof(scene_control, moving_target),
      .help = "Whether the target moves while it is followed: a governor then takes the lag out of "
              "the tick that damps vibration; default no."},
+    {"clock", read_real, offsetof(scene_control, clock), &above_zero, .of = OF_RATE,
+     .help = "Clock of the device's processor. With the rate it limits the work of a tick, and "
+             "pzs check tells whether the processor can hold the rate."},
     {.key = NULL}};
 
 const form control_form = {.type = FORM_MAP, .fields = control_fields};

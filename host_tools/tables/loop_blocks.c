@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 #include "../../lib/core/guard.h"
+#include "../model/tick_work.h"
 
 /* Part of the step limits that the governor takes; the rest is left for damping. */
 static const double governor_part = 0.5;
@@ -475,6 +476,11 @@ void loop_names_write(emitter *emitter, const analysis *analysis)
         emit_real(emitter->file, design->scene->control.rate);
         fputs(") /* ticks per second */\n", emitter->file);
     }
+    if (tick_work_limit(design) > 0)
+        fprintf(emitter->file,
+                "#define %s_WORK_LIMIT %llu /* settings.work_limit of the controller, for the "
+                "rate at the clock of the scene */\n",
+                emitter->upper, (unsigned long long)tick_work_limit(design));
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);
     (design->scene->influence.given ? write_rows : write_nodes)(emitter, design);
