@@ -169,57 +169,39 @@ static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, p
 }
 
 /*
- * Voltages after the step of the free inputs, and their offset from the base. Returns how many
- * voltages would be outside their bounds.
+ * Direction of the free inputs, gradient after the step of the active ones; voltages after the
+ * step, and their offset from the base. Returns how many bounds the free inputs would pass and how
+ * many active inputs would have a KKT violation above `rounding`; 0 ends the round.
  */
-static uint32_t predict_voltages(pzs_real *restrict next, pzs_real *restrict offset,
-                                 const pzs_real *restrict move, const pzs_real *restrict free_set,
-                                 const pzs_real *restrict v, const pzs_real *restrict lower,
-                                 const pzs_real *restrict upper, const pzs_real *restrict base,
-                                 size_t span)
+static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
+                             pzs_real *restrict offset, const pzs_real *restrict free_set,
+                             const pzs_real *restrict gradient, const pzs_real *restrict v,
+                             const pzs_real *restrict lower, const pzs_real *restrict upper,
+                             const pzs_real *restrict base, pzs_real rounding, size_t span)
 {
-    uint32_t outside = 0;
+    uint32_t open = 0;
     for (size_t i = 0; i < span; i++) {
-        const pzs_real way = free_set[i] > 0 ? move[i] : 0, x = v[i] + way;
+        pzs_real x = v[i];
+        if (free_set[i] > 0) {
+            x += move[i];
+        } else {
+            move[i] = gradient[i] - move[i];
+            open += entry_violation(move[i], x, lower[i], upper[i]) <= rounding ? 0u : 1u;
+        }
         next[i] = x;
         offset[i] = x - base[i];
-        outside += (x >= lower[i]) & (x <= upper[i]) ? 0u : 1u;
+        open += x >= lower[i] && x <= upper[i] ? 0u : 1u;
     }
-    return outside;
-}
-
-/*
- * Replace the change of the gradient of the active inputs by the gradient after the step. Returns
- * how many of them would have a KKT violation above `rounding`.
- */
-static uint32_t predict_multipliers(pzs_real *restrict move, const pzs_real *restrict free_set,
-                                    const pzs_real *restrict gradient, const pzs_real *restrict v,
-                                    const pzs_real *restrict lower, const pzs_real *restrict upper,
-                                    pzs_real rounding, size_t span)
-{
-    uint32_t violations = 0;
-    for (size_t i = 0; i < span; i++) {
-        const pzs_real slope = gradient[i] - move[i];
-        const pzs_real violation = entry_violation(slope, v[i], lower[i], upper[i]);
-        const pzs_real counts = free_set[i] > 0 ? 0 : violation;
-        move[i] = free_set[i] > 0 ? move[i] : slope;
-        violations += counts <= rounding ? 0u : 1u;
-    }
-    return violations;
+    return open;
 }
 
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
 {
-    const size_t span = optimiser_span(optimiser);
     symmetric(optimiser, optimiser->direction, optimiser->tableau, optimiser->next_voltage);
-    uint32_t open = predict_voltages(optimiser->next_voltage, optimiser->scratch,
-                                     optimiser->direction, optimiser->free_set, optimiser->voltage,
-                                     optimiser->lower, optimiser->upper, optimiser->base, span);
-    if (optimiser->active_count > 0)
-        open += predict_multipliers(optimiser->direction, optimiser->free_set, optimiser->gradient,
-                                    optimiser->voltage, optimiser->lower, optimiser->upper,
-                                    rounding, span);
-    return open;
+    return predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
+                        optimiser->free_set, optimiser->gradient, optimiser->voltage,
+                        optimiser->lower, optimiser->upper, optimiser->base, rounding,
+                        optimiser_span(optimiser));
 }
 
 static void entry_violations(pzs_real *restrict out, const pzs_real *restrict v,
