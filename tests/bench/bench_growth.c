@@ -217,8 +217,7 @@ int main(void)
     static const char *const name[TIMES] = {"start", "potrf", "warm", "gemv", "jump", "worst"};
     double time[2][TIMES];
     int failed = 0;
-    puts(
-        "   n     m      start (potrf)        warm (gemv)        jump: mean, worst, iterations, cut");
+    puts("   n     m      start (potrf)        warm (gemv)        jump: mean, worst, most, cut");
     for (int n = 16, k = 0; n <= 1024; n *= 2, k++) {
         mirror a;
         double *now_time = time[k % 2];
