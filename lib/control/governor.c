@@ -74,16 +74,22 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 
 /* ---- tick ---------------------------------------------------------------- */
 
+static bool are_equal(const pzs_real *x, const pzs_real *y, uint32_t n)
+{
+    uint32_t i = 0;
+    while (i < n && x[i] >= y[i] && x[i] <= y[i])
+        i++;
+    return i == n;
+}
+
 /* Whether target and limits are those of the last optimum. */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
-    const size_t limits = problem->inputs * sizeof(pzs_real);
     const pzs_control_state *own = &state->optimum.state, *loop = &state->control->state;
-    return state->has_target &&
-           memcmp(state->target, wanted, problem->outputs * sizeof *wanted) == 0 &&
-           memcmp(own->lower, loop->lower, limits) == 0 &&
-           memcmp(own->upper, loop->upper, limits) == 0;
+    return state->has_target && are_equal(state->target, wanted, problem->outputs) &&
+           are_equal(own->lower, loop->lower, problem->inputs) &&
+           are_equal(own->upper, loop->upper, problem->inputs);
 }
 
 /* Compute the bounded optimum of the target, within the limits in force and without step limits. */
