@@ -229,7 +229,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 # 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
 # a million flipped bits, a million ticks of random faults under the supervisor.
 check-long: setup-test
-	@$(MAKE) --no-print-directory -s -j2 san unit
+	@$(MAKE) --no-print-directory -s -j2 all san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
 	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/unit/test_tick.c \
@@ -253,6 +253,7 @@ check-long: setup-test
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
+	/usr/bin/python3 tests/cli/schema.py $(B)/pzs $(SCENES)/scene.schema.json 1 tests/cli/schema/scenes.yaml $(SCENES)/*.yaml
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
 	    case $$e$$s in publishedhex-mirror|publishedwing-panel) continue ;; esac; \
 	    $(B)/pzs-san solve $$s --set element=$$e --report $(B)/$$s.html >/dev/null || exit 1; done; done

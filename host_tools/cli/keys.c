@@ -57,7 +57,7 @@ static void append_list(kind_text *to, const form *form)
     }
     for (int i = 0; i < form->most; i++) {
         append(to, i ? ", " : "[");
-        append_kind(to, form->item);
+        append_kind(to, i == 0 && form->first ? form->first : form->item);
     }
     append(to, "]");
 }

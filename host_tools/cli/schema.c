@@ -237,6 +237,13 @@ static void write_map(json *json, const form *form)
 static void write_list(json *json, const form *form)
 {
     json_string(json, "type", "array");
+    if (form->first) {
+        json_open(json, "prefixItems", '[');
+        json_open(json, NULL, '{');
+        write_form(json, form->first);
+        json_close(json, '}');
+        json_close(json, ']');
+    }
     json_open(json, "items", '{');
     write_form(json, form->item);
     json_close(json, '}');

@@ -59,6 +59,7 @@ typedef struct form {
     const range *range;            /* FORM_NUMBER, FORM_WHOLE, FORM_FORMULA: range, or NULL */
     const choice *words;           /* FORM_WORD */
     const struct form *item;       /* FORM_LIST, FORM_NAMED: form of each item */
+    const struct form *first;      /* FORM_LIST: form of the first item if it differs, or NULL */
     int least, most;               /* FORM_LIST, FORM_NAMED: number of items; most 0: any */
     const struct field *fields;    /* FORM_MAP */
     const form_case *cases;        /* FORM_MAP: permitted combinations of keys, or NULL for any */

@@ -298,10 +298,13 @@ static int find_columns(reader *reader, const coordinate_text *text, const numbe
     for (int a = 0; a < AXES; a++)
         column[a] = -1;
     for (int i = text->columns ? reader->t->node[text->columns].first : 0; i;
-         i = reader->t->node[i].next, k++)
+         i = reader->t->node[i].next, k++) {
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
+            return -1;
         for (int a = 0; a < AXES; a++)
             if (strcmp(node_text(reader, i), axis_name[a]) == 0 && k < (int)table->columns)
                 column[a] = k;
+    }
     for (k = 0; k < (int)table->columns && !text->columns; k++)
         for (int a = 0; a < AXES; a++)
             if (table->column_name ? strcmp(table->column_name[k], axis_name[a]) == 0 : k == a)

@@ -44,8 +44,11 @@ static int read_pairs(reader *reader, int node, pairs_text *list, const range *f
 }
 
 static const range meridian_radius = {0, HUGE_VAL, 0, "is a radius and must not be below 0"};
+static const form meridian_radius_form = {.type = FORM_NUMBER, .range = &meridian_radius};
+static const form meridian_point_form = {
+    .type = FORM_LIST, .item = &number_form, .first = &meridian_radius_form, .least = 2, .most = 2};
+static const form meridian_form = {.type = FORM_LIST, .item = &meridian_point_form, .least = 2};
 static const form pair_form = {.type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
-static const form meridian_form = {.type = FORM_LIST, .item = &pair_form, .least = 2};
 
 static int read_meridian(reader *reader, int node, void *to, const void *rule)
 {

@@ -151,7 +151,7 @@ done
 run 0 migrate scordelis-lo && cmp -s "$dir/out" host_tools/scenes/scordelis-lo.yaml; check 'migrate: a scene that needs nothing is printed unchanged' $?
 run 2 migrate && says 'name a scene'; check 'migrate without a scene' $?
 run 0 schema && cmp -s "$dir/out" host_tools/scenes/scene.schema.json; check 'scene.schema.json is what pzs schema writes (else: make schema)' $?
-/usr/bin/python3 tests/cli/schema.py "$PZS" host_tools/scenes/scene.schema.json "${SCHEMA_EVERY:-5}" host_tools/scenes/*.yaml >"$dir/out" 2>"$dir/err"
+/usr/bin/python3 tests/cli/schema.py "$PZS" host_tools/scenes/scene.schema.json "${SCHEMA_EVERY:-25}" tests/cli/schema/scenes.yaml host_tools/scenes/*.yaml >"$dir/out" 2>"$dir/err"
 check 'schema and reader agree on every shipped scene and on changed ones' $?
 run 0 keys limits && grep -q '^  rate_limit .*number above 0, unit as V/s' "$dir/out" && run 0 help keys && grep -q '^  rate_limit ' "$dir/out" && grep -q '^simulate ' "$dir/out"
 check 'keys lists the keys of a scene' $?

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Schema and reader agree on scenes:  schema.py PZS SCHEMA EVERY SCENE...
+"""Schema and reader agree on scenes:  schema.py PZS SCHEMA EVERY PARTS SCENE...
 
 Every scene is valid for both. Then every key of every scene is changed once: given a value of another type, taken out,
 set beside an unknown key, and, where it is a number, moved out of the range that the schema states.
 - What the schema refuses, the reader refuses: an editor never marks a valid scene.
 - What the reader refuses for its structure or for a range, the schema refuses. Refusals for reasons that no schema can
   state (names that stand for nothing, geometry, sections that need each other) are counted apart, by the reader's words.
-EVERY: 1 runs all changes, 5 every fifth.
+EVERY: 1 runs all changes, 5 every fifth. PARTS: a file with scenes that together have every key of the schema.
 """
 import collections
 import copy
@@ -24,26 +24,81 @@ import yaml
 
 # What the reader says of a scene whose structure is right: names, geometry and sections that need each other.
 BEYOND_SCHEMA = [
-    "there (is|are) no", "need[s]? actuators", "needs? a target", "a mesh of .* has more than", "is no (mesh line|node)",
-    "but the mesh has", "values for .* amplifiers", "needs readings", "has no permittivity", "has no piezoelectric constants",
-    "no patches lie on it", "every layer is patched", "no (layer|material) named", "moves nothing; give", "weight without density",
-    "needs (the )?kinematics: nonlinear", "needs kinematics", "needs the nonlinear", "and (E|nu)\\w*, .* leave no positive", "leave no positive",
-    "is not positive definite", "is no number or formula", "after the end", "comes after tick", "runs from", "does not ascend", "overlap",
-    "is a mapping of keys", "given twice", "past the axis", "reaches a pole", "more than a full turn", "turns back on itself",
-    "shrink to nothing", "no spline goes", "is per second, but", "'to' must be above", "is the same everywhere", "knows x, y, z only",
-    "has no direction; give one", "depends on an edge", "is no single displacement", "no node of the mesh", "needs lin33", "makes more electrodes",
-    "two .* named", "driven by", "need the same shape", "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is not on the mesh",
-    "is no unit of length", "brings its own surface", "needs the scene.s own unit", "the scene has no unit of", "is not above -1", "is empty; write \\[lowest", "d31 or e31", "plant with a contact is nonlinear",
-    "the first (one )?is", "never comes back to its start", "uses theta", "varies over the surface", "add the output", "is of a contact",
-    "no contact in this scene", "lies above the outer face", "'from'' is missing|'(from|to)' is missing", "has d", "no meaning as", "'meridian' has",
-    "out of range; magnitudes", "both .* faces", "acts on one face", "is per (deformed|reference) area", "also the name",
-    "neither voltage nor charge", "strain constants d or stress constants e",
+    # numbers that only a formula or another number decides
+    "is no number or formula", "leave no positive", "is not positive definite", "runs from", "'to' must be above", "does not ascend",
+    "is empty; write .lowest", "has no direction; give one", "is per second, but", "entry .* of the mask is", "are ignored; use some",
+    # places on the mesh and the surface
+    "no node of the mesh", "is no (mesh line|node)", "is not on the mesh", "reaches a pole", "past the axis", "more than a full turn",
+    "lies above the outer face", "'(from|to)' is missing",
+    # names and counts
+    "there is no|there are no", "the first one is", "no layer named", "values for .* (amplifiers|outputs)", "points of coordinates for",
+    "entries of the mask for", "need the same shape", "name the element sets",
+    # sections and materials that need each other
+    "or a mesh file: mesh", "has no piezoelectric constants", "has no permittivity", "d31 or e31", "no contact in this scene", "needs readings",
+    "moves nothing; give", "but the outputs have none",
+    # meshes from files
+    "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
+    "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
 ]
+
+
+def scenes_of_parts(path):
+    """Whole scenes from a base and the sections that replace some of it."""
+    whole = read(path)
+    for i, part in enumerate(whole["parts"]):
+        scene = {**copy.deepcopy(whole["base"]), **copy.deepcopy(part)}
+        yield f"{path} part {i}", {key: value for key, value in scene.items() if value is not None}
+    for i, scene in enumerate(whole["wholes"]):
+        yield f"{path} whole {i}", scene
+
+
+def tables(schema):
+    """(key, help sentence) of every row of every table of a schema."""
+    for key, value in schema.get("properties", {}).items():
+        yield key, value["description"]
+        yield from tables(value)
+    for word in ("oneOf", "anyOf"):
+        for one in schema.get(word, []):
+            yield from tables(one)
+    for word in ("items", "additionalProperties"):
+        if isinstance(schema.get(word), dict):
+            yield from tables(schema[word])
+
+
+def used(valid, schema, value):
+    """(key, help sentence) of the rows of a schema that a valid value uses."""
+    for word in ("oneOf", "anyOf"):
+        for one in schema.get(word, []):
+            if valid(one, value):
+                yield from used(valid, one, value)
+    if isinstance(value, list) and isinstance(schema.get("items"), dict):
+        for item in value:
+            yield from used(valid, schema["items"], item)
+    if not isinstance(value, dict):
+        return
+    own = schema.get("properties", {})
+    for key in value:
+        if key in own:
+            yield key, own[key]["description"]
+            yield from used(valid, own[key], value[key])
+        elif isinstance(schema.get("additionalProperties"), dict):
+            yield from used(valid, schema["additionalProperties"], value[key])
+
+
+class Loader(yaml.SafeLoader):
+    """YAML 1.2, as editors read it: 1e9 is a number, and on, off, yes, no are words."""
+
+
+FLOAT, BOOL = "tag:yaml.org,2002:float", "tag:yaml.org,2002:bool"
+Loader.yaml_implicit_resolvers = {first: [(tag, pattern) for tag, pattern in rows if tag not in (FLOAT, BOOL)]
+                                  for first, rows in yaml.SafeLoader.yaml_implicit_resolvers.items()}
+Loader.add_implicit_resolver(BOOL, re.compile("^(?:true|false)$"), list("tf"))
+Loader.add_implicit_resolver(FLOAT, re.compile(r"^[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?$"), list("-+.0123456789"))
 
 
 def read(path):
     with open(path, encoding="utf-8") as file:
-        return yaml.safe_load(file)
+        return yaml.load(file, Loader)  # a subclass of the safe loader
 
 
 def places(value, path=()):
@@ -111,35 +166,45 @@ def reader_says(pzs, scene, path):
     result = subprocess.run([pzs, "migrate", path], capture_output=True, text=True, check=False)
     if result.returncode == 0:
         return None
-    return result.stderr.strip()
+    return result.stderr.strip() if result.returncode == 2 else f"ended with {result.returncode}"
 
 
 def disagreement(kind, refused, said):
     """What is wrong where the schema and the reader disagree on a mutation, or None."""
     if refused and not said:
         return "the schema refuses, the reader does not"
+    if said and said.startswith("ended"):
+        return "the reader " + said
     if said and not refused and kind != "word" and not any(re.search(words, said) for words in BEYOND_SCHEMA):
         return "the reader refuses, the schema does not: " + said
     return None
 
 
-def main(pzs, schema_path, every, scenes):
+def main(pzs, schema_path, every, parts, names):
     with open(schema_path, encoding="utf-8") as file:
         schema = json.load(file)
     jsonschema.Draft202012Validator.check_schema(schema)
-    valid = jsonschema.Draft202012Validator(schema).is_valid
+    valid, errors = jsonschema.Draft202012Validator(schema).is_valid, jsonschema.Draft202012Validator(schema).iter_errors
     folder = tempfile.mkdtemp()
+    for name in os.listdir(os.path.dirname(parts)):
+        shutil.copy(os.path.join(os.path.dirname(parts), name), folder)
     path = os.path.join(folder, "scene.yaml")
     for mesh in glob.glob(os.path.join(os.path.dirname(schema_path), "*.msh")):
         shutil.copy(mesh, folder)
+
+    def fits(part, value):
+        return jsonschema.Draft202012Validator({**part, "$defs": schema["$defs"]}).is_valid(value)
+
     counts = collections.Counter()
     wrong = []
     seen = set()
-    for name in scenes:
-        scene = read(name)
-        if not valid(scene):
-            wrong.append(f"{name}: the schema refuses the scene")
+    present = set()
+    for name, scene in [(name, read(name)) for name in names] + list(scenes_of_parts(parts)):
+        said = reader_says(pzs, scene, path)
+        if not valid(scene) or said:
+            wrong.append(f"{name}: refused: {said or jsonschema.exceptions.best_match(errors(scene)).message}")
             continue
+        present |= set(used(fits, schema, scene))
         for kind, place, changed in mutations(scene):
             keys = tuple(key for key in place if isinstance(key, str))
             change = (kind, keys, repr(at(changed, place)) if kind in ("type", "range") else "")
@@ -153,6 +218,7 @@ def main(pzs, schema_path, every, scenes):
             fault = disagreement(kind, refused, said)
             if fault:
                 wrong.append(f"{name}: {kind} {'.'.join(map(str, place))}: {fault}")
+    wrong += [f"no scene has the key {key}: {text}" for key, text in sorted(set(tables(schema)) - present)]
     for key in sorted(counts):
         print(f"# {key[0]}: {key[1]} {counts[key]}")
     for line in wrong:
@@ -162,4 +228,4 @@ def main(pzs, schema_path, every, scenes):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4:]))
+    sys.exit(main(sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4], sys.argv[5:]))
