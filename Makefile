@@ -226,7 +226,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    tests/unit/test_thin.c tests/rigs/round_shell.c tests/rigs/testdata.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
 	    -o $(B)/hard && $(B)/hard
 
-# 20,000 mutated scenes and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
+# 20,000 mutated scenes, 20,000 mutated mesh files and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
 # a million flipped bits, a million ticks of random faults under the supervisor.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 all san unit
@@ -251,6 +251,8 @@ check-long: setup-test
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_NONLINEAR=1 -DSTORMS=1 $(INCLUDE) \
 	    tests/unit/test_vibration_block.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka -lyaml -lm \
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
+	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_quads.c tests/rigs/mesh_writer.c $(B)/san64/host.a \
+	    -lcmocka -lyaml -lm -o $(B)/long-quads && $(B)/long-quads
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	/usr/bin/python3 tests/cli/schema.py $(B)/pzs $(SCENES)/scene.schema.json 1 tests/cli/schema/scenes.yaml $(SCENES)/*.yaml

@@ -81,6 +81,9 @@ static void print_structure(const analysis *analysis)
         printf("  %d x %d elements", scene->line[0].elements, scene->line[1].elements);
     printf(" of %d kind%s, %d nodes, %d free dof, half bandwidth %d\n", mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
+    if (mesh->quads)
+        printf("  envelope of the factor: %.0f numbers, %.0f a row after renumbering\n",
+               mesh_envelope(mesh), mesh_envelope(mesh) / mesh->free_dof);
     printf("  element: %s kinematics, %s through the thickness, %d dof per node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
            scene->element.dof_per_node);

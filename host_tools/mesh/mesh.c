@@ -588,6 +588,14 @@ static void find_envelope(mesh *mesh)
     }
 }
 
+double mesh_envelope(const mesh *mesh)
+{
+    double sum = 0;
+    for (int i = 0; i < mesh->free_dof; i++)
+        sum += i - mesh->first_column[i] + 1;
+    return sum;
+}
+
 int mesh_half_bandwidth(const mesh *mesh)
 {
     int widest = 0;

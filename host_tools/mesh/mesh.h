@@ -92,4 +92,7 @@ void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]
 /* Half bandwidth of the factor: largest number of entries left of the diagonal in a row. */
 int mesh_half_bandwidth(const mesh *mesh);
 
+/* Number of entries of the factor: of each row from its first column to the diagonal. */
+double mesh_envelope(const mesh *mesh);
+
 #endif

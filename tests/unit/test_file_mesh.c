@@ -217,6 +217,35 @@ static void test_hemisphere(void **state)
     assert_near("hemisphere", rig_value("tests/rigs/scenes/octant.yaml"), 0.0924, 0.01);
 }
 
+/*
+ * Law: the directors of an off-axis paraboloid z = r^2/(4 f), meshed by Gmsh from CAD, are those of
+ * its surface. The slope turns by 0.08 rad over an element; a fitted quadric leaves a cubic part of
+ * (0.08)^3/6 and the rounding of the spline, below 1e-3.
+ */
+static void test_dish_directors(void **state)
+{
+    (void)state;
+    const double focal = 0.5;
+    scene_run r;
+    double worst = 0;
+    if (scene_run_open(&r, "tests/rigs/scenes/dish.yaml", "") < 0)
+        fail_msg("%s", r.error);
+    const mesh *mesh = &r.analysis.design.mesh;
+    for (int n = 0; n < mesh->nodes; n++) {
+        const double *x = mesh->point[n].x, *d = mesh->point[n].e[2];
+        double exact[3] = {-x[0] / (2 * focal), -x[1] / (2 * focal), 1};
+        const double length = sqrt(exact[0] * exact[0] + exact[1] * exact[1] + 1);
+        const double sign = d[2] > 0 ? 1 : -1;
+        double square = 0;
+        for (int i = 0; i < 3; i++)
+            square += pow(sign * d[i] - exact[i] / length, 2);
+        worst = fmax(worst, sqrt(square));
+    }
+    scene_run_close(&r);
+    if (worst > 1e-3)
+        fail_msg("a director is off by %.3g", worst);
+}
+
 /* ---- supports --------------------------------------------------------------- */
 
 static void quarter(double u, double v, double x[3])
@@ -409,11 +438,11 @@ static int remove_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_plate), cmocka_unit_test(test_disc),
-        cmocka_unit_test(test_box_beam),   cmocka_unit_test(test_hemisphere),
-        cmocka_unit_test(test_symmetry),   cmocka_unit_test(test_layer_sets),
-        cmocka_unit_test(test_direction),  cmocka_unit_test(test_refused_scenes),
-        cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_same_plate),     cmocka_unit_test(test_disc),
+        cmocka_unit_test(test_box_beam),       cmocka_unit_test(test_hemisphere),
+        cmocka_unit_test(test_dish_directors), cmocka_unit_test(test_symmetry),
+        cmocka_unit_test(test_layer_sets),     cmocka_unit_test(test_direction),
+        cmocka_unit_test(test_refused_scenes), cmocka_unit_test(test_hash),
     };
     if (!mkdtemp(folder))
         return 1;

@@ -21,7 +21,7 @@
 #include "../rigs/mesh_writer.h"
 
 #ifndef MUTATIONS
-#define MUTATIONS 3000
+#define MUTATIONS 1000
 #endif
 
 static char path[] = "/tmp/test_quads_XXXXXX";
