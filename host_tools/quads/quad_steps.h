@@ -25,7 +25,7 @@ int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options);
 
 /* Neighbours of the elements across their sides. */
-enum { QUAD_FREE = UINT32_MAX };
+#define QUAD_FREE UINT32_MAX
 typedef struct quad_topology {
     uint32_t (*neighbour)[4]; /* [elements] edge 4 element + side on the other side, or QUAD_FREE */
 } quad_topology;
