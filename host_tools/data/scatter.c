@@ -248,7 +248,8 @@ static double linear_value(moments *m, const double place[SCATTER_AXES])
 
 double scatter_value(const scatter *scatter, const double *place, double *distance)
 {
-    neighbours found = {.most = scatter->axes == 1 ? 4 : (size_t)(scatter->axes == 2 ? 9 : 16)};
+    static const size_t most[SCATTER_AXES] = {4, 9, 16};
+    neighbours found = {.most = most[scatter->axes - 1]};
     double at[SCATTER_AXES] = {0, 0, 0};
     memcpy(at, place, (size_t)scatter->axes * sizeof *place);
     search(scatter, at, &found);

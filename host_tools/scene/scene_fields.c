@@ -52,6 +52,14 @@ static int distance(const char *a, const char *b)
     return row[n];
 }
 
+/* Most letters by which a mistyped word of this length may differ from a known one. */
+static int most_mistakes(int length)
+{
+    if (length < 3)
+        return 0;
+    return length < 9 ? length / 3 + 1 : 3;
+}
+
 /*
  * Write "did you mean 'thickness'?" or "known: a, b, c" for a list of words at a stride in bytes.
  */
@@ -59,7 +67,7 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
 {
     const char *const *word;
     const char *nearest = NULL;
-    int length = (int)strlen(text), least = length < 3 ? 0 : length < 9 ? length / 3 + 1 : 3, n = 0;
+    int least = most_mistakes((int)strlen(text)), n = 0;
     for (word = first; *word;
          word = (const char *const *)(const void *)((const char *)word + stride)) {
         int d = distance(text, *word);

@@ -47,7 +47,12 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
  */
 static unsigned moved_by(int fix)
 {
-    return (unsigned)(fix == U1 ? MEAN_1 : fix == U2 ? MEAN_2 : fix == U3 ? MEAN_3 : fix);
+    switch (fix) {
+    case U1: return MEAN_1;
+    case U2: return MEAN_2;
+    case U3: return MEAN_3;
+    default: return (unsigned)fix;
+    }
 }
 
 /* Find the dof of the edge of a surface that a word names. */
