@@ -21,7 +21,7 @@ struct pzs_block;
 /* One collected exchange; its vector is in pzs_optimiser.pending. */
 typedef struct pzs_exchange {
     uint32_t input;
-    pzs_real sign;  /* sign of the pivot */
+    pzs_real sign;  /* sign of the diagonal entry on which the tableau is exchanged */
     pzs_real scale; /* 1 / square root of the size of the pivot */
     pzs_real pivot; /* diagonal entry of the input after the exchange */
 } pzs_exchange;
@@ -79,7 +79,7 @@ typedef struct pzs_optimiser {
     pzs_exchange exchange[PZS_PENDING];
     bool is_rebuilding; /* inputs are waiting: the tableau is not yet complete */
     bool is_predicted;  /* model_gradient was predicted by the tableau, in a round: at its start */
-    bool is_cut;        /* the limit of the work ended the last round */
+    bool is_cut;        /* the last step stopped at its work limit before the optimum was reached */
     bool is_fresh;      /* no round has ended at the optimum since the last recomputation */
     bool is_verified;   /* the last round with this tableau ended at the optimum */
     bool is_optimal;
@@ -104,7 +104,8 @@ typedef enum pzs_control_behind {
 
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
-    const pzs_real *influence; /* [outputs][inputs] B in use (m/V) */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix: that of the program, or of the
+                                  problem (m/V) */
     pzs_optimiser optimiser;
     pzs_real *lower, *upper; /* [inputs] limits in force (V): those of the table, narrowed by
                                 pzs_hold */
@@ -160,8 +161,9 @@ typedef struct pzs_fault_detector_state {
                             least squares (V) */
     pzs_real *moved, *response; /* [inputs] fading sums of the squares of moves and of responses
                                    (V2) */
-    pzs_real *lost_voltage;     /* [inputs] fading sum of the deviation (V) */
-    pzs_real *disturbance;      /* [outputs] disturbance at the last shape (m) */
+    pzs_real *lost_voltage; /* [inputs] voltage that an electrode lacks: its deviation, summed over
+                               the ticks with a factor below 1 for each tick that has passed (V) */
+    pzs_real *disturbance;  /* [outputs] disturbance at the last shape (m) */
     pzs_real *change; /* [outputs] W^2 times the change of the disturbance since the last shape (m)
                        */
     uint8_t *electrode; /* [inputs] state of each electrode, a pzs_electrode_state */

@@ -72,7 +72,8 @@ typedef struct pzs_loop_signals {
     pzs_status status;          /* status of the tick so far, for PZS_PHASE_SUPERVISE */
     uint16_t sensors; /* number of readings that the blocks after this one need, which is the length
                          of `readings` */
-    int32_t where;    /* out: index that goes with the status of a block, or -1 */
+    int32_t where;    /* out: index of the input, output or reading that the status of the block is
+                         about, or -1 */
 } pzs_loop_signals;
 
 /* A type of block: const, in flash. Its functions return a status like every public function. */

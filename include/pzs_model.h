@@ -72,8 +72,9 @@ pzs_status pzs_structure_seal(pzs_structure *structure);
 /* Results of the model that a program may read. */
 typedef struct pzs_model_info {
     pzs_real condition; /* 1-norm condition estimate of the scaled stiffness */
-    pzs_real residual;  /* |K u - f| / |f| of the last solve, in scaled rows, computed from strains;
-                           -1 without element types */
+    pzs_real residual; /* |K u - f| / |f| of the last solve, every row scaled as for the factor; K u
+                          is computed from the strains of the elements, so that the value is -1
+                          without element types */
     pzs_real error_estimate;  /* relative error of u by the linear solver, in the energy norm; -1
                                  without element types. The discretisation error of the mesh is not
                                  included */

@@ -238,7 +238,7 @@ typedef struct pzs_circuit {
     pzs_circuit_state state;
 } pzs_circuit;
 
-/* Bytes of workspace for a circuit. */
+/* Bytes of workspace for a circuit: the open electrodes that pzs_attach_circuit adds. */
 #define PZS_CIRCUIT_BYTES(electrodes, open)                                                        \
     (sizeof(pzs_real) * ((size_t)(electrodes) + 3u * (size_t)(open) + PZS_DENSE(open)) +           \
      sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + sizeof(uint16_t) * (size_t)(open))

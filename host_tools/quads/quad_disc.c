@@ -21,7 +21,7 @@ typedef struct disc_plan {
     double circle[QUAD_RINGS + 1];
     int across[QUAD_RINGS + 1]; /* elements across each band; the first one lies between the middle
                                    block and the first circle */
-    int layers;                 /* sum of across */
+    int layers;                 /* elements across all bands together */
 } disc_plan;
 
 static disc_plan make_plan(const quad_disc *disc)

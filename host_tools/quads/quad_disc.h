@@ -17,8 +17,8 @@ typedef struct quad_disc {
     int rings;               /* number of these circles */
     int elements; /* elements along a side of the middle block, an even number; four times as
                      many along every circle */
-    int sectors;  /* parts of equal angle of each ring outside the first circle; a divisor
-                     of 4 elements */
+    int sectors;  /* sectors of equal angle into which each ring outside the first circle is
+                     divided; a divisor of the elements along a circle */
 } quad_disc;
 
 /*

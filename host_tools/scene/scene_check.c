@@ -156,13 +156,14 @@ static int check_depth(const scene *scene, double h, char *error)
  */
 static int check_formula(const scene *scene, char *error)
 {
+    enum { STRIDE = SAMPLES / 40 };
     const double most = 0.966;
     if (surface_is_general(&scene->surface) && !scene->element.cartesian)
         return scene_fault(scene, scene->at_surface, error,
                            "the published element needs coordinates along lines of curvature; use "
                            "`element: improved` on a surface given by formulas");
-    for (int i = 0; i <= SAMPLES && surface_is_general(&scene->surface); i++)
-        for (int j = 0; j <= SAMPLES; j++) {
+    for (int i = 0; i <= SAMPLES && surface_is_general(&scene->surface); i += STRIDE)
+        for (int j = 0; j <= SAMPLES; j += STRIDE) {
             const double theta1 = sample(&scene->line[0], i), theta2 = sample(&scene->line[1], j);
             const surface_point p = surface_at(&scene->surface, theta1, theta2);
             const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);

@@ -65,8 +65,9 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
                          const pzs_real *influence, void *work);
 
 /*
- * Start anew from the voltages in state.voltage, which have just been corrected: the whole Hessian
- * is compared with its source, tableau and prediction are computed anew.
+ * Continue from the voltages in state.voltage after damaged memory was corrected: the Hessian is
+ * compared with the one of the tables or of the influence matrix, entry by entry, and tableau and
+ * predicted shape are computed anew.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  */
 void pzs_control_recover(pzs_control *control, const pzs_real *influence);

@@ -20,8 +20,8 @@
 #if PZS_NONLINEAR
 
 /*
- * Factor on the gap, relative to the stiffness of the structure, where gap and pressure are
- * compared.
+ * A node is in contact while its contact force exceeds its gap times the stiffness of the structure
+ * there times this factor.
  */
 #define PRESSURE_SCALE ((pzs_real)1e-5)
 /*
@@ -210,7 +210,10 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
     }
 }
 
-/* Whether a node can come into contact: its face points at the body, and it has a free dof. */
+/*
+ * Whether a node can come into contact: the normal of the contact face there points towards the
+ * body, and the node has a free dof.
+ */
 static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
     return contact->state.facing[node] < 0 && structure_stiffness(contact, solver, node) > 0;

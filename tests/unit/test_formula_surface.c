@@ -86,9 +86,9 @@ static void test_saddle(void **state)
 }
 
 /*
- * Law: the answer does not depend on the parameters that describe a surface. The saddle in
- * coordinates turned by 45 degrees is z = 2 x y; clamped around, under uniform load, both meshes
- * converge to the same deflection of the middle.
+ * Law: the answer does not depend on the parameters that describe a surface. The saddle clamped
+ * around, under uniform load: coordinate lines that are crowded and curved give the deflection of
+ * the middle that straight ones give, within the error of the mesh.
  */
 static void test_other_coordinates(void **state)
 {
@@ -97,12 +97,12 @@ static void test_other_coordinates(void **state)
     "supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: clamped}, {edge: theta2-, "     \
     "fix: clamped}, {edge: theta2+, fix: clamped}];outputs=[{name: m, z: middle, at: {theta1: 0, " \
     "theta2: 0}}];layers.0.thickness=0.01;mesh.theta1={from: -0.5, to: 0.5, elements: "            \
-    "24};mesh.theta2={from: -0.5, to: 0.5, elements: 24};surface="
+    "12};mesh.theta2={from: -0.5, to: 0.5, elements: 12};surface="
     const double lines = first_output(SADDLE, CLAMPED "{type: formula, z: x^2-y^2}");
     const double skewed = first_output(
         SADDLE, CLAMPED "{type: formula, x: theta1+0.2*sin(pi*theta1)*cos(pi*theta2)/pi, y: "
                         "theta2, z: (theta1+0.2*sin(pi*theta1)*cos(pi*theta2)/pi)^2-theta2^2}");
-    assert_true(fabs(skewed / lines - 1) < 0.01);
+    assert_true(fabs(skewed / lines - 1) < 0.02);
 }
 
 /* Each refusal names its cause. */
