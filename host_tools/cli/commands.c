@@ -77,7 +77,7 @@ const command_entry command_table[COMMANDS] = {
          "SCENE",
          ARGUMENT_SCENE,
          NULL,
-         "natural frequencies, of which the control loop has no model",
+         "natural frequencies and mode shapes",
          "Natural frequencies and mode shapes in the reference state, electrodes short-circuited; "
          "every material needs a density. For each mode: the mass that takes part in a motion "
          "along x, y and z, and the input that moves it most; with --json what each input moves by "

@@ -41,6 +41,8 @@ void help_all(FILE *file)
     for (int k = 0; k < COMMANDS; k++) {
         char head[COMMAND_COLUMN + 16];
         snprintf(head, sizeof head, "pzs %s %s", command_table[k].name, command_table[k].argument);
+        if (strlen(head) > COMMAND_COLUMN)
+            snprintf(head, sizeof head, "pzs %s ...", command_table[k].name);
         fprintf(file, "  %-*s %s\n", COMMAND_COLUMN + 1, head, command_table[k].summary);
     }
     fputs("\nSCENE is a file, or the name of a shipped scene. Options:\n", file);

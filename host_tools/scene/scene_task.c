@@ -379,10 +379,11 @@ static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
         return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'rate_limit' and 'step_limit' are both given; keep one");
     if (reader->s->control.rate == 0)
-        return tree_fault(reader->t, node,
-                          "'rate_limit: %.60s' is per second, but the scene has no tick rate; add "
-                          "control: {rate: 1000}, or give step_limit in volts a tick",
-                          node_text(reader, node));
+        return tree_fault(
+            reader->t, node,
+            "'rate_limit: %.60s' is per second, but the scene has no tick rate; add "
+            "control: {rate: ...} in ticks a second, or give step_limit in volts a tick",
+            node_text(reader, node));
     limits->step_limit = rate_limit / reader->s->control.rate;
     if (limits->step_limit >= smallest_step_limit)
         return 0;
