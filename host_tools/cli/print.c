@@ -205,9 +205,8 @@ void print_check(const analysis *analysis)
                    (double)(size.bytes + size.reals * 8) / 1024, (double)need.work[0] / 1024,
                    (double)need.work[1] / 1024, (double)need.stack[0] / 1024,
                    (double)need.stack[1] / 1024);
-    puts(
-        "  RAM of control: the control step alone; a loop with its blocks (damped tick, supervisor)\n"
-        "  takes PREFIX_LOOP_BYTES of the header that pzs tables writes\n");
+    puts("  RAM of control: the control step alone; a loop with its blocks (damped tick, ...)\n"
+         "  takes PREFIX_LOOP_BYTES of the header that pzs tables writes\n");
     print_tick_work(&analysis->design);
     print_certificate(&analysis->certificate);
     puts("\n  the scene is valid");

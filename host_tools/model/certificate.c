@@ -137,8 +137,8 @@ static void margin_text(const certificate_loop *loop, char text[SCENE_ERROR])
         snprintf(
             rates, sizeof rates,
             "\nTick rates that pass growth and two storms, with tables for each: %.4g to %.4g a "
-            "second\n(tried: 1/32 to 32 times the scene's; gains to x 10, 8 ticks, frequencies x 0.1 "
-            "to x 5).",
+            "second\n(tried: 1/32 to 32 times the scene's; gains to x 10, 8 ticks, frequencies x "
+            "0.1 to x 5).",
             loop->rate_from, loop->rate_to);
     if (!loop->has_margins)
         snprintf(text, SCENE_ERROR, "%s", rates);

@@ -38,7 +38,8 @@ BEYOND_SCHEMA = [
     "moves nothing; give", "but the outputs have none",
     # meshes from files
     "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
-    "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
+    "of the rim is more than", "no finite position", "the coordinate lines meet", "acts along or across its edge",
+    "published element needs", "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
 ]
 
 
