@@ -109,6 +109,7 @@ case $B in
 *) ln -s "$PWD/$B/32" "$dir/guide/build/32" ;;
 esac
 cp host_tools/scenes/plate-50-patches.yaml "$dir/here/my.yaml"
+"$PZS" new poke-voltages >"$dir/here/voltages.csv"; "$PZS" new poke-shapes >"$dir/here/shapes.csv"
 
 # ---- help and README.md ---------------------------------------------------
 
