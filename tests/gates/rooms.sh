@@ -9,17 +9,14 @@ rooms=$(git ls-files --cached --others --exclude-standard '*.[ch]' 2>/dev/null |
 # Lines "FILE INCLUDED" for the file $1 with PZS_NONLINEAR $2; generated tables include pzs.h alone.
 includes() {
     "$CC" -std=c99 -MM -MG -Iinclude -DDEMO_TABLES='"pzs.h"' -DPZS_NONLINEAR="$2" "$1" 2>/dev/null |
-        tr -d '\\' | tr ' ' '\n' | grep '\.h$' | while read -r header; do
-        [ ! -f "$header" ] || echo "$1 $(realpath --relative-to=. "$header")"
-    done | grep -v "^$1 $1\$"
+        tr -d '\\' | tr ' ' '\n' | grep '\.h$' | xargs -r realpath -e -q --relative-to=. |
+        sed "s|^|$1 |" | grep -v "^$1 $1\$"
 }
 
 # Lines "FILE INCLUDED" of direct includes between the project's own files.
 direct() {
-    sed -n 's/^#include "\([^"]*\)".*/\1/p' "$1" | while read -r header; do
-        path=$(dirname "$1")/$header
-        [ ! -f "$path" ] || echo "$1 $(realpath --relative-to=. "$path")"
-    done
+    sed -n "s|^#include \"\([^\"]*\)\".*|${1%/*}/\1|p" "$1" | xargs -r realpath -e -q --relative-to=. |
+        sed "s|^|$1 |"
 }
 
 tap_needs "$CC" 'rooms' || { tap_end; exit; }
