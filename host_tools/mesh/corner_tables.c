@@ -3,13 +3,7 @@
 #include "corner_tables.h"
 #include <math.h>
 #include <string.h>
-#include "vector.h"
-
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return vector_length(d);
-}
+#include "../quads/vector.h"
 
 /*
  * One corner of an element: its surface point, the neighbouring corner along theta_a, and the sign
@@ -50,7 +44,7 @@ static void local_tables(const corner_pair *c, double s[3][3], double t[3][3], d
 static void cartesian_tables(const corner_pair *c, double s[3][3], double t[3][3], double g_mean[3],
                              double g_diff[3])
 {
-    const double length = c->length > 0 ? c->length : distance(c->own->x, c->other->x);
+    const double length = c->length > 0 ? c->length : vector_distance(c->own->x, c->other->x);
     const double slope = c->sign / length;
     double step[3], turn[3];
     for (int i = 0; i < 3; i++) {

@@ -10,7 +10,7 @@
 #include "element_types.h"
 #include "quads_of_lines.h"
 #include "../scene/surface_formula.h"
-#include "vector.h"
+#include "../quads/vector.h"
 #include "warp.h"
 
 static const double full_turn = 6.283185307179586;
@@ -235,12 +235,6 @@ int mesh_point_node(const mesh *mesh, const scene_where *where)
 
 /* ---- element types --------------------------------------------------- */
 
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return vector_length(d);
-}
-
 static void corner_tables(const mesh *mesh, int element, pzs_element_type *type)
 {
     corner_data data = {.is_cartesian = mesh->scene->element.cartesian != 0,
@@ -264,7 +258,7 @@ static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord
             x[0][i] = (mesh->point[node[low[a][0]]].x[i] + mesh->point[node[low[a][1]]].x[i]) / 2;
             x[1][i] = (mesh->point[node[high[a][0]]].x[i] + mesh->point[node[high[a][1]]].x[i]) / 2;
         }
-        chord[a] = distance(x[0], x[1]);
+        chord[a] = vector_distance(x[0], x[1]);
     }
 }
 

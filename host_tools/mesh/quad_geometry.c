@@ -3,7 +3,7 @@
 #include "quad_geometry.h"
 #include <math.h>
 #include <string.h>
-#include "vector.h"
+#include "../quads/vector.h"
 
 static const double xi[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
 
@@ -124,7 +124,7 @@ int quad_geometry_fill(const quad_mesh *mesh, size_t element, quad_geometry *g)
     vector_cross(g->base[0], g->base[1], g->normal);
     const double size = fill_skew((const double(*)[3])g->base, hourglass, g->skew);
     const double product = g->length[0] * g->length[1];
-    if (vector_normalise(g->director) < 0 || vector_normalise(g->normal) < 0 ||
+    if (vector_normalise(g->director) == 0 || vector_normalise(g->normal) == 0 ||
         !(size > 1e-20 * product * product))
         return -1;
     fill_curvature(g, size);

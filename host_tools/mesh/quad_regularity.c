@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "vector.h"
+#include "../quads/vector.h"
 
 /* ---- edges -------------------------------------------------------------- */
 

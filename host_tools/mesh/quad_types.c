@@ -7,7 +7,7 @@
 #include <string.h>
 #include "corner_tables.h"
 #include "quad_regularity.h"
-#include "vector.h"
+#include "../quads/vector.h"
 
 /* ---- topology ----------------------------------------------------------- */
 

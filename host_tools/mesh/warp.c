@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Share of the warp in the membrane shear of an element (warp.h). */
 #include "warp.h"
+#include "../quads/vector.h"
 #include <math.h>
 #include <string.h>
 
@@ -22,11 +23,6 @@ static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
 /* xi2 and xi1 at the corners: the signs of the modes 01 and 10. */
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /*
  * Derivative along direction a, at corner r, of a unit tilt along e_(j+1) of the director of node
@@ -52,14 +48,14 @@ static void add_corner(const pzs_element_type *type, int r, int p, int j, double
     double along1[3], along2[3];
     tilt_derivative(type, r, 0, p, j, along1);
     tilt_derivative(type, r, 1, p, j, along2);
-    const double e11 = h * dot(g1, along1), e22 = h * dot(g2, along2);
+    const double e11 = h * vector_dot(g1, along1), e22 = h * vector_dot(g2, along2);
     const double e13 = r == p ? g1[j] : 0;
     const double e23 = r == p ? g2[j] : 0;
     const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23,
                                  e11,          xi2[r] * e11, e22, xi1[r] * e22};
     for (int k = 0; k < ROWS; k++)
         row[k] += strain[k] / 4;
-    *y += h * (dot(g1, along2) + dot(g2, along1)) / 4;
+    *y += h * (vector_dot(g1, along2) + vector_dot(g2, along1)) / 4;
 }
 
 static void fill_system(const pzs_element_type *type, tilt_system *s)

@@ -7,6 +7,7 @@
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
 #include "../mesh/corner_weight.h"
+#include "../quads/vector.h"
 
 /* Displacement functions of the height t: 1, t, h (1 - 4 t^2/h^2). */
 enum { FUNCTIONS = 3, POINTS = 4 };
@@ -186,13 +187,6 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *u, do
 
 /* ---- rigid motion ----------------------------------------------------- */
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Dof of a node under a rigid motion. u [7] out */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double u[7])
@@ -202,8 +196,8 @@ static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], co
     double place[3], turned[3], lean[3];
     for (int i = 0; i < 3; i++)
         place[i] = p->x[i] + middle * p->e[2][i];
-    cross(spin, place, turned);
-    cross(spin, p->e[2], lean);
+    vector_cross(spin, place, turned);
+    vector_cross(spin, p->e[2], lean);
     memset(u, 0, 7 * sizeof *u);
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < 3; i++) {

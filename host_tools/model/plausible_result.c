@@ -8,6 +8,7 @@
 #include <string.h>
 #include "design.h"
 #include "plausible.h"
+#include "../quads/vector.h"
 
 /* ---- voltages --------------------------------------------------------- */
 
@@ -97,11 +98,6 @@ static cell cell_of(const mesh *mesh, int element, int f, double (*point)[2][3],
     return c;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /*
  * Largest absolute principal strain: eigenvalues of the strain relative to the metric, both in the
  * basis of the edges.
@@ -111,10 +107,10 @@ static double principal_strain(const cell *c, int is_linear)
     double g[2][2], e[2][2];
     for (int a = 0; a < 2; a++)
         for (int b = 0; b < 2; b++) {
-            g[a][b] = dot(c->x[a], c->x[b]);
-            e[a][b] = (dot(c->x[a], c->u[b]) + dot(c->x[b], c->u[a])) / 2;
+            g[a][b] = vector_dot(c->x[a], c->x[b]);
+            e[a][b] = (vector_dot(c->x[a], c->u[b]) + vector_dot(c->x[b], c->u[a])) / 2;
             if (!is_linear)
-                e[a][b] += dot(c->u[a], c->u[b]) / 2;
+                e[a][b] += vector_dot(c->u[a], c->u[b]) / 2;
         }
     const double area = g[0][0] * g[1][1] - g[0][1] * g[0][1];
     const double half = (g[1][1] * e[0][0] + g[0][0] * e[1][1] - 2 * g[0][1] * e[0][1]) / area / 2;

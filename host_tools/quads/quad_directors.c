@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Directors and axes of the nodes of a mesh (quad_steps.h). */
 #include "quad_steps.h"
+#include "vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,30 +14,10 @@ static const double degree = 0.017453292519943295;
 
 /* ---- vectors ----------------------------------------------------------- */
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 static void minus(const double a[3], const double b[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
         out[i] = a[i] - b[i];
-}
-
-/* Scale a vector to length 1. Returns its former length; a vector of length 0 stays. */
-static double normalise(double a[3])
-{
-    const double length = sqrt(dot(a, a));
-    for (int i = 0; i < 3 && length > 0; i++)
-        a[i] /= length;
-    return length;
 }
 
 /* ---- normals of the elements ------------------------------------------- */
@@ -48,8 +29,8 @@ static double corner_normal(const quad_mesh *mesh, size_t element, int corner, d
     double next[3], previous[3];
     minus(mesh->position[node[(corner + 1) % 4]], mesh->position[node[corner]], next);
     minus(mesh->position[node[(corner + 3) % 4]], mesh->position[node[corner]], previous);
-    cross(next, previous, normal);
-    return atan2(sqrt(dot(normal, normal)), dot(next, previous));
+    vector_cross(next, previous, normal);
+    return atan2(sqrt(vector_dot(normal, normal)), vector_dot(next, previous));
 }
 
 /* Unit normal at the centre: of the two diagonals. Returns twice the area before scaling. */
@@ -59,8 +40,8 @@ static double centre_normal(const quad_mesh *mesh, size_t element, double normal
     double first[3], second[3];
     minus(mesh->position[node[2]], mesh->position[node[0]], first);
     minus(mesh->position[node[3]], mesh->position[node[1]], second);
-    cross(first, second, normal);
-    return normalise(normal);
+    vector_cross(first, second, normal);
+    return vector_normalise(normal);
 }
 
 /* Refuse elements without area, measured against the square of their longer diagonal. */
@@ -72,7 +53,7 @@ static int check_areas(const quad_mesh *mesh, const quad_origin *origin)
         const double area = centre_normal(mesh, e, normal);
         minus(mesh->position[node[2]], mesh->position[node[0]], first);
         minus(mesh->position[node[3]], mesh->position[node[1]], second);
-        if (!(area > 1e-9 * fmax(dot(first, first), dot(second, second))))
+        if (!(area > 1e-9 * fmax(vector_dot(first, first), vector_dot(second, second))))
             return quad_fault_at(origin->file, origin->element_at[e],
                                  "element %lld has no area: its nodes lie on a line or on each "
                                  "other; repair the mesh there",
@@ -90,7 +71,7 @@ static void add_corners(const quad_mesh *mesh)
             double normal[3];
             const double angle = corner_normal(mesh, e, r, normal);
             double *director = mesh->director[mesh->element[e][r]];
-            if (normalise(normal) > 0)
+            if (vector_normalise(normal) > 0)
                 for (int i = 0; i < 3; i++)
                     director[i] += angle * normal[i];
         }
@@ -100,7 +81,7 @@ static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
 {
     add_corners(mesh);
     for (size_t n = 0; n < mesh->nodes; n++)
-        if (!(normalise(mesh->director[n]) > 1e-6))
+        if (!(vector_normalise(mesh->director[n]) > 1e-6))
             return quad_fault_at(origin->file, 0,
                                  "the elements at node %lld face opposite ways, so that it has no "
                                  "normal; repair the mesh there",
@@ -138,8 +119,9 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
             }
             centre_normal(mesh, e, own);
             centre_normal(mesh, other / 4, next);
-            cross(own, next, both);
-            const double angle = atan2(sqrt(dot(both, both)), dot(own, next)) / degree;
+            vector_cross(own, next, both);
+            const double angle =
+                atan2(sqrt(vector_dot(both, both)), vector_dot(own, next)) / degree;
             if (angle <= sharp_angle)
                 continue;
             mark_edge(mesh, e, s, ON_SHARP_EDGE, states);
@@ -168,7 +150,7 @@ static void start_quadric(const double director[3], quadric *sum)
 {
     memset(sum, 0, sizeof *sum);
     quad_default_axis(director, -1, sum->t[0]);
-    cross(director, sum->t[0], sum->t[1]);
+    vector_cross(director, sum->t[0], sum->t[1]);
 }
 
 /* Add a neighbour. Lengths are relative to its distance, which weights it. */
@@ -177,8 +159,8 @@ static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, doub
 {
     double chord[3];
     minus(mesh->position[other], mesh->position[node], chord);
-    const double u = dot(sum->t[0], chord) / size, v = dot(sum->t[1], chord) / size;
-    const double w = dot(mesh->director[node], chord) / size;
+    const double u = vector_dot(sum->t[0], chord) / size, v = vector_dot(sum->t[1], chord) / size;
+    const double w = vector_dot(mesh->director[node], chord) / size;
     const double row[COEFFICIENTS] = {u, v, u * u / 2, u * v, v * v / 2};
     const double weight = 1 / (u * u + v * v + w * w);
     for (int i = 0, k = 0; i < COEFFICIENTS; i++) {
@@ -227,7 +209,7 @@ static void turn_director(const quadric *sum, double director[3])
 {
     for (int i = 0; i < 3; i++)
         director[i] -= sum->b[0] * sum->t[0][i] + sum->b[1] * sum->t[1][i];
-    normalise(director);
+    vector_normalise(director);
 }
 
 /* Fit quadrics at the nodes inside a smooth sheet; few or badly placed neighbours change nothing.
@@ -243,7 +225,7 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
             minus(mesh->position[mesh->element[e][(r + 2) % 4]],
                   mesh->position[mesh->element[e][r]], diagonal);
             size[mesh->element[e][r]] =
-                fmax(size[mesh->element[e][r]], sqrt(dot(diagonal, diagonal)));
+                fmax(size[mesh->element[e][r]], sqrt(vector_dot(diagonal, diagonal)));
         }
     for (size_t e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++)
@@ -274,11 +256,12 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
 {
     double chord[3], row[2];
     minus(mesh->position[other], mesh->position[node], chord);
-    if (!(normalise(chord) > 0))
+    if (!(vector_normalise(chord) > 0))
         return;
     for (int k = 0; k < 2; k++)
-        row[k] = dot(sum->t[k], chord);
-    const double rest = -dot(mesh->director[node], chord) - dot(mesh->director[other], chord);
+        row[k] = vector_dot(sum->t[k], chord);
+    const double rest =
+        -vector_dot(mesh->director[node], chord) - vector_dot(mesh->director[other], chord);
     sum->a[0] += row[0] * row[0];
     sum->a[1] += row[0] * row[1];
     sum->a[2] += row[1] * row[1];
@@ -297,7 +280,7 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
     const double r = (sum->b[1] * sum->a[0] - sum->b[0] * sum->a[1]) / determinant;
     for (int i = 0; i < 3; i++)
         out[i] = director[i] + s * sum->t[0][i] + r * sum->t[1][i];
-    normalise(out);
+    vector_normalise(out);
     return hypot(s, r) < 1;
 }
 
@@ -307,7 +290,7 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
     for (size_t n = 0; n < mesh->nodes; n++) {
         memset(&sums[n], 0, sizeof *sums);
         quad_default_axis(mesh->director[n], -1, sums[n].t[0]);
-        cross(mesh->director[n], sums[n].t[0], sums[n].t[1]);
+        vector_cross(mesh->director[n], sums[n].t[0], sums[n].t[1]);
     }
     for (size_t e = 0; e < mesh->elements; e++)
         for (int r = 0; r < 4; r++)
@@ -372,7 +355,7 @@ static void find_slit(const quad_mesh *mesh, const node_state *states, placed *l
     double first[3];
     size_t count = 0;
     minus(mesh->position[mesh->element[0][2]], mesh->position[mesh->element[0][0]], first);
-    const double near = 1e-5 * normalise(first);
+    const double near = 1e-5 * vector_normalise(first);
     for (size_t n = 0; n < mesh->nodes; n++)
         if (states[n] != INSIDE)
             list[count++] = (placed){mesh->position[n][0], (uint32_t)n};
@@ -381,7 +364,7 @@ static void find_slit(const quad_mesh *mesh, const node_state *states, placed *l
         for (size_t j = i + 1; j < count && list[j].x - list[i].x <= near; j++) {
             double gap[3];
             minus(mesh->position[list[i].node], mesh->position[list[j].node], gap);
-            if (dot(gap, gap) > near * near)
+            if (vector_dot(gap, gap) > near * near)
                 continue;
             if (warnings->slits++ > 0)
                 continue;

@@ -22,15 +22,25 @@ static inline void vector_cross(const double a[3], const double b[3], double c[3
         c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* Divide a by its length. Returns 0, or -1 with a unchanged where it has no direction. */
-static inline int vector_normalise(double a[3])
+/* Distance of two points. */
+static inline double vector_distance(const double a[3], const double b[3])
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return vector_length(d);
+}
+
+/*
+ * Scale a vector to length 1. Returns its former length; 0 where it has no direction, because its
+ * length is 0 or not finite, and then it stays.
+ */
+static inline double vector_normalise(double a[3])
 {
     const double length = vector_length(a);
     if (!(length > 0) || !isfinite(length))
-        return -1;
+        return 0;
     for (int i = 0; i < 3; i++)
         a[i] /= length;
-    return 0;
+    return length;
 }
 
 #endif

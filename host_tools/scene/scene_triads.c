@@ -4,6 +4,7 @@
  * (scene_parts.h).
  */
 #include "scene_parts.h"
+#include "../quads/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,28 +21,14 @@ static const double corner = 0.85;
 
 /* ---- vectors ----------------------------------------------------------- */
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Remove the part of a vector along a unit vector and scale it to 1. Returns the size that was
  * left. */
 static double project(double a[3], const double unit[3])
 {
-    const double along = dot(a, unit);
+    const double along = vector_dot(a, unit);
     for (int i = 0; i < 3; i++)
         a[i] -= along * unit[i];
-    const double length = sqrt(dot(a, a));
-    for (int i = 0; i < 3 && length > 0; i++)
-        a[i] /= length;
-    return length;
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    return vector_normalise(a);
 }
 
 /* ---- work --------------------------------------------------------------- */
@@ -79,15 +66,15 @@ static void add_edge(triads *t, size_t element, int s)
         along[i] = t->mesh->position[node[1]][i] - t->mesh->position[node[0]][i];
         middle[i] = t->mesh->director[node[0]][i] + t->mesh->director[node[1]][i];
     }
-    cross(along, middle, normal);
-    const double length = sqrt(dot(normal, normal));
+    vector_cross(along, middle, normal);
+    const double length = sqrt(vector_dot(normal, normal));
     for (int k = 0; k < 2 && length > 0; k++) {
         edge_normal *own = &t->normal[node[k]];
         for (int i = 0; i < 3; i++) {
             own->sum[i] += normal[i] / length;
             own->first[i] = own->edges == 0 ? normal[i] / length : own->first[i];
         }
-        if (own->edges++ > 0 && dot(own->first, normal) < corner * length)
+        if (own->edges++ > 0 && vector_dot(own->first, normal) < corner * length)
             own->is_corner = true;
     }
 }
@@ -126,10 +113,11 @@ static int find_normals(triads *t, const scene_support *support)
 static int plane_normal(triads *t, const scene_support *support, double normal[3])
 {
     memcpy(normal, support->direction, 3 * sizeof *normal);
-    for (size_t n = 0; dot(support->direction, support->direction) == 0 && n < t->mesh->nodes; n++)
+    for (size_t n = 0;
+         vector_dot(support->direction, support->direction) == 0 && n < t->mesh->nodes; n++)
         for (int i = 0; i < 3; i++)
             normal[i] += t->normal[n].sum[i];
-    const double length = sqrt(dot(normal, normal));
+    const double length = sqrt(vector_dot(normal, normal));
     for (int i = 0; i < 3 && length > 0; i++)
         normal[i] /= length;
     if (length > 0)
@@ -148,7 +136,7 @@ static int apply_plane(triads *t, const scene_support *support, const double nor
     for (size_t n = 0; n < mesh->nodes; n++) {
         if (!t->in_set[n])
             continue;
-        height = dot(mesh->position[n], normal);
+        height = vector_dot(mesh->position[n], normal);
         low = fmin(low, height);
         high = fmax(high, height);
         for (int i = 0; i < 3; i++)
@@ -189,7 +177,7 @@ static int hold(triads *t, const scene_support *support, size_t node, const doub
                            "the direction of this support is that of the director at node %lld of "
                            "the mesh file; choose one in the surface, or fix u3",
                            label(t, node));
-    const double cosine = t->fixed[node] ? fabs(dot(axis, t->mesh->axis[node])) : 1;
+    const double cosine = t->fixed[node] ? fabs(vector_dot(axis, t->mesh->axis[node])) : 1;
     if ((cosine > nearly || support->value) && cosine < sqrt(1 - nearly * nearly))
         return scene_fault(t->scene, support->at, t->error,
                            "node %lld of the mesh file has another support whose direction is "
@@ -237,7 +225,7 @@ static int hold_global(triads *t, const scene_support *support, size_t node, uns
 /* Hold a list of dof. Those along e1 and e2 need a direction unless both are held alike. */
 static int hold_listed(triads *t, const scene_support *support, size_t node, unsigned bits)
 {
-    if (dot(support->direction, support->direction) > 0)
+    if (vector_dot(support->direction, support->direction) > 0)
         return hold(t, support, node, support->direction, bits);
     if (exchanged(bits) != bits)
         return scene_fault(t->scene, support->at, t->error,
@@ -251,7 +239,7 @@ static int hold_listed(triads *t, const scene_support *support, size_t node, uns
 static int hold_simple(triads *t, const scene_support *support, size_t node)
 {
     const edge_normal *normal = &t->normal[node];
-    const bool is_given = dot(support->direction, support->direction) > 0;
+    const bool is_given = vector_dot(support->direction, support->direction) > 0;
     if (!is_given && normal->is_corner) {
         t->mesh->constrained[node] |= ALL;
         return 0;
@@ -277,7 +265,7 @@ static int hold_node(triads *t, const scene_support *support, size_t node, const
 static int find_nodes(triads *t, const scene_support *support)
 {
     const bool needs_edges = support->fix & (FIX_SIMPLE | FIX_SYMMETRIC) &&
-                             dot(support->direction, support->direction) == 0;
+                             vector_dot(support->direction, support->direction) == 0;
     if (scene_mark_nodes(t->scene, &support->where, t->in_set) == 0)
         return scene_fault(t->scene, support->at, t->error,
                            "set '%s' of the mesh file has no nodes", support->where.set);

@@ -5,6 +5,7 @@
 #include <string.h>
 #include "expr_jet.h"
 #include "surface_types.h"
+#include "../quads/vector.h"
 
 /* Position with its derivatives: by theta1, theta2; by theta1 twice, theta2 twice. */
 typedef struct place {
@@ -32,30 +33,9 @@ static place place_at(const scene_surface *surface, double theta1, double theta2
     return at;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 int surface_is_general(const scene_surface *surface)
 {
     return surface->type == SURFACE_FORMULA;
-}
-
-/* Scale a vector to unit length. Returns its length before. */
-static double normalise(double a[3])
-{
-    const double length = sqrt(dot(a, a));
-    for (int i = 0; i < 3; i++)
-        a[i] /= length;
-    return length;
 }
 
 surface_point formula_at(const scene_surface *surface, double theta1, double theta2)
@@ -65,13 +45,14 @@ surface_point formula_at(const scene_surface *surface, double theta1, double the
     memset(&point, 0, sizeof point);
     memcpy(point.x, at.x, sizeof point.x);
     memcpy(point.e[0], at.first[0], sizeof point.e[0]);
-    point.a[0] = normalise(point.e[0]);
-    point.a[1] = sqrt(dot(at.first[1], at.first[1]));
-    cross(at.first[0], at.first[1], point.e[2]);
-    normalise(point.e[2]);
-    cross(point.e[2], point.e[0], point.e[1]);
+    point.a[0] = vector_normalise(point.e[0]);
+    point.a[1] = sqrt(vector_dot(at.first[1], at.first[1]));
+    vector_cross(at.first[0], at.first[1], point.e[2]);
+    const double normal = vector_normalise(point.e[2]);
+    vector_cross(point.e[2], point.e[0], point.e[1]);
     for (int a = 0; a < 2; a++)
-        point.k[a] = -dot(point.e[2], at.second[a]) / (point.a[a] * point.a[a]);
+        point.k[a] = normal > 0 ? -vector_dot(point.e[2], at.second[a]) / (point.a[a] * point.a[a])
+                                : (double)NAN; /* no normal */
     return point;
 }
 
@@ -79,15 +60,15 @@ void surface_formula_turn(const scene_surface *surface, const double theta[2], s
 {
     const place at = place_at(surface, theta[0], theta[1]);
     memcpy(point->e[1], at.first[1], sizeof point->e[1]);
-    normalise(point->e[1]);
-    cross(point->e[1], point->e[2], point->e[0]);
+    vector_normalise(point->e[1]);
+    vector_cross(point->e[1], point->e[2], point->e[0]);
 }
 
 double surface_formula_cosine(const scene_surface *surface, double theta1, double theta2)
 {
     const place at = place_at(surface, theta1, theta2);
-    return dot(at.first[0], at.first[1]) /
-           sqrt(dot(at.first[0], at.first[0]) * dot(at.first[1], at.first[1]));
+    return vector_dot(at.first[0], at.first[1]) /
+           sqrt(vector_dot(at.first[0], at.first[0]) * vector_dot(at.first[1], at.first[1]));
 }
 
 /* Area of the surface per unit of theta1 and theta2. */
@@ -95,8 +76,8 @@ static double density(const scene_surface *surface, double theta1, double theta2
 {
     const place at = place_at(surface, theta1, theta2);
     double normal[3];
-    cross(at.first[0], at.first[1], normal);
-    return sqrt(dot(normal, normal));
+    vector_cross(at.first[0], at.first[1], normal);
+    return sqrt(vector_dot(normal, normal));
 }
 
 double formula_area(const scene_surface *surface, const double theta1[2], const double theta2[2])

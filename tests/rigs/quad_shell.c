@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../host_tools/mesh/corner_weight.h"
-#include "../../host_tools/mesh/vector.h"
+#include "../../host_tools/quads/vector.h"
 #include "../../lib/core/linalg.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"

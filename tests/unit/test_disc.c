@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../../host_tools/mesh/vector.h"
+#include "../../host_tools/quads/vector.h"
 #include "../../host_tools/quads/quad_disc.h"
 #include "../rigs/quad_shell.h"
 #include "../rigs/scene_run.h"

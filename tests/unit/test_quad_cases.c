@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../../host_tools/mesh/vector.h"
+#include "../../host_tools/quads/vector.h"
 #include "../rigs/quad_shell.h"
 
 static const double pi = 3.141592653589793;

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../host_tools/mesh/corner_weight.h"
-#include "../../host_tools/mesh/vector.h"
+#include "../../host_tools/quads/vector.h"
 #include "../../lib/model/shell.h"
 #include "../rigs/quad_shell.h"
 #include "../rigs/testdata.h"
