@@ -6,51 +6,21 @@
 #include <string.h>
 #include "../quads/vector.h"
 
-/* ---- edges -------------------------------------------------------------- */
-
-static int compare_edges(const void *left, const void *right)
-{
-    const quad_edge *x = left, *y = right;
-    for (int i = 0; i < 2; i++)
-        if (x->node[i] != y->node[i])
-            return x->node[i] < y->node[i] ? -1 : 1;
-    return (x->element > y->element) - (x->element < y->element);
-}
-
-void quad_edges(const quad_mesh *mesh, quad_edge *edge)
-{
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int s = 0; s < 4; s++) {
-            const uint32_t from = mesh->element[e][s], to = mesh->element[e][(s + 1) % 4];
-            quad_edge *own = &edge[4 * e + (size_t)s];
-            own->reversed = from > to;
-            own->node[0] = own->reversed ? to : from;
-            own->node[1] = own->reversed ? from : to;
-            own->element = (uint32_t)e;
-        }
-    qsort(edge, 4 * mesh->elements, sizeof *edge, compare_edges);
-}
-
-static int same_edge(const quad_edge *x, const quad_edge *y)
-{
-    return x->node[0] == y->node[0] && x->node[1] == y->node[1];
-}
-
 /* ---- nodes -------------------------------------------------------------- */
 
 /* Sums over the edges at a node: the vectors to its neighbours and their lengths. */
 typedef struct edge_sum {
     double vector[3], length;
-    int is_border;
+    bool is_border;
 } edge_sum;
 
-static void add_edge(const quad_mesh *mesh, const quad_edge *edge, int is_border, edge_sum *sum)
+static void add_edge(const quad_mesh *mesh, const quad_side *side, bool is_border, edge_sum *sum)
 {
+    const uint32_t node[2] = {side->low, side->high};
     for (int end = 0; end < 2; end++) {
-        const double *from = mesh->position[edge->node[end]],
-                     *to = mesh->position[edge->node[1 - end]];
+        const double *from = mesh->position[node[end]], *to = mesh->position[node[1 - end]];
         const double step[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-        edge_sum *own = &sum[edge->node[end]];
+        edge_sum *own = &sum[node[end]];
         for (int i = 0; i < 3; i++)
             own->vector[i] += step[i];
         own->length += vector_length(step);
@@ -58,16 +28,16 @@ static void add_edge(const quad_mesh *mesh, const quad_edge *edge, int is_border
     }
 }
 
-int quad_irregularity(const quad_mesh *mesh, const quad_edge *edge, double *irregularity)
+int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity)
 {
     edge_sum *sum = calloc(mesh->nodes, sizeof *sum);
     if (!sum)
         return -1;
     for (size_t k = 0; k < 4 * mesh->elements;) {
         size_t count = 1;
-        while (k + count < 4 * mesh->elements && same_edge(&edge[k], &edge[k + count]))
+        while (k + count < 4 * mesh->elements && quad_side_is_same(&side[k], &side[k + count]))
             count++;
-        add_edge(mesh, &edge[k], count == 1, sum);
+        add_edge(mesh, &side[k], count == 1, sum);
         k += count;
     }
     for (size_t n = 0; n < mesh->nodes; n++) {

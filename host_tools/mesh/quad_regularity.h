@@ -9,30 +9,19 @@
 #ifndef QUAD_REGULARITY_H
 #define QUAD_REGULARITY_H
 
+#include "../quads/quad_side.h"
 #include "quad_geometry.h"
-
-/* Edge between two corners of an element. */
-typedef struct quad_edge {
-    uint32_t node[2]; /* nodes, in ascending order */
-    uint32_t element; /* element that the edge belongs to */
-    uint8_t reversed; /* 1: the element passes the edge from node[1] to node[0] */
-} quad_edge;
-
-/*
- * List the edges of all elements, equal ones side by side.
- *   edge [4 elements] out
- */
-void quad_edges(const quad_mesh *mesh, quad_edge *edge);
 
 /*
  * Irregularity of each node: distance of an inner node from the mean of its neighbours along the
  * surface, |sum of edge vectors|/sum of lengths. It is 0 on tilings of parallelograms, of order 1/n
  * on smooth meshes of n x n elements and about 0.3 where nodes are moved at random by 0.3 of a
- * side. It is 0 on the border of the mesh. edge         [4 elements] in, as listed by quad_edges
+ * side. It is 0 on the border of the mesh.
+ *   side         [4 elements] in  as listed by quad_sides
  *   irregularity [nodes]      out
  * Returns 0, or -1 where memory ran out.
  */
-int quad_irregularity(const quad_mesh *mesh, const quad_edge *edge, double *irregularity);
+int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
 
 /* Thinness and irregularity of an element, and what follows from them. */
 typedef struct quad_rule {

@@ -11,30 +11,44 @@
 
 /* ---- topology ----------------------------------------------------------- */
 
-static int check_pair(const scene *scene, const quad_edge *edge, char *error)
+static uint32_t element_of(const quad_side *side)
 {
-    if (edge[0].reversed != edge[1].reversed)
+    return side->edge / 4;
+}
+
+/* Whether an element passes through its side from the higher node to the lower one. */
+static bool is_reversed(const quad_mesh *quads, const quad_side *side)
+{
+    return quads->element[element_of(side)][side->edge % 4] != side->low;
+}
+
+/* Check two elements at a common side. side [2] in */
+static int check_pair(const scene *scene, const quad_mesh *quads, const quad_side *side,
+                      char *error)
+{
+    if (is_reversed(quads, &side[0]) != is_reversed(quads, &side[1]))
         return 0;
     return scene_fault(scene, scene->at_surface, error,
                        "the elements %u and %u have their outer faces on different sides of the "
                        "edge from node %u to node %u; orient all elements alike",
-                       edge[0].element, edge[1].element, edge[0].node[0], edge[0].node[1]);
+                       element_of(&side[0]), element_of(&side[1]), side[0].low, side[0].high);
 }
 
-static int check_sorted(const scene *scene, const quad_edge *edge, size_t count, char *error)
+/* Check all elements at their common sides. side [count] in, as listed by quad_sides */
+static int check_sorted(const scene *scene, const quad_mesh *quads, const quad_side *side,
+                        size_t count, char *error)
 {
     for (size_t k = 0; k + 1 < count; k++) {
-        const int same =
-            edge[k].node[0] == edge[k + 1].node[0] && edge[k].node[1] == edge[k + 1].node[1];
-        if (same && k + 2 < count && edge[k].node[0] == edge[k + 2].node[0] &&
-            edge[k].node[1] == edge[k + 2].node[1])
+        if (!quad_side_is_same(&side[k], &side[k + 1]))
+            continue;
+        if (k + 2 < count && quad_side_is_same(&side[k], &side[k + 2]))
             return scene_fault(
                 scene, scene->at_surface, error,
                 "the edge from node %u to node %u belongs to the elements %u, %u and "
                 "%u; at most two may share an edge",
-                edge[k].node[0], edge[k].node[1], edge[k].element, edge[k + 1].element,
-                edge[k + 2].element);
-        if (same && check_pair(scene, &edge[k], error) < 0)
+                side[k].low, side[k].high, element_of(&side[k]), element_of(&side[k + 1]),
+                element_of(&side[k + 2]));
+        if (check_pair(scene, quads, &side[k], error) < 0)
             return -1;
     }
     return 0;
@@ -42,13 +56,13 @@ static int check_sorted(const scene *scene, const quad_edge *edge, size_t count,
 
 int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error)
 {
-    quad_edge *edge = calloc(4 * quads->elements, sizeof *edge);
-    if (!edge)
+    quad_side *side = calloc(4 * quads->elements, sizeof *side);
+    if (!side)
         return scene_fault(scene, scene->at_surface, error,
                            "%zu elements do not fit into memory; use fewer", quads->elements);
-    quad_edges(quads, edge);
-    const int status = check_sorted(scene, edge, 4 * quads->elements, error);
-    free(edge);
+    quad_sides(quads, side);
+    const int status = check_sorted(scene, quads, side, 4 * quads->elements, error);
+    free(side);
     return status;
 }
 
@@ -264,22 +278,22 @@ int quad_types_build(type_list *list, const quad_mesh *quads, const surface_poin
                      bool accept_irregular, uint16_t *element_type, quad_report *report,
                      char *error)
 {
-    quad_edge *edge = calloc(4 * quads->elements, sizeof *edge);
+    quad_side *side = calloc(4 * quads->elements, sizeof *side);
     double *irregularity = calloc(quads->nodes, sizeof *irregularity);
     quad_build build = {list, quads, point, irregularity, element_type, report};
     int status = -1;
     memset(report, 0, sizeof *report);
     report->jacobian = 1;
-    if (edge && irregularity) {
-        quad_edges(quads, edge);
-        status = quad_irregularity(quads, edge, irregularity);
+    if (side && irregularity) {
+        quad_sides(quads, side);
+        status = quad_irregularity(quads, side, irregularity);
     }
     if (status < 0)
         scene_fault(list->scene, list->scene->at_surface, error,
                     "%zu elements do not fit into memory; use fewer", quads->elements);
     else
         status = build_all(&build, accept_irregular, error);
-    free(edge);
+    free(side);
     free(irregularity);
     return status;
 }

@@ -240,12 +240,6 @@ static int check_labels(const collection *c, numbered *entry)
 
 /* ---- sets -------------------------------------------------------------- */
 
-static int ascending(const void *x, const void *y)
-{
-    const uint32_t *a = x, *b = y;
-    return (*a > *b) - (*a < *b);
-}
-
 /* Copy a set: its items as indices of the mesh, ascending, without repetition. */
 static int copy_set(const collection *c, const quad_raw_set *from, quad_set *to)
 {
@@ -265,12 +259,7 @@ static int copy_set(const collection *c, const quad_raw_set *from, quad_set *to)
         if (index != unused)
             to->index[to->count++] = index;
     }
-    qsort(to->index, to->count, sizeof *to->index, ascending);
-    size_t kept = 0;
-    for (size_t i = 0; i < to->count; i++)
-        if (i == 0 || to->index[i] != to->index[i - 1])
-            to->index[kept++] = to->index[i];
-    to->count = kept;
+    quad_set_sort(to);
     return 0;
 }
 

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Neighbours, orientation and edge sets of a mesh (quad_steps.h). */
+#include "quad_side.h"
 #include "quad_steps.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* One side of an element: its two nodes in ascending order. */
-typedef struct side {
-    uint32_t low, high, edge; /* edge: 4 element + side */
-} side;
 
 void quad_topology_free(quad_topology *topology)
 {
@@ -21,40 +17,9 @@ static int refuse_memory(const quad_origin *origin)
     return quad_fault_at(origin->file, 0, "the mesh does not fit into memory; use a coarser one");
 }
 
-static int by_nodes(const void *x, const void *y)
-{
-    const side *a = x, *b = y;
-    if (a->low != b->low)
-        return a->low > b->low ? 1 : -1;
-    if (a->high != b->high)
-        return a->high > b->high ? 1 : -1;
-    return (a->edge > b->edge) - (a->edge < b->edge);
-}
-
-static side side_of(const quad_mesh *mesh, uint32_t edge)
-{
-    const uint32_t *node = mesh->element[edge / 4];
-    const uint32_t from = node[edge % 4], to = node[(edge + 1) % 4];
-    const side one = {from < to ? from : to, from < to ? to : from, edge};
-    return one;
-}
-
-/* List all sides, ascending by their nodes. */
-static void list_sides(const quad_mesh *mesh, side *list)
-{
-    for (size_t i = 0; i < 4 * mesh->elements; i++)
-        list[i] = side_of(mesh, (uint32_t)i);
-    qsort(list, 4 * mesh->elements, sizeof *list, by_nodes);
-}
-
-static bool is_same(const side *a, const side *b)
-{
-    return a->low == b->low && a->high == b->high;
-}
-
 /* ---- neighbours -------------------------------------------------------- */
 
-static int refuse_branch(const quad_mesh *mesh, const quad_origin *origin, const side *three)
+static int refuse_branch(const quad_mesh *mesh, const quad_origin *origin, const quad_side *three)
 {
     const size_t element = three[2].edge / 4;
     return quad_fault_at(origin->file, origin->element_at[element],
@@ -66,16 +31,16 @@ static int refuse_branch(const quad_mesh *mesh, const quad_origin *origin, const
                          quad_node_label(mesh, three->high));
 }
 
-static int pair_sides(const quad_mesh *mesh, const quad_origin *origin, const side *list,
+static int pair_sides(const quad_mesh *mesh, const quad_origin *origin, const quad_side *list,
                       quad_topology *topology)
 {
     const size_t count = 4 * mesh->elements;
     for (size_t i = 0; i < count; i++)
         topology->neighbour[i / 4][i % 4] = QUAD_FREE;
     for (size_t i = 0; i + 1 < count; i++) {
-        if (!is_same(&list[i], &list[i + 1]))
+        if (!quad_side_is_same(&list[i], &list[i + 1]))
             continue;
-        if (i + 2 < count && is_same(&list[i], &list[i + 2]))
+        if (i + 2 < count && quad_side_is_same(&list[i], &list[i + 2]))
             return refuse_branch(mesh, origin, &list[i]);
         topology->neighbour[list[i].edge / 4][list[i].edge % 4] = list[i + 1].edge;
         topology->neighbour[list[i + 1].edge / 4][list[i + 1].edge % 4] = list[i].edge;
@@ -186,28 +151,22 @@ static uint32_t find_index(const quad_mesh *mesh, int64_t label)
 }
 
 /* The first of the sides with two given nodes, or NULL. */
-static const side *find_side(const side *list, size_t count, uint32_t from, uint32_t to)
+static const quad_side *find_side(const quad_side *list, size_t count, uint32_t from, uint32_t to)
 {
-    const side wanted = {from < to ? from : to, from < to ? to : from, 0};
+    const quad_side wanted = quad_side_between(from, to, 0);
     size_t low = 0, high = count;
     while (low < high) {
         const size_t middle = (low + high) / 2;
-        if (by_nodes(&list[middle], &wanted) < 0)
+        if (quad_side_compare(&list[middle], &wanted) < 0)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < count && is_same(&list[low], &wanted) ? &list[low] : NULL;
-}
-
-static int ascending(const void *x, const void *y)
-{
-    const uint32_t *a = x, *b = y;
-    return (*a > *b) - (*a < *b);
+    return low < count && quad_side_is_same(&list[low], &wanted) ? &list[low] : NULL;
 }
 
 static int fill_edge_set(const quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
-                         const quad_raw_set *from, const side *list, quad_set *to)
+                         const quad_raw_set *from, const quad_side *list, quad_set *to)
 {
     to->name = malloc(strlen(from->name) + 1);
     to->index = calloc(from->count + 1, sizeof *to->index);
@@ -216,8 +175,9 @@ static int fill_edge_set(const quad_mesh *mesh, const quad_origin *origin, const
     strcpy(to->name, from->name);
     for (size_t i = 0; i < from->count; i++) {
         const quad_raw_cell *cell = &raw->cell[from->item[i]];
-        const side *found = find_side(list, 4 * mesh->elements, find_index(mesh, cell->node[0]),
-                                      find_index(mesh, cell->node[1]));
+        const quad_side *found =
+            find_side(list, 4 * mesh->elements, find_index(mesh, cell->node[0]),
+                      find_index(mesh, cell->node[1]));
         if (!found)
             return quad_fault_at(origin->file, cell->at,
                                  "line element %lld of set '%s' is no edge of a quadrilateral; "
@@ -225,17 +185,12 @@ static int fill_edge_set(const quad_mesh *mesh, const quad_origin *origin, const
                                  (long long)cell->label, from->name);
         to->index[to->count++] = found->edge;
     }
-    qsort(to->index, to->count, sizeof *to->index, ascending);
-    size_t kept = 0;
-    for (size_t i = 0; i < to->count; i++)
-        if (i == 0 || to->index[i] != to->index[i - 1])
-            to->index[kept++] = to->index[i];
-    to->count = kept;
+    quad_set_sort(to);
     return 0;
 }
 
 static int fill_edge_sets(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
-                          const side *list)
+                          const quad_side *list)
 {
     mesh->edge_set = calloc(raw->sets + 1, sizeof *mesh->edge_set);
     if (!mesh->edge_set)
@@ -250,17 +205,17 @@ static int fill_edge_sets(quad_mesh *mesh, const quad_origin *origin, const quad
 int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
                  const quad_options *options, quad_topology *topology)
 {
-    side *list = calloc(4 * mesh->elements, sizeof *list);
+    quad_side *list = calloc(4 * mesh->elements, sizeof *list);
     int status = -1;
     topology->neighbour = calloc(mesh->elements, sizeof *topology->neighbour);
     if (!list || !topology->neighbour)
         status = refuse_memory(origin);
     else {
-        list_sides(mesh, list);
+        quad_sides(mesh, list);
         status = pair_sides(mesh, origin, list, topology);
         if (status == 0)
             status = orient_all(mesh, origin, topology, options->is_flipped);
-        list_sides(mesh, list); /* turning an element over renumbers its sides */
+        quad_sides(mesh, list); /* turning an element over renumbers its sides */
         if (status == 0)
             status = pair_sides(mesh, origin, list, topology);
         if (status == 0)

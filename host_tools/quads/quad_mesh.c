@@ -33,6 +33,22 @@ void quad_mesh_free(quad_mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
+static int ascending(const void *x, const void *y)
+{
+    const uint32_t *a = x, *b = y;
+    return (*a > *b) - (*a < *b);
+}
+
+void quad_set_sort(quad_set *set)
+{
+    size_t kept = 0;
+    qsort(set->index, set->count, sizeof *set->index, ascending);
+    for (size_t i = 0; i < set->count; i++)
+        if (i == 0 || set->index[i] != set->index[i - 1])
+            set->index[kept++] = set->index[i];
+    set->count = kept;
+}
+
 bool quad_set_has(const quad_set *set, uint32_t index)
 {
     size_t low = 0, high = set->count;

@@ -56,6 +56,9 @@ typedef struct quad_mesh {
 /* Release the arrays of a mesh, which is empty afterwards. */
 void quad_mesh_free(quad_mesh *mesh);
 
+/* Sort the members of a set and drop repetitions. */
+void quad_set_sort(quad_set *set);
+
 /* Set of that name among `count` sets, or NULL. */
 const quad_set *quad_set_find(const quad_set *set, size_t count, const char *name);
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../quads/quad_side.h"
 
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000 };
 
@@ -74,47 +75,29 @@ void quads_words(const shell *s)
 
 /* ---- sides -------------------------------------------------------------- */
 
-/* A side of an element: its nodes in ascending order. */
-typedef struct side {
-    int low, high;
-} side;
-
-static int by_nodes(const void *x, const void *y)
-{
-    const side *a = x, *b = y;
-    return a->low != b->low ? (a->low > b->low) - (a->low < b->low)
-                            : (a->high > b->high) - (a->high < b->high);
-}
-
-static side side_of(const mesh *mesh, int element, int k)
-{
-    const int from = mesh->element[element][k], to = mesh->element[element][(k + 1) % 4];
-    const side one = {from < to ? from : to, from < to ? to : from};
-    return one;
-}
-
 /* List the sides of the elements of a patch, or of all elements where `patch` is NULL. */
-static size_t list_sides(const mesh *mesh, const int *patch, int wanted, side *list)
+static size_t list_sides(const mesh *mesh, const int *patch, int wanted, quad_side *list)
 {
     size_t count = 0;
     for (int e = 0; e < mesh->elements; e++)
         for (int k = 0; k < 4 && (!patch || patch[e] == wanted); k++)
-            list[count++] = side_of(mesh, e, k);
-    qsort(list, count, sizeof *list, by_nodes);
+            list[count++] = quad_side_between(mesh->element[e][k], mesh->element[e][(k + 1) % 4],
+                                              4 * (uint32_t)e + (uint32_t)k);
+    qsort(list, count, sizeof *list, quad_side_compare);
     return count;
 }
 
 /* Draw sides that occur once, and those that occur twice as well unless only_free. */
-static void draw_sides(const shell *s, const side *list, size_t count, bool only_free)
+static void draw_sides(const shell *s, const quad_side *list, size_t count, bool only_free)
 {
     for (size_t i = 0; i < count; i++) {
-        const bool is_second = i > 0 && by_nodes(&list[i], &list[i - 1]) == 0;
-        const bool is_first = i + 1 < count && by_nodes(&list[i], &list[i + 1]) == 0;
+        const bool is_second = i > 0 && quad_side_is_same(&list[i], &list[i - 1]);
+        const bool is_first = i + 1 < count && quad_side_is_same(&list[i], &list[i + 1]);
         double from[2], to[2];
         if (is_second || (is_first && only_free))
             continue;
-        place_node(s, list[i].low, from);
-        place_node(s, list[i].high, to);
+        place_node(s, (int)list[i].low, from);
+        place_node(s, (int)list[i].high, to);
         draw_line(s->file, from, to);
     }
 }
@@ -126,7 +109,7 @@ bool quads_is_thinned(const mesh *mesh)
 
 void quads_lines(const shell *s, const char *style, bool only_free)
 {
-    side *list = calloc(4 * (size_t)s->m->elements, sizeof *list);
+    quad_side *list = calloc(4 * (size_t)s->m->elements, sizeof *list);
     if (!list)
         return;
     draw_path(s->file, style);
@@ -310,7 +293,7 @@ void quads_patch(const shell *s, const scene_patches *patches, int patch)
 
 void quads_patch_outline(const shell *s, const scene_patches *patches, int patch)
 {
-    side *list = calloc(4 * (size_t)s->m->elements, sizeof *list);
+    quad_side *list = calloc(4 * (size_t)s->m->elements, sizeof *list);
     if (list)
         draw_sides(s, list, list_sides(s->m, patches->patch, patch, list), true);
     free(list);

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Sides of elements (quad_side.h). */
+#include "quad_side.h"
+#include <stdlib.h>
+
+quad_side quad_side_between(uint32_t from, uint32_t to, uint32_t edge)
+{
+    if (from < to)
+        return (quad_side){from, to, edge};
+    return (quad_side){to, from, edge};
+}
+
+int quad_side_compare(const void *x, const void *y)
+{
+    const quad_side *a = x, *b = y;
+    if (a->low != b->low)
+        return a->low > b->low ? 1 : -1;
+    if (a->high != b->high)
+        return a->high > b->high ? 1 : -1;
+    return (a->edge > b->edge) - (a->edge < b->edge);
+}
+
+bool quad_side_is_same(const quad_side *a, const quad_side *b)
+{
+    return a->low == b->low && a->high == b->high;
+}
+
+void quad_sides(const quad_mesh *mesh, quad_side *list)
+{
+    const size_t count = 4 * mesh->elements;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *node = mesh->element[i / 4];
+        list[i] = quad_side_between(node[i % 4], node[(i + 1) % 4], (uint32_t)i);
+    }
+    qsort(list, count, sizeof *list, quad_side_compare);
+}
