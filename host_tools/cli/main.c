@@ -357,6 +357,24 @@ static int shape_error(shape_run *run, const options *options)
                           options->limits ? &options->limit[0] : &own, &run->analysis->mesh_error);
 }
 
+/* What the rules on the target compare: the shape without voltages, and the first optimum. */
+static plausible_optimum optimum_of(const shape_run *run)
+{
+    const design *design = &run->analysis->design;
+    const voltages *best = &run->results[1];
+    const double limit = fmax(fabs(best->limit[0]), fabs(best->limit[1]));
+    double largest = 0, entry = 0;
+    for (int i = 0; i < design->targets; i++)
+        entry = fmax(entry, fabs(design->wanted[i]));
+    for (int k = 0; k < best->amplifiers; k++)
+        largest = fmax(largest, fabs(best->voltage[k]));
+    return (plausible_optimum){
+        .target = entry > 0 ? run->before.rms / entry : 0,
+        .error = best->error,
+        .share = isfinite(limit) && limit > 0 ? largest / limit : (double)NAN,
+    };
+}
+
 static int command_shape(const options *options, analysis *analysis)
 {
     shape_run run;
@@ -371,6 +389,8 @@ static int command_shape(const options *options, analysis *analysis)
         plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
         plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
                          best->name);
+        const plausible_optimum optimum = optimum_of(&run);
+        plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
         status = shape_error(&run, options);
         progress_stop();
         if (status == 0)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tables of numbers as text (number_table.h). */
+#include <ctype.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@ typedef struct text_reader {
     number_table *table;
     const char *at, *end; /* next byte, and the end of the file */
     char delimiter;       /* ',', ';', tab, or ' ' for any number of blanks */
+    cell comment;         /* text of the last line that begins with #, without the # */
     unsigned long line;   /* number of the line of `cell`, from 1 */
     cell *cell;           /* [cells] cells of this line */
     size_t cells, room_cells, room_rows;
@@ -119,6 +121,8 @@ static int next_line(text_reader *reader)
         const cell all = trimmed(from, to);
         if (is_binary(from, to))
             return fault(reader, "binary data, not a table; give a text file or a .npy file");
+        if (all.length > 0 && *all.text == '#')
+            reader->comment = trimmed(all.text + 1, all.text + all.length);
         if (all.length == 0 || *all.text == '#')
             continue;
         if (reader->delimiter == 0)
@@ -251,6 +255,43 @@ static int add_row(text_reader *reader, bool has_row_names)
     return 0;
 }
 
+/* Whether all cells of a line are single words: letters, digits, and _ - . between them. */
+static bool holds_words(const text_reader *reader)
+{
+    for (size_t k = 0; k < reader->cells; k++)
+        for (size_t i = 0; i < reader->cell[k].length; i++) {
+            const unsigned char c = (unsigned char)reader->cell[k].text[i];
+            if (!isalnum(c) && !strchr("_-.", c))
+                return false;
+        }
+    return true;
+}
+
+/*
+ * Take the last comment above the first numbers as names of the columns where it has as many words
+ * as the numbers have columns, as numpy.savetxt writes a header.
+ */
+static int take_comment(text_reader *reader)
+{
+    const size_t columns = reader->cells;
+    const char *text = reader->comment.text;
+    cell *const numbers = reader->cell;
+    const size_t room = reader->room_cells;
+    int failed = 0;
+    if (!text)
+        return 0;
+    reader->cell = NULL;
+    reader->room_cells = 0;
+    failed = split(reader, text, text + reader->comment.length);
+    if (!failed && reader->cells == columns && holds_names(reader) && holds_words(reader))
+        failed = keep_column_names(reader);
+    free(reader->cell);
+    reader->cell = numbers;
+    reader->room_cells = room;
+    reader->cells = columns;
+    return failed;
+}
+
 /* Read all lines: names of the columns where the first line has no numbers, then the rows. */
 static int read_lines(text_reader *reader)
 {
@@ -261,6 +302,8 @@ static int read_lines(text_reader *reader)
     if (more == 0)
         return fault(reader, "no numbers in the file; write a table of numbers");
     const bool has_names = holds_names(reader);
+    if (!has_names && take_comment(reader) < 0)
+        return -1;
     if (has_names && keep_column_names(reader) < 0)
         return -1;
     const size_t named = reader->cells;
@@ -272,7 +315,7 @@ static int read_lines(text_reader *reader)
                                is_number(&reader->cell[1], &value);
     if (has_names && check_length(reader, named) < 0)
         return -1;
-    if (has_names && has_row_names)
+    if (reader->table->column_name && has_row_names)
         memmove(reader->table->column_name, reader->table->column_name + 1,
                 (named - 1) * sizeof *reader->table->column_name);
     reader->table->columns = reader->cells - has_row_names;

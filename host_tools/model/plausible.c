@@ -14,6 +14,7 @@ typedef enum subject_type {
     SUBJECT_MESH,
     SUBJECT_RESULT,
     SUBJECT_VOLTAGES,
+    SUBJECT_OPTIMUM,
     SUBJECT_PATH
 } subject_type;
 
@@ -59,6 +60,14 @@ static const struct rule {
      "a structure leaves an unstable equilibrium; use another mesh or more load steps, or follow "
      "the load path with --path"},
     {"found_field", SUBJECT_VOLTAGES, measure_found_field, 0, 1e6, "V/m", CHECK_FIELD},
+    {"zero_target", SUBJECT_OPTIMUM, measure_target, 1e-9, HUGE_VAL, "of the target",
+     "there is nothing to correct: the target is 0, or a sum of the free functions"},
+    {"unreached_target", SUBJECT_OPTIMUM, measure_unreached, 0, 0.9, "of the target",
+     "the voltages reach little of it; compare the units of target, limits and structure or "
+     "matrix"},
+    {"idle_voltages", SUBJECT_OPTIMUM, measure_idle, 1e-4, HUGE_VAL, "times the limit",
+     "the target needs almost no voltage; compare the units of target, limits and structure or "
+     "matrix"},
     {"modulus", SUBJECT_SCENE, measure_modulus, 1e5, 2e12, "Pa", CHECK_UNITS "210 GPa"},
     {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
     {"piezo_constant", SUBJECT_SCENE, measure_piezo, 1e-13, 1e-8, "m/V", CHECK_UNITS "-210 pm/V"},
@@ -170,6 +179,12 @@ void plausible_voltages(plausible *warnings, const scene *scene, const double *v
 {
     const subject of = {.scene = scene, .voltage = voltage, .name = name};
     apply_all(warnings, SUBJECT_VOLTAGES, &of);
+}
+
+void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum)
+{
+    const subject of = {.scene = scene, .name = "", .optimum = optimum};
+    apply_all(warnings, SUBJECT_OPTIMUM, &of);
 }
 
 void plausible_path(plausible *warnings, const scene *scene, double difference,

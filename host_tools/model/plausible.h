@@ -50,6 +50,18 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *u, in
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
                         const char *name);
 
+/* What the rules on the optimum of a target compare. */
+typedef struct plausible_optimum {
+    double target; /* root mean square of what the voltages are to correct, without the free
+                      functions, over the largest entry of the target; 0 where that is 0 */
+    double error;  /* shape error of the optimum within the limits, relative to the target */
+    double share;  /* largest absolute voltage of the optimum over the largest limit; NAN: no limit
+                    */
+} plausible_optimum;
+
+/* Apply the rules on the optimum of a target. */
+void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum);
+
 /*
  * Apply the rules on the way to an equilibrium.
  *   difference      in  of analysis_path_difference

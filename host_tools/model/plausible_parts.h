@@ -12,6 +12,7 @@ typedef struct subject {
     const double *u, *voltage;
     int is_linear;
     const char *name;
+    const struct plausible_optimum *optimum;
     double path_difference;   /* of analysis_path_difference */
     unsigned negative_pivots; /* of the tangent at the equilibrium */
 } subject;
@@ -45,6 +46,7 @@ measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure
 /* Rules on computed voltages and displacements (plausible_result.c). */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_stability;
+measure measure_target, measure_unreached, measure_idle;
 
 /*
  * The k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where there

@@ -167,3 +167,30 @@ int measure_stability(const subject *of, int k, measured *found)
     snprintf(found->what, WHAT, "the equilibrium is unstable");
     return k == 0;
 }
+
+/* ---- optimum of a target ---------------------------------------------- */
+
+int measure_target(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->target.what.at;
+    found->value = of->optimum->target;
+    snprintf(found->what, WHAT,
+             "root mean square of what is left of the target beside the free functions");
+    return k == 0;
+}
+
+int measure_unreached(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->target.what.at;
+    found->value = of->optimum->target > 0 ? of->optimum->error : (double)NAN;
+    snprintf(found->what, WHAT, "shape error of the optimum within the limits");
+    return k == 0;
+}
+
+int measure_idle(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->target.what.at;
+    found->value = of->optimum->target > 0 ? of->optimum->share : (double)NAN;
+    snprintf(found->what, WHAT, "largest voltage of the optimum");
+    return k == 0;
+}

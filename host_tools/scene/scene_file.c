@@ -2,6 +2,7 @@
 /* Numbers of a scene in files of their own (scene_file.h). */
 #include "scene_file.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -81,10 +82,10 @@ typedef struct function_text {
     double scale;
 } function_text;
 
-static int find_axis(const char *name)
+int scene_file_axis(const char *name)
 {
     for (int a = 0; a < EXPR_AXES; a++)
-        if (strcmp(axis_name[a], name) == 0)
+        if (strcmp(axis_name[a] + 1, name + (*name != 0)) == 0 && tolower(*name) == *axis_name[a])
             return a;
     return -1;
 }
@@ -109,7 +110,7 @@ static int take_listed(reader *reader, const function_text *text, const number_t
     for (int i = reader->t->node[text->columns].first; i; i = reader->t->node[i].next, k++) {
         if (require_kind(reader, i, TREE_SCALAR) != 0)
             return -1;
-        const int axis = find_axis(node_text(reader, i));
+        const int axis = scene_file_axis(node_text(reader, i));
         const int column = listed_column(table, node_text(reader, i), k);
         const int is_last = !reader->t->node[i].next;
         if (column < 0)
@@ -139,7 +140,7 @@ static int take_named(reader *reader, const function_text *text, const number_ta
 {
     int values = 0;
     for (int i = 0; i < (int)table->columns; i++) {
-        const int axis = table->column_name ? find_axis(table->column_name[i]) : -1;
+        const int axis = table->column_name ? scene_file_axis(table->column_name[i]) : -1;
         if (axis >= 0 && columns->axes < 3) {
             columns->axis[columns->axes] = axis;
             columns->column[columns->axes++] = i;

@@ -22,6 +22,12 @@ char *scene_file_path(const reader *reader, const char *name);
 int scene_table_read(reader *reader, int node, number_table *table);
 
 /*
+ * Coordinate that a column of a file is, by its name with a small or a capital first letter.
+ * Returns the index of x, y, z, theta1, theta2, or -1.
+ */
+int scene_file_axis(const char *name);
+
+/*
  * Read a function: a formula, or a mapping {file: FILE, columns: [x, y, value], column: NAME,
  * scale: 1}, which is a function through scattered points where the table has coordinates, and else
  * a list in the order of its rows. read_row_function also accepts a list of values, and lists are

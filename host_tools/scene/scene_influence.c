@@ -47,10 +47,10 @@ static int separate_columns(reader *reader, influence_text *text)
     for (int a = 0; a < AXES; a++)
         text->coordinate_column[a] = -1;
     for (int k = 0; k < (int)table->columns; k++) {
-        int axis = AXES;
-        for (int a = 0; a < AXES && table->column_name && !text->rows_are_actuators; a++)
-            axis = strcmp(table->column_name[k], axis_name[a]) == 0 ? a : axis;
-        if (axis < AXES)
+        int axis = -1;
+        if (table->column_name && !text->rows_are_actuators)
+            axis = scene_file_axis(table->column_name[k]);
+        if (axis >= 0 && axis < AXES)
             text->coordinate_column[axis] = k;
         else
             text->column[text->columns++] = k;
@@ -301,14 +301,15 @@ static int find_columns(reader *reader, const coordinate_text *text, const numbe
          i = reader->t->node[i].next, k++) {
         if (require_kind(reader, i, TREE_SCALAR) != 0)
             return -1;
-        for (int a = 0; a < AXES; a++)
-            if (strcmp(node_text(reader, i), axis_name[a]) == 0 && k < (int)table->columns)
-                column[a] = k;
+        const int axis = scene_file_axis(node_text(reader, i));
+        if (axis >= 0 && axis < AXES && k < (int)table->columns)
+            column[axis] = k;
     }
-    for (k = 0; k < (int)table->columns && !text->columns; k++)
-        for (int a = 0; a < AXES; a++)
-            if (table->column_name ? strcmp(table->column_name[k], axis_name[a]) == 0 : k == a)
-                column[a] = k;
+    for (k = 0; k < (int)table->columns && !text->columns; k++) {
+        const int axis = table->column_name ? scene_file_axis(table->column_name[k]) : k;
+        if (axis >= 0 && axis < AXES)
+            column[axis] = k;
+    }
     for (int a = 0; a < AXES; a++)
         found += column[a] >= 0;
     if (found > 0)

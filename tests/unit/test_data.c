@@ -9,6 +9,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,36 @@ static void test_text_layouts(void **state)
             assert_string_equal(table.row_name[1], "second");
         assert_int_equal(number_table_column(&table, "3"), 2);
         assert_int_equal(number_table_column(&table, "4"), -1);
+        number_table_free(&table);
+    }
+}
+
+/*
+ * Law: a comment right above the numbers with a word for each column names the columns, as
+ * numpy.savetxt writes a header; any other comment is only skipped.
+ */
+static void test_text_comments(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        bool names;
+    } comments[] = {
+        {"# x,y,e1\n1,2,3\n", true},        {"# by hand\n# x y e1\n1 2 3\n", true},
+        {"#x;y;e1\n\n1;2;3\n", true},       {"# x,y\n1,2,3\n", false},
+        {"# x,y,e 1\n1,2,3\n", false},      {"# run,of,12\n1,2,3\n", false},
+        {"# x,y,e1\n# mm\n1,2,3\n", false}, {"1,2,3\n# x,y,e1\n4,5,6\n", false},
+    };
+    for (size_t k = 0; k < sizeof comments / sizeof *comments; k++) {
+        number_table table;
+        char error[NUMBER_ERROR] = "";
+        const char *text = comments[k].text;
+        if (read_bytes(&table, text, strlen(text), error) != 0)
+            fail_msg("'%s': %s", text, error);
+        if ((table.column_name != NULL) != comments[k].names)
+            fail_msg("'%s': names expected: %d", text, comments[k].names);
+        assert_int_equal(number_table_column(&table, "e1"), comments[k].names ? 2 : -1);
+        assert_true(table.columns == 3 && table.value[2] == 3);
         number_table_free(&table);
     }
 }
@@ -503,21 +534,14 @@ static void test_area_line(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_layouts),
-        cmocka_unit_test(test_text_faults),
-        cmocka_unit_test(test_text_garbage),
-        cmocka_unit_test(test_huge),
-        cmocka_unit_test(test_npy_types),
-        cmocka_unit_test(test_npy_integers),
-        cmocka_unit_test(test_npy_faults),
-        cmocka_unit_test(test_npy_garbage),
-        cmocka_unit_test(test_npz),
-        cmocka_unit_test(test_csv),
-        cmocka_unit_test(test_scatter_linear),
-        cmocka_unit_test(test_scatter_line),
-        cmocka_unit_test(test_scatter_order),
-        cmocka_unit_test(test_area_grid),
-        cmocka_unit_test(test_area_sum),
+        cmocka_unit_test(test_text_layouts), cmocka_unit_test(test_text_comments),
+        cmocka_unit_test(test_text_faults),  cmocka_unit_test(test_text_garbage),
+        cmocka_unit_test(test_huge),         cmocka_unit_test(test_npy_types),
+        cmocka_unit_test(test_npy_integers), cmocka_unit_test(test_npy_faults),
+        cmocka_unit_test(test_npy_garbage),  cmocka_unit_test(test_npz),
+        cmocka_unit_test(test_csv),          cmocka_unit_test(test_scatter_linear),
+        cmocka_unit_test(test_scatter_line), cmocka_unit_test(test_scatter_order),
+        cmocka_unit_test(test_area_grid),    cmocka_unit_test(test_area_sum),
         cmocka_unit_test(test_area_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

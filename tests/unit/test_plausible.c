@@ -106,6 +106,33 @@ static void test_edges(void **state)
     }
 }
 
+/* The rules on the optimum of a target fire outside their ranges and not just inside. */
+static void test_target(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *rule;
+        plausible_optimum fires, silent;
+    } cases[] = {
+        {"zero_target", {0, 0, 0}, {1.01e-9, 0.5, 1}},
+        {"zero_target", {0.99e-9, 0.5, 1}, {1, 0.5, 1}},
+        {"unreached_target", {1, 0.901, 1}, {1, 0.899, 1}},
+        {"idle_voltages", {1, 0.5, 0.99e-4}, {1, 0.5, 1.01e-4}},
+        {"idle_voltages", {1, 0.5, 0}, {1, 0.5, (double)NAN}},
+    };
+    scene_run r;
+    open_run(&r, PLATE, "");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        plausible warnings = {.count = 0};
+        plausible_target(&warnings, &r.scene, &cases[i].fires);
+        if (warnings.count != 1 || !find_rule(&warnings, cases[i].rule))
+            fail_msg("case %zu: %d warnings", i, warnings.count);
+        plausible_target(&warnings, &r.scene, &cases[i].silent);
+        assert_int_equal(warnings.count, 1);
+    }
+    scene_run_close(&r);
+}
+
 /* Rules on numbers with units are silent where the scene's units are not known. */
 static void test_unitless(void **state)
 {
@@ -436,6 +463,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_target),
         cmocka_unit_test(test_unitless),
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_point_resolution),
