@@ -45,34 +45,34 @@ static int read_table(number_table *table, const char *path)
     return 0;
 }
 
-static int read_pokes(run *r, const options *options)
+static int read_pokes(run *run, const options *options)
 {
     char text[160];
     if (!options->voltages || !options->shapes)
         return complain("calibrate needs --voltages FILE and --shapes FILE; see ",
                         "pzs help calibrate");
-    if (read_table(&r->voltages, options->voltages) != 0 ||
-        read_table(&r->shapes, options->shapes) != 0)
+    if (read_table(&run->voltages, options->voltages) != 0 ||
+        read_table(&run->shapes, options->shapes) != 0)
         return OPTIONS_WRONG;
-    if (r->voltages.rows != r->shapes.rows) {
+    if (run->voltages.rows != run->shapes.rows) {
         snprintf(text, sizeof text,
                  "%lu lines of voltages and %lu of shapes; write a line for each poke in both, "
                  "with a column for each ",
-                 (unsigned long)r->voltages.rows, (unsigned long)r->shapes.rows);
+                 (unsigned long)run->voltages.rows, (unsigned long)run->shapes.rows);
         return complain(text, "actuator and for each output");
     }
-    r->pokes = (pokes){r->voltages.rows, r->voltages.columns, r->shapes.columns, r->voltages.value,
-                       r->shapes.value};
+    run->pokes = (pokes){run->voltages.rows, run->voltages.columns, run->shapes.columns,
+                         run->voltages.value, run->shapes.value};
     return 0;
 }
 
 /* Name of an actuator: that of the scene, or of the file of voltages, or a number. */
-static void actuator_name(const run *r, size_t k, char name[SCENE_LABEL])
+static void actuator_name(const run *run, size_t k, char name[SCENE_LABEL])
 {
-    if (r->scene)
-        scene_amplifier_name(r->scene, (int)k, name);
-    else if (r->voltages.column_name)
-        snprintf(name, SCENE_LABEL, "%s", r->voltages.column_name[k]);
+    if (run->scene)
+        scene_amplifier_name(run->scene, (int)k, name);
+    else if (run->voltages.column_name)
+        snprintf(name, SCENE_LABEL, "%s", run->voltages.column_name[k]);
     else
         snprintf(name, SCENE_LABEL, "v%lu", (unsigned long)k + 1);
 }
@@ -80,146 +80,148 @@ static void actuator_name(const run *r, size_t k, char name[SCENE_LABEL])
 /* ---- fit -------------------------------------------------------------- */
 
 /* Faults with a measured matrix as the model, and the fit. */
-static int fit_to_matrix(run *r, char *error)
+static int fit_to_matrix(run *run, char *error)
 {
-    const scene_influence *influence = &r->scene->influence;
-    pokes acting = r->pokes;
-    if ((size_t)influence->outputs != r->pokes.outputs ||
-        (size_t)r->scene->amplifiers != r->pokes.actuators)
-        return scene_fault(r->scene, influence->at, error,
+    const scene_influence *influence = &run->scene->influence;
+    pokes acting = run->pokes;
+    if ((size_t)influence->outputs != run->pokes.outputs ||
+        (size_t)run->scene->amplifiers != run->pokes.actuators)
+        return scene_fault(run->scene, influence->at, error,
                            "the matrix has %d outputs and %d actuators, the pokes %lu and %lu",
-                           influence->outputs, r->scene->amplifiers,
-                           (unsigned long)r->pokes.outputs, (unsigned long)r->pokes.actuators);
-    r->acting = calloc(r->pokes.count * r->pokes.actuators + 1, sizeof *r->acting);
-    r->faults = r->acting ? wiring_find(r->fault, &r->pokes, influence->matrix) : -1;
-    if (r->faults < 0)
-        return scene_fault(r->scene, influence->at, error, "out of memory");
-    wiring_apply(r->fault, r->faults, &r->pokes, r->acting);
-    acting.voltage = r->acting;
-    return calibrate(&r->result, &acting, influence->matrix, error);
+                           influence->outputs, run->scene->amplifiers,
+                           (unsigned long)run->pokes.outputs, (unsigned long)run->pokes.actuators);
+    run->acting = calloc(run->pokes.count * run->pokes.actuators + 1, sizeof *run->acting);
+    run->faults = run->acting ? wiring_find(run->fault, &run->pokes, influence->matrix) : -1;
+    if (run->faults < 0)
+        return scene_fault(run->scene, influence->at, error, "out of memory");
+    wiring_apply(run->fault, run->faults, &run->pokes, run->acting);
+    acting.voltage = run->acting;
+    return calibrate(&run->result, &acting, influence->matrix, error);
 }
 
 /* Material factors and faults of a structure, and the fit. */
-static int fit_to_structure(run *r, char *error)
+static int fit_to_structure(run *run, char *error)
 {
-    pokes acting = r->pokes;
-    if (calibration_model_fit(&r->model, r->scene, &r->pokes, error) < 0)
+    pokes acting = run->pokes;
+    if (calibration_model_fit(&run->model, run->scene, &run->pokes, error) < 0)
         return -1;
-    r->faults = r->model.faults;
-    memcpy(r->fault, r->model.fault, sizeof r->fault);
-    acting.voltage = r->model.voltage;
-    return calibrate(&r->result, &acting, r->model.influence, error);
+    run->faults = run->model.faults;
+    memcpy(run->fault, run->model.fault, sizeof run->fault);
+    acting.voltage = run->model.voltage;
+    return calibrate(&run->result, &acting, run->model.influence, error);
 }
 
-static int fit(run *r, char *error)
+static int fit(run *run, char *error)
 {
-    if (!r->scene)
-        return calibrate(&r->result, &r->pokes, NULL, error);
+    if (!run->scene)
+        return calibrate(&run->result, &run->pokes, NULL, error);
     const int failed =
-        r->scene->influence.given ? fit_to_matrix(r, error) : fit_to_structure(r, error);
+        run->scene->influence.given ? fit_to_matrix(run, error) : fit_to_structure(run, error);
     if (!failed)
-        wiring_matrix(r->fault, r->faults, &r->pokes, r->result.influence, r->result.error);
+        wiring_matrix(run->fault, run->faults, &run->pokes, run->result.influence,
+                      run->result.error);
     return failed;
 }
 
 /* ---- output ----------------------------------------------------------- */
 
-static double largest_entry(const run *r)
+static double largest_entry(const run *run)
 {
     double most = 0;
-    for (size_t i = 0; i < r->pokes.outputs * r->pokes.actuators; i++)
-        most = fmax(most, fabs(r->result.influence[i]));
+    for (size_t i = 0; i < run->pokes.outputs * run->pokes.actuators; i++)
+        most = fmax(most, fabs(run->result.influence[i]));
     return most;
 }
 
-static double largest_error(const run *r)
+static double largest_error(const run *run)
 {
     double most = 0;
-    for (size_t k = 0; k < r->pokes.actuators; k++)
-        most = isnan(r->result.error[k]) ? (double)NAN : fmax(most, r->result.error[k]);
+    for (size_t k = 0; k < run->pokes.actuators; k++)
+        most = isnan(run->result.error[k]) ? (double)NAN : fmax(most, run->result.error[k]);
     return most;
 }
 
-static void fault_text(const run *r, const wiring_fault *fault, char *text, size_t room)
+static void fault_text(const run *run, const wiring_fault *fault, char *text, size_t room)
 {
     char name[SCENE_LABEL], other[SCENE_LABEL];
-    actuator_name(r, fault->actuator, name);
-    actuator_name(r, fault->other, other);
+    actuator_name(run, fault->actuator, name);
+    actuator_name(run, fault->other, other);
     if (fault->type == WIRING_SWAPPED)
         snprintf(text, room, "cables of %s and %s are swapped", name, other);
     else
         snprintf(text, room, "%s is %s", name, fault->type == WIRING_DEAD ? "dead" : "reversed");
 }
 
-static void print_model(const run *r)
+static void print_model(const run *run)
 {
-    for (int k = 0; k < r->model.factors; k++)
+    for (int k = 0; k < run->model.factors; k++)
         printf("  %s of %s: %.4g of the scene's\n",
-               r->model.factor[k].is_piezo ? "piezoelectric constants" : "stiffness",
-               r->scene->material[r->model.factor[k].material].name, r->model.factor[k].value);
-    if (r->model.factors > 0)
+               run->model.factor[k].is_piezo ? "piezoelectric constants" : "stiffness",
+               run->scene->material[run->model.factor[k].material].name,
+               run->model.factor[k].value);
+    if (run->model.factors > 0)
         printf("  the scene leaves %.3g%% of the measured shapes, with these factors%s %.3g%%\n",
-               100 * r->model.before, r->faults ? " and faults" : "", 100 * r->model.after);
+               100 * run->model.before, run->faults ? " and faults" : "", 100 * run->model.after);
 }
 
-static void print_faults(const run *r)
+static void print_faults(const run *run)
 {
     char text[2 * SCENE_LABEL + 40];
-    for (int f = 0; f < r->faults; f++) {
-        fault_text(r, &r->fault[f], text, sizeof text);
+    for (int fault = 0; fault < run->faults; fault++) {
+        fault_text(run, &run->fault[fault], text, sizeof text);
         printf("  fault: %s\n", text);
     }
-    for (size_t k = 0; k < r->pokes.actuators && !r->scene; k++)
-        if (calibration_is_dead(&r->result, &r->pokes, k)) {
-            actuator_name(r, k, text);
+    for (size_t k = 0; k < run->pokes.actuators && !run->scene; k++)
+        if (calibration_is_dead(&run->result, &run->pokes, k)) {
+            actuator_name(run, k, text);
             printf("  fault: %s is dead\n", text);
         }
 }
 
-static void print_result(const run *r, const char *path)
+static void print_result(const run *run, const char *path)
 {
     printf("%lu pokes of %lu actuators, %lu outputs: they tell %d actuators apart\n",
-           (unsigned long)r->pokes.count, (unsigned long)r->pokes.actuators,
-           (unsigned long)r->pokes.outputs, r->result.rank);
-    print_model(r);
-    print_faults(r);
-    if (isfinite(r->result.noise))
-        printf("  noise of the shapes: %.3g (standard deviation)\n", r->result.noise);
+           (unsigned long)run->pokes.count, (unsigned long)run->pokes.actuators,
+           (unsigned long)run->pokes.outputs, run->result.rank);
+    print_model(run);
+    print_faults(run);
+    if (isfinite(run->result.noise))
+        printf("  noise of the shapes: %.3g (standard deviation)\n", run->result.noise);
     else
         puts("  noise of the shapes: not known; measure more pokes than actuators");
-    printf("  largest entry %.4g", largest_entry(r));
-    if (isfinite(largest_error(r)))
-        printf(", largest standard error %.3g (%.3g%% of it)", largest_error(r),
-               100 * largest_error(r) / largest_entry(r));
-    printf("\n  the matrix leaves %.3g of the shapes (root mean square)\n", r->result.residual);
+    printf("  largest entry %.4g", largest_entry(run));
+    if (isfinite(largest_error(run)))
+        printf(", largest standard error %.3g (%.3g%% of it)", largest_error(run),
+               100 * largest_error(run) / largest_entry(run));
+    printf("\n  the matrix leaves %.3g of the shapes (root mean square)\n", run->result.residual);
     if (path)
         printf("%s: write influence: {file: %s} in a scene\n", path, path);
 }
 
-static void print_json(const run *r)
+static void print_json(const run *run)
 {
     char text[2 * SCENE_LABEL + 40];
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
-    json_number(&json, "pokes", (double)r->pokes.count);
-    json_number(&json, "actuators", (double)r->pokes.actuators);
-    json_number(&json, "outputs", (double)r->pokes.outputs);
-    json_number(&json, "rank", r->result.rank);
-    json_number(&json, "noise", r->result.noise);
-    json_number(&json, "residual", r->result.residual);
-    if (r->model.factors > 0) {
-        json_number(&json, "left_by_scene", r->model.before);
-        json_number(&json, "left_by_fitted_scene", r->model.after);
+    json_number(&json, "pokes", (double)run->pokes.count);
+    json_number(&json, "actuators", (double)run->pokes.actuators);
+    json_number(&json, "outputs", (double)run->pokes.outputs);
+    json_number(&json, "rank", run->result.rank);
+    json_number(&json, "noise", run->result.noise);
+    json_number(&json, "residual", run->result.residual);
+    if (run->model.factors > 0) {
+        json_number(&json, "left_by_scene", run->model.before);
+        json_number(&json, "left_by_fitted_scene", run->model.after);
     }
     json_open(&json, "standard_error", '{');
-    for (size_t k = 0; k < r->pokes.actuators; k++) {
-        actuator_name(r, k, text);
-        json_number(&json, text, r->result.error[k]);
+    for (size_t k = 0; k < run->pokes.actuators; k++) {
+        actuator_name(run, k, text);
+        json_number(&json, text, run->result.error[k]);
     }
     json_close(&json, '}');
     json_open(&json, "faults", '[');
-    for (int f = 0; f < r->faults; f++) {
-        fault_text(r, &r->fault[f], text, sizeof text);
+    for (int fault = 0; fault < run->faults; fault++) {
+        fault_text(run, &run->fault[fault], text, sizeof text);
         json_string(&json, NULL, text);
     }
     json_close(&json, ']');
@@ -227,61 +229,62 @@ static void print_json(const run *r)
 }
 
 /* Places of the outputs where the model has some, else NULL. [outputs][3] */
-static double (*places(const run *r))[3]
+static double (*places(const run *run))[3]
 {
-    return r->scene && r->scene->influence.given ? r->scene->influence.place : r->model.place;
+    return run->scene && run->scene->influence.given ? run->scene->influence.place
+                                                     : run->model.place;
 }
 
-static void write_matrix(FILE *file, const run *r)
+static void write_matrix(FILE *file, const run *run)
 {
     char name[SCENE_LABEL];
-    double(*place)[3] = places(r);
+    double(*place)[3] = places(run);
     fputs(place ? "x,y,z," : "", file);
-    for (size_t k = 0; k < r->pokes.actuators; k++) {
-        actuator_name(r, k, name);
+    for (size_t k = 0; k < run->pokes.actuators; k++) {
+        actuator_name(run, k, name);
         fprintf(file, "%s%s", k ? "," : "", name);
     }
     fputc('\n', file);
-    for (size_t i = 0; i < r->pokes.outputs; i++) {
-        for (int a = 0; a < 3 && place; a++)
-            fprintf(file, "%.17g,", place[i][a]);
-        for (size_t k = 0; k < r->pokes.actuators; k++)
-            fprintf(file, "%.17g%c", r->result.influence[i * r->pokes.actuators + k],
-                    k + 1 < r->pokes.actuators ? ',' : '\n');
+    for (size_t i = 0; i < run->pokes.outputs; i++) {
+        for (int axis = 0; axis < 3 && place; axis++)
+            fprintf(file, "%.17g,", place[i][axis]);
+        for (size_t k = 0; k < run->pokes.actuators; k++)
+            fprintf(file, "%.17g%c", run->result.influence[i * run->pokes.actuators + k],
+                    k + 1 < run->pokes.actuators ? ',' : '\n');
     }
 }
 
-static int write_file(const run *r, const char *path)
+static int write_file(const run *run, const char *path)
 {
-    outfile f;
-    if (outfile_begin(&f, path))
+    outfile output;
+    if (outfile_begin(&output, path))
         return 1;
-    write_matrix(f.file, r);
-    return outfile_end(&f, ferror(f.file));
+    write_matrix(output.file, run);
+    return outfile_end(&output, ferror(output.file));
 }
 
 int command_calibrate(const options *options, const scene *scene)
 {
     char error[SCENE_ERROR];
-    run r;
-    memset(&r, 0, sizeof r);
-    r.scene = scene;
-    int status = read_pokes(&r, options);
+    run run;
+    memset(&run, 0, sizeof run);
+    run.scene = scene;
+    int status = read_pokes(&run, options);
     progress_start();
     progress_stage("fitting the matrix");
-    if (status == 0 && fit(&r, error) < 0)
+    if (status == 0 && fit(&run, error) < 0)
         status = complain(error, "");
     progress_stop();
     if (status == 0 && options->output)
-        status = write_file(&r, options->output);
+        status = write_file(&run, options->output);
     if (status == 0 && options->as_json)
-        print_json(&r);
+        print_json(&run);
     else if (status == 0)
-        print_result(&r, options->output);
-    calibration_free(&r.result);
-    calibration_model_free(&r.model);
-    number_table_free(&r.voltages);
-    number_table_free(&r.shapes);
-    free(r.acting);
+        print_result(&run, options->output);
+    calibration_free(&run.result);
+    calibration_model_free(&run.model);
+    number_table_free(&run.voltages);
+    number_table_free(&run.shapes);
+    free(run.acting);
     return status;
 }

@@ -25,34 +25,34 @@ bool export_is_wanted(const options *options)
 
 /* ---- arrays ----------------------------------------------------------- */
 
-static void add(arrays *a, const char *name, const char *unit, size_t rows, size_t columns,
+static void add(arrays *arrays, const char *name, const char *unit, size_t rows, size_t columns,
                 const double *value)
 {
-    named_array *array = &a->array[a->count];
-    if (a->count == NAMED_ARRAY_MOST || !value || rows == 0)
+    named_array *array = &arrays->array[arrays->count];
+    if (arrays->count == NAMED_ARRAY_MOST || !value || rows == 0)
         return;
     snprintf(array->name, sizeof array->name, "%s", name);
     array->unit = unit;
     array->rows = rows;
     array->columns = columns;
     array->value = value;
-    a->count++;
+    arrays->count++;
 }
 
 /* Memory for a computed array, or NULL. */
-static double *own(arrays *a, size_t count)
+static double *own(arrays *arrays, size_t count)
 {
-    double *value = a->owners < NAMED_ARRAY_MOST ? calloc(count + 1, sizeof *value) : NULL;
+    double *value = arrays->owners < NAMED_ARRAY_MOST ? calloc(count + 1, sizeof *value) : NULL;
     if (value)
-        a->owned[a->owners++] = value;
-    a->is_full |= !value;
+        arrays->owned[arrays->owners++] = value;
+    arrays->is_full |= !value;
     return value;
 }
 
-static void release(arrays *a)
+static void release(arrays *arrays)
 {
-    for (size_t k = 0; k < a->owners; k++)
-        free(a->owned[k]);
+    for (size_t k = 0; k < arrays->owners; k++)
+        free(arrays->owned[k]);
 }
 
 /* Unit of the influence matrix, as "um/V"; empty where the scene names none. */
@@ -66,140 +66,140 @@ static const char *influence_unit(const scene *scene, char text[2 * SCENE_NAME])
 
 /* ---- files ------------------------------------------------------------ */
 
-static int write_npz(const char *path, const arrays *a)
+static int write_npz(const char *path, const arrays *arrays)
 {
-    outfile f;
-    if (outfile_begin(&f, path))
+    outfile output;
+    if (outfile_begin(&output, path))
         return 1;
-    return outfile_end(&f, named_array_npz(f.file, a->array, a->count));
+    return outfile_end(&output, named_array_npz(output.file, arrays->array, arrays->count));
 }
 
-static int write_folder(const char *folder, const arrays *a)
+static int write_folder(const char *folder, const arrays *arrays)
 {
     int status = 0;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
         fprintf(stderr, "pzs: cannot make the folder %s: %s\n", folder, strerror(errno));
         return 1;
     }
-    for (size_t k = 0; k < a->count && status == 0; k++) {
+    for (size_t k = 0; k < arrays->count && status == 0; k++) {
         char path[OUTFILE_PATH];
-        outfile f;
-        snprintf(path, sizeof path, "%.3800s/%s.csv", folder, a->array[k].name);
-        status = outfile_begin(&f, path);
+        outfile output;
+        snprintf(path, sizeof path, "%.3800s/%s.csv", folder, arrays->array[k].name);
+        status = outfile_begin(&output, path);
         if (status == 0)
-            status = outfile_end(&f, named_array_csv(f.file, &a->array[k]));
+            status = outfile_end(&output, named_array_csv(output.file, &arrays->array[k]));
     }
     return status;
 }
 
 /* Write the arrays as the options ask, and release their memory. */
-static int write_arrays(const options *options, arrays *a)
+static int write_arrays(const options *options, arrays *arrays)
 {
-    int status = a->is_full;
+    int status = arrays->is_full;
     if (status)
         fputs("pzs: out of memory\n", stderr);
     if (status == 0 && options->npz)
-        status = write_npz(options->npz, a);
+        status = write_npz(options->npz, arrays);
     if (status == 0 && options->csv_folder)
-        status = write_folder(options->csv_folder, a);
-    release(a);
+        status = write_folder(options->csv_folder, arrays);
+    release(arrays);
     return status;
 }
 
 /* ---- results ---------------------------------------------------------- */
 
 /* Places of some nodes. node [count] in, NULL: all nodes */
-static void add_places(arrays *a, const design *design, const char *name, const int *node,
+static void add_places(arrays *arrays, const design *design, const char *name, const int *node,
                        size_t count)
 {
-    double *place = own(a, 3 * count);
+    double *place = own(arrays, 3 * count);
     for (size_t i = 0; i < count && place; i++)
         memcpy(place + 3 * i, design->mesh.point[node ? (size_t)node[i] : i].x, 3 * sizeof *place);
-    add(a, name, design->scene->unit_length, count, 3, place);
+    add(arrays, name, design->scene->unit_length, count, 3, place);
 }
 
-int export_solve(const options *options, const analysis *analysis, const double *u,
+int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value)
 {
     const design *design = &analysis->design;
     const size_t nodes = (size_t)design->mesh.nodes;
-    arrays a = {.count = 0};
+    arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
-    double *vector = own(&a, 3 * nodes);
-    add_places(&a, design, "node_place", NULL, nodes);
+    double *vector = own(&arrays, 3 * nodes);
+    add_places(&arrays, design, "node_place", NULL, nodes);
     if (vector)
-        report_displacement(&design->mesh, u, vector);
-    add(&a, "displacement", design->scene->unit_length, nodes, 3, vector);
+        report_displacement(&design->mesh, displacement, vector);
+    add(&arrays, "displacement", design->scene->unit_length, nodes, 3, vector);
     for (int k = 0; k < design->scene->outputs; k++) {
         const size_t first = (size_t)design->named_first[k],
                      rows = (size_t)design->named_first[k + 1] - first;
         char name[NAMED_ARRAY_NAME];
         snprintf(name, sizeof name, "output_%d", k + 1);
-        add(&a, name, design->scene->unit_length, rows, 0, value + first);
+        add(&arrays, name, design->scene->unit_length, rows, 0, value + first);
     }
-    return write_arrays(options, &a);
+    return write_arrays(options, &arrays);
 }
 
 /* Copy voltages, shapes and misfits of all results to matrices with a row for each result. */
-static void add_results(arrays *a, const shape_run *run)
+static void add_results(arrays *arrays, const shape_run *run)
 {
     const design *design = &run->analysis->design;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  count = (size_t)run->count;
-    double *voltage = own(a, count * n), *shape = own(a, count * m), *misfit = own(a, count * m),
-           *error = own(a, count);
-    if (a->is_full)
+    double *voltage = own(arrays, count * amplifiers), *shape = own(arrays, count * targets),
+           *misfit = own(arrays, count * targets), *error = own(arrays, count);
+    if (arrays->is_full)
         return;
-    for (size_t r = 0; r < count; r++) {
-        const voltages *result = &run->results[r];
-        memcpy(voltage + r * n, result->voltage, n * sizeof *voltage);
-        memcpy(shape + r * m, result->shape, m * sizeof *shape);
-        for (size_t i = 0; i < m; i++)
-            misfit[r * m + i] = result->shape[i] - result->aligned_target[i];
-        error[r] = result->error;
+    for (size_t row = 0; row < count; row++) {
+        const voltages *result = &run->results[row];
+        memcpy(voltage + row * amplifiers, result->voltage, amplifiers * sizeof *voltage);
+        memcpy(shape + row * targets, result->shape, targets * sizeof *shape);
+        for (size_t i = 0; i < targets; i++)
+            misfit[row * targets + i] = result->shape[i] - result->aligned_target[i];
+        error[row] = result->error;
     }
-    add(a, "voltage", design->scene->unit_voltage, count, n, voltage);
-    add(a, "shape", design->scene->unit_length, count, m, shape);
-    add(a, "misfit", design->scene->unit_length, count, m, misfit);
-    add(a, "error", "", count, 0, error);
+    add(arrays, "voltage", design->scene->unit_voltage, count, amplifiers, voltage);
+    add(arrays, "shape", design->scene->unit_length, count, targets, shape);
+    add(arrays, "misfit", design->scene->unit_length, count, targets, misfit);
+    add(arrays, "error", "", count, 0, error);
 }
 
 int export_shape(const options *options, const shape_run *run)
 {
     const design *design = &run->analysis->design;
     const scene *scene = design->scene;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
     char unit[2 * SCENE_NAME];
-    arrays a = {.count = 0};
+    arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
-    add_places(&a, design, "place", design->target_node, m);
-    add(&a, "weight", "", m, 0, design->weight);
-    add(&a, "target", scene->unit_length, m, 0, design->target);
-    add(&a, "wanted", scene->unit_length, m, 0, design->wanted);
-    add(&a, "influence", influence_unit(scene, unit), m, n, design->influence);
-    add(&a, "lower", scene->unit_voltage, n, 0, design->lower);
-    add(&a, "upper", scene->unit_voltage, n, 0, design->upper);
-    add(&a, "step_limit", scene->unit_voltage, n, 0, design->step_limit);
-    add_results(&a, run);
-    return write_arrays(options, &a);
+    add_places(&arrays, design, "place", design->target_node, targets);
+    add(&arrays, "weight", "", targets, 0, design->weight);
+    add(&arrays, "target", scene->unit_length, targets, 0, design->target);
+    add(&arrays, "wanted", scene->unit_length, targets, 0, design->wanted);
+    add(&arrays, "influence", influence_unit(scene, unit), targets, amplifiers, design->influence);
+    add(&arrays, "lower", scene->unit_voltage, amplifiers, 0, design->lower);
+    add(&arrays, "upper", scene->unit_voltage, amplifiers, 0, design->upper);
+    add(&arrays, "step_limit", scene->unit_voltage, amplifiers, 0, design->step_limit);
+    add_results(&arrays, run);
+    return write_arrays(options, &arrays);
 }
 
 int export_modes(const options *options, const design *design, const vibration *vibration)
 {
     const size_t nodes = (size_t)design->mesh.nodes, count = (size_t)vibration->count;
-    arrays a = {.count = 0};
+    arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
-    double *shape = own(&a, count * 3 * nodes);
-    add_places(&a, design, "node_place", NULL, nodes);
+    double *shape = own(&arrays, count * 3 * nodes);
+    add_places(&arrays, design, "node_place", NULL, nodes);
     for (size_t k = 0; k < count && shape; k++)
         report_displacement(&design->mesh, vibration->shape + k * (size_t)design->mesh.free_dof,
                             shape + k * 3 * nodes);
-    add(&a, "frequency", "Hz", count, 0, vibration->frequency);
-    add(&a, "mode_shape", "", count, 3 * nodes, shape);
-    return write_arrays(options, &a);
+    add(&arrays, "frequency", "Hz", count, 0, vibration->frequency);
+    add(&arrays, "mode_shape", "", count, 3 * nodes, shape);
+    return write_arrays(options, &arrays);
 }
 
 /* ---- simulation ------------------------------------------------------- */
@@ -209,22 +209,24 @@ int export_simulation(const options *options, const simulation *simulation, cons
     static const char *const name[HISTORY_COLUMNS] = {"time",   "error",      "vibration", "missed",
                                                       "active", "iterations", "status",    "lost"};
     const design *design = &simulation->nominal->design;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
     char unit[2 * SCENE_NAME];
-    arrays a = {.count = 0};
+    arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
     for (size_t k = 0; k < HISTORY_COLUMNS; k++) {
-        double *column = own(&a, history->ticks);
-        for (size_t t = 0; t < history->ticks && column; t++)
-            column[t] = history->row[t * HISTORY_COLUMNS + k];
-        add(&a, name[k], k == 0 ? "s" : "", history->ticks, 0, column);
+        double *column = own(&arrays, history->ticks);
+        for (size_t tick = 0; tick < history->ticks && column; tick++)
+            column[tick] = history->row[tick * HISTORY_COLUMNS + k];
+        add(&arrays, name[k], k == 0 ? "s" : "", history->ticks, 0, column);
     }
-    add(&a, "voltage", design->scene->unit_voltage, history->ticks, n, history->voltage);
-    add_places(&a, design, "place", design->target_node, m);
-    add(&a, "target", design->scene->unit_length, m, 0, design->target);
-    add(&a, "influence", influence_unit(design->scene, unit), m, n, design->influence);
-    add(&a, "lower", design->scene->unit_voltage, n, 0, design->lower);
-    add(&a, "upper", design->scene->unit_voltage, n, 0, design->upper);
-    return write_arrays(options, &a);
+    add(&arrays, "voltage", design->scene->unit_voltage, history->ticks, amplifiers,
+        history->voltage);
+    add_places(&arrays, design, "place", design->target_node, targets);
+    add(&arrays, "target", design->scene->unit_length, targets, 0, design->target);
+    add(&arrays, "influence", influence_unit(design->scene, unit), targets, amplifiers,
+        design->influence);
+    add(&arrays, "lower", design->scene->unit_voltage, amplifiers, 0, design->lower);
+    add(&arrays, "upper", design->scene->unit_voltage, amplifiers, 0, design->upper);
+    return write_arrays(options, &arrays);
 }

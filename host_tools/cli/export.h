@@ -18,7 +18,7 @@ bool export_is_wanted(const options *options);
  *   export_shape   every set of voltages with its shape
  *   export_modes   frequencies and mode shapes
  */
-int export_solve(const options *options, const analysis *analysis, const double *u,
+int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value);
 int export_shape(const options *options, const shape_run *run);
 int export_modes(const options *options, const design *design, const vibration *vibration);

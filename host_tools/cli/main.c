@@ -162,14 +162,14 @@ static int write_reports(const options *options, write_report *write, const void
     const char *const path[2] = {options->report, options->svg};
     int status = 0;
     for (int k = 0; k < 2 && status == 0; k++) {
-        outfile f;
+        outfile output;
         if (!path[k])
             continue;
-        status = outfile_begin(&f, path[k]);
+        status = outfile_begin(&output, path[k]);
         if (status)
             break;
-        const report_job job = {f.file, k == 1, options->words, options->words_given};
-        status = outfile_end(&f, write(&job, result));
+        const report_job job = {output.file, k == 1, options->words, options->words_given};
+        status = outfile_end(&output, write(&job, result));
     }
     return status;
 }
@@ -184,25 +184,25 @@ typedef struct solution {
 
 static int write_solve(const report_job *job, const void *result)
 {
-    const solution *s = result;
-    return report_solve(job, s->a, s->u, s->value);
+    const solution *solution = result;
+    return report_solve(job, solution->a, solution->u, solution->value);
 }
 
-static int write_vtu(const analysis *analysis, const double *u, const char *path)
+static int write_vtu(const analysis *analysis, const double *displacement, const char *path)
 {
     const mesh *mesh = &analysis->design.mesh;
     double *vector = calloc(3 * (size_t)mesh->nodes, sizeof *vector);
-    outfile f;
-    const int status = vector ? outfile_begin(&f, path) : complain("out of memory", 1);
+    outfile output;
+    const int status = vector ? outfile_begin(&output, path) : complain("out of memory", 1);
     if (status) {
         free(vector);
         return status;
     }
-    report_displacement(mesh, u, vector);
+    report_displacement(mesh, displacement, vector);
     const report_field field = {"displacement", vector};
-    const int failed = report_vtu(f.file, mesh, &field, 1);
+    const int failed = report_vtu(output.file, mesh, &field, 1);
     free(vector);
-    return outfile_end(&f, failed);
+    return outfile_end(&output, failed);
 }
 
 /* Estimate the discretisation error of the outputs. Returns an exit code. */
@@ -215,38 +215,39 @@ static int solve_error(const options *options, analysis *analysis, const double 
 }
 
 /* Warn where the equilibrium is unstable or depends on the way of loading. */
-static void check_path(analysis *analysis, const double *u)
+static void check_path(analysis *analysis, const double *displacement)
 {
     const int is_followed = analysis->load_path.points > 0;
     const int is_reached = !PZS_IS_ERROR(analysis->status);
     progress_stage("load path");
     plausible_path(&analysis->warnings, analysis->design.scene,
-                   is_followed || !is_reached ? (double)NAN : analysis_path_difference(analysis, u),
+                   is_followed || !is_reached ? (double)NAN
+                                              : analysis_path_difference(analysis, displacement),
                    analysis->equilibrium.solver.info.negative_pivots);
 }
 
-static int solved(const options *options, analysis *analysis, const double *u)
+static int solved(const options *options, analysis *analysis, const double *displacement)
 {
     const pzs_structure *structure = &analysis->design.structure;
     double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
-    const solution result = {analysis, u, value};
+    const solution result = {analysis, displacement, value};
     if (!value)
         return complain("out of memory", 1);
-    pzs_observe(structure, u, value);
-    plausible_result(&analysis->warnings, &analysis->design.mesh, u, !analysis->nonlinear,
-                     "the solution");
+    pzs_observe(structure, displacement, value);
+    plausible_result(&analysis->warnings, &analysis->design.mesh, displacement,
+                     !analysis->nonlinear, "the solution");
     if (analysis->nonlinear)
-        check_path(analysis, u);
+        check_path(analysis, displacement);
     int status = solve_error(options, analysis, value);
     progress_stop();
     if (status == 0)
         (options->as_json ? print_solve_json : print_solve)(analysis, value);
     if (status == 0 && options->vtu)
-        status = write_vtu(analysis, u, options->vtu);
+        status = write_vtu(analysis, displacement, options->vtu);
     if (status == 0)
         status = write_reports(options, write_solve, &result);
     if (status == 0)
-        status = export_solve(options, analysis, u, value);
+        status = export_solve(options, analysis, displacement, value);
     free(value);
     return status;
 }
@@ -255,11 +256,11 @@ static int solved(const options *options, analysis *analysis, const double *u)
  * Compute the displacement of the scene, along the load path where the options ask for it. Returns
  * 0, or an exit code after printing an error message.
  */
-static int solve_scene(const options *options, analysis *analysis, double *u)
+static int solve_scene(const options *options, analysis *analysis, double *displacement)
 {
     char error[SCENE_ERROR];
     if (!options->follows_path)
-        return analysis_solve(analysis, u, error) == 0 ? 0 : complain(error, 1);
+        return analysis_solve(analysis, displacement, error) == 0 ? 0 : complain(error, 1);
     if (load_path_follow(&analysis->load_path, analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
     if (!analysis->load_path.is_complete) {
@@ -268,7 +269,7 @@ static int solve_scene(const options *options, analysis *analysis, double *u)
                                                                      &analysis->load_path);
         return complain(error, 1);
     }
-    return analysis_continue(analysis, u, error) == 0 ? 0 : complain(error, 1);
+    return analysis_continue(analysis, displacement, error) == 0 ? 0 : complain(error, 1);
 }
 
 static int command_solve(const options *options, analysis *analysis)
@@ -276,14 +277,15 @@ static int command_solve(const options *options, analysis *analysis)
     char error[SCENE_ERROR];
     if (analysis_needs_structure(analysis, "pzs solve", error) < 0)
         return complain(error, OPTIONS_WRONG);
-    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
+    double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
     progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
     progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
-    const int failed = u ? solve_scene(options, analysis, u) : complain("out of memory", 1);
+    const int failed =
+        displacement ? solve_scene(options, analysis, displacement) : complain("out of memory", 1);
     /* A nonlinear path that ends early still provides an equilibrium, which is printed. */
     const int has_shape = !failed || (analysis->nonlinear && !options->follows_path);
-    const int status = u && has_shape ? solved(options, analysis, u) : 0;
-    free(u);
+    const int status = displacement && has_shape ? solved(options, analysis, displacement) : 0;
+    free(displacement);
     return failed ? failed : status;
 }
 
@@ -444,9 +446,9 @@ static void check_phases(plausible *warnings, const simulation *run)
 {
     const analysis *analysis = &run->plant.analysis;
     for (int k = 0; k < run->phases; k++) {
-        const double *u = run->phase[k].course[LAW_CONTROLLER].u;
-        if (u)
-            plausible_result(warnings, &analysis->design.mesh, u, !analysis->nonlinear,
+        const double *displacement = run->phase[k].course[LAW_CONTROLLER].u;
+        if (displacement)
+            plausible_result(warnings, &analysis->design.mesh, displacement, !analysis->nonlinear,
                              "the plant");
     }
 }
@@ -459,8 +461,8 @@ typedef struct simulated {
 
 static int write_simulate(const report_job *job, const void *result)
 {
-    const simulated *s = result;
-    return report_simulate(job, s->run, s->record);
+    const simulated *simulated = result;
+    return report_simulate(job, simulated->run, simulated->record);
 }
 
 static int command_simulate(const options *options, analysis *analysis)
@@ -518,8 +520,9 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     double *vector = calloc(length * count, sizeof *vector);
     report_field *field = calloc(count, sizeof *field);
     char(*name)[32] = calloc(count, sizeof *name);
-    outfile f;
-    int status = vector && field && name ? outfile_begin(&f, path) : complain("out of memory", 1);
+    outfile output;
+    int status =
+        vector && field && name ? outfile_begin(&output, path) : complain("out of memory", 1);
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
             snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
@@ -527,7 +530,7 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
                                 vector + i * length);
             field[i] = (report_field){name[i], vector + i * length};
         }
-        status = outfile_end(&f, report_vtu(f.file, mesh, field, vibration->count));
+        status = outfile_end(&output, report_vtu(output.file, mesh, field, vibration->count));
     }
     free(vector);
     free(field);
@@ -601,10 +604,10 @@ static int run_modes(const options *options)
 static void table_prefix(const options *options, const scene *scene, char prefix[SCENE_NAME])
 {
     snprintf(prefix, SCENE_NAME, "%s", options->prefix ? options->prefix : scene->name);
-    for (char *c = prefix; *c; c++)
-        if (!((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || *c == '_' ||
-              (c > prefix && *c >= '0' && *c <= '9')))
-            *c = '_';
+    for (char *letter = prefix; *letter; letter++)
+        if (!((*letter >= 'a' && *letter <= 'z') || (*letter >= 'A' && *letter <= 'Z') ||
+              *letter == '_' || (letter > prefix && *letter >= '0' && *letter <= '9')))
+            *letter = '_';
 }
 
 /* Path of the output file. In a folder the file is named after the prefix. */
@@ -712,11 +715,11 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     if (scene->kinematics == KINEMATICS_LINEAR)
         return scene_fault(scene, scene->at_surface, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
-    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
+    double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
     analysis->nonlinear = 1;
-    const int failed = u ? analysis_solve(analysis, u, error)
-                         : scene_fault(scene, scene->at_surface, error, "out of memory");
-    free(u);
+    const int failed = displacement ? analysis_solve(analysis, displacement, error)
+                                    : scene_fault(scene, scene->at_surface, error, "out of memory");
+    free(displacement);
     if (failed || (scene->target.given && analysis_influence(analysis, error) < 0))
         return -1;
     return judge_loop(analysis, error) < 0 ? -1 : judge_storms(analysis, error);
@@ -735,7 +738,7 @@ static void print_tables(const options *options, const analysis *analysis, const
 
 static int command_tables(const options *options, analysis *analysis)
 {
-    outfile f;
+    outfile output;
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
     analysis->quasi_static = options->quasi_static;
@@ -743,9 +746,10 @@ static int command_tables(const options *options, analysis *analysis)
     if (prepare_tables(analysis, options->image, error) < 0)
         return complain(error, failed_code(analysis));
     table_prefix(options, analysis->design.scene, prefix);
-    int status = outfile_begin(&f, table_path(options, prefix, path));
+    int status = outfile_begin(&output, table_path(options, prefix, path));
     if (status == 0)
-        status = outfile_end(&f, tables_write(f.file, analysis, options->image, prefix, &size));
+        status = outfile_end(&output,
+                             tables_write(output.file, analysis, options->image, prefix, &size));
     progress_stop();
     if (status == 0)
         print_tables(options, analysis, path);

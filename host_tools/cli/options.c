@@ -289,16 +289,19 @@ static int stat_folder(const char *path, struct stat *there)
 }
 
 /* Whether two paths lead to the same file, also where they are written differently. */
-static int same_file(const char *a, const char *b)
+static int same_file(const char *first, const char *second)
 {
-    struct stat s, t;
-    const char *const end_a = strrchr(a, '/'), *const end_b = strrchr(b, '/');
-    if (strcmp(a, b) == 0)
+    struct stat first_status, second_status;
+    const char *const end_a = strrchr(first, '/'), *const end_b = strrchr(second, '/');
+    if (strcmp(first, second) == 0)
         return 1;
-    if (stat(a, &s) == 0 && stat(b, &t) == 0)
-        return S_ISREG(s.st_mode) && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
-    return strcmp(end_a ? end_a + 1 : a, end_b ? end_b + 1 : b) == 0 && stat_folder(a, &s) == 0 &&
-           stat_folder(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+    if (stat(first, &first_status) == 0 && stat(second, &second_status) == 0)
+        return S_ISREG(first_status.st_mode) && first_status.st_dev == second_status.st_dev &&
+               first_status.st_ino == second_status.st_ino;
+    return strcmp(end_a ? end_a + 1 : first, end_b ? end_b + 1 : second) == 0 &&
+           stat_folder(first, &first_status) == 0 && stat_folder(second, &second_status) == 0 &&
+           first_status.st_dev == second_status.st_dev &&
+           first_status.st_ino == second_status.st_ino;
 }
 
 /* Refuse output files that would overwrite each other or the scene. */

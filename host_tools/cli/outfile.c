@@ -14,51 +14,51 @@ static int cannot_write(const char *path, const char *why)
     return 1;
 }
 
-int outfile_begin(outfile *f, const char *path)
+int outfile_begin(outfile *output, const char *path)
 {
     struct stat there;
     const int is_direct = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
-    f->path = path;
-    f->slot = -1;
-    f->temporary[0] = '\0';
+    output->path = path;
+    output->slot = -1;
+    output->temporary[0] = '\0';
     if (!is_direct) {
-        const int length =
-            snprintf(f->temporary, sizeof f->temporary, "%s.%ld.part", path, (long)getpid());
+        const int length = snprintf(output->temporary, sizeof output->temporary, "%s.%ld.part",
+                                    path, (long)getpid());
         if (length >= OUTFILE_PATH)
             return cannot_write(path, "path too long");
-        f->slot = interrupt_file(f->temporary);
+        output->slot = interrupt_file(output->temporary);
     }
-    f->file = fopen(is_direct ? path : f->temporary, "w");
-    if (f->file)
+    output->file = fopen(is_direct ? path : output->temporary, "w");
+    if (output->file)
         return 0;
-    interrupt_forget_file(f->slot);
+    interrupt_forget_file(output->slot);
     return cannot_write(path, strerror(errno));
 }
 
-static void remove_temporary(const outfile *f)
+static void remove_temporary(const outfile *output)
 {
-    if (f->temporary[0])
-        remove(f->temporary);
-    interrupt_forget_file(f->slot);
+    if (output->temporary[0])
+        remove(output->temporary);
+    interrupt_forget_file(output->slot);
 }
 
-int outfile_end(outfile *f, int failed)
+int outfile_end(outfile *output, int failed)
 {
-    failed |= ferror(f->file);
-    failed |= fclose(f->file) != 0;
-    if (!failed && f->temporary[0])
-        failed = rename(f->temporary, f->path) != 0;
+    failed |= ferror(output->file);
+    failed |= fclose(output->file) != 0;
+    if (!failed && output->temporary[0])
+        failed = rename(output->temporary, output->path) != 0;
     if (!failed) {
-        interrupt_forget_file(f->slot);
+        interrupt_forget_file(output->slot);
         return 0;
     }
     const int why = errno;
-    remove_temporary(f);
-    return cannot_write(f->path, strerror(why));
+    remove_temporary(output);
+    return cannot_write(output->path, strerror(why));
 }
 
-void outfile_drop(outfile *f)
+void outfile_drop(outfile *output)
 {
-    fclose(f->file);
-    remove_temporary(f);
+    fclose(output->file);
+    remove_temporary(output);
 }

@@ -23,15 +23,15 @@ typedef struct outfile {
  * Open a file for writing. Returns 0, or 1 after printing an error message on standard error. path
  * must outlive f.
  */
-int outfile_begin(outfile *f, const char *path);
+int outfile_begin(outfile *output, const char *path);
 
 /*
  * Close a file and give it its final name; with failed set, remove the incomplete file. Returns 0,
  * or 1 after printing an error message on standard error.
  */
-int outfile_end(outfile *f, int failed);
+int outfile_end(outfile *output, int failed);
 
 /* Remove an incomplete file without a message. */
-void outfile_drop(outfile *f);
+void outfile_drop(outfile *output);
 
 #endif

@@ -384,11 +384,11 @@ void print_solve_json(analysis *analysis, const double *value)
 
 /* ---- shape ------------------------------------------------------------ */
 
-static double largest(const double *x, int n)
+static double largest(const double *value, int count)
 {
     double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
+    for (int i = 0; i < count; i++)
+        most = fmax(most, fabs(value[i]));
     return most;
 }
 

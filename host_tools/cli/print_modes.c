@@ -6,13 +6,13 @@
 /* Print one table for each pair of voltage limits. */
 void print_modes(const scene *scene, const modes *modes)
 {
-    for (int l = 0; modes->count > 0 && l < modes->limits; l++) {
-        const double *limit = modes->left[l].limit;
+    for (int bound = 0; modes->count > 0 && bound < modes->limits; bound++) {
+        const double *limit = modes->left[bound].limit;
         printf("\n  mode by mode, shape error within %g .. %g V:\n", limit[0], limit[1]);
         printf("  %-20s %12s %11s %12s %11s %7s %11s %12s\n", "mode", "rms wanted", "no limits",
                "largest (V)", "in limits", "active", "clipped", "regularised");
         for (int k = 0; k < modes->count; k++) {
-            const mode_left *left = &modes->left[k * modes->limits + l];
+            const mode_left *left = &modes->left[k * modes->limits + bound];
             printf("  %-20s %12.3e %10.3f%% %12.2f %10.3f%% %7d %10.3f%% %11.3f%%\n",
                    scene->target.mode[k].name, modes->mode[k].size,
                    100 * modes->mode[k].unconstrained_error, modes->mode[k].largest_voltage,
@@ -32,8 +32,8 @@ void print_modes_json(json *json, const scene *scene, const modes *modes)
         json_number(json, "unconstrained_error", modes->mode[k].unconstrained_error);
         json_number(json, "largest_volt", modes->mode[k].largest_voltage);
         json_open(json, "limits", '[');
-        for (int l = 0; l < modes->limits; l++) {
-            const mode_left *left = &modes->left[k * modes->limits + l];
+        for (int bound = 0; bound < modes->limits; bound++) {
+            const mode_left *left = &modes->left[k * modes->limits + bound];
             json_open(json, NULL, '{');
             json_numbers(json, "limits", left->limit, 2);
             json_number(json, "shape_error", left->optimum);

@@ -16,11 +16,11 @@ int print_is_displacement(const analysis *analysis, int k)
 static void print_node_row(const analysis *analysis, int node, double value)
 {
     const mesh *mesh = &analysis->design.mesh;
-    const double *theta = mesh->theta[node], *x = mesh->point[node].x;
+    const double *theta = mesh->theta[node], *place = mesh->point[node].x;
     fputs("    ", stdout);
     if (!mesh->quads)
         printf("%13.6e %13.6e  ", theta[0], theta[1]);
-    printf("%13.6e %13.6e %13.6e  %16.9e\n", x[0], x[1], x[2], value);
+    printf("%13.6e %13.6e %13.6e  %16.9e\n", place[0], place[1], place[2], value);
 }
 
 void print_output_table(const analysis *analysis, int k, const double *value)
@@ -112,8 +112,8 @@ static void json_place(json *json, const analysis *analysis, int k, int i, doubl
             json_number(json, "theta1", mesh->theta[node][0]);
             json_number(json, "theta2", mesh->theta[node][1]);
         }
-        for (int c = 0; c < 3; c++)
-            json_number(json, axis[c], mesh->point[node].x[c]);
+        for (int component = 0; component < 3; component++)
+            json_number(json, axis[component], mesh->point[node].x[component]);
     } else {
         analysis_output_electrode(analysis, k, i, name);
         json_string(json, "electrode", name);

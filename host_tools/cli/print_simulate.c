@@ -50,28 +50,28 @@ typedef struct onlookers {
 
 static void look(void *context, const simulate_sample *sample)
 {
-    onlookers *w = context;
-    record_tick(w->sinks->record, sample);
-    if (w->sinks->history && sample->law == LAW_CONTROLLER)
-        history_add(w->sinks->history, w->scene, sample);
-    if (w->sinks->csv && sample->law == LAW_CONTROLLER)
-        print_csv_tick(w->sinks->csv, w->scene, w->estimates, sample);
-    progress_count(sample->tick + 1, w->scene->simulate.ticks);
+    onlookers *onlookers = context;
+    record_tick(onlookers->sinks->record, sample);
+    if (onlookers->sinks->history && sample->law == LAW_CONTROLLER)
+        history_add(onlookers->sinks->history, onlookers->scene, sample);
+    if (onlookers->sinks->csv && sample->law == LAW_CONTROLLER)
+        print_csv_tick(onlookers->sinks->csv, onlookers->scene, onlookers->estimates, sample);
+    progress_count(sample->tick + 1, onlookers->scene->simulate.ticks);
 }
 
 int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 {
-    onlookers w = {simulation->nominal->design.scene, sinks, simulation->estimates};
+    onlookers onlookers = {simulation->nominal->design.scene, sinks, simulation->estimates};
     if (sinks->csv)
-        print_csv_head(sinks->csv, w.scene, simulation->estimates);
+        print_csv_head(sinks->csv, onlookers.scene, simulation->estimates);
     progress_stage("simulating the controller");
-    if (simulate_run(simulation, LAW_CONTROLLER, look, &w, error) < 0)
+    if (simulate_run(simulation, LAW_CONTROLLER, look, &onlookers, error) < 0)
         return -1;
     progress_stage("simulating clipped voltages");
-    if (simulate_run(simulation, LAW_CLAMP, look, &w, error) < 0)
+    if (simulate_run(simulation, LAW_CLAMP, look, &onlookers, error) < 0)
         return -1;
     progress_stage("simulating regularised, then clipped voltages");
-    if (simulate_run(simulation, LAW_REGULARISED, look, &w, error) < 0)
+    if (simulate_run(simulation, LAW_REGULARISED, look, &onlookers, error) < 0)
         return -1;
     progress_stage("optimum of each phase");
     return simulate_optima(simulation, error);
@@ -186,10 +186,10 @@ static void print_history(const simulate_record *record, double rate)
     printf("\n  %-14s", "until (s)");
     for (int i = 0; i < parts; i++)
         printf(" %7.3g", (double)record->ticks * (i + 1) / parts / rate);
-    for (int r = 0; r < 2; r++) {
-        printf("\n  %-9s (%%) ", name[r]);
+    for (int k = 0; k < 2; k++) {
+        printf("\n  %-9s (%%) ", name[k]);
         for (int i = 0; i < parts; i++)
-            printf(" %7.3g", 100 * largest(record, row[r], i, parts));
+            printf(" %7.3g", 100 * largest(record, row[k], i, parts));
     }
     puts("\n  largest of the controller in each part of the time\n");
 }

@@ -112,8 +112,8 @@ void print_vibration_json(const design *design, const vibration *vibration,
 static void print_lines(const char *text)
 {
     fputs(*text ? "  " : "", stdout);
-    for (const char *p = text; *p; p++)
-        fputs(*p == '\n' ? "\n  " : (char[2]){*p, '\0'}, stdout);
+    for (const char *letter = text; *letter; letter++)
+        fputs(*letter == '\n' ? "\n  " : (char[2]){*letter, '\0'}, stdout);
     fputs(*text ? "\n" : "", stdout);
 }
 

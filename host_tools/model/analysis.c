@@ -31,14 +31,14 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
     const mesh *mesh = &analysis->design.mesh;
     const scene *scene = analysis->design.scene;
     if (status == PZS_E_LOOSE || status == PZS_E_NEGATIVE)
-        for (int n = 0; n < mesh->nodes; n++)
+        for (int node = 0; node < mesh->nodes; node++)
             for (unsigned i = 0; i < mesh->dof_per_node; i++)
-                if (mesh->node_dof[(size_t)n * mesh->dof_per_node + i] ==
+                if (mesh->node_dof[(size_t)node * mesh->dof_per_node + i] ==
                     analysis->model.info.where)
                     return scene_fault(
                         scene, scene->at_surface, error,
                         "%s: %s at node %s; add supports that stop every rigid motion",
-                        pzs_status_text(status), unknown_name[i], mesh_node_text(mesh, n).text);
+                        pzs_status_text(status), unknown_name[i], mesh_node_text(mesh, node).text);
     if (status == PZS_E_CONDITION)
         return scene_fault(
             scene, scene->at_surface, error,
@@ -111,12 +111,13 @@ static int open_structure(analysis *analysis, char *error)
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-static pzs_status displace_structure(analysis *analysis, const double *value, double *u)
+static pzs_status displace_structure(analysis *analysis, const double *value, double *displacement)
 {
     pzs_status status = factor_reference_state(analysis);
     if (status == PZS_OK)
         status = analysis_electrodes(analysis, value);
-    return status == PZS_OK ? pzs_solve(&analysis->model, analysis->input_value, u) : status;
+    return status == PZS_OK ? pzs_solve(&analysis->model, analysis->input_value, displacement)
+                            : status;
 }
 
 static pzs_status structure_influence(analysis *analysis)
@@ -156,9 +157,9 @@ int analysis_needs_structure(const analysis *analysis, const char *what, char *e
                        what);
 }
 
-pzs_status analysis_displace(analysis *analysis, const double *value, double *u)
+pzs_status analysis_displace(analysis *analysis, const double *value, double *displacement)
 {
-    return analysis->source->displace(analysis, value, u);
+    return analysis->source->displace(analysis, value, displacement);
 }
 
 int analysis_ended_early(const analysis *analysis)
@@ -250,7 +251,8 @@ pzs_status analysis_electrodes(analysis *analysis, const double *value)
                : status;
 }
 
-static pzs_status reach_nonlinear(analysis *analysis, const double *value, int warm, double *u)
+static pzs_status reach_nonlinear(analysis *analysis, const double *value, int warm,
+                                  double *displacement)
 {
     pzs_solver *run = &analysis->equilibrium.solver;
     const double begin = analysis_now();
@@ -258,20 +260,22 @@ static pzs_status reach_nonlinear(analysis *analysis, const double *value, int w
         pzs_solver_reset(run);
     analysis->status = pzs_equilibrium(run, value);
     analysis->seconds.solve = analysis_now() - begin;
-    memcpy(u, run->info.displacement, (size_t)analysis->design.mesh.free_dof * sizeof *u);
+    memcpy(displacement, run->info.displacement,
+           (size_t)analysis->design.mesh.free_dof * sizeof *displacement);
     (void)analysis_electrodes(analysis, value);
     return analysis->status;
 }
 
-static pzs_status reach_linear(analysis *analysis, const double *value, double *u)
+static pzs_status reach_linear(analysis *analysis, const double *value, double *displacement)
 {
     const double begin = analysis_now();
-    analysis->status = analysis_displace(analysis, value, u);
+    analysis->status = analysis_displace(analysis, value, displacement);
     analysis->seconds.solve = analysis_now() - begin;
     return analysis->status;
 }
 
-int analysis_reach(analysis *analysis, const double *voltage, int warm, double *u, char *error)
+int analysis_reach(analysis *analysis, const double *voltage, int warm, double *displacement,
+                   char *error)
 {
     const design *design = &analysis->design;
     const size_t inputs = design->structure.input.count, amplifiers = (size_t)design->amplifiers;
@@ -283,22 +287,23 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
     for (size_t k = amplifiers; k < inputs; k++)
         value[k] = analysis->nonlinear ? analysis->equilibrium.full_input[k]
                                        : k < amplifiers + (size_t)design->loads;
-    const pzs_status status = analysis->nonlinear ? reach_nonlinear(analysis, value, warm, u)
-                                                  : reach_linear(analysis, value, u);
+    const pzs_status status = analysis->nonlinear
+                                  ? reach_nonlinear(analysis, value, warm, displacement)
+                                  : reach_linear(analysis, value, displacement);
     free(value);
     if (analysis->nonlinear)
         return explain_equilibrium(analysis, error);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-static int solve_applied(analysis *analysis, int warm, double *u, char *error)
+static int solve_applied(analysis *analysis, int warm, double *displacement, char *error)
 {
     const design *design = &analysis->design;
     double *voltage = calloc((size_t)design->amplifiers + 1, sizeof *voltage);
     if (!voltage)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     design_applied(design, voltage);
-    const int failed = analysis_reach(analysis, voltage, warm, u, error);
+    const int failed = analysis_reach(analysis, voltage, warm, displacement, error);
     free(voltage);
     return failed;
 }
@@ -307,12 +312,12 @@ static int solve_applied(analysis *analysis, int warm, double *u, char *error)
  * Difference of two displacements relative to the size of the second; each dof is weighted by its
  * stiffness.
  */
-static double distance(const analysis *analysis, const double *x, const double *y)
+static double distance(const analysis *analysis, const double *first, const double *second)
 {
     double apart = 0, size = 0;
     for (int i = 0; i < analysis->design.mesh.free_dof; i++) {
-        apart += pow((x[i] - y[i]) / analysis->model.state.scale[i], 2);
-        size += pow(y[i] / analysis->model.state.scale[i], 2);
+        apart += pow((first[i] - second[i]) / analysis->model.state.scale[i], 2);
+        size += pow(second[i] / analysis->model.state.scale[i], 2);
     }
     return size > 0 ? sqrt(apart / size) : 0;
 }
@@ -321,9 +326,9 @@ static double distance(const analysis *analysis, const double *x, const double *
  * Solve with linear and nonlinear kinematics, and keep the linear displacement where the two differ
  * by no more than the scene's tolerance.
  */
-static int solve_auto(analysis *analysis, double *u, char *error)
+static int solve_auto(analysis *analysis, double *displacement, char *error)
 {
-    const size_t bytes = (size_t)analysis->design.mesh.free_dof * sizeof *u;
+    const size_t bytes = (size_t)analysis->design.mesh.free_dof * sizeof *displacement;
     double *linear = malloc(bytes);
     if (!linear)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
@@ -331,11 +336,11 @@ static int solve_auto(analysis *analysis, double *u, char *error)
     int failed = solve_applied(analysis, 0, linear, error);
     analysis->nonlinear = 1;
     if (!failed)
-        failed = solve_applied(analysis, 0, u, error);
-    analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, u);
+        failed = solve_applied(analysis, 0, displacement, error);
+    analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, displacement);
     if (analysis->linear_error <= analysis->design.scene->tolerance) {
         analysis->nonlinear = 0;
-        memcpy(u, linear, bytes);
+        memcpy(displacement, linear, bytes);
     }
     free(linear);
     return failed;
@@ -345,27 +350,27 @@ static int solve_auto(analysis *analysis, double *u, char *error)
  * Contact and prescribed displacements exist under nonlinear kinematics alone, so no linear
  * solution is computed for them.
  */
-int analysis_solve(analysis *analysis, double *u, char *error)
+int analysis_solve(analysis *analysis, double *displacement, char *error)
 {
     const int path_alone =
         analysis->design.scene->contact.given || analysis->design.mesh.prescribed_count > 0;
     if (analysis->design.scene->kinematics == KINEMATICS_AUTO && !path_alone)
-        return solve_auto(analysis, u, error);
+        return solve_auto(analysis, displacement, error);
     if (analysis->design.scene->kinematics == KINEMATICS_AUTO) {
         analysis->nonlinear = 1;
         analysis->linear_error = (double)NAN;
     }
-    return solve_applied(analysis, 0, u, error);
+    return solve_applied(analysis, 0, displacement, error);
 }
 
-int analysis_continue(analysis *analysis, double *u, char *error)
+int analysis_continue(analysis *analysis, double *displacement, char *error)
 {
     analysis->nonlinear = 1;
-    return solve_applied(analysis, 1, u, error);
+    return solve_applied(analysis, 1, displacement, error);
 }
 
 /* Solve with twice as many load steps. u [free_dof] out. Returns the status of the solver. */
-static pzs_status solve_in_more_steps(analysis *analysis, double *u)
+static pzs_status solve_in_more_steps(analysis *analysis, double *displacement)
 {
     pzs_solver *solver = &analysis->equilibrium.solver;
     const pzs_solver_info info = solver->info;
@@ -374,13 +379,14 @@ static pzs_status solve_in_more_steps(analysis *analysis, double *u)
     solver->settings.solve_limit = 2 * settings.solve_limit;
     pzs_solver_reset(solver);
     const pzs_status status = pzs_equilibrium(solver, analysis->equilibrium.full_input);
-    memcpy(u, solver->info.displacement, (size_t)analysis->design.mesh.free_dof * sizeof *u);
+    memcpy(displacement, solver->info.displacement,
+           (size_t)analysis->design.mesh.free_dof * sizeof *displacement);
     solver->settings = settings;
     solver->info = info;
     return status;
 }
 
-double analysis_path_difference(analysis *analysis, const double *u)
+double analysis_path_difference(analysis *analysis, const double *displacement)
 {
     const equilibrium *equilibrium = &analysis->equilibrium;
     double difference = (double)NAN;
@@ -393,7 +399,7 @@ double analysis_path_difference(analysis *analysis, const double *u)
         equilibrium_save(equilibrium, state);
         difference = PZS_IS_ERROR(solve_in_more_steps(analysis, other))
                          ? HUGE_VAL
-                         : distance(analysis, other, u);
+                         : distance(analysis, other, displacement);
         equilibrium_restore(&analysis->equilibrium, state);
     }
     free(other);
@@ -441,15 +447,16 @@ static double work_of_loads(analysis *analysis, double *value)
 {
     const design *design = &analysis->design;
     const pzs_rows *in = &design->structure.input;
-    double *u = calloc((size_t)design->mesh.free_dof, sizeof *u), work = 0;
+    double *displacement = calloc((size_t)design->mesh.free_dof, sizeof *displacement), work = 0;
     for (int k = 0; k < design->loads; k++)
         value[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
-    const pzs_status status = u ? pzs_solve(&analysis->model, value, u) : PZS_E_WORKSPACE;
+    const pzs_status status =
+        displacement ? pzs_solve(&analysis->model, value, displacement) : PZS_E_WORKSPACE;
     for (int k = design->amplifiers; status == PZS_OK && k < design->amplifiers + design->loads;
          k++)
-        for (uint32_t t = in->start[k]; t < in->start[k + 1]; t++)
-            work += value[k] * in->value[t] * u[in->dof[t]];
-    free(u);
+        for (uint32_t entry = in->start[k]; entry < in->start[k + 1]; entry++)
+            work += value[k] * in->value[entry] * displacement[in->dof[entry]];
+    free(displacement);
     return status == PZS_OK ? work : (double)NAN;
 }
 

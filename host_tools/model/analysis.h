@@ -78,7 +78,7 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
  * the load steps end before the full load, u is the last equilibrium and the message says so.
  * Returns 0, or -1 with error filled.
  */
-int analysis_solve(analysis *analysis, double *u, char *error);
+int analysis_solve(analysis *analysis, double *displacement, char *error);
 
 /* Returns 0 where the scene has a structure, else -1 with error filled: `what` needs one. */
 int analysis_needs_structure(const analysis *analysis, const char *what, char *error);
@@ -88,13 +88,13 @@ int analysis_needs_structure(const analysis *analysis, const char *what, char *e
  *   value [inputs]  in
  *   u [free_dof]    out
  */
-pzs_status analysis_displace(analysis *analysis, const double *value, double *u);
+pzs_status analysis_displace(analysis *analysis, const double *value, double *displacement);
 
 /*
  * The same from the last equilibrium of the solver, as load_path_follow leaves it, with nonlinear
  * kinematics.
  */
-int analysis_continue(analysis *analysis, double *u, char *error);
+int analysis_continue(analysis *analysis, double *displacement, char *error);
 
 /*
  * Solve once more with twice as many load steps, and compare: a large difference says that the
@@ -104,7 +104,7 @@ int analysis_continue(analysis *analysis, double *u, char *error);
  * Returns the difference relative to the displacement; HUGE_VAL where the load is not reached; NAN
  * for scenes with contact, prescribed displacements or open electrodes, and without memory.
  */
-double analysis_path_difference(analysis *analysis, const double *u);
+double analysis_path_difference(analysis *analysis, const double *displacement);
 
 /*
  * Displacement under other voltages, as analysis_solve.
@@ -112,7 +112,8 @@ double analysis_path_difference(analysis *analysis, const double *u);
  *   warm                  in   nonlinear: start from the last shape, not from the reference state
  *   u [free_dof]          out
  */
-int analysis_reach(analysis *analysis, const double *voltage, int warm, double *u, char *error);
+int analysis_reach(analysis *analysis, const double *voltage, int warm, double *displacement,
+                   char *error);
 
 /*
  * Fill analysis->input_value and analysis->charge: of the solver's last equilibrium, or of a linear

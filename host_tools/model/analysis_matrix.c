@@ -13,14 +13,14 @@ static int open(analysis *analysis, char *error)
     return 0;
 }
 
-static pzs_status displace(analysis *analysis, const double *value, double *u)
+static pzs_status displace(analysis *analysis, const double *value, double *displacement)
 {
     const scene *scene = analysis->design.scene;
     const size_t inputs = (size_t)scene->amplifiers;
     for (size_t i = 0; i < (size_t)scene->influence.outputs; i++) {
-        u[i] = 0;
+        displacement[i] = 0;
         for (size_t k = 0; k < inputs; k++)
-            u[i] += scene->influence.matrix[i * inputs + k] * value[k];
+            displacement[i] += scene->influence.matrix[i * inputs + k] * value[k];
     }
     return PZS_OK;
 }

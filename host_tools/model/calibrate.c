@@ -29,116 +29,119 @@ static int out_of_memory(char *error)
     return -1;
 }
 
-static void spectrum_close(spectrum *s)
+static void spectrum_close(spectrum *spectrum)
 {
-    free(s->vector);
-    free(s->value);
-    free(s->residual);
-    free(s->rotated);
-    free(s->inverse);
+    free(spectrum->vector);
+    free(spectrum->value);
+    free(spectrum->residual);
+    free(spectrum->rotated);
+    free(spectrum->inverse);
 }
 
 /* R = S - V B0' */
 static void subtract_model(const pokes *pokes, const double *model, double *residual)
 {
     memcpy(residual, pokes->shape, pokes->count * pokes->outputs * sizeof *residual);
-    for (size_t p = 0; p < pokes->count && model; p++)
+    for (size_t poke = 0; poke < pokes->count && model; poke++)
         for (size_t i = 0; i < pokes->outputs; i++)
             for (size_t k = 0; k < pokes->actuators; k++)
-                residual[p * pokes->outputs + i] -=
-                    pokes->voltage[p * pokes->actuators + k] * model[i * pokes->actuators + k];
+                residual[poke * pokes->outputs + i] -=
+                    pokes->voltage[poke * pokes->actuators + k] * model[i * pokes->actuators + k];
 }
 
 /* Eigenvalues and eigenvectors of V V'. gram [pokes][pokes] work */
-static void decompose(spectrum *s, const pokes *pokes, double *gram)
+static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
 {
-    const size_t count = pokes->count, n = pokes->actuators;
-    for (size_t p = 0; p < count; p++)
-        for (size_t q = 0; q < count; q++) {
+    const size_t count = pokes->count, actuators = pokes->actuators;
+    for (size_t poke = 0; poke < count; poke++)
+        for (size_t other = 0; other < count; other++) {
             double sum = 0;
-            for (size_t k = 0; k < n; k++)
-                sum += pokes->voltage[p * n + k] * pokes->voltage[q * n + k];
-            gram[p * count + q] = sum;
+            for (size_t k = 0; k < actuators; k++)
+                sum += pokes->voltage[poke * actuators + k] * pokes->voltage[other * actuators + k];
+            gram[poke * count + other] = sum;
         }
-    eigen_symmetric(gram, s->vector, count, 40, 0);
-    for (size_t p = 0; p < count; p++)
-        s->value[p] = fmax(gram[p * count + p], 0);
+    eigen_symmetric(gram, spectrum->vector, count, 40, 0);
+    for (size_t poke = 0; poke < count; poke++)
+        spectrum->value[poke] = fmax(gram[poke * count + poke], 0);
 }
 
-static int spectrum_open(spectrum *s, const pokes *pokes, const double *model)
+static int spectrum_open(spectrum *spectrum, const pokes *pokes, const double *model)
 {
-    const size_t count = pokes->count, m = pokes->outputs;
-    memset(s, 0, sizeof *s);
-    s->pokes = count;
-    s->actuators = pokes->actuators;
-    s->outputs = m;
-    s->vector = calloc(count * count + 1, sizeof *s->vector);
-    s->value = calloc(count + 1, sizeof *s->value);
-    s->residual = calloc(count * m + 1, sizeof *s->residual);
-    s->rotated = calloc(count * m + 1, sizeof *s->rotated);
-    s->inverse = calloc(count + 1, sizeof *s->inverse);
+    const size_t count = pokes->count, outputs = pokes->outputs;
+    memset(spectrum, 0, sizeof *spectrum);
+    spectrum->pokes = count;
+    spectrum->actuators = pokes->actuators;
+    spectrum->outputs = outputs;
+    spectrum->vector = calloc(count * count + 1, sizeof *spectrum->vector);
+    spectrum->value = calloc(count + 1, sizeof *spectrum->value);
+    spectrum->residual = calloc(count * outputs + 1, sizeof *spectrum->residual);
+    spectrum->rotated = calloc(count * outputs + 1, sizeof *spectrum->rotated);
+    spectrum->inverse = calloc(count + 1, sizeof *spectrum->inverse);
     double *gram = calloc(count * count + 1, sizeof *gram);
-    const bool has_memory =
-        s->vector && s->value && s->residual && s->rotated && s->inverse && gram;
+    const bool has_memory = spectrum->vector && spectrum->value && spectrum->residual &&
+                            spectrum->rotated && spectrum->inverse && gram;
     if (has_memory) {
-        subtract_model(pokes, model, s->residual);
-        decompose(s, pokes, gram);
-        for (size_t e = 0; e < count; e++)
-            for (size_t p = 0; p < count; p++)
-                for (size_t i = 0; i < m; i++)
-                    s->rotated[e * m + i] += s->vector[p * count + e] * s->residual[p * m + i];
+        subtract_model(pokes, model, spectrum->residual);
+        decompose(spectrum, pokes, gram);
+        for (size_t index = 0; index < count; index++)
+            for (size_t poke = 0; poke < count; poke++)
+                for (size_t i = 0; i < outputs; i++)
+                    spectrum->rotated[index * outputs + i] +=
+                        spectrum->vector[poke * count + index] *
+                        spectrum->residual[poke * outputs + i];
     }
     free(gram);
     return has_memory ? 0 : -1;
 }
 
-static double largest_value(const spectrum *s)
+static double largest_value(const spectrum *spectrum)
 {
     double most = 0;
-    for (size_t e = 0; e < s->pokes; e++)
-        most = fmax(most, s->value[e]);
+    for (size_t index = 0; index < spectrum->pokes; index++)
+        most = fmax(most, spectrum->value[index]);
     return most;
 }
 
-static int rank_of(const spectrum *s)
+static int rank_of(const spectrum *spectrum)
 {
     int rank = 0;
-    for (size_t e = 0; e < s->pokes; e++)
-        rank += s->value[e] > negligible * largest_value(s);
+    for (size_t index = 0; index < spectrum->pokes; index++)
+        rank += spectrum->value[index] > negligible * largest_value(spectrum);
     return rank;
 }
 
 /* Factors 1/(l + q) of the eigenvectors; 0 where l is negligible and q is 0. */
-static void invert(spectrum *s, double q)
+static void invert(spectrum *spectrum, double ratio)
 {
-    const double least = negligible * largest_value(s);
-    for (size_t e = 0; e < s->pokes; e++) {
-        const bool counts = q > 0 || s->value[e] > least;
-        s->inverse[e] = counts ? 1 / (s->value[e] + q) : 0;
+    const double least = negligible * largest_value(spectrum);
+    for (size_t index = 0; index < spectrum->pokes; index++) {
+        const bool counts = ratio > 0 || spectrum->value[index] > least;
+        spectrum->inverse[index] = counts ? 1 / (spectrum->value[index] + ratio) : 0;
     }
 }
 
 /* Variance of the noise that is most likely for a ratio q: the mean of q R'(V V' + q I)^-1 R. */
-static double likely_variance(const spectrum *s, double q)
+static double likely_variance(const spectrum *spectrum, double ratio)
 {
     double sum = 0;
-    for (size_t e = 0; e < s->pokes; e++)
-        for (size_t i = 0; i < s->outputs; i++)
-            sum += q / (s->value[e] + q) * pow(s->rotated[e * s->outputs + i], 2);
-    return sum / (double)(s->pokes * s->outputs);
+    for (size_t index = 0; index < spectrum->pokes; index++)
+        for (size_t i = 0; i < spectrum->outputs; i++)
+            sum += ratio / (spectrum->value[index] + ratio) *
+                   pow(spectrum->rotated[index * spectrum->outputs + i], 2);
+    return sum / (double)(spectrum->pokes * spectrum->outputs);
 }
 
 /*
  * Negative logarithm of the likelihood of the residuals for a ratio q, with the most likely
  * variance of the noise; constants are left out.
  */
-static double unlikelihood(const spectrum *s, double q)
+static double unlikelihood(const spectrum *spectrum, double ratio)
 {
     const double least = 1e-300;
-    double sum = (double)s->pokes * log(fmax(likely_variance(s, q), least));
-    for (size_t e = 0; e < s->pokes; e++)
-        sum += log1p(s->value[e] / q);
-    return sum * (double)s->outputs / 2;
+    double sum = (double)spectrum->pokes * log(fmax(likely_variance(spectrum, ratio), least));
+    for (size_t index = 0; index < spectrum->pokes; index++)
+        sum += log1p(spectrum->value[index] / ratio);
+    return sum * (double)spectrum->outputs / 2;
 }
 
 /*
@@ -146,16 +149,17 @@ static double unlikelihood(const spectrum *s, double q)
  * is not significantly less likely, as for no more orthogonal pokes than actuators, the noise
  * cannot be told from errors of the model; then the smallest q trusts the measurements.
  */
-static double choose_ratio(const spectrum *s, bool *is_separable)
+static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 {
     enum { STEPS = 128 };
     static const double significant = 3; /* of logarithms of likelihoods */
     double mean = 0, least = HUGE_VAL, smallest = 0, chosen = 0;
-    for (size_t e = 0; e < s->pokes; e++)
-        mean += s->value[e] / (double)s->pokes;
+    for (size_t index = 0; index < spectrum->pokes; index++)
+        mean += spectrum->value[index] / (double)spectrum->pokes;
     for (int k = 0; k <= STEPS; k++) {
-        const double q = mean * pow(10, -10 + 16.0 * k / STEPS), value = unlikelihood(s, q);
-        chosen = value < least ? q : chosen;
+        const double ratio = mean * pow(10, -10 + 16.0 * k / STEPS),
+                     value = unlikelihood(spectrum, ratio);
+        chosen = value < least ? ratio : chosen;
         least = fmin(least, value);
         smallest = k == 0 ? value : smallest;
     }
@@ -166,42 +170,46 @@ static double choose_ratio(const spectrum *s, bool *is_separable)
 /* ---- result ----------------------------------------------------------- */
 
 /* B' = B0' + V' Q diag(inverse) Q'R, and the residual S - V B'. */
-static void fill_influence(calibration *result, spectrum *s, const pokes *pokes,
+static void fill_influence(calibration *result, spectrum *spectrum, const pokes *pokes,
                            const double *model)
 {
-    const size_t count = s->pokes, n = s->actuators, m = s->outputs;
-    for (size_t i = 0; i < m * n; i++)
+    const size_t count = spectrum->pokes, actuators = spectrum->actuators,
+                 outputs = spectrum->outputs;
+    for (size_t i = 0; i < outputs * actuators; i++)
         result->influence[i] = model ? model[i] : 0;
-    for (size_t e = 0; e < count; e++)
-        for (size_t k = 0; k < n; k++) {
+    for (size_t index = 0; index < count; index++)
+        for (size_t k = 0; k < actuators; k++) {
             double along = 0; /* entry of V'Q */
-            for (size_t p = 0; p < count; p++)
-                along += pokes->voltage[p * n + k] * s->vector[p * count + e];
-            for (size_t i = 0; i < m; i++)
-                result->influence[i * n + k] += along * s->inverse[e] * s->rotated[e * m + i];
+            for (size_t poke = 0; poke < count; poke++)
+                along +=
+                    pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];
+            for (size_t i = 0; i < outputs; i++)
+                result->influence[i * actuators + k] +=
+                    along * spectrum->inverse[index] * spectrum->rotated[index * outputs + i];
         }
-    subtract_model(pokes, result->influence, s->residual);
+    subtract_model(pokes, result->influence, spectrum->residual);
     double sum = 0;
-    for (size_t i = 0; i < count * m; i++)
-        sum += s->residual[i] * s->residual[i];
-    result->residual = sqrt(sum / (double)(count * m));
+    for (size_t i = 0; i < count * outputs; i++)
+        sum += spectrum->residual[i] * spectrum->residual[i];
+    result->residual = sqrt(sum / (double)(count * outputs));
 }
 
 /*
  * Standard errors. Without a model the variance is s^2 [(V'V)^-1]_kk; with one it is t^2 (1 -
  * v_k'(V V' + q I)^-1 v_k), v_k the voltages of actuator k.
  */
-static void fill_errors(calibration *result, const spectrum *s, const pokes *pokes)
+static void fill_errors(calibration *result, const spectrum *spectrum, const pokes *pokes)
 {
-    const size_t count = s->pokes, n = s->actuators;
-    for (size_t k = 0; k < n; k++) {
+    const size_t count = spectrum->pokes, actuators = spectrum->actuators;
+    for (size_t k = 0; k < actuators; k++) {
         double sum = 0;
-        for (size_t e = 0; e < count; e++) {
+        for (size_t index = 0; index < count; index++) {
             double along = 0;
-            for (size_t p = 0; p < count; p++)
-                along += pokes->voltage[p * n + k] * s->vector[p * count + e];
-            sum +=
-                result->spread > 0 ? along * along * s->inverse[e] : pow(along * s->inverse[e], 2);
+            for (size_t poke = 0; poke < count; poke++)
+                along +=
+                    pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];
+            sum += result->spread > 0 ? along * along * spectrum->inverse[index]
+                                      : pow(along * spectrum->inverse[index], 2);
         }
         result->error[k] = result->spread > 0 ? result->spread * sqrt(fmax(1 - sum, 0))
                                               : result->noise * sqrt(sum);
@@ -209,7 +217,7 @@ static void fill_errors(calibration *result, const spectrum *s, const pokes *pok
 }
 
 /* Least squares without a model. */
-static int fit_alone(calibration *result, spectrum *s, const pokes *pokes, char *error)
+static int fit_alone(calibration *result, spectrum *spectrum, const pokes *pokes, char *error)
 {
     if (result->rank < (int)pokes->actuators) {
         snprintf(error, SCENE_ERROR,
@@ -218,45 +226,45 @@ static int fit_alone(calibration *result, spectrum *s, const pokes *pokes, char 
                  (unsigned long)pokes->count, result->rank, (unsigned long)pokes->actuators);
         return -1;
     }
-    invert(s, 0);
-    fill_influence(result, s, pokes, NULL);
+    invert(spectrum, 0);
+    fill_influence(result, spectrum, pokes, NULL);
     const size_t left = pokes->count - pokes->actuators;
     result->noise =
         left > 0 ? result->residual * sqrt((double)pokes->count / (double)left) : (double)NAN;
-    fill_errors(result, s, pokes);
+    fill_errors(result, spectrum, pokes);
     return 0;
 }
 
-static void fit_with_model(calibration *result, spectrum *s, const pokes *pokes,
+static void fit_with_model(calibration *result, spectrum *spectrum, const pokes *pokes,
                            const double *model)
 {
     bool is_separable;
-    const double q = choose_ratio(s, &is_separable);
-    const double noise = sqrt(likely_variance(s, q));
+    const double ratio = choose_ratio(spectrum, &is_separable);
+    const double noise = sqrt(likely_variance(spectrum, ratio));
     result->noise = is_separable ? noise : (double)NAN;
-    result->spread = noise / sqrt(q);
-    invert(s, q);
-    fill_influence(result, s, pokes, model);
-    fill_errors(result, s, pokes);
+    result->spread = noise / sqrt(ratio);
+    invert(spectrum, ratio);
+    fill_influence(result, spectrum, pokes, model);
+    fill_errors(result, spectrum, pokes);
 }
 
 int calibrate(calibration *result, const pokes *pokes, const double *model, char *error)
 {
-    spectrum s;
+    spectrum spectrum;
     memset(result, 0, sizeof *result);
     result->influence = calloc(pokes->outputs * pokes->actuators + 1, sizeof *result->influence);
     result->error = calloc(pokes->actuators + 1, sizeof *result->error);
-    int failed = spectrum_open(&s, pokes, model);
+    int failed = spectrum_open(&spectrum, pokes, model);
     if (failed || !result->influence || !result->error) {
         failed = out_of_memory(error);
     } else {
-        result->rank = rank_of(&s);
+        result->rank = rank_of(&spectrum);
         if (model)
-            fit_with_model(result, &s, pokes, model);
+            fit_with_model(result, &spectrum, pokes, model);
         else
-            failed = fit_alone(result, &s, pokes, error);
+            failed = fit_alone(result, &spectrum, pokes, error);
     }
-    spectrum_close(&s);
+    spectrum_close(&spectrum);
     return failed;
 }
 

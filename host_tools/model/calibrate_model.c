@@ -77,13 +77,13 @@ static int model_influence(const calibration_model *model, const scene *nominal,
 /* shape [pokes][outputs] out: V B' */
 static void predict(const pokes *pokes, const double *influence, double *shape)
 {
-    for (size_t p = 0; p < pokes->count; p++)
+    for (size_t poke = 0; poke < pokes->count; poke++)
         for (size_t i = 0; i < pokes->outputs; i++) {
             double sum = 0;
             for (size_t k = 0; k < pokes->actuators; k++)
-                sum +=
-                    pokes->voltage[p * pokes->actuators + k] * influence[i * pokes->actuators + k];
-            shape[p * pokes->outputs + i] = sum;
+                sum += pokes->voltage[poke * pokes->actuators + k] *
+                       influence[i * pokes->actuators + k];
+            shape[poke * pokes->outputs + i] = sum;
         }
 }
 
@@ -116,16 +116,16 @@ static int fit_open(fit *fit, const calibration_model *model, const pokes *pokes
 static double squares_left(const fit *fit, const pokes *pokes)
 {
     double sum = 0;
-    for (size_t e = 0; e < fit->entries; e++)
-        sum += pow(pokes->shape[e] - fit->shape[e], 2);
+    for (size_t entry = 0; entry < fit->entries; entry++)
+        sum += pow(pokes->shape[entry] - fit->shape[entry], 2);
     return sum;
 }
 
 static double squares_of(const pokes *pokes)
 {
     double sum = 0;
-    for (size_t e = 0; e < pokes->count * pokes->outputs; e++)
-        sum += pokes->shape[e] * pokes->shape[e];
+    for (size_t entry = 0; entry < pokes->count * pokes->outputs; entry++)
+        sum += pokes->shape[entry] * pokes->shape[entry];
     return sum;
 }
 
@@ -142,8 +142,8 @@ static int differentiate(fit *fit, calibration_model *model, const scene *nomina
         if (failed)
             return -1;
         predict(pokes, fit->influence, slope);
-        for (size_t e = 0; e < fit->entries; e++)
-            slope[e] = (slope[e] - fit->shape[e]) / step;
+        for (size_t entry = 0; entry < fit->entries; entry++)
+            slope[entry] = (slope[entry] - fit->shape[entry]) / step;
     }
     return 0;
 }
@@ -152,48 +152,48 @@ static int differentiate(fit *fit, calibration_model *model, const scene *nomina
  * Solve the normal equations by Cholesky's method; the prior makes them positive definite.
  *   a [n][n] in/out, x [n] in: right-hand side, out: solution
  */
-static void solve(double *a, double *x, int n)
+static void solve(double *matrix, double *solution, int order)
 {
-    for (int j = 0; j < n; j++) {
-        for (int i = j; i < n; i++)
+    for (int j = 0; j < order; j++) {
+        for (int i = j; i < order; i++)
             for (int k = 0; k < j; k++)
-                a[i * n + j] -= a[i * n + k] * a[j * n + k];
-        a[j * n + j] = sqrt(a[j * n + j]);
-        for (int i = j + 1; i < n; i++)
-            a[i * n + j] /= a[j * n + j];
+                matrix[i * order + j] -= matrix[i * order + k] * matrix[j * order + k];
+        matrix[j * order + j] = sqrt(matrix[j * order + j]);
+        for (int i = j + 1; i < order; i++)
+            matrix[i * order + j] /= matrix[j * order + j];
         for (int k = 0; k < j; k++)
-            x[j] -= a[j * n + k] * x[k];
-        x[j] /= a[j * n + j];
+            solution[j] -= matrix[j * order + k] * solution[k];
+        solution[j] /= matrix[j * order + j];
     }
-    for (int j = n - 1; j >= 0; j--) {
-        for (int k = j + 1; k < n; k++)
-            x[j] -= a[k * n + j] * x[k];
-        x[j] /= a[j * n + j];
+    for (int j = order - 1; j >= 0; j--) {
+        for (int k = j + 1; k < order; k++)
+            solution[j] -= matrix[k * order + j] * solution[k];
+        solution[j] /= matrix[j * order + j];
     }
 }
 
 /* One step: the change of the logarithms. Returns the largest. */
 static double change_factors(fit *fit, calibration_model *model, const pokes *pokes)
 {
-    const int n = model->factors;
+    const int count = model->factors;
     const double least = DBL_EPSILON * squares_of(pokes);
     const double variance = fmax(squares_left(fit, pokes), least) / (double)fit->entries;
     double most = 0;
-    for (int j = 0; j < n; j++) {
+    for (int j = 0; j < count; j++) {
         const double *slope = fit->slope + (size_t)j * fit->entries;
         fit->change[j] = -log(model->factor[j].value) / pow(MODEL_SPREAD, 2);
-        for (size_t e = 0; e < fit->entries; e++)
-            fit->change[j] += slope[e] * (pokes->shape[e] - fit->shape[e]) / variance;
-        for (int k = 0; k < n; k++) {
+        for (size_t entry = 0; entry < fit->entries; entry++)
+            fit->change[j] += slope[entry] * (pokes->shape[entry] - fit->shape[entry]) / variance;
+        for (int k = 0; k < count; k++) {
             const double *other = fit->slope + (size_t)k * fit->entries;
             double sum = j == k ? 1 / pow(MODEL_SPREAD, 2) : 0;
-            for (size_t e = 0; e < fit->entries; e++)
-                sum += slope[e] * other[e] / variance;
-            fit->normal[j * n + k] = sum;
+            for (size_t entry = 0; entry < fit->entries; entry++)
+                sum += slope[entry] * other[entry] / variance;
+            fit->normal[j * count + k] = sum;
         }
     }
-    solve(fit->normal, fit->change, n);
-    for (int j = 0; j < n; j++) {
+    solve(fit->normal, fit->change, count);
+    for (int j = 0; j < count; j++) {
         const double change = fmin(fmax(fit->change[j], -0.5), 0.5);
         model->factor[j].value *= exp(change);
         most = fmax(most, fabs(change));
@@ -233,10 +233,13 @@ static int fit_factors(calibration_model *model, const scene *nominal, const pok
 /* ---- faults ----------------------------------------------------------- */
 
 /* Whether two lists have the same faults in the same order. */
-static bool are_same(const wiring_fault *x, int x_faults, const wiring_fault *y, int y_faults)
+static bool are_same(const wiring_fault *first, int x_faults, const wiring_fault *second,
+                     int y_faults)
 {
-    for (int f = 0; f < x_faults && x_faults == y_faults; f++)
-        if (x[f].type != y[f].type || x[f].actuator != y[f].actuator || x[f].other != y[f].other)
+    for (int fault = 0; fault < x_faults && x_faults == y_faults; fault++)
+        if (first[fault].type != second[fault].type ||
+            first[fault].actuator != second[fault].actuator ||
+            first[fault].other != second[fault].other)
             return false;
     return x_faults == y_faults;
 }

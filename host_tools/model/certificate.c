@@ -23,16 +23,16 @@ static const double decayed = 20;
  *   loop [modes][stride]  in  g F, of which the first `modes` columns count
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
-                      const double *damping, int delay, double interval, double *a)
+                      const double *damping, int delay, double interval, double *matrix)
 {
-    const size_t m = (size_t)modes, n = m * (size_t)(delay + 3);
+    const size_t m = (size_t)modes, order = m * (size_t)(delay + 3);
     const size_t late = delay == 0 ? 0 : m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
-    memset(a, 0, n * n * sizeof *a);
+    memset(matrix, 0, order * order * sizeof *matrix);
     for (size_t i = 0; i < m; i++) {
         double r[4];
         modal_propagator(sqrt(square[i]), damping[i], interval, r);
         for (size_t half = 0; half < 2; half++) {
-            double *row = a + (half * m + i) * n;
+            double *row = matrix + (half * m + i) * order;
             row[i] += r[2 * half];
             row[m + i] += r[2 * half + 1];
             for (size_t j = 0; j < m; j++) {
@@ -41,7 +41,7 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
             }
         }
         for (size_t k = 2; k < (size_t)delay + 3; k++)
-            a[(k * m + i) * n + (k == 2 ? 0 : (k - 1) * m) + i] = 1;
+            matrix[(k * m + i) * order + (k == 2 ? 0 : (k - 1) * m) + i] = 1;
     }
 }
 
@@ -61,13 +61,13 @@ double certificate_radius(const double *loop, const double *square, int modes,
                           const double *damping, int delay, double interval, int squarings)
 {
     const int count = lasting(square, modes, damping, interval);
-    const size_t n = (size_t)count * (size_t)(delay + 3);
-    double *a = malloc((2 * n * n + 1) * sizeof *a), radius = (double)NAN;
-    if (a) {
-        fill_loop(loop, modes, square, count, damping, delay, interval, a);
-        radius = eigen_radius(a, a + n * n, n, squarings);
+    const size_t order = (size_t)count * (size_t)(delay + 3);
+    double *matrix = malloc((2 * order * order + 1) * sizeof *matrix), radius = (double)NAN;
+    if (matrix) {
+        fill_loop(loop, modes, square, count, damping, delay, interval, matrix);
+        radius = eigen_radius(matrix, matrix + order * order, order, squarings);
     }
-    free(a);
+    free(matrix);
     return radius;
 }
 

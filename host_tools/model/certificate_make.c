@@ -36,17 +36,17 @@ static const double least_regularisation = 1e-12;
  * Cholesky factor of a [n][n] in its lower triangle. Returns whether the matrix is positive
  * definite.
  */
-static bool cholesky(double *a, size_t n)
+static bool cholesky(double *a, size_t order)
 {
-    for (size_t j = 0; j < n; j++) {
-        for (size_t i = j; i < n; i++)
+    for (size_t j = 0; j < order; j++) {
+        for (size_t i = j; i < order; i++)
             for (size_t k = 0; k < j; k++)
-                a[i * n + j] -= a[i * n + k] * a[j * n + k];
-        if (!(a[j * n + j] > 0))
+                a[i * order + j] -= a[i * order + k] * a[j * order + k];
+        if (!(a[j * order + j] > 0))
             return false;
-        const double pivot = sqrt(a[j * n + j]);
-        for (size_t i = j; i < n; i++)
-            a[i * n + j] /= pivot;
+        const double pivot = sqrt(a[j * order + j]);
+        for (size_t i = j; i < order; i++)
+            a[i * order + j] /= pivot;
     }
     return true;
 }
@@ -82,11 +82,11 @@ typedef struct gains {
 
 static size_t list_amplifiers(const design *design, size_t *amplifier)
 {
-    size_t n = 0;
+    size_t count = 0;
     for (int k = 0; k < design->amplifiers; k++)
         if (design->lower[k] < design->upper[k])
-            amplifier[n++] = (size_t)k;
-    return n;
+            amplifier[count++] = (size_t)k;
+    return count;
 }
 
 static bool factor_hessian(gains *gains)
@@ -119,7 +119,8 @@ static bool reads_displacements(const scene *scene)
 }
 
 /* Shape that the estimator computes from the readings under a displacement u [free_dof]. */
-static void estimated_shape(const gains *gains, const estimator *estimator, const double *u)
+static void estimated_shape(const gains *gains, const estimator *estimator,
+                            const double *mode_shape)
 {
     const design *design = &gains->analysis->design;
     const scene *scene = design->scene;
@@ -128,10 +129,11 @@ static void estimated_shape(const gains *gains, const estimator *estimator, cons
     for (int i = 0; i < scene->estimate.readings; i++) {
         const int output = scene->estimate.reading[i].output;
         for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++) {
-            const double shown = pzs_model_observe_row(&design->structure, u, (uint32_t)row);
-            for (int t = 0; t < design->targets; t++)
-                gains->shape[t] +=
-                    estimator->gain[(size_t)t * (size_t)estimator->sensors + (size_t)sensor] *
+            const double shown =
+                pzs_model_observe_row(&design->structure, mode_shape, (uint32_t)row);
+            for (int target = 0; target < design->targets; target++)
+                gains->shape[target] +=
+                    estimator->gain[(size_t)target * (size_t)estimator->sensors + (size_t)sensor] *
                     shown;
             sensor++;
         }
@@ -143,17 +145,19 @@ static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {
     const design *design = &gains->analysis->design;
     const size_t dof = (size_t)design->mesh.free_dof;
-    const double *u = gains->vibration->shape + ((size_t)gains->vibration->rigid + mode) * dof;
+    const double *mode_shape =
+        gains->vibration->shape + ((size_t)gains->vibration->rigid + mode) * dof;
     if (estimator)
-        estimated_shape(gains, estimator, u);
+        estimated_shape(gains, estimator, mode_shape);
     else
-        design_shape(design, u, gains->shape);
+        design_shape(design, mode_shape, gains->shape);
     for (size_t j = 0; j < gains->moving; j++) {
         gains->gradient[j] = 0;
-        for (int t = 0; t < design->targets; t++)
+        for (int target = 0; target < design->targets; target++)
             gains->gradient[j] +=
-                design->influence[(size_t)t * (size_t)design->amplifiers + gains->amplifier[j]] *
-                design->weight[t] * design->weight[t] * gains->shape[t];
+                design
+                    ->influence[(size_t)target * (size_t)design->amplifiers + gains->amplifier[j]] *
+                design->weight[target] * design->weight[target] * gains->shape[target];
     }
     cholesky_solve(gains->factor, gains->moving, gains->gradient);
     for (size_t i = 0; i < gains->modes; i++) {

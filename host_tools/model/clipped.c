@@ -23,14 +23,14 @@ static bool is_held(const clipped *clipped, size_t k)
 static double prepare_arrays(clipped *clipped)
 {
     const design *design = clipped->design;
-    const size_t n = (size_t)design->amplifiers;
+    const size_t amplifiers = (size_t)design->amplifiers;
     double trace = 0;
     for (size_t i = 0; i < (size_t)design->targets; i++) {
-        const double *row = design->influence + i * n;
+        const double *row = design->influence + i * amplifiers;
         clipped->required[i] = clipped->wanted[i];
-        for (size_t k = 0; k < n; k++) {
-            trace += pow(design->weight[i] * row[k], 2) / (double)n;
-            clipped->influence[i * n + k] = is_held(clipped, k) ? 0 : row[k];
+        for (size_t k = 0; k < amplifiers; k++) {
+            trace += pow(design->weight[i] * row[k], 2) / (double)amplifiers;
+            clipped->influence[i * amplifiers + k] = is_held(clipped, k) ? 0 : row[k];
             clipped->required[i] -= is_held(clipped, k) ? row[k] * clipped->lower[k] : 0;
         }
     }
@@ -40,18 +40,18 @@ static double prepare_arrays(clipped *clipped)
 int clipped_open(clipped *clipped, const design *design, const double *lower, const double *upper,
                  const double *wanted)
 {
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
     *clipped = (struct clipped){.design = design,
                                 .lower = lower,
                                 .upper = upper,
                                 .wanted = wanted,
                                 .problem = design->problem};
-    clipped->arrays = calloc(m * n + 2 * m, sizeof *clipped->arrays);
+    clipped->arrays = calloc(targets * amplifiers + 2 * targets, sizeof *clipped->arrays);
     if (!clipped->arrays)
         return -1;
     clipped->influence = clipped->arrays;
-    clipped->required = clipped->influence + m * n;
-    clipped->shape = clipped->required + m;
+    clipped->required = clipped->influence + targets * amplifiers;
+    clipped->shape = clipped->required + targets;
     clipped->scale = prepare_arrays(clipped);
     clipped->problem.influence = clipped->influence;
     return unconstrained_open(&clipped->solver, &clipped->problem) ? 0 : -1;
@@ -87,19 +87,19 @@ typedef struct tuning {
 static double clipped_misfit(tuning *tuning, double lambda)
 {
     const clipped *clipped = tuning->c;
-    const size_t n = (size_t)clipped->design->amplifiers;
+    const size_t amplifiers = (size_t)clipped->design->amplifiers;
     if (!clipped_solve(tuning->c, lambda, tuning->trial))
         return HUGE_VAL;
     for (size_t i = 0; i < (size_t)clipped->design->targets; i++) {
         clipped->shape[i] = 0;
-        for (size_t k = 0; k < n; k++)
-            clipped->shape[i] += clipped->design->influence[i * n + k] * tuning->trial[k];
+        for (size_t k = 0; k < amplifiers; k++)
+            clipped->shape[i] += clipped->design->influence[i * amplifiers + k] * tuning->trial[k];
     }
     const double error = sqrt(design_squares(clipped->design, clipped->shape, clipped->wanted));
     if (error < tuning->best) {
         tuning->best = error;
         tuning->best_lambda = lambda;
-        memcpy(tuning->best_voltage, tuning->trial, n * sizeof *tuning->best_voltage);
+        memcpy(tuning->best_voltage, tuning->trial, amplifiers * sizeof *tuning->best_voltage);
     }
     return error;
 }

@@ -51,12 +51,12 @@ static void mode_shape(const builder *builder, size_t mode, double *shape)
     design_take_free(design, shape);
 }
 
-static double rms(const double *x, size_t n)
+static double rms(const double *value, size_t count)
 {
     double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += x[i] * x[i];
-    return sqrt(sum / (double)n);
+    for (size_t i = 0; i < count; i++)
+        sum += value[i] * value[i];
+    return sqrt(sum / (double)count);
 }
 
 static bool is_visible(const builder *builder, size_t mode)
@@ -84,11 +84,11 @@ static size_t mode_limit(const builder *builder)
 static size_t list_modes(builder *builder)
 {
     const size_t limit = mode_limit(builder), count = (size_t)builder->vibration->count;
-    size_t n = 0;
-    for (size_t i = (size_t)vibration_first(builder->vibration); i < count && n < limit; i++)
+    size_t listed = 0;
+    for (size_t i = (size_t)vibration_first(builder->vibration); i < count && listed < limit; i++)
         if (angle_of(builder, i) <= builder->settings.observed && is_visible(builder, i))
-            builder->mode[n++] = i;
-    return n;
+            builder->mode[listed++] = i;
+    return listed;
 }
 
 /* Whether modes beyond the known ones may have to be observed. */
@@ -137,22 +137,22 @@ static int take_memory(builder *builder)
 {
     damper *damper = builder->damper;
     damper_gains *gains = &builder->gains;
-    const size_t n = builder->model.modes, inputs = builder->amplifiers;
-    const array all[] = {{&damper->frequency, n},
-                         {&builder->shape, builder->targets * n},
-                         {&builder->reading, builder->sensors * n},
-                         {&builder->modal, n * inputs},
+    const size_t modes = builder->model.modes, inputs = builder->amplifiers;
+    const array all[] = {{&damper->frequency, modes},
+                         {&builder->shape, builder->targets * modes},
+                         {&builder->reading, builder->sensors * modes},
+                         {&builder->modal, modes * inputs},
                          {&builder->precision, builder->sensors},
-                         {&builder->angle, n},
-                         {&builder->ratio, n},
-                         {&builder->overlap, n * n},
-                         {&builder->lift, inputs * n},
-                         {&builder->square, n},
-                         {&gains->turn, 4 * n},
-                         {&gains->observer, 3 * n * n},
-                         {&gains->explain, n * n},
-                         {&gains->damping, n * inputs},
-                         {&gains->inverse_angle, n}};
+                         {&builder->angle, modes},
+                         {&builder->ratio, modes},
+                         {&builder->overlap, modes * modes},
+                         {&builder->lift, inputs * modes},
+                         {&builder->square, modes},
+                         {&gains->turn, 4 * modes},
+                         {&gains->observer, 3 * modes * modes},
+                         {&gains->explain, modes * modes},
+                         {&gains->damping, modes * inputs},
+                         {&gains->inverse_angle, modes}};
     const size_t arrays = sizeof all / sizeof *all;
     size_t total = 0;
     for (size_t i = 0; i < arrays; i++)
@@ -177,14 +177,14 @@ static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 {
     const design *design = &builder->analysis->design;
     const scene *scene = design->scene;
-    const double *u = builder->vibration->shape + mode * (size_t)design->mesh.free_dof;
-    const size_t n = builder->model.modes;
+    const double *mode_shape = builder->vibration->shape + mode * (size_t)design->mesh.free_dof;
+    const size_t modes = builder->model.modes;
     size_t sensor = 0;
-    for (int r = 0; r < scene->estimate.readings; r++) {
-        const int output = scene->estimate.reading[r].output;
+    for (int reading = 0; reading < scene->estimate.readings; reading++) {
+        const int output = scene->estimate.reading[reading].output;
         for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++)
-            builder->reading[sensor++ * n + k] =
-                pzs_model_observe_row(&design->structure, u, (uint32_t)row) * scale;
+            builder->reading[sensor++ * modes + k] =
+                pzs_model_observe_row(&design->structure, mode_shape, (uint32_t)row) * scale;
     }
 }
 
@@ -192,13 +192,13 @@ static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 static void fill_modes(builder *builder)
 {
     const design *design = &builder->analysis->design;
-    const size_t n = builder->model.modes;
-    for (size_t k = 0; k < n; k++) {
+    const size_t modes = builder->model.modes;
+    for (size_t k = 0; k < modes; k++) {
         const size_t mode = builder->mode[k];
         mode_shape(builder, mode, builder->column);
         const double size = rms(builder->column, builder->targets), scale = 1 / size;
         for (size_t i = 0; i < builder->targets; i++)
-            builder->shape[i * n + k] = builder->column[i] * scale;
+            builder->shape[i * modes + k] = builder->column[i] * scale;
         if (builder->estimator)
             fill_readings(builder, mode, k, scale);
         for (size_t j = 0; j < builder->amplifiers; j++)
@@ -215,11 +215,11 @@ static void fill_noise(const builder *builder, double *noise)
 {
     const design *design = &builder->analysis->design;
     const scene_estimate *estimate = &design->scene->estimate;
-    for (int r = 0; r < estimate->readings; r++) {
-        const int output = estimate->reading[r].output;
+    for (int reading = 0; reading < estimate->readings; reading++) {
+        const int output = estimate->reading[reading].output;
         const int rows = design->named_first[output + 1] - design->named_first[output];
         for (int i = 0; i < rows; i++)
-            *noise++ = estimate->reading[r].noise;
+            *noise++ = estimate->reading[reading].noise;
     }
 }
 
@@ -231,7 +231,7 @@ static void fill_noise(const builder *builder, double *noise)
 static void fill_precision(builder *builder)
 {
     const design *design = &builder->analysis->design;
-    const size_t n = builder->model.modes;
+    const size_t modes = builder->model.modes;
     const double *table = builder->estimator ? builder->reading : builder->shape;
     double sum = 0;
     if (builder->estimator)
@@ -242,10 +242,10 @@ static void fill_precision(builder *builder)
             *precision = 1 / (*precision * *precision);
         else
             *precision = design->free_functions > 0 ? design->weight[i] * design->weight[i] : 1;
-        for (size_t k = 0; k < n; k++)
-            sum += *precision * table[i * n + k] * table[i * n + k];
+        for (size_t k = 0; k < modes; k++)
+            sum += *precision * table[i * modes + k] * table[i * modes + k];
     }
-    const double mean = n > 0 ? sum / (double)(n * builder->sensors) : 1;
+    const double mean = modes > 0 ? sum / (double)(modes * builder->sensors) : 1;
     for (size_t i = 0; i < builder->sensors; i++)
         builder->precision[i] /= mean;
 }
@@ -254,20 +254,20 @@ static void fill_precision(builder *builder)
 static void fill_products(builder *builder)
 {
     const design *design = &builder->analysis->design;
-    const size_t n = builder->model.modes, inputs = builder->amplifiers;
+    const size_t modes = builder->model.modes, inputs = builder->amplifiers;
     const double *table = builder->estimator ? builder->reading : builder->shape;
     for (size_t i = 0; i < builder->sensors; i++)
-        for (size_t k = 0; k < n; k++)
-            for (size_t l = 0; l < n; l++)
-                builder->overlap[k * n + l] +=
-                    builder->precision[i] * table[i * n + k] * table[i * n + l];
+        for (size_t k = 0; k < modes; k++)
+            for (size_t input = 0; input < modes; input++)
+                builder->overlap[k * modes + input] +=
+                    builder->precision[i] * table[i * modes + k] * table[i * modes + input];
     for (size_t i = 0; i < builder->targets; i++) {
         const double square = design->weight[i] * design->weight[i];
-        for (size_t k = 0; k < n; k++) {
-            const double weighted = square * builder->shape[i * n + k];
-            builder->square[k] += weighted * builder->shape[i * n + k];
+        for (size_t k = 0; k < modes; k++) {
+            const double weighted = square * builder->shape[i * modes + k];
+            builder->square[k] += weighted * builder->shape[i * modes + k];
             for (size_t j = 0; j < inputs; j++)
-                builder->lift[j * n + k] += weighted * design->influence[i * inputs + j];
+                builder->lift[j * modes + k] += weighted * design->influence[i * inputs + j];
         }
     }
 }
@@ -426,8 +426,8 @@ void damper_close(damper *damper)
 
 void damper_text(const damper *damper, char text[SCENE_ERROR])
 {
-    const int n = damper->modes;
-    if (n == 0)
+    const int modes = damper->modes;
+    if (modes == 0)
         snprintf(text, SCENE_ERROR,
                  "The tick follows the static optimum slowly, at %g ticks a second with readings "
                  "%u ticks old; every mode is too fast to be observed.",
@@ -436,6 +436,6 @@ void damper_text(const damper *damper, char text[SCENE_ERROR])
         snprintf(text, SCENE_ERROR,
                  "The tick observes and damps vibration: %d modes from %.4g to %.4g Hz, at %g "
                  "ticks a second with readings %u ticks old.",
-                 n, damper->frequency[0], damper->frequency[n - 1], damper->rate,
+                 modes, damper->frequency[0], damper->frequency[modes - 1], damper->rate,
                  damper->tables.delay);
 }

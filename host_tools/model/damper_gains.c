@@ -35,38 +35,38 @@ damper_settings damper_default_settings(void)
 /* ---- dense matrices --------------------------------------------------- */
 
 /* out = a b, or a' b where `transposed`; all [n][n], out different from a and b. */
-static void multiply(double *out, const double *a, const double *b, size_t n, bool transposed)
+static void multiply(double *out, const double *a, const double *b, size_t order, bool transposed)
 {
-    memset(out, 0, n * n * sizeof *out);
-    for (size_t i = 0; i < n; i++)
-        for (size_t k = 0; k < n; k++) {
-            const double factor = transposed ? a[k * n + i] : a[i * n + k];
-            for (size_t j = 0; j < n && factor != 0; j++)
-                out[i * n + j] += factor * b[k * n + j];
+    memset(out, 0, order * order * sizeof *out);
+    for (size_t i = 0; i < order; i++)
+        for (size_t k = 0; k < order; k++) {
+            const double factor = transposed ? a[k * order + i] : a[i * order + k];
+            for (size_t j = 0; j < order && factor != 0; j++)
+                out[i * order + j] += factor * b[k * order + j];
         }
 }
 
-static void symmetrise(double *a, size_t n)
+static void symmetrise(double *a, size_t order)
 {
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < order; i++)
         for (size_t j = 0; j < i; j++)
-            a[i * n + j] = a[j * n + i] = (a[i * n + j] + a[j * n + i]) / 2;
+            a[i * order + j] = a[j * order + i] = (a[i * order + j] + a[j * order + i]) / 2;
 }
 
-static void exchange_rows(double *a, size_t n, size_t i, size_t k)
+static void exchange_rows(double *a, size_t order, size_t i, size_t k)
 {
-    for (size_t j = 0; j < n && i != k; j++) {
-        const double kept = a[i * n + j];
-        a[i * n + j] = a[k * n + j];
-        a[k * n + j] = kept;
+    for (size_t j = 0; j < order && i != k; j++) {
+        const double kept = a[i * order + j];
+        a[i * order + j] = a[k * order + j];
+        a[k * order + j] = kept;
     }
 }
 
-static size_t pivot_row(const double *a, size_t n, size_t column)
+static size_t pivot_row(const double *a, size_t order, size_t column)
 {
     size_t best = column;
-    for (size_t i = column + 1; i < n; i++)
-        if (fabs(a[i * n + column]) > fabs(a[best * n + column]))
+    for (size_t i = column + 1; i < order; i++)
+        if (fabs(a[i * order + column]) > fabs(a[best * order + column]))
             best = i;
     return best;
 }
@@ -75,27 +75,27 @@ static size_t pivot_row(const double *a, size_t n, size_t column)
  * x = a^-1 by Gauss-Jordan elimination with partial pivoting; a is overwritten. Returns 0, or -1
  * where a is singular.
  */
-static int invert(double *a, double *x, size_t n)
+static int invert(double *a, double *x, size_t order)
 {
-    memset(x, 0, n * n * sizeof *x);
-    for (size_t i = 0; i < n; i++)
-        x[i * n + i] = 1;
-    for (size_t p = 0; p < n; p++) {
-        const size_t row = pivot_row(a, n, p);
-        exchange_rows(a, n, p, row);
-        exchange_rows(x, n, p, row);
-        const double pivot = a[p * n + p];
+    memset(x, 0, order * order * sizeof *x);
+    for (size_t i = 0; i < order; i++)
+        x[i * order + i] = 1;
+    for (size_t p = 0; p < order; p++) {
+        const size_t row = pivot_row(a, order, p);
+        exchange_rows(a, order, p, row);
+        exchange_rows(x, order, p, row);
+        const double pivot = a[p * order + p];
         if (!(fabs(pivot) > 0) || !isfinite(pivot))
             return -1;
-        for (size_t j = 0; j < n; j++) {
-            a[p * n + j] /= pivot;
-            x[p * n + j] /= pivot;
+        for (size_t j = 0; j < order; j++) {
+            a[p * order + j] /= pivot;
+            x[p * order + j] /= pivot;
         }
-        for (size_t i = 0; i < n; i++) {
-            const double factor = i == p ? 0 : a[i * n + p];
-            for (size_t j = 0; j < n && factor != 0; j++) {
-                a[i * n + j] -= factor * a[p * n + j];
-                x[i * n + j] -= factor * x[p * n + j];
+        for (size_t i = 0; i < order; i++) {
+            const double factor = i == p ? 0 : a[i * order + p];
+            for (size_t j = 0; j < order && factor != 0; j++) {
+                a[i * order + j] -= factor * a[p * order + j];
+                x[i * order + j] -= factor * x[p * order + j];
             }
         }
     }
@@ -112,15 +112,15 @@ typedef struct doubling {
     double *memory;
 } doubling;
 
-static int doubling_open(doubling *doubling, size_t n)
+static int doubling_open(doubling *doubling, size_t order)
 {
     double **const all[] = {&doubling->a,    &doubling->g,  &doubling->h,    &doubling->w,
                             &doubling->work, &doubling->aw, &doubling->other};
     const size_t count = sizeof all / sizeof *all;
-    doubling->n = n;
-    doubling->memory = calloc(count * n * n + 1, sizeof *doubling->memory);
+    doubling->n = order;
+    doubling->memory = calloc(count * order * order + 1, sizeof *doubling->memory);
     for (size_t i = 0; i < count && doubling->memory; i++)
-        *all[i] = doubling->memory + i * n * n;
+        *all[i] = doubling->memory + i * order * order;
     return doubling->memory ? 0 : -1;
 }
 
@@ -145,70 +145,71 @@ static double renew(doubling *doubling, const double *next)
  */
 static double advance(doubling *doubling)
 {
-    const size_t n = doubling->n;
-    multiply(doubling->work, doubling->g, doubling->h, n, false);
-    for (size_t i = 0; i < n; i++)
-        doubling->work[i * n + i] += 1;
-    if (invert(doubling->work, doubling->w, n) != 0)
+    const size_t order = doubling->n;
+    multiply(doubling->work, doubling->g, doubling->h, order, false);
+    for (size_t i = 0; i < order; i++)
+        doubling->work[i * order + i] += 1;
+    if (invert(doubling->work, doubling->w, order) != 0)
         return (double)NAN;
-    multiply(doubling->aw, doubling->a, doubling->w, n, false);
-    multiply(doubling->work, doubling->w, doubling->a, n, false);
-    multiply(doubling->other, doubling->h, doubling->work, n, false);
-    multiply(doubling->work, doubling->a, doubling->other, n, true);
+    multiply(doubling->aw, doubling->a, doubling->w, order, false);
+    multiply(doubling->work, doubling->w, doubling->a, order, false);
+    multiply(doubling->other, doubling->h, doubling->work, order, false);
+    multiply(doubling->work, doubling->a, doubling->other, order, true);
     const double change = renew(doubling, doubling->work);
-    multiply(doubling->work, doubling->aw, doubling->g, n, false);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-            for (size_t k = 0; k < n; k++)
-                doubling->g[i * n + j] += doubling->work[i * n + k] * doubling->a[j * n + k];
-    symmetrise(doubling->g, n);
-    multiply(doubling->work, doubling->aw, doubling->a, n, false);
-    memcpy(doubling->a, doubling->work, n * n * sizeof *doubling->a);
+    multiply(doubling->work, doubling->aw, doubling->g, order, false);
+    for (size_t i = 0; i < order; i++)
+        for (size_t j = 0; j < order; j++)
+            for (size_t k = 0; k < order; k++)
+                doubling->g[i * order + j] +=
+                    doubling->work[i * order + k] * doubling->a[j * order + k];
+    symmetrise(doubling->g, order);
+    multiply(doubling->work, doubling->aw, doubling->a, order, false);
+    memcpy(doubling->a, doubling->work, order * order * sizeof *doubling->a);
     return change;
 }
 
 /* Transposed transition matrix, measurement information and process noise of the modes. */
 static void fill(doubling *doubling, const damper_model *model, const damper_settings *settings)
 {
-    const size_t n = model->modes, all = 3 * n;
-    for (size_t i = 0; i < n; i++) {
+    const size_t modes = model->modes, all = 3 * modes;
+    for (size_t i = 0; i < modes; i++) {
         double r[4];
         const double fall = model->angle[0] / model->angle[i] / sqrt((double)model->sensors);
         const double kick = settings->kick * fall, drift = settings->drift * fall;
         modal_propagator(model->angle[i], model->ratio[i], 1, r);
         doubling->a[i * all + i] = r[0];
-        doubling->a[(n + i) * all + i] = r[1];
-        doubling->a[(2 * n + i) * all + i] = 1 - r[0];
-        doubling->a[i * all + n + i] = r[2];
-        doubling->a[(n + i) * all + n + i] = r[3];
-        doubling->a[(2 * n + i) * all + n + i] = -r[2];
-        doubling->a[(2 * n + i) * all + 2 * n + i] = 1;
+        doubling->a[(modes + i) * all + i] = r[1];
+        doubling->a[(2 * modes + i) * all + i] = 1 - r[0];
+        doubling->a[i * all + modes + i] = r[2];
+        doubling->a[(modes + i) * all + modes + i] = r[3];
+        doubling->a[(2 * modes + i) * all + modes + i] = -r[2];
+        doubling->a[(2 * modes + i) * all + 2 * modes + i] = 1;
         doubling->h[i * all + i] = position_noise;
-        doubling->h[(n + i) * all + n + i] = kick * kick;
-        doubling->h[(2 * n + i) * all + 2 * n + i] = drift * drift;
-        for (size_t j = 0; j < n; j++)
-            doubling->g[i * all + j] = model->overlap[i * n + j];
+        doubling->h[(modes + i) * all + modes + i] = kick * kick;
+        doubling->h[(2 * modes + i) * all + 2 * modes + i] = drift * drift;
+        for (size_t j = 0; j < modes; j++)
+            doubling->g[i * all + j] = model->overlap[i * modes + j];
     }
 }
 
 /* observer [3 n][n] = P_q (1 + J P_qq)^-1, P_q the first n columns of P, J the overlap. */
 static int fill_observer(double *observer, doubling *doubling, const damper_model *model)
 {
-    const size_t n = model->modes, all = 3 * n;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) {
+    const size_t modes = model->modes, all = 3 * modes;
+    for (size_t i = 0; i < modes; i++)
+        for (size_t j = 0; j < modes; j++) {
             double sum = i == j ? 1 : 0;
-            for (size_t k = 0; k < n; k++)
-                sum += model->overlap[i * n + k] * doubling->h[k * all + j];
-            doubling->work[i * n + j] = sum;
+            for (size_t k = 0; k < modes; k++)
+                sum += model->overlap[i * modes + k] * doubling->h[k * all + j];
+            doubling->work[i * modes + j] = sum;
         }
-    if (invert(doubling->work, doubling->w, n) != 0)
+    if (invert(doubling->work, doubling->w, modes) != 0)
         return -1;
     for (size_t i = 0; i < all; i++)
-        for (size_t j = 0; j < n; j++) {
-            observer[i * n + j] = 0;
-            for (size_t k = 0; k < n; k++)
-                observer[i * n + j] += doubling->h[i * all + k] * doubling->w[k * n + j];
+        for (size_t j = 0; j < modes; j++) {
+            observer[i * modes + j] = 0;
+            for (size_t k = 0; k < modes; k++)
+                observer[i * modes + j] += doubling->h[i * all + k] * doubling->w[k * modes + j];
         }
     return 0;
 }
@@ -234,16 +235,16 @@ static int solve_observer(damper_gains *gains, const damper_model *model,
 /* explain = (C'C)^-1, slightly regularised. */
 static int fill_explain(double *explain, const damper_model *model)
 {
-    const size_t n = model->modes;
-    double *copy = malloc((n * n + 1) * sizeof *copy), trace = 0;
+    const size_t modes = model->modes;
+    double *copy = malloc((modes * modes + 1) * sizeof *copy), trace = 0;
     if (!copy)
         return -1;
-    memcpy(copy, model->overlap, n * n * sizeof *copy);
-    for (size_t i = 0; i < n; i++)
-        trace += copy[i * n + i];
-    for (size_t i = 0; i < n; i++)
-        copy[i * n + i] += ridge * trace / (double)n;
-    const int failed = invert(copy, explain, n);
+    memcpy(copy, model->overlap, modes * modes * sizeof *copy);
+    for (size_t i = 0; i < modes; i++)
+        trace += copy[i * modes + i];
+    for (size_t i = 0; i < modes; i++)
+        copy[i * modes + i] += ridge * trace / (double)modes;
+    const int failed = invert(copy, explain, modes);
     free(copy);
     return failed;
 }
@@ -273,21 +274,21 @@ static void fill_damping(double *damping, const damper_model *model,
 
 int damper_compute(damper_gains *gains, const damper_model *model, const damper_settings *settings)
 {
-    const size_t n = model->modes;
-    for (size_t i = 0; i < n; i++) {
+    const size_t modes = model->modes;
+    for (size_t i = 0; i < modes; i++) {
         double r[4];
         modal_propagator(model->angle[i], model->ratio[i], 1, r);
         for (size_t k = 0; k < 4; k++)
-            gains->turn[k * n + i] = r[k];
+            gains->turn[k * modes + i] = r[k];
         gains->inverse_angle[i] = 1 / model->angle[i];
     }
     fill_damping(gains->damping, model, settings);
     gains->share = settings->follow_limit;
-    if (n > 0)
+    if (modes > 0)
         gains->share = fmin(settings->follow * model->angle[0], settings->follow_limit);
     gains->mix = settings->mix;
     gains->slow = settings->slow;
-    if (n == 0)
+    if (modes == 0)
         return 0;
     return solve_observer(gains, model, settings) == 0 ? fill_explain(gains->explain, model) : -1;
 }

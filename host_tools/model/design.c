@@ -73,30 +73,31 @@ static void rows_of(const row_builder *builder, pzs_rows *rows)
 /* ---- outputs ---------------------------------------------------------- */
 
 /* Unit vector of a component in the triad of a node. */
-static void direction(const surface_point *p, scene_component component, double c[3])
+static void direction(const surface_point *point, scene_component component, double unit[3])
 {
-    for (int a = 0; a < 3; a++)
-        c[a] = component <= COMPONENT_U3 ? component - COMPONENT_U1 == (unsigned)a
-                                         : p->e[a][component - COMPONENT_X];
+    for (int axis = 0; axis < 3; axis++)
+        unit[axis] = component <= COMPONENT_U3 ? component - COMPONENT_U1 == (unsigned)axis
+                                               : point->e[axis][component - COMPONENT_X];
 }
 
 /* Height of a face above the middle surface of a thickness h. */
-static double face_height(scene_face face, double h)
+static double face_height(scene_face face, double thickness)
 {
     if (face == FACE_OUTER)
-        return h / 2;
-    return face == FACE_INNER ? -h / 2 : 0;
+        return thickness / 2;
+    return face == FACE_INNER ? -thickness / 2 : 0;
 }
 
 /*
  * Weights of a node's first six dof (means and differences) in the displacement component c of a
  * face.
  */
-static void face_weights(const mesh *mesh, scene_face face, const double c[3], double weight[7])
+static void face_weights(const mesh *mesh, scene_face face, const double direction[3],
+                         double weight[7])
 {
-    for (int a = 0; a < 3; a++) {
-        weight[a] = c[a];
-        weight[3 + a] = face_height(face, mesh->laminate.thickness) * c[a];
+    for (int axis = 0; axis < 3; axis++) {
+        weight[axis] = direction[axis];
+        weight[3 + axis] = face_height(face, mesh->laminate.thickness) * direction[axis];
     }
     weight[6] = 0;
 }
@@ -105,11 +106,11 @@ static void face_weights(const mesh *mesh, scene_face face, const double c[3], d
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7])
 {
-    double c[3];
-    direction(&mesh->point[node], component, c);
-    face_weights(mesh, face, c, weight);
+    double unit[3];
+    direction(&mesh->point[node], component, unit);
+    face_weights(mesh, face, unit, weight);
     if (face == FACE_MIDDLE)
-        weight[6] = mesh->laminate.thickness * c[2];
+        weight[6] = mesh->laminate.thickness * unit[2];
 }
 
 /* dense += factor times weights on the free dof of a node */
@@ -136,10 +137,10 @@ static void append_output(const mesh *mesh, const scene_output *output, int node
 void design_node_areas(const mesh *mesh, double *area)
 {
     memset(area, 0, (size_t)mesh->nodes * sizeof *area);
-    for (int e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++) {
-            const laminate_place *place = &mesh->place[mesh->element_type[e]];
-            area[mesh->element[e][r]] += place->area / 4 * corner_share(place, r);
+    for (int element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++) {
+            const laminate_place *place = &mesh->place[mesh->element_type[element]];
+            area[mesh->element[element][corner]] += place->area / 4 * corner_share(place, corner);
         }
 }
 
@@ -274,13 +275,15 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 
 /* ---- inputs ----------------------------------------------------------- */
 
-static void scatter(const mesh *mesh, int element, double factor, const double *f, double *dense)
+static void scatter(const mesh *mesh, int element, double factor, const double *force,
+                    double *dense)
 {
-    for (int r = 0; r < 4; r++)
+    for (int corner = 0; corner < 4; corner++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-            const uint16_t dof = mesh->node_dof[mesh->element[element][r] * mesh->dof_per_node + i];
+            const uint16_t dof =
+                mesh->node_dof[mesh->element[element][corner] * mesh->dof_per_node + i];
             if (dof != PZS_CONSTRAINED)
-                dense[dof] += factor * f[(unsigned)r * mesh->dof_per_node + i];
+                dense[dof] += factor * force[(unsigned)corner * mesh->dof_per_node + i];
         }
 }
 
@@ -306,12 +309,12 @@ int design_patch(const mesh *mesh, int element, const scene_patches *patches)
     if (patches->patch)
         return patches->patch[element];
     mesh_cell(mesh, element, t[0], t[1]);
-    for (int a = 0; a < 2; a++) {
-        const double share = ((t[a][0] + t[a][1]) / 2 - range[a][0]) / (range[a][1] - range[a][0]) *
-                             patches->grid[a];
-        if (!(share > 0 && share < patches->grid[a]))
+    for (int axis = 0; axis < 2; axis++) {
+        const double share = ((t[axis][0] + t[axis][1]) / 2 - range[axis][0]) /
+                             (range[axis][1] - range[axis][0]) * patches->grid[axis];
+        if (!(share > 0 && share < patches->grid[axis]))
             return -1;
-        patch = patch * patches->grid[a] + (int)share;
+        patch = patch * patches->grid[axis] + (int)share;
     }
     return patch;
 }
@@ -354,9 +357,10 @@ void design_temperature_resultants(const mesh *mesh, const scene_load *load, int
 static void add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
                            double *dense)
 {
-    double f[SHELL_MAX];
-    pzs_shell_prescribed_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, h0, f);
-    scatter(mesh, element, 1, f, dense);
+    double force[SHELL_MAX];
+    pzs_shell_prescribed_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, h0,
+                               force);
+    scatter(mesh, element, 1, force, dense);
 }
 
 /*
@@ -369,9 +373,9 @@ static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
     double h0[LAMINATE_STRAINS];
     for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++) {
         memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
-        for (int e = 0; e < mesh->elements; e++)
-            if (design_actuation(mesh, actuator, cell, e, h0))
-                add_resultants(mesh, e, h0, dense);
+        for (int element = 0; element < mesh->elements; element++)
+            if (design_actuation(mesh, actuator, cell, element, h0))
+                add_resultants(mesh, element, h0, dense);
         append_row(columns, dense, mesh->free_dof);
     }
 }
@@ -380,14 +384,14 @@ static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
  * Force per unit of a load at a node, in components of the node's triad; a pressure acts along e3.
  */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
-                        double c[3])
+                        double vector[3])
 {
-    const surface_point *p = &mesh->point[node];
+    const surface_point *point = &mesh->point[node];
     const double z = mesh->laminate.z[load->face == FACE_OUTER];
-    const double stretch = load->true_area ? (1 + p->k[0] * z) * (1 + p->k[1] * z) : 1;
-    direction(p, load->component, c);
-    for (int a = 0; a < 3; a++)
-        c[a] *= value * stretch;
+    const double stretch = load->true_area ? (1 + point->k[0] * z) * (1 + point->k[1] * z) : 1;
+    direction(point, load->component, vector);
+    for (int axis = 0; axis < 3; axis++)
+        vector[axis] *= value * stretch;
 }
 
 /*
@@ -395,10 +399,10 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
  * virtual work.
  */
 static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
-                      const double c[3], double *dense)
+                      const double direction[3], double *dense)
 {
     double weight[7];
-    face_weights(mesh, load->face, c, weight);
+    face_weights(mesh, load->face, direction, weight);
     add_node(mesh, node, factor, weight, dense);
 }
 
@@ -407,31 +411,33 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
  * vectors interpolated along a chord lose angle^2/6 of their size. A load of fixed direction keeps
  * its vector in the Cartesian element and its components in the published element.
  */
-static void carry(const mesh *mesh, const scene_load *load, int from, int to, const double c[3],
-                  double out[3])
+static void carry(const mesh *mesh, const scene_load *load, int from, int to,
+                  const double direction[3], double out[3])
 {
-    for (int a = 0; a < 3; a++) {
-        out[a] = c[a];
+    for (int axis = 0; axis < 3; axis++) {
+        out[axis] = direction[axis];
         if (!mesh->scene->element.cartesian || load->component <= COMPONENT_U3)
             continue;
-        out[a] = 0;
-        for (int b = 0; b < 3; b++)
+        out[axis] = 0;
+        for (int other = 0; other < 3; other++)
             for (int i = 0; i < 3; i++)
-                out[a] += mesh->point[to].e[a][i] * mesh->point[from].e[b][i] * c[b];
+                out[axis] +=
+                    mesh->point[to].e[axis][i] * mesh->point[from].e[other][i] * direction[other];
     }
 }
 
-double design_chords(const mesh *mesh, int element, int r, scene_face face, double flat[2][2],
+double design_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],
                      double lean[2])
 {
     const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
     const double half = face_height(face, type->thickness);
-    for (int a = 0; a < 2; a++) {
+    for (int axis = 0; axis < 2; axis++) {
         for (int i = 0; i < 2; i++)
-            flat[a][i] = type->g_mean[r][a][i] + half * type->g_diff[r][a][i];
-        const double length = hypot(flat[a][0], flat[a][1]),
-                     x = atan2(type->g_mean[r][a][2] + half * type->g_diff[r][a][2], length);
-        lean[a] = length * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
+            flat[axis][i] = type->g_mean[corner][axis][i] + half * type->g_diff[corner][axis][i];
+        const double length = hypot(flat[axis][0], flat[axis][1]),
+                     x = atan2(type->g_mean[corner][axis][2] + half * type->g_diff[corner][axis][2],
+                               length);
+        lean[axis] = length * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
     }
     return flat[0][0] * flat[1][1] - flat[0][1] * flat[1][0];
 }
@@ -440,24 +446,25 @@ double design_chords(const mesh *mesh, int element, int r, scene_face face, doub
  * Add the in-plane force on the middle surface that a pressure causes at a corner because the
  * chords are inclined to the tangent plane. c [3] in: pressure at the corner
  */
-static void add_lean(const mesh *mesh, const scene_load *load, int element, int r, double size,
-                     const double c[3], double *dense)
+static void add_lean(const mesh *mesh, const scene_load *load, int element, int corner, double size,
+                     const double direction[3], double *dense)
 {
     double flat[2][2], lean[2], weight[7] = {0};
-    const double part = c[2] * size / design_chords(mesh, element, r, load->face, flat, lean);
+    const double part =
+        direction[2] * size / design_chords(mesh, element, corner, load->face, flat, lean);
     weight[0] = part * (lean[1] * flat[0][1] - lean[0] * flat[1][1]);
     weight[1] = part * (lean[0] * flat[1][0] - lean[1] * flat[0][0]);
-    add_node(mesh, mesh->element[element][r], 1, weight, dense);
+    add_node(mesh, mesh->element[element][corner], 1, weight, dense);
 }
 
 /* Consistent weight of node s in the force on node r: of an edge (2 nodes) or an element (4). */
-static double consistent_weight(int count, int r, int s)
+static double consistent_weight(int count, int row, int column)
 {
-    const int is_opposite = count == 4 && (r ^ s) == 2;
+    const int is_opposite = count == 4 && (row ^ column) == 2;
     int weight = count == 4 ? 4 : 2;
     if (is_opposite)
         weight /= 4;
-    else if (r != s)
+    else if (row != column)
         weight /= 2;
     return weight;
 }
@@ -471,14 +478,15 @@ static void add_distributed(const mesh *mesh, const scene_load *load, const lami
                             double *dense)
 {
     const int whole = count == 4 ? 36 : 6;
-    for (int r = 0; r < count; r++)
-        for (int s = 0; s < count; s++) {
-            double c[3], carried[3];
-            load_vector(mesh, load, node[s], value[s], c);
-            carry(mesh, load, node[s], node[r], c, carried);
-            const double excess = place ? corner_pair_excess(place, r, s) : 0;
-            const double weight = size * consistent_weight(count, r, s) / whole + size * excess;
-            add_force(mesh, load, node[r], weight, carried, dense);
+    for (int row = 0; row < count; row++)
+        for (int column = 0; column < count; column++) {
+            double direction[3], carried[3];
+            load_vector(mesh, load, node[column], value[column], direction);
+            carry(mesh, load, node[column], node[row], direction, carried);
+            const double excess = place ? corner_pair_excess(place, row, column) : 0;
+            const double weight =
+                size * consistent_weight(count, row, column) / whole + size * excess;
+            add_force(mesh, load, node[row], weight, carried, dense);
         }
 }
 
@@ -495,27 +503,28 @@ static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element
 static void face_column(const mesh *mesh, const scene_load *load, const double *value,
                         double density, double *dense)
 {
-    for (int e = 0; e < mesh->elements; e++) {
-        const laminate_place *place = &mesh->place[mesh->element_type[e]];
+    for (int element = 0; element < mesh->elements; element++) {
+        const laminate_place *place = &mesh->place[mesh->element_type[element]];
         double weight = density;
         int node[4];
         double corner[4];
-        if (!is_loaded(mesh, load, (uint32_t)e))
+        if (!is_loaded(mesh, load, (uint32_t)element))
             continue;
-        for (int p = 0; load->type == LOAD_WEIGHT && p < mesh->laminate.plies; p++)
-            if (place->present_plies >> p & 1u)
-                weight += mesh->laminate.ply[p].density *
-                          (mesh->laminate.ply[p].z[1] - mesh->laminate.ply[p].z[0]);
-        for (int r = 0; r < 4; r++) {
-            node[r] = mesh->element[e][r];
-            corner[r] = value[node[r]];
+        for (int ply = 0; load->type == LOAD_WEIGHT && ply < mesh->laminate.plies; ply++)
+            if (place->present_plies >> ply & 1u)
+                weight += mesh->laminate.ply[ply].density *
+                          (mesh->laminate.ply[ply].z[1] - mesh->laminate.ply[ply].z[0]);
+        for (int i = 0; i < 4; i++) {
+            node[i] = mesh->element[element][i];
+            corner[i] = value[node[i]];
         }
         add_distributed(mesh, load, place, node, corner, 4, place->area * weight, dense);
-        for (int r = 0; r < 4 && mesh->scene->element.cartesian && load->component == COMPONENT_U3;
-             r++) {
-            double c[3];
-            load_vector(mesh, load, node[r], corner[r], c);
-            add_lean(mesh, load, e, r, place->area / 4 * corner_jacobian(place, r), c, dense);
+        for (int i = 0; i < 4 && mesh->scene->element.cartesian && load->component == COMPONENT_U3;
+             i++) {
+            double direction[3];
+            load_vector(mesh, load, node[i], corner[i], direction);
+            add_lean(mesh, load, element, i, place->area / 4 * corner_jacobian(place, i), direction,
+                     dense);
         }
     }
 }
@@ -552,8 +561,8 @@ static void line_column(const mesh *mesh, const scene_load *load, const double *
                            : 0;
     for (int k = 0; k < line->elements; k++) {
         int node[2];
-        for (int r = 0; r < 2; r++)
-            node[r] = along == 1 ? mesh_node(mesh, across, k + r) : mesh_node(mesh, k + r, across);
+        for (int i = 0; i < 2; i++)
+            node[i] = along == 1 ? mesh_node(mesh, across, k + i) : mesh_node(mesh, k + i, across);
         const double corner[2] = {value[node[0]], value[node[1]]};
         const double length = mesh->point[node[0]].a[along] * (line->point[k + 1] - line->point[k]);
         add_distributed(mesh, load, NULL, node, corner, 2, length, dense);
@@ -563,21 +572,21 @@ static void line_column(const mesh *mesh, const scene_load *load, const double *
 static void load_column(const mesh *mesh, const scene_load *load, const double *value, int *node,
                         double *dense)
 {
-    double c[3];
+    double direction[3];
     switch (load->type) {
     case LOAD_POINT:
         mesh_select(mesh, &load->where, node);
-        load_vector(mesh, load, node[0], value[node[0]], c);
-        add_force(mesh, load, node[0], 1, c, dense);
+        load_vector(mesh, load, node[0], value[node[0]], direction);
+        add_force(mesh, load, node[0], 1, direction, dense);
         break;
     case LOAD_LINE: line_column(mesh, load, value, dense); break;
     case LOAD_FACE: face_column(mesh, load, value, 1, dense); break;
     case LOAD_WEIGHT: face_column(mesh, load, value, 0, dense); break;
     case LOAD_TEMPERATURE:
-        for (int e = 0; e < mesh->elements; e++) {
+        for (int element = 0; element < mesh->elements; element++) {
             double h0[LAMINATE_STRAINS];
-            design_temperature_resultants(mesh, load, e, h0);
-            add_resultants(mesh, e, h0, dense);
+            design_temperature_resultants(mesh, load, element, h0);
+            add_resultants(mesh, element, h0, dense);
         }
         break;
     }
@@ -585,13 +594,13 @@ static void load_column(const mesh *mesh, const scene_load *load, const double *
 
 int design_load_values(const mesh *mesh, const scene_load *load, double *value, char *error)
 {
-    for (int n = 0; n < mesh->nodes; n++) {
-        const expr_point at = mesh_place(mesh, n);
-        value[n] = expr_value(load->value, &at);
-        if (!isfinite(value[n]))
+    for (int node = 0; node < mesh->nodes; node++) {
+        const expr_point at = mesh_place(mesh, node);
+        value[node] = expr_value(load->value, &at);
+        if (!isfinite(value[node]))
             return scene_fault(mesh->scene, load->at, error,
                                "the load is not a finite number at %s; correct its formula",
-                               mesh_node_text(mesh, n).text);
+                               mesh_node_text(mesh, node).text);
     }
     return 0;
 }
@@ -697,15 +706,16 @@ void design_applied(const design *design, double *voltage)
 {
     for (int k = 0; k < design->scene->actuators; k++) {
         const scene_actuator *actuator = &design->scene->actuator[k];
-        for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++)
-            voltage[actuator->first + c] = actuator->each ? actuator->each[c] : actuator->applied;
+        for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++)
+            voltage[actuator->first + cell] =
+                actuator->each ? actuator->each[cell] : actuator->applied;
     }
 }
 
-void design_shape(const design *design, const double *u, double *shape)
+void design_shape(const design *design, const double *displacement, double *shape)
 {
     for (int i = 0; i < design->targets; i++)
-        shape[i] = pzs_model_observe_row(&design->structure, u, (uint32_t)i);
+        shape[i] = pzs_model_observe_row(&design->structure, displacement, (uint32_t)i);
 }
 
 void design_free(design *design)

@@ -146,7 +146,7 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
  *   lean [2]     out  the inclination that is used for pressures
  * Returns the area that the base vectors span.
  */
-double design_chords(const mesh *mesh, int element, int r, scene_face face, double flat[2][2],
+double design_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],
                      double lean[2]);
 
 /*
@@ -159,22 +159,23 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
 void design_applied(const design *design, double *voltage);
 
 /* Target rows of a displacement. u [free_dof] in, shape [targets] out */
-void design_shape(const design *design, const double *u, double *shape);
+void design_shape(const design *design, const double *displacement, double *shape);
 
 /*
  * |W P (x - y)|^2, or |W P x|^2 where y is NULL, with P the projector that removes the free
  * functions. x, y [targets] in
  */
-double design_squares(const design *design, const double *x, const double *y);
+double design_squares(const design *design, const double *shape, const double *wanted);
 
 /*
  * misfit [targets] out = P (x - y), with P the projector that removes the free functions. Returns
  * the weighted sum of its squares in the rows on constrained dof.
  */
-double design_misfit(const design *design, const double *x, const double *y, double *misfit);
+double design_misfit(const design *design, const double *shape, const double *wanted,
+                     double *misfit);
 
 /* x := P x, with P the projector that removes the free functions. x [targets] in/out */
-void design_take_free(const design *design, double *x);
+void design_take_free(const design *design, double *shape);
 
 /*
  * P B with rows on constrained dof set to 0.

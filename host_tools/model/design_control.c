@@ -10,16 +10,17 @@
 /* Form B'W^2 B. Returns the regularisation in m2/V2. */
 static double build_hessian(design *design)
 {
-    const size_t n = (size_t)design->amplifiers;
+    const size_t amplifiers = (size_t)design->amplifiers;
     double trace = 0;
     for (int i = 0; i < design->targets; i++)
-        for (size_t j = 0; j < n; j++)
-            for (size_t k = 0; k < n; k++)
-                design->hessian[j * n + k] += design->weight[i] * design->weight[i] *
-                                              design->influence[(size_t)i * n + j] *
-                                              design->influence[(size_t)i * n + k];
-    for (size_t j = 0; j < n; j++)
-        trace += design->hessian[j * n + j];
+        for (size_t j = 0; j < amplifiers; j++)
+            for (size_t k = 0; k < amplifiers; k++)
+                design->hessian[j * amplifiers + k] +=
+                    design->weight[i] * design->weight[i] *
+                    design->influence[(size_t)i * amplifiers + j] *
+                    design->influence[(size_t)i * amplifiers + k];
+    for (size_t j = 0; j < amplifiers; j++)
+        trace += design->hessian[j * amplifiers + j];
     return design->scene->limits.regularisation_is_relative
                ? design->scene->limits.regularisation * trace / design->amplifiers
                : design->scene->limits.regularisation;
@@ -37,35 +38,35 @@ typedef struct limits {
  * Narrow the limits of one amplifier by the depolarisation field of a patch that it drives: the
  * field against the poling.
  */
-static void narrow_by_field(const limits *l, int k, const scene_drive *drive)
+static void narrow_by_field(const limits *limits, int k, const scene_drive *drive)
 {
-    const scene_layer *layer = &l->scene->layer[l->scene->patches[drive->patches].layer];
-    const double field = l->scene->material[layer->material].field_limit;
+    const scene_layer *layer = &limits->scene->layer[limits->scene->patches[drive->patches].layer];
+    const double field = limits->scene->material[layer->material].field_limit;
     if (field <= 0 || drive->factor == 0)
         return;
     /* E3 = -factor V / h opposes poling along +e3 when factor V > 0. */
     const double most = field * layer->thickness / fabs(drive->factor);
     if ((drive->factor > 0) == (layer->poling > 0))
-        l->upper[k] = fmin(l->upper[k], most);
+        limits->upper[k] = fmin(limits->upper[k], most);
     else
-        l->lower[k] = fmax(l->lower[k], -most);
+        limits->lower[k] = fmax(limits->lower[k], -most);
 }
 
-static void narrow_by_fields(const limits *l)
+static void narrow_by_fields(const limits *limits)
 {
-    for (int a = 0; a < l->scene->actuators; a++) {
-        const scene_actuator *actuator = &l->scene->actuator[a];
-        for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++)
+    for (int index = 0; index < limits->scene->actuators; index++) {
+        const scene_actuator *actuator = &limits->scene->actuator[index];
+        for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++)
             for (int k = 0; k < actuator->drives; k++)
-                narrow_by_field(l, actuator->first + c, &actuator->drive[k]);
+                narrow_by_field(limits, actuator->first + cell, &actuator->drive[k]);
     }
 }
 
-static void set_all(const limits *l, double lower, double upper)
+static void set_all(const limits *limits, double lower, double upper)
 {
-    for (int k = 0; k < l->scene->amplifiers; k++) {
-        l->lower[k] = lower;
-        l->upper[k] = upper;
+    for (int k = 0; k < limits->scene->amplifiers; k++) {
+        limits->lower[k] = lower;
+        limits->upper[k] = upper;
     }
 }
 
@@ -73,48 +74,48 @@ static void set_all(const limits *l, double lower, double upper)
  * Apply the amplifiers' own limits instead of the common ones; the last entry that names an
  * amplifier counts.
  */
-static void apply_own_limits(const limits *l)
+static void apply_own_limits(const limits *limits)
 {
-    const scene_limits *from = &l->scene->limits;
+    const scene_limits *from = &limits->scene->limits;
     for (int i = 0; i < from->each_count; i++)
         for (int k = from->each[i].first; k < from->each[i].first + from->each[i].count; k++) {
-            l->lower[k] = from->each[i].lower;
-            l->upper[k] = from->each[i].upper;
+            limits->lower[k] = from->each[i].lower;
+            limits->upper[k] = from->each[i].upper;
         }
 }
 
 /* Narrow the limits by common ones; the voltage of a held amplifier does not change. */
-static void narrow_by_common(const limits *l, double lower, double upper)
+static void narrow_by_common(const limits *limits, double lower, double upper)
 {
-    for (int k = 0; k < l->scene->amplifiers; k++)
-        if (l->lower[k] != l->upper[k]) {
-            l->lower[k] = fmax(l->lower[k], lower);
-            l->upper[k] = fmin(l->upper[k], upper);
+    for (int k = 0; k < limits->scene->amplifiers; k++)
+        if (limits->lower[k] != limits->upper[k]) {
+            limits->lower[k] = fmax(limits->lower[k], lower);
+            limits->upper[k] = fmin(limits->upper[k], upper);
         }
 }
 
 /* Remove the limits of all amplifiers that are not held. */
-static void remove_limits(const limits *l)
+static void remove_limits(const limits *limits)
 {
-    for (int k = 0; k < l->scene->amplifiers; k++)
-        if (l->lower[k] != l->upper[k]) {
-            l->lower[k] = -HUGE_VAL;
-            l->upper[k] = HUGE_VAL;
+    for (int k = 0; k < limits->scene->amplifiers; k++)
+        if (limits->lower[k] != limits->upper[k]) {
+            limits->lower[k] = -HUGE_VAL;
+            limits->upper[k] = HUGE_VAL;
         }
 }
 
 /* Check that every amplifier has a voltage between its limits. */
-static int check_limits(const limits *l, const char *which, char *error)
+static int check_limits(const limits *bounds, const char *which, char *error)
 {
-    for (int k = 0; k < l->scene->amplifiers; k++)
-        if (l->lower[k] > l->upper[k]) {
+    for (int k = 0; k < bounds->scene->amplifiers; k++)
+        if (bounds->lower[k] > bounds->upper[k]) {
             char name[SCENE_LABEL];
-            scene_amplifier_name(l->scene, k, name);
+            scene_amplifier_name(bounds->scene, k, name);
             return scene_fault(
-                l->scene, l->scene->limits.at, error,
+                bounds->scene, bounds->scene->limits.at, error,
                 "%s has no voltage left between %g and %g: %sits own limits and the material's "
                 "field_limit do not overlap; widen one of them",
-                name, l->lower[k], l->upper[k], which);
+                name, bounds->lower[k], bounds->upper[k], which);
         }
     return 0;
 }
@@ -125,31 +126,31 @@ static int check_limits(const limits *l, const char *which, char *error)
  */
 static int build_limits(const design *design, char *error)
 {
-    const limits l = {design->scene, design->lower, design->upper};
-    set_all(&l, design->scene->limits.lower, design->scene->limits.upper);
-    apply_own_limits(&l);
-    narrow_by_fields(&l);
+    const limits limits = {design->scene, design->lower, design->upper};
+    set_all(&limits, design->scene->limits.lower, design->scene->limits.upper);
+    apply_own_limits(&limits);
+    narrow_by_fields(&limits);
     for (int k = 0; k < design->amplifiers; k++)
         design->step_limit[k] = design->scene->limits.step_limit;
-    return check_limits(&l, "", error);
+    return check_limits(&limits, "", error);
 }
 
 int design_limits(const design *design, common_limits common, double *lower, double *upper,
                   char *error)
 {
-    const limits l = {design->scene, lower, upper};
+    const limits bounds = {design->scene, lower, upper};
     const size_t bytes = (size_t)design->amplifiers * sizeof *lower;
     memcpy(lower, design->lower, bytes);
     memcpy(upper, design->upper, bytes);
     if (common.source == LIMITS_NONE)
-        remove_limits(&l);
+        remove_limits(&bounds);
     if (common.source != LIMITS_GIVEN)
         return 0;
-    set_all(&l, -HUGE_VAL, HUGE_VAL);
-    apply_own_limits(&l);
-    narrow_by_fields(&l);
-    narrow_by_common(&l, common.lower, common.upper);
-    return check_limits(&l, "the limits asked for, ", error);
+    set_all(&bounds, -HUGE_VAL, HUGE_VAL);
+    apply_own_limits(&bounds);
+    narrow_by_fields(&bounds);
+    narrow_by_common(&bounds, common.lower, common.upper);
+    return check_limits(&bounds, "the limits asked for, ", error);
 }
 
 bool design_is_held(const design *design, int amplifier)
@@ -161,27 +162,27 @@ bool design_is_held(const design *design, int amplifier)
 
 static int allocate_control(design *design)
 {
-    const size_t n = (size_t)design->amplifiers;
+    const size_t amplifiers = (size_t)design->amplifiers;
     design->wanted = calloc((size_t)design->targets, sizeof *design->wanted);
-    design->influence = calloc((size_t)design->targets * n, sizeof *design->influence);
-    design->hessian = calloc(n * n, sizeof *design->hessian);
-    design->lower = calloc(n, sizeof *design->lower);
-    design->upper = calloc(n, sizeof *design->upper);
-    design->step_limit = calloc(n, sizeof *design->step_limit);
-    design->reference_voltage = calloc(n, sizeof *design->reference_voltage);
-    design->park = calloc(n, sizeof *design->park);
+    design->influence = calloc((size_t)design->targets * amplifiers, sizeof *design->influence);
+    design->hessian = calloc(amplifiers * amplifiers, sizeof *design->hessian);
+    design->lower = calloc(amplifiers, sizeof *design->lower);
+    design->upper = calloc(amplifiers, sizeof *design->upper);
+    design->step_limit = calloc(amplifiers, sizeof *design->step_limit);
+    design->reference_voltage = calloc(amplifiers, sizeof *design->reference_voltage);
+    design->park = calloc(amplifiers, sizeof *design->park);
     return design->park && design->wanted && design->influence && design->hessian &&
            design->lower && design->upper && design->step_limit && design->reference_voltage;
 }
 
 int design_control(design *design, const double *influence, char *error)
 {
-    const size_t n = (size_t)design->amplifiers, inputs = design->structure.input.count;
+    const size_t amplifiers = (size_t)design->amplifiers, inputs = design->structure.input.count;
     pzs_problem *problem = &design->problem;
     if (!design->scene->target.given)
         return scene_fault(design->scene, design->scene->limits.at, error,
                            "no target: add `target: {u3: middle, at: nodes, value: ...}`");
-    if (n == 0)
+    if (amplifiers == 0)
         return scene_fault(design->scene, design->scene->limits.at, error,
                            "no amplifiers: add `actuators`");
     if (!allocate_control(design))
@@ -195,7 +196,7 @@ int design_control(design *design, const double *influence, char *error)
     design_influence_free(design, influence, inputs, design->wanted, design->influence);
     for (size_t i = 0; i < (size_t)design->targets; i++) {
         design->wanted[i] = 0;
-        for (size_t load = n; load < n + (size_t)design->loads; load++)
+        for (size_t load = amplifiers; load < amplifiers + (size_t)design->loads; load++)
             design->wanted[i] += influence[i * inputs + load];
     }
     design_take_free(design, design->wanted);
@@ -204,12 +205,12 @@ int design_control(design *design, const double *influence, char *error)
     problem->regularisation = build_hessian(design);
     if (build_limits(design, error) < 0)
         return -1;
-    for (size_t k = 0; k < n; k++)
+    for (size_t k = 0; k < amplifiers; k++)
         design->park[k] =
             fmin(fmax(design->scene->safety.park, design->lower[k]), design->upper[k]);
     problem->format = PZS_TABLE_FORMAT;
     problem->scene = design->scene->hash;
-    problem->inputs = (uint16_t)n;
+    problem->inputs = (uint16_t)amplifiers;
     problem->outputs = (uint16_t)design->targets;
     problem->influence = design->influence;
     problem->hessian = design->hessian;

@@ -25,8 +25,8 @@ static bool is_prescribed(const mesh *mesh, uint16_t dof)
 static bool is_constrained(const design *design, int row)
 {
     const pzs_rows *rows = &design->structure.output;
-    for (uint32_t t = rows->start[row]; t < rows->start[row + 1]; t++)
-        if (!is_prescribed(&design->mesh, rows->dof[t]))
+    for (uint32_t entry = rows->start[row]; entry < rows->start[row + 1]; entry++)
+        if (!is_prescribed(&design->mesh, rows->dof[entry]))
             return false;
     return true;
 }
@@ -44,18 +44,19 @@ static void separate_fixed_rows(design *design)
 
 /* ---- free functions --------------------------------------------------- */
 
-static double difference(const double *x, const double *y, int i)
+static double difference(const double *first, const double *second, int i)
 {
-    return y ? x[i] - y[i] : x[i];
+    return second ? first[i] - second[i] : first[i];
 }
 
 /* Entry i of x - y without the first `count` free functions times c. */
-static double residual_entry(const design *design, const double *x, const double *y,
-                             const double *c, int count, int i)
+static double residual_entry(const design *design, const double *shape, const double *wanted,
+                             const double *coefficient, int count, int i)
 {
-    double residual = difference(x, y, i);
+    double residual = difference(shape, wanted, i);
     for (int j = 0; j < count; j++)
-        residual -= c[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
+        residual -=
+            coefficient[j] * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
     return residual;
 }
 
@@ -63,30 +64,31 @@ static double residual_entry(const design *design, const double *x, const double
  * Weighted least-squares fit of the first free functions to x - y; a second iteration corrects
  * rounding errors. c [count] out
  */
-static void fit(const design *design, const double *x, const double *y, int count, double *c)
+static void fit(const design *design, const double *shape, const double *wanted, int count,
+                double *coefficient)
 {
     double more[DESIGN_FREE];
-    memset(c, 0, (size_t)count * sizeof *c);
+    memset(coefficient, 0, (size_t)count * sizeof *coefficient);
     for (int again = 0; again < 2; again++) {
         memset(more, 0, sizeof more);
         for (int i = 0; i < design->targets; i++) {
-            const double residual =
-                design->weight[i] * design->weight[i] * residual_entry(design, x, y, c, count, i);
+            const double residual = design->weight[i] * design->weight[i] *
+                                    residual_entry(design, shape, wanted, coefficient, count, i);
             for (int j = 0; j < count; j++)
                 more[j] +=
                     residual * design->free_value[(size_t)j * (size_t)design->targets + (size_t)i];
         }
         for (int j = 0; j < count; j++)
-            c[j] += more[j];
+            coefficient[j] += more[j];
     }
 }
 
 /* |W x|^2 */
-static double weighted_squares(const design *design, const double *x)
+static double weighted_squares(const design *design, const double *shape)
 {
     double sum = 0;
     for (int i = 0; i < design->targets; i++)
-        sum += pow(design->weight[i] * x[i], 2);
+        sum += pow(design->weight[i] * shape[i], 2);
     return sum;
 }
 
@@ -100,17 +102,17 @@ static double rounding(const design *design)
  * x := x less its fit by the first `count` functions. Weighted rows are set to 0 where only
  * rounding errors remain.
  */
-static void remove_fit(const design *design, int count, double *x)
+static void remove_fit(const design *design, int count, double *shape)
 {
-    double c[DESIGN_FREE];
-    const double before = weighted_squares(design, x);
-    fit(design, x, NULL, count, c);
+    double coefficient[DESIGN_FREE];
+    const double before = weighted_squares(design, shape);
+    fit(design, shape, NULL, count, coefficient);
     for (int i = 0; i < design->targets; i++)
-        x[i] = residual_entry(design, x, NULL, c, count, i);
-    if (weighted_squares(design, x) > pow(rounding(design), 2) * before)
+        shape[i] = residual_entry(design, shape, NULL, coefficient, count, i);
+    if (weighted_squares(design, shape) > pow(rounding(design), 2) * before)
         return;
     for (int i = 0; i < design->targets; i++)
-        x[i] = design->weight[i] > 0 ? 0 : x[i];
+        shape[i] = design->weight[i] > 0 ? 0 : shape[i];
 }
 
 /*
@@ -136,56 +138,58 @@ static int add_free(design *design, int j, char *error)
     return 0;
 }
 
-void design_take_free(const design *design, double *x)
+void design_take_free(const design *design, double *shape)
 {
     if (design->free_functions > 0)
-        remove_fit(design, design->free_functions, x);
+        remove_fit(design, design->free_functions, shape);
 }
 
-double design_misfit(const design *design, const double *x, const double *y, double *misfit)
+double design_misfit(const design *design, const double *shape, const double *wanted,
+                     double *misfit)
 {
-    double c[DESIGN_FREE], sum = 0;
-    fit(design, x, y, design->free_functions, c);
+    double coefficient[DESIGN_FREE], sum = 0;
+    fit(design, shape, wanted, design->free_functions, coefficient);
     for (int i = 0; i < design->targets; i++) {
-        misfit[i] = residual_entry(design, x, y, c, design->free_functions, i);
+        misfit[i] = residual_entry(design, shape, wanted, coefficient, design->free_functions, i);
         sum += pow(design->fixed_weight[i] * misfit[i], 2);
     }
     return sum;
 }
 
-double design_squares(const design *design, const double *x, const double *y)
+double design_squares(const design *design, const double *shape, const double *wanted)
 {
-    double c[DESIGN_FREE], sum = 0;
-    fit(design, x, y, design->free_functions, c);
+    double coefficient[DESIGN_FREE], sum = 0;
+    fit(design, shape, wanted, design->free_functions, coefficient);
     for (int i = 0; i < design->targets; i++)
-        sum +=
-            pow(design->weight[i] * residual_entry(design, x, y, c, design->free_functions, i), 2);
+        sum += pow(design->weight[i] * residual_entry(design, shape, wanted, coefficient,
+                                                      design->free_functions, i),
+                   2);
     return sum;
 }
 
 void design_influence_free(const design *design, const double *influence, size_t stride,
                            double *column, double *out)
 {
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
-    for (size_t i = 0; i < m; i++)
-        memcpy(out + i * n, influence + i * stride, n * sizeof *out);
-    for (size_t k = 0; k < n && design->free_functions > 0; k++) {
-        for (size_t i = 0; i < m; i++)
-            column[i] = out[i * n + k];
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
+    for (size_t i = 0; i < targets; i++)
+        memcpy(out + i * amplifiers, influence + i * stride, amplifiers * sizeof *out);
+    for (size_t k = 0; k < amplifiers && design->free_functions > 0; k++) {
+        for (size_t i = 0; i < targets; i++)
+            column[i] = out[i * amplifiers + k];
         design_take_free(design, column);
-        for (size_t i = 0; i < m; i++)
-            out[i * n + k] = design->weight[i] > 0 ? column[i] : 0;
+        for (size_t i = 0; i < targets; i++)
+            out[i * amplifiers + k] = design->weight[i] > 0 ? column[i] : 0;
     }
 }
 
 int design_target_rows(design *design, char *error)
 {
     const scene_target *target = &design->scene->target;
-    const size_t m = (size_t)design->targets;
+    const size_t targets = (size_t)design->targets;
     if (!target->given)
         return 0;
-    design->fixed_weight = calloc(m, sizeof *design->fixed_weight);
-    design->free_value = calloc(m * (size_t)target->frees + 1, sizeof *design->free_value);
+    design->fixed_weight = calloc(targets, sizeof *design->fixed_weight);
+    design->free_value = calloc(targets * (size_t)target->frees + 1, sizeof *design->free_value);
     if (!design->fixed_weight || !design->free_value)
         return scene_fault(design->scene, target->what.at, error,
                            "%d target nodes do not fit into memory", design->targets);

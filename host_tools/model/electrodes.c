@@ -89,14 +89,14 @@ static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open
     const scene *scene = design->scene;
     uint16_t count = 0;
     for (int k = 0; k < scene->actuators; k++)
-        for (int c = 0; c < scene->actuator[k].grid[0] * scene->actuator[k].grid[1] &&
-                        !scene->actuator[k].is_temperature;
-             c++)
-            input[count++] = (uint16_t)(scene->actuator[k].first + c);
+        for (int cell = 0; cell < scene->actuator[k].grid[0] * scene->actuator[k].grid[1] &&
+                           !scene->actuator[k].is_temperature;
+             cell++)
+            input[count++] = (uint16_t)(scene->actuator[k].first + cell);
     for (int k = 0; k < scene->sensors; k++)
-        for (int c = 0; c < scene->sensor[k].grid[0] * scene->sensor[k].grid[1]; c++) {
+        for (int cell = 0; cell < scene->sensor[k].grid[0] * scene->sensor[k].grid[1]; cell++) {
             open[count] = (uint8_t)scene->sensor[k].open;
-            input[count++] = (uint16_t)(design->sensor_first + scene->sensor[k].first + c);
+            input[count++] = (uint16_t)(design->sensor_first + scene->sensor[k].first + cell);
         }
     return count;
 }
@@ -140,8 +140,8 @@ int electrodes_build(design *design, char *error)
     dof = calloc(tables->count * inputs + 1, sizeof *dof);
     value = calloc(tables->count * inputs + 1, sizeof *value);
     if (ready && dense && dof && value) {
-        for (int e = 0; e < design->mesh.elements && tables->count > 0; e++)
-            add_element(design, e, list, dense);
+        for (int element = 0; element < design->mesh.elements && tables->count > 0; element++)
+            add_element(design, element, list, dense);
         sparse(dense, tables->count, inputs, start, dof, value);
     }
     const pzs_rows direct = {tables->count, start, dof, value};

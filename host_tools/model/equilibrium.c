@@ -61,11 +61,11 @@ static void append_actuator(resultant_builder *builder, const mesh *mesh,
                             const scene_actuator *actuator, int first)
 {
     double h0[LAMINATE_STRAINS];
-    for (int c = 0; c < actuator->grid[0] * actuator->grid[1]; c++) {
-        for (int e = 0; e < mesh->elements; e++)
-            if (design_actuation(mesh, actuator, c, e, h0))
-                append(builder, e, h0);
-        builder->start[first + c + 1] = (uint32_t)builder->entries;
+    for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++) {
+        for (int element = 0; element < mesh->elements; element++)
+            if (design_actuation(mesh, actuator, cell, element, h0))
+                append(builder, element, h0);
+        builder->start[first + cell + 1] = (uint32_t)builder->entries;
     }
 }
 
@@ -86,9 +86,9 @@ static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *
         char error[SCENE_ERROR];
         if (k < scene->loads && scene->load[k].type == LOAD_TEMPERATURE &&
             design_load_values(&design->mesh, &scene->load[k], value, error) == 0)
-            for (int e = 0; e < design->mesh.elements; e++) {
-                design_temperature_resultants(&design->mesh, &scene->load[k], e, h0);
-                append(&builder, e, h0);
+            for (int element = 0; element < design->mesh.elements; element++) {
+                design_temperature_resultants(&design->mesh, &scene->load[k], element, h0);
+                append(&builder, element, h0);
             }
         builder.start[design->amplifiers + k + 1] = (uint32_t)builder.entries;
     }
@@ -105,13 +105,13 @@ static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *
 
 /* ---- follower loads --------------------------------------------------- */
 
-static void set_corner(const mesh *mesh, int element, int r, const pzs_follower *follower,
+static void set_corner(const mesh *mesh, int element, int corner, const pzs_follower *follower,
                        double *area, double lean[2])
 {
-    const surface_point *point = &mesh->point[mesh->element[element][r]];
+    const surface_point *point = &mesh->point[mesh->element[element][corner]];
     const double z = mesh->laminate.z[follower->normal_face];
     double flat[2][2];
-    const double size = design_chords(mesh, element, r,
+    const double size = design_chords(mesh, element, corner,
                                       follower->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
     if (follower->true_area)
         *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
@@ -152,12 +152,14 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
     follower->true_area = load->follower == FOLLOWER_PRESSURE;
     set_shares(follower, mesh->scene->element.cartesian);
-    for (int e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++) {
-            const uint16_t type = mesh->element_type[e];
-            area[type][r] = mesh->place[type].area * corner_jacobian(&mesh->place[type], r);
+    for (int element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++) {
+            const uint16_t type = mesh->element_type[element];
+            area[type][corner] =
+                mesh->place[type].area * corner_jacobian(&mesh->place[type], corner);
             if (lean)
-                set_corner(mesh, e, r, follower, &area[type][r], lean[type][r]);
+                set_corner(mesh, element, corner, follower, &area[type][corner],
+                           lean[type][corner]);
         }
     follower->format = PZS_TABLE_FORMAT;
     follower->scene = equilibrium->design->structure.scene;
@@ -238,13 +240,14 @@ static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
     memcpy(equilibrium->contact_face.motion, contact->move,
            sizeof equilibrium->contact_face.motion);
     design_node_areas(mesh, area);
-    for (size_t n = 0; n < nodes; n++)
+    for (size_t node = 0; node < nodes; node++)
         for (int i = 0; i < 3; i++) {
-            place[n][i] = mesh->point[n].x[i] +
-                          mesh->laminate.z[equilibrium->contact_face.face] * mesh->point[n].e[2][i];
-            memcpy(triad[n][i], mesh->point[n].e[i], sizeof triad[n][i]);
-            low[i] = n ? fmin(low[i], place[n][i]) : place[n][i];
-            high[i] = n ? fmax(high[i], place[n][i]) : place[n][i];
+            place[node][i] =
+                mesh->point[node].x[i] +
+                mesh->laminate.z[equilibrium->contact_face.face] * mesh->point[node].e[2][i];
+            memcpy(triad[node][i], mesh->point[node].e[i], sizeof triad[node][i]);
+            low[i] = node ? fmin(low[i], place[node][i]) : place[node][i];
+            high[i] = node ? fmax(high[i], place[node][i]) : place[node][i];
         }
     for (int i = 0; i < 3; i++)
         equilibrium->contact_face.size = fmax(equilibrium->contact_face.size, high[i] - low[i]);

@@ -117,8 +117,8 @@ static int fill_sensitivity(estimation *estimation, size_t input, double *value,
         (pzs_open_voltages(&analysis->electric, value) != PZS_OK ||
          pzs_charges(&analysis->electric, value, charge) != PZS_OK))
         return -1;
-    for (int r = 0; r < design->scene->estimate.readings; r++) {
-        const int k = design->scene->estimate.reading[r].output;
+    for (int index = 0; index < design->scene->estimate.readings; index++) {
+        const int k = design->scene->estimate.reading[index].output;
         const scene_output *output = &design->scene->output[k];
         for (int i = 0; i < analysis_outputs(analysis, k); i++, row++) {
             double *reading = &estimation->sensitivity[row * inputs + input];
@@ -127,7 +127,7 @@ static int fill_sensitivity(estimation *estimation, size_t input, double *value,
                     analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input];
             else
                 *reading = electric_reading(design, output, i, value, charge);
-            estimation->noise[row] = design->scene->estimate.reading[r].noise;
+            estimation->noise[row] = design->scene->estimate.reading[index].noise;
         }
     }
     return 0;
@@ -163,11 +163,11 @@ static void form(estimation *estimation)
                 estimation->sigma[j] / estimation->noise[i];
     }
     for (size_t i = 0; i < estimation->sensors; i++)
-        for (size_t l = 0; l < estimation->sensors; l++)
+        for (size_t sensor = 0; sensor < estimation->sensors; sensor++)
             for (size_t j = 0; j < estimation->disturbances; j++)
-                estimation->square[i * estimation->sensors + l] +=
+                estimation->square[i * estimation->sensors + sensor] +=
                     estimation->scaled_reading[i * estimation->disturbances + j] *
-                    estimation->scaled_reading[l * estimation->disturbances + j];
+                    estimation->scaled_reading[sensor * estimation->disturbances + j];
 }
 
 /* ---- eigenvalues ------------------------------------------------------ */
@@ -186,17 +186,19 @@ static double eigenvalue(const estimation *estimation, size_t i)
 /* side := (1 + square)^-1 side */
 static void apply_filter(estimation *estimation)
 {
-    const size_t n = estimation->sensors;
-    for (size_t e = 0; e < n; e++) {
-        estimation->rotated[e] = 0;
-        for (size_t i = 0; i < n; i++)
-            estimation->rotated[e] += estimation->eigenvector[i * n + e] * estimation->side[i];
-        estimation->rotated[e] /= 1 + eigenvalue(estimation, e);
+    const size_t sensors = estimation->sensors;
+    for (size_t row = 0; row < sensors; row++) {
+        estimation->rotated[row] = 0;
+        for (size_t i = 0; i < sensors; i++)
+            estimation->rotated[row] +=
+                estimation->eigenvector[i * sensors + row] * estimation->side[i];
+        estimation->rotated[row] /= 1 + eigenvalue(estimation, row);
     }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < sensors; i++) {
         estimation->side[i] = 0;
-        for (size_t e = 0; e < n; e++)
-            estimation->side[i] += estimation->eigenvector[i * n + e] * estimation->rotated[e];
+        for (size_t row = 0; row < sensors; row++)
+            estimation->side[i] +=
+                estimation->eigenvector[i * sensors + row] * estimation->rotated[row];
     }
 }
 
@@ -262,11 +264,11 @@ static double project_to_disturbances(estimation *estimation, const double *dire
     return sqrt(sum);
 }
 
-static double length(const double *x, size_t n)
+static double length(const double *vector, size_t count)
 {
     double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += x[i] * x[i];
+    for (size_t i = 0; i < count; i++)
+        sum += vector[i] * vector[i];
     return sqrt(sum);
 }
 
@@ -427,9 +429,9 @@ int estimator_open(estimator *estimator, const analysis *analysis, char *error)
                              .loads = (size_t)design->loads,
                              .disturbances = (size_t)(design->loads + design->amplifiers)};
     memset(estimator, 0, sizeof *estimator);
-    for (int r = 0; r < design->scene->estimate.readings; r++)
+    for (int reading = 0; reading < design->scene->estimate.readings; reading++)
         estimation.sensors +=
-            (size_t)analysis_outputs(analysis, design->scene->estimate.reading[r].output);
+            (size_t)analysis_outputs(analysis, design->scene->estimate.reading[reading].output);
     estimator->sensors = (int)estimation.sensors;
     estimator->disturbances = (int)estimation.disturbances;
     const int failed = build(&estimation, estimator, error);

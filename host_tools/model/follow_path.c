@@ -32,11 +32,11 @@ typedef struct walk {
     int iterations;
 } walk;
 
-static double inner(const walk *walk, const double *a, const double *b)
+static double inner(const walk *walk, const double *first, const double *second)
 {
     double sum = 0;
     for (size_t i = 0; i < walk->n; i++)
-        sum += walk->metric[i] * a[i] * b[i];
+        sum += walk->metric[i] * first[i] * second[i];
     return sum;
 }
 
@@ -217,9 +217,10 @@ static signature signature_at(const walk *walk, const double *along)
                        (int)walk->solver->info.negative_pivots};
 }
 
-static bool differs(signature a, signature b, load_path_event_type type)
+static bool differs(signature first, signature second, load_path_event_type type)
 {
-    return type == LOAD_PATH_LIMIT ? a.course != b.course : a.negative_pivots != b.negative_pivots;
+    return type == LOAD_PATH_LIMIT ? first.course != second.course
+                                   : first.negative_pivots != second.negative_pivots;
 }
 
 /*

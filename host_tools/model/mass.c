@@ -40,14 +40,14 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
     const double middle = (laminate->z[0] + laminate->z[1]) / 2;
     memset(m, 0, sizeof(double[FUNCTIONS][FUNCTIONS]));
     add_moments(0, laminate->thickness, per_area, m);
-    for (int p = 0; p < laminate->plies; p++) {
-        const laminate_ply *ply = &laminate->ply[p];
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        const laminate_ply *ply = &laminate->ply[layer];
         const double half = (ply->z[1] - ply->z[0]) / 2, centre = (ply->z[0] + ply->z[1]) / 2;
-        for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
-            const double z = centre + half * gauss_x[g];
+        for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
+            const double z = centre + half * gauss_x[point];
             const double metric = (1 + place->k[0] * z) * (1 + place->k[1] * z);
-            add_moments(z - middle, laminate->thickness, half * gauss_w[g] * ply->density * metric,
-                        m);
+            add_moments(z - middle, laminate->thickness,
+                        half * gauss_w[point] * ply->density * metric, m);
         }
     }
 }
@@ -55,16 +55,16 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 /*
  * Share of the element's mass that couples corners r and s: bilinear, or all at the corners.
  */
-static double share(const laminate_place *place, int r, int s, double lumped)
+static double share(const laminate_place *place, int row, int column, double lumped)
 {
-    const int is_opposite = (r ^ s) == 2;
-    const double at_corner = r == s ? 0.25 * corner_share(place, r) : 0;
+    const int is_opposite = (row ^ column) == 2;
+    const double at_corner = row == column ? 0.25 * corner_share(place, row) : 0;
     double consistent = 2.0 / 36;
-    if (r == s)
+    if (row == column)
         consistent = 4.0 / 36;
     if (is_opposite)
         consistent = 1.0 / 36;
-    consistent += corner_pair_excess(place, r, s);
+    consistent += corner_pair_excess(place, row, column);
     return (1 - lumped) * consistent + lumped * at_corner;
 }
 
@@ -81,12 +81,13 @@ static void fill_element(const mesh *mesh, int element, double lumped,
     const laminate_place *place = &mesh->place[mesh->element_type[element]];
     for (int row = 0; row < 4 * dof_per_node; row++)
         for (int column = 0; column <= row; column++) {
-            const int r = row / dof_per_node, s = column / dof_per_node, i = row % dof_per_node,
-                      j = column % dof_per_node;
-            const surface_point *p = &mesh->point[mesh->element[element][r]],
-                                *q = &mesh->point[mesh->element[element][s]];
-            const double cosine = between(p, component_of[i], q, component_of[j]);
-            *entry++ = place->area * share(place, r, s, lumped) *
+            const int row_corner = row / dof_per_node, column_corner = column / dof_per_node,
+                      i = row % dof_per_node, j = column % dof_per_node;
+            const surface_point *row_point = &mesh->point[mesh->element[element][row_corner]],
+                                *column_point = &mesh->point[mesh->element[element][column_corner]];
+            const double cosine =
+                between(row_point, component_of[i], column_point, component_of[j]);
+            *entry++ = place->area * share(place, row_corner, column_corner, lumped) *
                        m[function_of[i]][function_of[j]] * cosine;
         }
 }
@@ -139,11 +140,12 @@ int mass_build(mass *mass, const mesh *mesh, double lumped, char *error)
     if (!mass->entry)
         return scene_fault(scene, scene->line[0].at, error,
                            "the mass of %d elements does not fit into memory", mesh->elements);
-    for (int e = 0; e < mesh->elements; e++) {
+    for (int element = 0; element < mesh->elements; element++) {
         double integral[FUNCTIONS][FUNCTIONS];
-        moments(&mesh->laminate, &mesh->place[mesh->element_type[e]], scene->dynamics.mass_per_area,
-                integral);
-        fill_element(mesh, e, lumped, integral, mass->entry + (size_t)e * entries(mesh));
+        moments(&mesh->laminate, &mesh->place[mesh->element_type[element]],
+                scene->dynamics.mass_per_area, integral);
+        fill_element(mesh, element, lumped, integral,
+                     mass->entry + (size_t)element * entries(mesh));
     }
     return 0;
 }
@@ -160,28 +162,29 @@ const double *mass_element(const mass *mass, int element)
 }
 
 /* f = M_e u of one element. u, f [4 dof_per_node] */
-static void multiply_element(const double *entry, int n, const double *u, double *f)
+static void multiply_element(const double *entry, int count, const double *vector, double *product)
 {
-    for (int i = 0; i < n; i++)
-        f[i] = 0;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < count; i++)
+        product[i] = 0;
+    for (int i = 0; i < count; i++) {
         for (int j = 0; j < i; j++) {
-            f[i] += entry[j] * u[j];
-            f[j] += entry[j] * u[i];
+            product[i] += entry[j] * vector[j];
+            product[j] += entry[j] * vector[i];
         }
-        f[i] += entry[i] * u[i];
+        product[i] += entry[i] * vector[i];
         entry += i + 1;
     }
 }
 
-void mass_multiply(const mass *mass, const pzs_model *model, const double *u, double *f)
+void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, double *product)
 {
-    memset(f, 0, (size_t)mass->mesh->free_dof * sizeof *f);
-    for (int e = 0; e < mass->mesh->elements; e++) {
+    memset(product, 0, (size_t)mass->mesh->free_dof * sizeof *product);
+    for (int element = 0; element < mass->mesh->elements; element++) {
         double local[SHELL_MAX], force[SHELL_MAX];
-        pzs_model_gather(model, mass->mesh->element[e], SHELL_NODES, u, local);
-        multiply_element(mass_element(mass, e), 4 * (int)mass->mesh->dof_per_node, local, force);
-        pzs_model_scatter(model, mass->mesh->element[e], SHELL_NODES, 1, force, f);
+        pzs_model_gather(model, mass->mesh->element[element], SHELL_NODES, vector, local);
+        multiply_element(mass_element(mass, element), 4 * (int)mass->mesh->dof_per_node, local,
+                         force);
+        pzs_model_scatter(model, mass->mesh->element[element], SHELL_NODES, 1, force, product);
     }
 }
 
@@ -189,20 +192,20 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *u, do
 
 /* Dof of a node under a rigid motion. u [7] out */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
-                           double u[7])
+                           double unit[7])
 {
-    const surface_point *p = &mesh->point[node];
+    const surface_point *point = &mesh->point[node];
     const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
     double place[3], turned[3], lean[3];
     for (int i = 0; i < 3; i++)
-        place[i] = p->x[i] + middle * p->e[2][i];
+        place[i] = point->x[i] + middle * point->e[2][i];
     vector_cross(spin, place, turned);
-    vector_cross(spin, p->e[2], lean);
-    memset(u, 0, 7 * sizeof *u);
+    vector_cross(spin, point->e[2], lean);
+    memset(unit, 0, 7 * sizeof *unit);
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < 3; i++) {
-            u[a] += p->e[a][i] * (shift[i] + turned[i]);
-            u[3 + a] += p->e[a][i] * lean[i];
+            unit[a] += point->e[a][i] * (shift[i] + turned[i]);
+            unit[3 + a] += point->e[a][i] * lean[i];
         }
 }
 
@@ -213,18 +216,18 @@ double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3
     double sum = 0;
     if (force)
         memset(force, 0, (size_t)mass->mesh->free_dof * sizeof *force);
-    for (int e = 0; e < mass->mesh->elements; e++) {
-        double u[SHELL_MAX], f[SHELL_MAX];
-        for (int r = 0; r < SHELL_NODES; r++) {
+    for (int element = 0; element < mass->mesh->elements; element++) {
+        double unit[SHELL_MAX], product[SHELL_MAX];
+        for (int corner = 0; corner < SHELL_NODES; corner++) {
             double of_node[7];
-            rigid_unknowns(mass->mesh, mass->mesh->element[e][r], shift, spin, of_node);
-            memcpy(u + r * dof_per_node, of_node, (size_t)dof_per_node * sizeof *u);
+            rigid_unknowns(mass->mesh, mass->mesh->element[element][corner], shift, spin, of_node);
+            memcpy(unit + corner * dof_per_node, of_node, (size_t)dof_per_node * sizeof *unit);
         }
-        multiply_element(mass_element(mass, e), 4 * dof_per_node, u, f);
+        multiply_element(mass_element(mass, element), 4 * dof_per_node, unit, product);
         for (int i = 0; i < 4 * dof_per_node; i++)
-            sum += u[i] * f[i];
+            sum += unit[i] * product[i];
         if (force)
-            pzs_model_scatter(model, mass->mesh->element[e], SHELL_NODES, 1, f, force);
+            pzs_model_scatter(model, mass->mesh->element[element], SHELL_NODES, 1, product, force);
     }
     return sum;
 }

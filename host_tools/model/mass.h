@@ -40,7 +40,7 @@ const double *mass_element(const mass *mass, int element);
  * f = M u over the free dof of a model of the same mesh; entries of dof with prescribed
  * displacements are 0. u, f [free_dof]
  */
-void mass_multiply(const mass *mass, const pzs_model *model, const double *u, double *f);
+void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, double *product);
 
 /*
  * Rigid motion u = shift + spin x position of the whole mesh, constrained nodes included.

@@ -35,17 +35,17 @@ void mesh_mode_name(int mode, char name[SCENE_LABEL])
 static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
 {
     const pzs_structure *structure = &analysis->design.structure;
-    double *u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *u);
+    double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
     double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
     int failed = -1;
     snprintf(error, SCENE_ERROR, "out of memory");
-    if (u && value)
-        failed = analysis_solve(analysis, u, error);
+    if (displacement && value)
+        failed = analysis_solve(analysis, displacement, error);
     if (!failed) {
-        pzs_observe(structure, u, value);
+        pzs_observe(structure, displacement, value);
         mesh_values_add_outputs(values, analysis, value);
     }
-    free(u);
+    free(displacement);
     free(value);
     return failed;
 }

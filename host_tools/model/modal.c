@@ -19,13 +19,13 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 static void fill_mode(modal *modal, const design *design, const vibration *vibration, size_t mode)
 {
     const int of = vibration->rigid + (int)mode;
-    const double *x = vibration->shape + (size_t)of * (size_t)design->mesh.free_dof;
+    const double *vector = vibration->shape + (size_t)of * (size_t)design->mesh.free_dof;
     modal->frequency[mode] = sqrt(vibration->square[of]);
     modal->damping[mode] =
         modal_damping(&design->scene->dynamics, (int)mode, modal->frequency[mode]);
     for (size_t row = 0; row < modal->rows; row++)
         modal->shape[row * modal->modes + mode] =
-            pzs_model_observe_row(&design->structure, x, (uint32_t)row);
+            pzs_model_observe_row(&design->structure, vector, (uint32_t)row);
     for (size_t k = 0; k < modal->inputs; k++)
         modal->response[mode * modal->inputs + k] = vibration_static(vibration, design, of, (int)k);
 }

@@ -7,14 +7,14 @@
 #include "../system/progress.h"
 
 /* Voltages without limits for one mode. */
-static int run_unconstrained(analysis *analysis, mode *m, char *error)
+static int run_unconstrained(analysis *analysis, mode *mode, char *error)
 {
     voltages result;
     const int failed =
         voltages_optimum(analysis, (common_limits){.source = LIMITS_NONE}, &result, error);
-    m->unconstrained_error = result.error;
+    mode->unconstrained_error = result.error;
     for (int k = 0; !failed && k < result.amplifiers; k++)
-        m->largest_voltage = fmax(m->largest_voltage, fabs(result.voltage[k]));
+        mode->largest_voltage = fmax(mode->largest_voltage, fabs(result.voltage[k]));
     voltages_free(&result);
     return failed;
 }
@@ -62,35 +62,36 @@ static int run_mode(modes *modes, int k, analysis *analysis, const double *loade
         design->wanted[i] = design->target[i] - loaded[i];
     modes->mode[k].size = target_size(design);
     int failed = run_unconstrained(analysis, &modes->mode[k], error);
-    for (int l = 0; !failed && l < modes->limits; l++)
-        failed = run_limited(analysis, limit[l], &modes->left[k * modes->limits + l], error);
+    for (int bound = 0; !failed && bound < modes->limits; bound++)
+        failed =
+            run_limited(analysis, limit[bound], &modes->left[k * modes->limits + bound], error);
     return failed;
 }
 
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits, char *error)
 {
     design *design = &analysis->design;
-    const size_t n = (size_t)design->targets, count = (size_t)design->scene->target.modes;
+    const size_t targets = (size_t)design->targets, count = (size_t)design->scene->target.modes;
     memset(modes, 0, sizeof *modes);
     modes->limits = limits;
     modes->mode = calloc(count + 1, sizeof *modes->mode);
     modes->left = calloc(count * (size_t)limits + 1, sizeof *modes->left);
-    double *kept = calloc(3 * n + 1, sizeof *kept); /* target, wanted and their difference */
+    double *kept = calloc(3 * targets + 1, sizeof *kept); /* target, wanted and their difference */
     int failed = !modes->mode || !modes->left || !kept
                      ? scene_fault(design->scene, design->scene->target.what.at, error,
                                    "%zu modes do not fit into memory", count)
                      : 0;
     if (!failed) {
-        memcpy(kept, design->target, n * sizeof *kept);
-        memcpy(kept + n, design->wanted, n * sizeof *kept);
-        for (size_t i = 0; i < n; i++)
-            kept[2 * n + i] = kept[i] - kept[n + i];
+        memcpy(kept, design->target, targets * sizeof *kept);
+        memcpy(kept + targets, design->wanted, targets * sizeof *kept);
+        for (size_t i = 0; i < targets; i++)
+            kept[2 * targets + i] = kept[i] - kept[targets + i];
         for (; !failed && modes->count < (int)count; modes->count++) {
             progress_count(modes->count, (int)count);
-            failed = run_mode(modes, modes->count, analysis, kept + 2 * n, limit, error);
+            failed = run_mode(modes, modes->count, analysis, kept + 2 * targets, limit, error);
         }
-        memcpy(design->target, kept, n * sizeof *kept);
-        memcpy(design->wanted, kept + n, n * sizeof *kept);
+        memcpy(design->target, kept, targets * sizeof *kept);
+        memcpy(design->wanted, kept + targets, targets * sizeof *kept);
     }
     free(kept);
     return failed;

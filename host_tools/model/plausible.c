@@ -88,10 +88,11 @@ static const struct rule {
 };
 
 /* Whether a number equals that of a warning: same rule, same place, same value. */
-static int is_repeated(const plausible_warning *w, const struct rule *rule, const measured *found)
+static int is_repeated(const plausible_warning *warning, const struct rule *rule,
+                       const measured *found)
 {
-    return strcmp(w->rule, rule->name) == 0 && w->at.line == found->at.line &&
-           w->at.column == found->at.column && w->value == found->value;
+    return strcmp(warning->rule, rule->name) == 0 && warning->at.line == found->at.line &&
+           warning->at.column == found->at.column && warning->value == found->value;
 }
 
 /*
@@ -117,18 +118,18 @@ static void warn(plausible *warnings, const scene *scene, const struct rule *rul
                  const measured *found)
 {
     const int is_above = found->value > rule->high;
-    plausible_warning *w = place(warnings, rule, found);
-    if (!w)
+    plausible_warning *warning = place(warnings, rule, found);
+    if (!warning)
         return;
-    w->rule = rule->name;
-    w->value = found->value;
-    w->limit = is_above ? rule->high : rule->low;
-    w->unit = rule->unit;
-    w->at = found->at;
+    warning->rule = rule->name;
+    warning->value = found->value;
+    warning->limit = is_above ? rule->high : rule->low;
+    warning->unit = rule->unit;
+    warning->at = found->at;
     const char *space = *rule->unit ? " " : "";
     const char *side = is_above ? "above" : "below";
-    scene_fault(scene, found->at, w->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
-                space, rule->unit, side, w->limit, rule->cure);
+    scene_fault(scene, found->at, warning->text, "%s: %.4g%s%s, %s %g; %s", found->what,
+                found->value, space, rule->unit, side, warning->limit, rule->cure);
 }
 
 static void apply(plausible *warnings, const struct rule *rule, const subject *of)
@@ -164,13 +165,16 @@ void plausible_mesh(plausible *warnings, const mesh *mesh)
         apply_all(warnings, SUBJECT_MESH, &of);
 }
 
-void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,
-                      const char *name)
+void plausible_result(plausible *warnings, const mesh *mesh, const double *displacement,
+                      int is_linear, const char *name)
 {
     if (mesh->elements == 0)
         return; /* points have no thickness and no strain */
-    const subject of = {
-        .scene = mesh->scene, .mesh = mesh, .u = u, .is_linear = is_linear, .name = name};
+    const subject of = {.scene = mesh->scene,
+                        .mesh = mesh,
+                        .u = displacement,
+                        .is_linear = is_linear,
+                        .name = name};
     apply_all(warnings, SUBJECT_RESULT, &of);
 }
 
@@ -214,15 +218,15 @@ void plausible_json(json *json, const plausible *warnings)
 {
     json_open(json, "warnings", '[');
     for (int i = 0; i < warnings->count; i++) {
-        const plausible_warning *w = &warnings->warning[i];
+        const plausible_warning *warning = &warnings->warning[i];
         json_open(json, NULL, '{');
-        json_string(json, "rule", w->rule);
-        json_number(json, "value", w->value);
-        json_number(json, "limit", w->limit);
-        json_string(json, "unit", w->unit);
-        json_number(json, "line", w->at.line);
-        json_number(json, "column", w->at.column);
-        json_string(json, "text", w->text);
+        json_string(json, "rule", warning->rule);
+        json_number(json, "value", warning->value);
+        json_number(json, "limit", warning->limit);
+        json_string(json, "unit", warning->unit);
+        json_number(json, "line", warning->at.line);
+        json_number(json, "column", warning->at.column);
+        json_string(json, "text", warning->text);
         json_close(json, '}');
     }
     json_close(json, ']');

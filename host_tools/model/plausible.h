@@ -43,8 +43,8 @@ void plausible_mesh(plausible *warnings, const mesh *mesh);
  * each rule. u [free_dof] in  displacement is_linear    in  whether it was computed with linear
  * kinematics name         in  name of the result in the text
  */
-void plausible_result(plausible *warnings, const mesh *mesh, const double *u, int is_linear,
-                      const char *name);
+void plausible_result(plausible *warnings, const mesh *mesh, const double *displacement,
+                      int is_linear, const char *name);
 
 /* Apply the rules on computed voltages. voltage [amplifiers] in, V */
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
@@ -83,6 +83,6 @@ void plausible_json(json *json, const plausible *warnings);
  *   where [2]  out  theta1, theta2 of the element's centre
  * Returns the strain, or NAN where memory runs out.
  */
-double plausible_strain(const mesh *mesh, const double *u, int is_linear, int *where);
+double plausible_strain(const mesh *mesh, const double *displacement, int is_linear, int *where);
 
 #endif

@@ -72,11 +72,11 @@ int measure_dead_column(const subject *of, int k, measured *found)
 /* Cosine of the angle between two columns. */
 static double cosine(const scene *scene, int j, int k)
 {
-    const size_t n = (size_t)scene->amplifiers;
+    const size_t amplifiers = (size_t)scene->amplifiers;
     double sum = 0;
     for (size_t i = 0; i < (size_t)scene->influence.outputs; i++)
-        sum +=
-            scene->influence.matrix[i * n + (size_t)j] * scene->influence.matrix[i * n + (size_t)k];
+        sum += scene->influence.matrix[i * amplifiers + (size_t)j] *
+               scene->influence.matrix[i * amplifiers + (size_t)k];
     return sum / (matrix_column_size(scene, j) * matrix_column_size(scene, k));
 }
 

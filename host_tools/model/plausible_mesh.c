@@ -66,9 +66,9 @@ static double shorter_side(const mesh *mesh)
     double extent[3];
     for (int i = 0; i < 3; i++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int n = 0; n < mesh->nodes; n++) {
-            low = fmin(low, mesh->point[n].x[i]);
-            high = fmax(high, mesh->point[n].x[i]);
+        for (int node = 0; node < mesh->nodes; node++) {
+            low = fmin(low, mesh->point[node].x[i]);
+            high = fmax(high, mesh->point[node].x[i]);
         }
         extent[i] = high - low;
     }
@@ -91,22 +91,22 @@ static int bending_of(const subject *of, int k, measured *found, laminate_bendin
 /* Relative change of the deflection by the shear from equilibrium. */
 int measure_shear(const subject *of, int k, measured *found)
 {
-    laminate_bending b;
+    laminate_bending bending;
     double wave;
-    if (!bending_of(of, k, found, &b, &wave) || of->scene->element.equilibrium_shear)
+    if (!bending_of(of, k, found, &bending, &wave) || of->scene->element.equilibrium_shear)
         return 0;
-    found->value = wave * b.bending * (1 / b.shear - 1 / b.constant);
+    found->value = wave * bending.bending * (1 / bending.shear - 1 / bending.constant);
     snprintf(found->what, WHAT, "part of the deflection that a uniform shear strain leaves out");
     return 1;
 }
 
 int measure_faces(const subject *of, int k, measured *found)
 {
-    laminate_bending b;
+    laminate_bending bending;
     double wave;
-    if (!bending_of(of, k, found, &b, &wave) || !of->scene->element.equilibrium_shear)
+    if (!bending_of(of, k, found, &bending, &wave) || !of->scene->element.equilibrium_shear)
         return 0;
-    found->value = wave * b.faces / b.shear;
+    found->value = wave * bending.faces / bending.shear;
     snprintf(found->what, WHAT, "bending of the stiff plies by themselves over the shear");
     return 1;
 }

@@ -32,7 +32,7 @@ int measure_found_field(const subject *of, int k, measured *found)
 /* ---- displacement and strain ------------------------------------------ */
 
 /* One component of the displacement of a node. */
-static double displacement_of(const mesh *mesh, const double *u, int node,
+static double displacement_of(const mesh *mesh, const double *displacement, int node,
                               scene_component component, scene_face face)
 {
     double weight[7], sum = 0;
@@ -40,7 +40,7 @@ static double displacement_of(const mesh *mesh, const double *u, int node,
     for (unsigned k = 0; k < mesh->dof_per_node; k++) {
         const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
         if (dof != PZS_CONSTRAINED)
-            sum += weight[k] * u[dof];
+            sum += weight[k] * displacement[dof];
     }
     return sum;
 }
@@ -68,49 +68,49 @@ typedef struct cell {
 } cell;
 
 /* Positions of both faces at all nodes. point, moved [nodes][2][3] out */
-static void face_points(const mesh *mesh, const double *u, double (*point)[2][3],
+static void face_points(const mesh *mesh, const double *displacement, double (*point)[2][3],
                         double (*moved)[2][3])
 {
     static const scene_face faces[2] = {FACE_INNER, FACE_OUTER};
     for (int node = 0; node < mesh->nodes; node++)
-        for (int f = 0; f < 2; f++)
+        for (int face = 0; face < 2; face++)
             for (int i = 0; i < 3; i++) {
                 const scene_component axis = (scene_component)((int)COMPONENT_X + i);
-                point[node][f][i] =
-                    mesh->point[node].x[i] + mesh->laminate.z[f] * mesh->point[node].e[2][i];
-                moved[node][f][i] = displacement_of(mesh, u, node, axis, faces[f]);
+                point[node][face][i] =
+                    mesh->point[node].x[i] + mesh->laminate.z[face] * mesh->point[node].e[2][i];
+                moved[node][face][i] = displacement_of(mesh, displacement, node, axis, faces[face]);
             }
 }
 
-static cell cell_of(const mesh *mesh, int element, int f, double (*point)[2][3],
+static cell cell_of(const mesh *mesh, int element, int face, double (*point)[2][3],
                     double (*moved)[2][3])
 {
     static const double sign[2][4] = {{-0.5, 0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5, 0.5}};
-    cell c;
-    memset(&c, 0, sizeof c);
-    for (int a = 0; a < 2; a++)
-        for (int r = 0; r < 4; r++)
+    cell result;
+    memset(&result, 0, sizeof result);
+    for (int axis = 0; axis < 2; axis++)
+        for (int corner = 0; corner < 4; corner++)
             for (int i = 0; i < 3; i++) {
-                const int node = mesh->element[element][r];
-                c.x[a][i] += sign[a][r] * point[node][f][i];
-                c.u[a][i] += sign[a][r] * moved[node][f][i];
+                const int node = mesh->element[element][corner];
+                result.x[axis][i] += sign[axis][corner] * point[node][face][i];
+                result.u[axis][i] += sign[axis][corner] * moved[node][face][i];
             }
-    return c;
+    return result;
 }
 
 /*
  * Largest absolute principal strain: eigenvalues of the strain relative to the metric, both in the
  * basis of the edges.
  */
-static double principal_strain(const cell *c, int is_linear)
+static double principal_strain(const cell *cell, int is_linear)
 {
     double g[2][2], e[2][2];
     for (int a = 0; a < 2; a++)
         for (int b = 0; b < 2; b++) {
-            g[a][b] = vector_dot(c->x[a], c->x[b]);
-            e[a][b] = (vector_dot(c->x[a], c->u[b]) + vector_dot(c->x[b], c->u[a])) / 2;
+            g[a][b] = vector_dot(cell->x[a], cell->x[b]);
+            e[a][b] = (vector_dot(cell->x[a], cell->u[b]) + vector_dot(cell->x[b], cell->u[a])) / 2;
             if (!is_linear)
-                e[a][b] += vector_dot(c->u[a], c->u[b]) / 2;
+                e[a][b] += vector_dot(cell->u[a], cell->u[b]) / 2;
         }
     const double area = g[0][0] * g[1][1] - g[0][1] * g[0][1];
     const double half = (g[1][1] * e[0][0] + g[0][0] * e[1][1] - 2 * g[0][1] * e[0][1]) / area / 2;
@@ -118,16 +118,16 @@ static double principal_strain(const cell *c, int is_linear)
     return fabs(half) + sqrt(fmax(half * half - product, 0));
 }
 
-double plausible_strain(const mesh *mesh, const double *u, int is_linear, int *where)
+double plausible_strain(const mesh *mesh, const double *displacement, int is_linear, int *where)
 {
     double(*point)[2][3] = calloc((size_t)mesh->nodes, sizeof *point);
     double(*moved)[2][3] = calloc((size_t)mesh->nodes, sizeof *moved);
     double most = point && moved ? -1 : (double)NAN;
     if (point && moved)
-        face_points(mesh, u, point, moved);
+        face_points(mesh, displacement, point, moved);
     for (int k = 0; point && moved && k < 2 * mesh->elements; k++) {
-        const cell c = cell_of(mesh, k / 2, k % 2, point, moved);
-        const double strain = principal_strain(&c, is_linear);
+        const cell cell = cell_of(mesh, k / 2, k % 2, point, moved);
+        const double strain = principal_strain(&cell, is_linear);
         if (strain > most) {
             *where = k / 2;
             most = strain;

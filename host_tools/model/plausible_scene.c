@@ -81,11 +81,11 @@ int measure_piezo(const subject *of, int k, measured *found)
     if (k >= CONSTANTS * scene->materials)
         return 0;
     const scene_material *material = &scene->material[k / CONSTANTS];
-    const double d[CONSTANTS] = {material->d31, material->d32, material->d33, material->d24,
-                                 material->d15};
+    const double constant[CONSTANTS] = {material->d31, material->d32, material->d33, material->d24,
+                                        material->d15};
     const double stiff = fmax(material->e[0], fmax(material->e[1], material->e[2]));
     const int i = k % CONSTANTS;
-    const double value = material->has_e ? material->piezo_e[i] / stiff : d[i];
+    const double value = material->has_e ? material->piezo_e[i] / stiff : constant[i];
     if (value != 0)
         found->value = in_si(scene, fabs(value), &piezo_unit);
     found->at = material->at;
@@ -222,36 +222,38 @@ typedef struct bend {
  * sqrt(R h). A strip narrower than the bending length bends as a ring without a dent, and needs
  * none.
  */
-static double elements_needed(const bend *b)
+static double elements_needed(const bend *bend)
 {
-    const double slender = b->radius / b->thickness, bending = sqrt(b->radius * b->thickness);
-    if (b->length < bending)
+    const double slender = bend->radius / bend->thickness,
+                 bending = sqrt(bend->radius * bend->thickness);
+    if (bend->length < bending)
         return 0;
-    return fmin(2 * pow(slender, 0.25) * sqrt(b->radius / b->length), quarter * sqrt(slender));
+    return fmin(2 * pow(slender, 0.25) * sqrt(bend->radius / bend->length),
+                quarter * sqrt(slender));
 }
 
 static bend bend_at(const scene *scene, const int node[2], int direction)
 {
     const int across = 1 - direction;
-    const surface_point p =
+    const surface_point point =
         surface_at(&scene->surface, scene->line[0].point[node[0]], scene->line[1].point[node[1]]);
-    bend b = {HUGE_VAL, 0, p.a[across] * span_of(&scene->line[across]),
-              p.a[direction] * element_at(&scene->line[direction], node[direction])};
-    if (p.k[direction] != 0)
-        b.radius = 1 / fabs(p.k[direction]);
+    bend result = {HUGE_VAL, 0, point.a[across] * span_of(&scene->line[across]),
+                   point.a[direction] * element_at(&scene->line[direction], node[direction])};
+    if (point.k[direction] != 0)
+        result.radius = 1 / fabs(point.k[direction]);
     for (int i = 0; i < scene->layers; i++)
-        b.thickness += scene->layer[i].thickness;
-    return b;
+        result.thickness += scene->layer[i].thickness;
+    return result;
 }
 
 /* Point force, along one direction: number of elements needed over the number present. */
 static void measure_point(const scene *scene, const scene_load *load, int direction,
                           measured *found)
 {
-    const bend b = bend_at(scene, load->where.node, direction);
-    if (!isfinite(b.radius))
+    const bend bend = bend_at(scene, load->where.node, direction);
+    if (!isfinite(bend.radius))
         return;
-    const double needed = elements_needed(&b), there = quarter * b.radius / b.size;
+    const double needed = elements_needed(&bend), there = quarter * bend.radius / bend.size;
     found->value = needed / there;
     snprintf(found->what, WHAT,
              "size of elements at a force, %.3g on a quarter turn along theta%d where about %.0f "
@@ -275,16 +277,16 @@ static void measure_edge(const scene *scene, const scene_load *load, int directi
         return;
     int node[2] = {0, 0};
     node[across] = is_plus ? scene->line[across].elements : 0;
-    const bend along = bend_at(scene, node, 1 - across), b = bend_at(scene, node, across);
+    const bend along = bend_at(scene, node, 1 - across), bend = bend_at(scene, node, across);
     if (!isfinite(along.radius))
         return;
     const double bending = sqrt(along.radius * along.thickness);
-    found->value = b.size / bending;
+    found->value = bend.size / bending;
     snprintf(
         found->what, WHAT,
         "size of elements at a load on an edge, %.3g across it where the bending length is %.3g "
         "(%.0f elements along theta%d)",
-        b.size, bending, ceil(scene->line[across].elements * found->value), across + 1);
+        bend.size, bending, ceil(scene->line[across].elements * found->value), across + 1);
 }
 
 int measure_resolution(const subject *of, int k, measured *found)

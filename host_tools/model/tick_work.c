@@ -77,20 +77,20 @@ static uint64_t measure(const design *design, uint64_t limit, void *work, size_t
 
 void tick_work_make(tick_work *result, const design *design)
 {
-    const uint32_t n = (uint32_t)design->amplifiers, m = (uint32_t)design->targets;
+    const uint32_t amplifiers = (uint32_t)design->amplifiers, targets = (uint32_t)design->targets;
     const scene_control *control = &design->scene->control;
     memset(result, 0, sizeof *result);
-    if (n == 0 || m == 0 || design->problem.influence == NULL)
+    if (amplifiers == 0 || targets == 0 || design->problem.influence == NULL)
         return;
-    const size_t bytes = PZS_CONTROL_BYTES(n, m);
+    const size_t bytes = PZS_CONTROL_BYTES(amplifiers, targets);
     void *work = malloc(bytes);
-    double *wanted = malloc(m * sizeof *wanted);
+    double *wanted = malloc(targets * sizeof *wanted);
     if (work && wanted) {
         const uint64_t given = tick_work_limit(design);
         result->is_made = true;
         result->is_limited = given > 0;
-        result->limit = given > 0 ? given : PZS_WORK_LIMIT(n);
-        result->bound = PZS_STEP_WORK(n, m, result->limit);
+        result->limit = given > 0 ? given : PZS_WORK_LIMIT(amplifiers);
+        result->bound = PZS_STEP_WORK(amplifiers, targets, result->limit);
         result->measured = measure(design, result->limit, work, bytes, wanted);
         result->ticks = TICKS / 3 * 3;
         result->instructions = instructions(design, (double)result->limit);

@@ -13,25 +13,25 @@ enum { SOLUTIONS = 3 };
 static void form_normal_matrix(unconstrained *solver)
 {
     const pzs_problem *problem = solver->problem;
-    const size_t n = problem->inputs;
+    const size_t inputs = problem->inputs;
     for (size_t i = 0; i < problem->outputs; i++) {
         const double square = problem->weight[i] * problem->weight[i];
-        const double *row = problem->influence + i * n;
-        for (size_t j = 0; j < n; j++)
+        const double *row = problem->influence + i * inputs;
+        for (size_t j = 0; j < inputs; j++)
             for (size_t k = 0; k <= j; k++)
-                solver->normal[j * n + k] += square * row[j] * row[k];
+                solver->normal[j * inputs + k] += square * row[j] * row[k];
     }
 }
 
 bool unconstrained_open(unconstrained *solver, const pzs_problem *problem)
 {
-    const size_t n = problem->inputs;
+    const size_t inputs = problem->inputs;
     *solver = (unconstrained){.problem = problem};
-    solver->normal = calloc(n * n, sizeof *solver->normal);
-    solver->factor = calloc(n * n, sizeof *solver->factor);
-    solver->remaining = calloc(n, sizeof *solver->remaining);
-    solver->gradient = calloc(n, sizeof *solver->gradient);
-    solver->pivot = calloc(n, sizeof *solver->pivot);
+    solver->normal = calloc(inputs * inputs, sizeof *solver->normal);
+    solver->factor = calloc(inputs * inputs, sizeof *solver->factor);
+    solver->remaining = calloc(inputs, sizeof *solver->remaining);
+    solver->gradient = calloc(inputs, sizeof *solver->gradient);
+    solver->pivot = calloc(inputs, sizeof *solver->pivot);
     if (!solver->normal || !solver->factor || !solver->remaining || !solver->gradient ||
         !solver->pivot)
         return false;
@@ -62,10 +62,10 @@ static double diagonal(const unconstrained *solver, size_t k)
  */
 static size_t next_pivot(const unconstrained *solver)
 {
-    const size_t n = solver->problem->inputs;
-    double largest = 4 * (double)n * DBL_EPSILON;
-    size_t next = n;
-    for (size_t k = 0; k < n; k++) {
+    const size_t inputs = solver->problem->inputs;
+    double largest = 4 * (double)inputs * DBL_EPSILON;
+    size_t next = inputs;
+    for (size_t k = 0; k < inputs; k++) {
         const double share = solver->remaining[k] / diagonal(solver, k);
         if (share > largest) {
             largest = share;
@@ -78,15 +78,15 @@ static size_t next_pivot(const unconstrained *solver)
 /* Column `step` of the factor, with input `pivot` as its pivot. */
 static void eliminate(unconstrained *solver, size_t pivot, size_t step)
 {
-    const size_t n = solver->problem->inputs;
-    double *own = solver->factor + pivot * n;
+    const size_t inputs = solver->problem->inputs;
+    double *own = solver->factor + pivot * inputs;
     own[step] = sqrt(solver->remaining[pivot]);
     solver->remaining[pivot] = 0;
-    for (size_t j = 0; j < n; j++) {
-        double *row = solver->factor + j * n;
+    for (size_t j = 0; j < inputs; j++) {
+        double *row = solver->factor + j * inputs;
         if (!(solver->remaining[j] > 0))
             continue;
-        double sum = solver->normal[j > pivot ? j * n + pivot : pivot * n + j];
+        double sum = solver->normal[j > pivot ? j * inputs + pivot : pivot * inputs + j];
         for (size_t t = 0; t < step; t++)
             sum -= row[t] * own[t];
         row[step] = sum / own[step];
@@ -96,13 +96,13 @@ static void eliminate(unconstrained *solver, size_t pivot, size_t step)
 
 void unconstrained_factor(unconstrained *solver, double regularisation)
 {
-    const size_t n = solver->problem->inputs;
+    const size_t inputs = solver->problem->inputs;
     solver->regularisation = regularisation;
     solver->rank = 0;
-    memset(solver->factor, 0, n * n * sizeof *solver->factor);
-    for (size_t k = 0; k < n; k++)
+    memset(solver->factor, 0, inputs * inputs * sizeof *solver->factor);
+    for (size_t k = 0; k < inputs; k++)
         solver->remaining[k] = diagonal(solver, k);
-    for (size_t k = next_pivot(solver); k < n; k = next_pivot(solver)) {
+    for (size_t k = next_pivot(solver); k < inputs; k = next_pivot(solver)) {
         eliminate(solver, k, (size_t)solver->rank);
         solver->pivot[solver->rank++] = (uint16_t)k;
     }
@@ -112,15 +112,15 @@ void unconstrained_factor(unconstrained *solver, double regularisation)
 static void renew_gradient(unconstrained *solver, const double *error, const double *voltage)
 {
     const pzs_problem *problem = solver->problem;
-    const size_t n = problem->inputs;
-    for (size_t k = 0; k < n; k++)
+    const size_t inputs = problem->inputs;
+    for (size_t k = 0; k < inputs; k++)
         solver->gradient[k] = solver->regularisation * (problem->reference_voltage[k] - voltage[k]);
     for (size_t i = 0; i < problem->outputs; i++) {
-        const double *row = problem->influence + i * n;
+        const double *row = problem->influence + i * inputs;
         double misfit = error[i];
-        for (size_t k = 0; k < n; k++)
+        for (size_t k = 0; k < inputs; k++)
             misfit -= row[k] * voltage[k];
-        for (size_t k = 0; k < n; k++)
+        for (size_t k = 0; k < inputs; k++)
             solver->gradient[k] += problem->weight[i] * problem->weight[i] * row[k] * misfit;
     }
 }
@@ -128,33 +128,33 @@ static void renew_gradient(unconstrained *solver, const double *error, const dou
 /* Add the solution for the gradient to the voltages. Overwrites the pivots' entries of gradient. */
 static void add_solution(unconstrained *solver, double *voltage)
 {
-    const size_t n = solver->problem->inputs, rank = (size_t)solver->rank;
+    const size_t inputs = solver->problem->inputs, rank = (size_t)solver->rank;
     const uint16_t *pivot = solver->pivot;
     double *x = solver->gradient;
     for (size_t s = 0; s < rank; s++) {
-        const double *row = solver->factor + pivot[s] * n;
+        const double *row = solver->factor + pivot[s] * inputs;
         for (size_t t = 0; t < s; t++)
             x[pivot[s]] -= row[t] * x[pivot[t]];
         x[pivot[s]] /= row[s];
     }
     for (size_t s = rank; s-- > 0;) {
         for (size_t t = s + 1; t < rank; t++)
-            x[pivot[s]] -= solver->factor[pivot[t] * n + s] * x[pivot[t]];
-        x[pivot[s]] /= solver->factor[pivot[s] * n + s];
+            x[pivot[s]] -= solver->factor[pivot[t] * inputs + s] * x[pivot[t]];
+        x[pivot[s]] /= solver->factor[pivot[s] * inputs + s];
         voltage[pivot[s]] += x[pivot[s]];
     }
 }
 
 bool unconstrained_solve(unconstrained *solver, const double *error, double *voltage)
 {
-    const size_t n = solver->problem->inputs;
+    const size_t inputs = solver->problem->inputs;
     bool is_finite = true;
-    memset(voltage, 0, n * sizeof *voltage);
+    memset(voltage, 0, inputs * sizeof *voltage);
     for (int k = 0; k < SOLUTIONS; k++) {
         renew_gradient(solver, error, voltage);
         add_solution(solver, voltage);
     }
-    for (size_t k = 0; k < n; k++)
+    for (size_t k = 0; k < inputs; k++)
         is_finite = is_finite && isfinite(voltage[k]);
     return is_finite;
 }

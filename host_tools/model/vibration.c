@@ -60,33 +60,34 @@ typedef struct search {
  * Factor K + times M with rows scaled by the diagonal of K. Returns the signs of the pivots, all
  * zero where K has a zero on its diagonal.
  */
-static linalg_inertia factor(search *s, double times, int keep_scale)
+static linalg_inertia factor(search *search, double times, int keep_scale)
 {
     linalg_inertia failed = {0, -1, 0, 0};
-    const mesh *mesh = s->mass.mesh;
-    if (pzs_assemble(&s->model, NULL, s->held) != PZS_OK)
+    const mesh *mesh = search->mass.mesh;
+    if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
         return failed;
     if (!keep_scale) {
-        if (pzs_linalg_scale(&s->model.state.stiffness, s->model.state.scale) >= 0)
+        if (pzs_linalg_scale(&search->model.state.stiffness, search->model.state.scale) >= 0)
             return failed;
-        if (pzs_assemble(&s->model, NULL, s->held) != PZS_OK)
+        if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
             return failed;
     }
-    for (int e = 0; e < mesh->elements && times != 0; e++)
-        pzs_model_add_matrix(&s->model, mesh->element[e], 4, times, mass_element(&s->mass, e));
-    pzs_linalg_apply_scale(&s->model.state.stiffness, s->model.state.scale);
-    const double norm = pzs_linalg_norm1(&s->model.state.stiffness, s->model.state.work);
-    const linalg_inertia inertia = pzs_linalg_factor(&s->model.state.stiffness);
+    for (int element = 0; element < mesh->elements && times != 0; element++)
+        pzs_model_add_matrix(&search->model, mesh->element[element], 4, times,
+                             mass_element(&search->mass, element));
+    pzs_linalg_apply_scale(&search->model.state.stiffness, search->model.state.scale);
+    const double norm = pzs_linalg_norm1(&search->model.state.stiffness, search->model.state.work);
+    const linalg_inertia inertia = pzs_linalg_factor(&search->model.state.stiffness);
     if (inertia.zero < 0)
-        s->model.info.condition =
-            pzs_linalg_condition(&s->model.state.stiffness, norm, s->model.state.work);
+        search->model.info.condition =
+            pzs_linalg_condition(&search->model.state.stiffness, norm, search->model.state.work);
     return inertia;
 }
 
 /* Number of squared frequencies below a bound, or -1 where K - bound M cannot be factored. */
-static int count_below(search *s, double bound)
+static int count_below(search *search, double bound)
 {
-    const linalg_inertia inertia = factor(s, -bound, 1);
+    const linalg_inertia inertia = factor(search, -bound, 1);
     return inertia.zero < 0 ? (int)inertia.negative : -1;
 }
 
@@ -94,29 +95,30 @@ static int count_below(search *s, double bound)
  * Whether the pivots of K alone show, beyond rounding, that the supports prevent every rigid
  * motion.
  */
-static int is_held(const search *s, const linalg_inertia *inertia)
+static int is_held(const search *search, const linalg_inertia *inertia)
 {
-    return inertia->zero < 0 && inertia->negative == 0 && s->model.info.condition < held_below;
+    return inertia->zero < 0 && inertia->negative == 0 && search->model.info.condition < held_below;
 }
 
 /* Upper bound of the lowest squared frequencies: K_ii/M_ii of each dof. */
-static double upper_bound(search *s)
+static double upper_bound(search *search)
 {
     double least = HUGE_VAL;
-    for (size_t i = 0; i < s->n; i++)
-        s->w[i] = 1;
-    if (pzs_assemble(&s->model, NULL, s->held) != PZS_OK)
+    for (size_t i = 0; i < search->n; i++)
+        search->w[i] = 1;
+    if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
         return least;
-    for (size_t i = 0; i < s->n; i++)
-        s->w[i] = *pzs_linalg_entry(&s->model.state.stiffness, (uint32_t)i, (uint32_t)i);
-    pzs_linalg_clear(&s->model.state.stiffness);
-    for (int e = 0; e < s->mass.mesh->elements; e++)
-        pzs_model_add_matrix(&s->model, s->mass.mesh->element[e], 4, 1, mass_element(&s->mass, e));
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < search->n; i++)
+        search->w[i] = *pzs_linalg_entry(&search->model.state.stiffness, (uint32_t)i, (uint32_t)i);
+    pzs_linalg_clear(&search->model.state.stiffness);
+    for (int element = 0; element < search->mass.mesh->elements; element++)
+        pzs_model_add_matrix(&search->model, search->mass.mesh->element[element], 4, 1,
+                             mass_element(&search->mass, element));
+    for (size_t i = 0; i < search->n; i++) {
         const double diagonal =
-            *pzs_linalg_entry(&s->model.state.stiffness, (uint32_t)i, (uint32_t)i);
+            *pzs_linalg_entry(&search->model.state.stiffness, (uint32_t)i, (uint32_t)i);
         if (diagonal > 0)
-            least = fmin(least, s->w[i] / diagonal);
+            least = fmin(least, search->w[i] / diagonal);
     }
     return least;
 }
@@ -125,30 +127,30 @@ static double upper_bound(search *s)
  * Factor K, or for a loose structure K + shift M with a shift of about the highest required squared
  * frequency. Returns success.
  */
-static int choose_shift(search *s, int number)
+static int choose_shift(search *search, int number)
 {
-    linalg_inertia inertia = factor(s, 0, 0);
-    if (is_held(s, &inertia))
+    linalg_inertia inertia = factor(search, 0, 0);
+    if (is_held(search, &inertia))
         return 1;
-    double bound = upper_bound(s);
+    double bound = upper_bound(search);
     for (int i = 0; i < SHIFTS && isfinite(bound); i++) {
-        const int below = count_below(s, bound);
+        const int below = count_below(search, bound);
         if (below >= 0 && below <= number + 6)
             break;
         bound /= 4;
     }
-    s->shift = bound;
-    inertia = factor(s, s->shift, 1);
+    search->shift = bound;
+    inertia = factor(search, search->shift, 1);
     return isfinite(bound) && inertia.zero < 0 && inertia.negative == 0;
 }
 
 /* ---- basis ------------------------------------------------------------ */
 
 /* Pseudo-random number in [-1, 1]; the sequence is the same in every run. */
-static double draw(search *s)
+static double draw(search *search)
 {
-    s->seed = s->seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(s->seed >> 11) / 4503599627370496.0 - 1;
+    search->seed = search->seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(search->seed >> 11) / 4503599627370496.0 - 1;
 }
 
 static double dot(const double *x, const double *y, size_t n)
@@ -165,125 +167,127 @@ static double dot(const double *x, const double *y, size_t n)
  *   column [room]  in/out  the products with the basis are added, the norm is appended; NULL: not
  *                          needed
  */
-static void append(search *s, double *column)
+static void append(search *search, double *column)
 {
-    mass_multiply(&s->mass, &s->model, s->w, s->mw);
-    const double before = sqrt(fmax(dot(s->w, s->mw, s->n), 0));
+    mass_multiply(&search->mass, &search->model, search->w, search->mw);
+    const double before = sqrt(fmax(dot(search->w, search->mw, search->n), 0));
     for (int pass = 0; pass < 2; pass++) {
-        for (size_t i = 0; i < s->made; i++) {
-            const double *q = s->basis + i * s->n;
-            const double part = dot(q, s->mw, s->n);
-            for (size_t k = 0; k < s->n; k++)
-                s->w[k] -= part * q[k];
+        for (size_t i = 0; i < search->made; i++) {
+            const double *direction = search->basis + i * search->n;
+            const double part = dot(direction, search->mw, search->n);
+            for (size_t k = 0; k < search->n; k++)
+                search->w[k] -= part * direction[k];
             if (column)
                 column[i] += part;
         }
-        mass_multiply(&s->mass, &s->model, s->w, s->mw);
+        mass_multiply(&search->mass, &search->model, search->w, search->mw);
     }
-    const double norm = sqrt(fmax(dot(s->w, s->mw, s->n), 0));
-    if (!(norm > 1e-10 * before) || s->made == s->room)
+    const double norm = sqrt(fmax(dot(search->w, search->mw, search->n), 0));
+    if (!(norm > 1e-10 * before) || search->made == search->room)
         return;
-    for (size_t k = 0; k < s->n; k++)
-        s->basis[s->made * s->n + k] = s->w[k] / norm;
+    for (size_t k = 0; k < search->n; k++)
+        search->basis[search->made * search->n + k] = search->w[k] / norm;
     if (column)
-        column[s->made] += norm;
-    s->made++;
+        column[search->made] += norm;
+    search->made++;
 }
 
 /* w = (K + shift M)^-1 M x */
-static void apply(search *s, const double *x)
+static void apply(search *search, const double *vector)
 {
-    mass_multiply(&s->mass, &s->model, x, s->mw);
-    pzs_model_backsolve(&s->model, s->mw, s->w);
-    s->solves++;
+    mass_multiply(&search->mass, &search->model, vector, search->mw);
+    pzs_model_backsolve(&search->model, search->mw, search->w);
+    search->solves++;
 }
 
 /* Append a random direction in which the lowest modes dominate. */
-static void inject(search *s)
+static void inject(search *search)
 {
-    double *x = s->basis + s->made * s->n; /* orthogonal to the basis */
-    if (s->made == s->room)
+    double *vector = search->basis + search->made * search->n; /* orthogonal to the basis */
+    if (search->made == search->room)
         return;
-    for (size_t k = 0; k < s->n; k++)
-        x[k] = draw(s);
-    apply(s, x);
-    append(s, NULL);
+    for (size_t k = 0; k < search->n; k++)
+        vector[k] = draw(search);
+    apply(search, vector);
+    append(search, NULL);
 }
 
 /* Multiply one more basis vector by A. Returns whether there was one. */
-static int advance(search *s)
+static int advance(search *search)
 {
-    if (s->done == s->made)
-        inject(s);
-    if (s->done == s->made)
+    if (search->done == search->made)
+        inject(search);
+    if (search->done == search->made)
         return 0;
-    apply(s, s->basis + s->done * s->n);
-    append(s, s->h + s->done * s->room);
-    s->done++;
+    apply(search, search->basis + search->done * search->n);
+    append(search, search->h + search->done * search->room);
+    search->done++;
     return 1;
 }
 
 /* ---- Ritz values ------------------------------------------------------ */
 
-static double value(const search *s, size_t i)
+static double value(const search *search, size_t i)
 {
-    const size_t k = s->order[i];
-    return s->ritz[k * s->done + k];
+    const size_t k = search->order[i];
+    return search->ritz[k * search->done + k];
 }
 
 /* Square of the frequency of the i-th lowest Ritz pair. */
-static double square_of(const search *s, size_t i)
+static double square_of(const search *search, size_t i)
 {
-    return 1 / value(s, i) - s->shift;
+    return 1 / value(search, i) - search->shift;
 }
 
-static void sort_values(search *s)
+static void sort_values(search *search)
 {
-    for (size_t i = 0; i < s->done; i++) {
+    for (size_t i = 0; i < search->done; i++) {
         size_t at = i;
-        s->order[i] = i;
-        while (at > 0 && value(s, at) > value(s, at - 1)) {
-            const size_t swapped = s->order[at];
-            s->order[at] = s->order[at - 1];
-            s->order[at - 1] = swapped;
+        search->order[i] = i;
+        while (at > 0 && value(search, at) > value(search, at - 1)) {
+            const size_t swapped = search->order[at];
+            search->order[at] = search->order[at - 1];
+            search->order[at - 1] = swapped;
             at--;
         }
     }
 }
 
-static void find_ritz(search *s)
+static void find_ritz(search *search)
 {
-    const size_t n = s->done;
+    const size_t count = search->done;
     double largest = 0;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) {
-            s->ritz[i * n + j] = (s->h[j * s->room + i] + s->h[i * s->room + j]) / 2;
-            largest = fmax(largest, fabs(s->ritz[i * n + j]));
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = 0; j < count; j++) {
+            search->ritz[i * count + j] =
+                (search->h[j * search->room + i] + search->h[i * search->room + j]) / 2;
+            largest = fmax(largest, fabs(search->ritz[i * count + j]));
         }
-    eigen_symmetric(s->ritz, s->turn, n, SWEEPS, PZS_EPSILON * PZS_EPSILON * largest);
-    sort_values(s);
+    eigen_symmetric(search->ritz, search->turn, count, SWEEPS, PZS_EPSILON * PZS_EPSILON * largest);
+    sort_values(search);
 }
 
 /* Norm of A x - theta x of the i-th Ritz pair, relative to theta. */
-static double residual(const search *s, size_t i)
+static double residual(const search *search, size_t i)
 {
     double sum = 0;
-    for (size_t r = s->done; r < s->made; r++) {
+    for (size_t index = search->done; index < search->made; index++) {
         double row = 0;
-        for (size_t j = 0; j < s->done; j++)
-            row += s->h[j * s->room + r] * s->turn[j * s->done + s->order[i]];
+        for (size_t j = 0; j < search->done; j++)
+            row += search->h[j * search->room + index] *
+                   search->turn[j * search->done + search->order[i]];
         sum += row * row;
     }
-    return sqrt(sum) / value(s, i);
+    return sqrt(sum) / value(search, i);
 }
 
 /* Whether the first `number` Ritz pairs have converged. */
-static int have_converged(const search *s, size_t number)
+static int have_converged(const search *search, size_t number)
 {
-    if (s->done < number)
+    if (search->done < number)
         return 0;
     for (size_t i = 0; i < number; i++)
-        if (!(value(s, i) > 0) || !(residual(s, i) < converged_at))
+        if (!(value(search, i) > 0) || !(residual(search, i) < converged_at))
             return 0;
     return 1;
 }
@@ -292,12 +296,12 @@ static int have_converged(const search *s, size_t number)
  * Number of modes to check: those required, and those whose frequencies cannot be distinguished
  * from the last one.
  */
-static size_t cluster_end(const search *s, size_t number)
+static size_t cluster_end(const search *search, size_t number)
 {
-    const double last = square_of(s, number - 1);
-    const double limit = fmax(last * (1 + 1e-5), known_to * s->shift);
+    const double last = square_of(search, number - 1);
+    const double limit = fmax(last * (1 + 1e-5), known_to * search->shift);
     size_t end = number;
-    while (end < s->done && value(s, end) > 0 && square_of(s, end) < limit)
+    while (end < search->done && value(search, end) > 0 && square_of(search, end) < limit)
         end++;
     return end;
 }
@@ -306,47 +310,47 @@ static size_t cluster_end(const search *s, size_t number)
  * Extend the basis until the lowest modes have converged. Returns their number, at least `number`,
  * or 0.
  */
-static size_t iterate(search *s, size_t number)
+static size_t iterate(search *search, size_t number)
 {
-    size_t next = s->done + 2 * BLOCK;
+    size_t next = search->done + 2 * BLOCK;
     if (next < number + 2 * BLOCK)
         next = number + 2 * BLOCK;
     for (;;) {
         int is_whole = 0;
-        while (s->done < next && !is_whole)
-            is_whole = !advance(s);
-        find_ritz(s);
-        const size_t end = s->done < number ? number : cluster_end(s, number);
-        if (have_converged(s, end))
+        while (search->done < next && !is_whole)
+            is_whole = !advance(search);
+        find_ritz(search);
+        const size_t end = search->done < number ? number : cluster_end(search, number);
+        if (have_converged(search, end))
             return end;
         if (is_whole)
             return 0;
-        next = s->done + s->done / 4 + BLOCK;
+        next = search->done + search->done / 4 + BLOCK;
     }
 }
 
 /* ---- check ------------------------------------------------------------ */
 
 /* Bound above the last computed mode and, where the next mode is known, below that one. */
-static double bound_above(const search *s, size_t found)
+static double bound_above(const search *search, size_t found)
 {
-    const double last = square_of(s, found - 1),
-                 beyond = fmax(last, known_to * s->shift) * (1 + 1e-3);
-    if (found == s->done || !(value(s, found) > 0))
+    const double last = square_of(search, found - 1),
+                 beyond = fmax(last, known_to * search->shift) * (1 + 1e-3);
+    if (found == search->done || !(value(search, found) > 0))
         return beyond;
-    return fmin(beyond, (last + square_of(s, found)) / 2);
+    return fmin(beyond, (last + square_of(search, found)) / 2);
 }
 
 /*
  * Number of modes below the bound by the pivots of K - bound M, or -1 where it is unknown; the
  * factor for linear solves is restored afterwards.
  */
-static int modes_below(search *s, double bound)
+static int modes_below(search *search, double bound)
 {
     int below = -1;
     for (int i = 0; i < 3 && below < 0; i++)
-        below = count_below(s, bound * (1 - 1e-7 * i));
-    const linalg_inertia again = factor(s, s->shift, 1);
+        below = count_below(search, bound * (1 - 1e-7 * i));
+    const linalg_inertia again = factor(search, search->shift, 1);
     return again.zero < 0 ? below : -1;
 }
 
@@ -354,27 +358,27 @@ static int modes_below(search *s, double bound)
  * Find the lowest modes, and continue in new directions as long as the pivots show that more exist.
  * Returns success.
  */
-static int find_modes(search *s, size_t number, char *error)
+static int find_modes(search *search, size_t number, char *error)
 {
-    const scene *of = s->d->scene;
+    const scene *of = search->d->scene;
     int below = 0;
     size_t found = 0;
     for (int i = 0; i < CHECKS; i++) {
-        found = iterate(s, number);
+        found = iterate(search, number);
         if (found == 0)
             return scene_fault(of, of->at_surface, error,
                                "the lowest %zu modes have not converged in %zu vectors; ask for "
                                "fewer",
-                               number, s->done);
-        below = found < s->n ? modes_below(s, bound_above(s, found)) : (int)found;
+                               number, search->done);
+        below = found < search->n ? modes_below(search, bound_above(search, found)) : (int)found;
         if (below == (int)found)
             return 0;
         for (int k = 0; k < BLOCK; k++)
-            inject(s);
+            inject(search);
     }
     return scene_fault(of, of->at_surface, error,
                        "%d modes lie below %.6g Hz, but %zu were found; ask for more or fewer",
-                       below, sqrt(fmax(bound_above(s, found), 0)) / two_pi, found);
+                       below, sqrt(fmax(bound_above(search, found), 0)) / two_pi, found);
 }
 
 /* ---- results ---------------------------------------------------------- */
@@ -383,18 +387,18 @@ static int find_modes(search *s, size_t number, char *error)
  * Largest displacement of the middle surface over the nodes, with the sign of its largest
  * component.
  */
-static double largest_displacement(const search *s, const double *x, double *sign)
+static double largest_displacement(const search *search, const double *vector, double *sign)
 {
-    const mesh *mesh = s->mass.mesh;
+    const mesh *mesh = search->mass.mesh;
     double largest = 0, leading = 0;
     for (int node = 0; node < mesh->nodes; node++) {
         const uint16_t at = (uint16_t)node;
-        double u[7], sum = 0;
-        pzs_model_gather(&s->model, &at, 1, x, u);
-        for (int a = 0; a < 3; a++) {
-            sum += u[a] * u[a];
-            if (fabs(u[a]) > fabs(leading) * (1 + 1e-6))
-                leading = u[a];
+        double unknown[7], sum = 0;
+        pzs_model_gather(&search->model, &at, 1, vector, unknown);
+        for (int axis = 0; axis < 3; axis++) {
+            sum += unknown[axis] * unknown[axis];
+            if (fabs(unknown[axis]) > fabs(leading) * (1 + 1e-6))
+                leading = unknown[axis];
         }
         largest = fmax(largest, sqrt(sum));
     }
@@ -402,71 +406,72 @@ static double largest_displacement(const search *s, const double *x, double *sig
     return largest;
 }
 
-static void take_shape(search *s, size_t i, double *x)
+static void take_shape(search *search, size_t i, double *vector)
 {
     double sign;
-    memset(x, 0, s->n * sizeof *x);
-    for (size_t j = 0; j < s->done; j++) {
-        const double part = s->turn[j * s->done + s->order[i]];
-        for (size_t k = 0; k < s->n; k++)
-            x[k] += part * s->basis[j * s->n + k];
+    memset(vector, 0, search->n * sizeof *vector);
+    for (size_t j = 0; j < search->done; j++) {
+        const double part = search->turn[j * search->done + search->order[i]];
+        for (size_t k = 0; k < search->n; k++)
+            vector[k] += part * search->basis[j * search->n + k];
     }
-    largest_displacement(s, x, &sign);
-    for (size_t k = 0; k < s->n; k++)
-        x[k] *= sign;
+    largest_displacement(search, vector, &sign);
+    for (size_t k = 0; k < search->n; k++)
+        vector[k] *= sign;
 }
 
 /* x' K x formed from strains, so that a rigid motion has none even to second order of rounding. */
-static double energy(const search *s, const double *x)
+static double energy(const search *search, const double *vector)
 {
-    const mesh *mesh = s->mass.mesh;
+    const mesh *mesh = search->mass.mesh;
     double sum = 0;
-    for (int e = 0; e < mesh->elements; e++) {
-        double u[SHELL_MAX], f[SHELL_MAX];
-        pzs_model_gather(&s->model, mesh->element[e], SHELL_NODES, x, u);
-        pzs_shell_force(&mesh->type[mesh->element_type[e]], mesh->dof_per_node, u, f);
-        sum += dot(u, f, SHELL_NODES * (size_t)mesh->dof_per_node);
+    for (int element = 0; element < mesh->elements; element++) {
+        double local[SHELL_MAX], force[SHELL_MAX];
+        pzs_model_gather(&search->model, mesh->element[element], SHELL_NODES, vector, local);
+        pzs_shell_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, local, force);
+        sum += dot(local, force, SHELL_NODES * (size_t)mesh->dof_per_node);
     }
     return sum;
 }
 
-static void take_modes(search *s, vibration *vibration)
+static void take_modes(search *search, vibration *vibration)
 {
     for (int i = 0; i < vibration->count; i++) {
-        double *x = vibration->shape + (size_t)i * s->n, sign;
-        take_shape(s, (size_t)i, x);
-        const double square = energy(s, x);
-        const int is_rigid = s->shift > 0 && square < rigid_below * s->shift;
+        double *vector = vibration->shape + (size_t)i * search->n, sign;
+        take_shape(search, (size_t)i, vector);
+        const double square = energy(search, vector);
+        const int is_rigid = search->shift > 0 && square < rigid_below * search->shift;
         vibration->rigid += is_rigid;
         vibration->square[i] = is_rigid ? 0 : square;
         vibration->frequency[i] = sqrt(vibration->square[i]) / two_pi;
-        vibration->largest[i] = largest_displacement(s, x, &sign);
+        vibration->largest[i] = largest_displacement(search, vector, &sign);
     }
-    vibration->solves = s->solves;
+    vibration->solves = search->solves;
 }
 
 /* Effective modal masses: (x' M r)^2 of unit rigid translations r. */
-static void take_masses(search *s, vibration *vibration)
+static void take_masses(search *search, vibration *vibration)
 {
     const double still[3] = {0, 0, 0};
     for (int axis = 0; axis < 3; axis++) {
         double shift[3] = {0, 0, 0};
         shift[axis] = 1;
-        vibration->mass = mass_rigid(&s->mass, &s->model, shift, still, s->mw);
+        vibration->mass = mass_rigid(&search->mass, &search->model, shift, still, search->mw);
         for (int i = 0; i < vibration->count; i++) {
-            const double part = dot(vibration->shape + (size_t)i * s->n, s->mw, s->n);
+            const double part =
+                dot(vibration->shape + (size_t)i * search->n, search->mw, search->n);
             vibration->effective[i][axis] = part * part;
         }
     }
 }
 
-static int allocate_results(vibration *vibration, size_t count, size_t n)
+static int allocate_results(vibration *vibration, size_t count, size_t dof)
 {
     vibration->count = (int)count;
     vibration->frequency = calloc(count, sizeof *vibration->frequency);
     vibration->square = calloc(count, sizeof *vibration->square);
     vibration->largest = calloc(count, sizeof *vibration->largest);
-    vibration->shape = calloc(count * n, sizeof *vibration->shape);
+    vibration->shape = calloc(count * dof, sizeof *vibration->shape);
     vibration->effective = calloc(count, sizeof *vibration->effective);
     return vibration->frequency && vibration->square && vibration->largest && vibration->shape &&
            vibration->effective;
@@ -474,90 +479,90 @@ static int allocate_results(vibration *vibration, size_t count, size_t n)
 
 /* ---- memory and result ------------------------------------------------- */
 
-static int allocate_search(search *s, size_t number)
+static int allocate_search(search *search, size_t number)
 {
-    const pzs_structure *structure = &s->d->structure;
-    const mesh *mesh = &s->d->mesh;
+    const pzs_structure *structure = &search->d->structure;
+    const mesh *mesh = &search->d->mesh;
     const size_t bytes = PZS_MODEL_BYTES(
         structure->free_dof, pzs_linalg_reals(structure->first_column, structure->free_dof));
-    s->n = structure->free_dof;
-    s->room = 6 * number + 60 < s->n ? 6 * number + 60 : s->n;
-    s->seed = 1;
-    s->work = malloc(bytes);
-    s->held = calloc(s->n, sizeof *s->held);
-    s->basis = malloc(s->room * s->n * sizeof *s->basis);
-    s->h = calloc(s->room * s->room, sizeof *s->h);
-    s->ritz = malloc(s->room * s->room * sizeof *s->ritz);
-    s->turn = malloc(s->room * s->room * sizeof *s->turn);
-    s->order = malloc(s->room * sizeof *s->order);
-    s->w = malloc(s->n * sizeof *s->w);
-    s->mw = malloc(s->n * sizeof *s->mw);
-    if (!s->work || !s->held || !s->basis || !s->h || !s->ritz || !s->turn || !s->order || !s->w ||
-        !s->mw)
+    search->n = structure->free_dof;
+    search->room = 6 * number + 60 < search->n ? 6 * number + 60 : search->n;
+    search->seed = 1;
+    search->work = malloc(bytes);
+    search->held = calloc(search->n, sizeof *search->held);
+    search->basis = malloc(search->room * search->n * sizeof *search->basis);
+    search->h = calloc(search->room * search->room, sizeof *search->h);
+    search->ritz = malloc(search->room * search->room * sizeof *search->ritz);
+    search->turn = malloc(search->room * search->room * sizeof *search->turn);
+    search->order = malloc(search->room * sizeof *search->order);
+    search->w = malloc(search->n * sizeof *search->w);
+    search->mw = malloc(search->n * sizeof *search->mw);
+    if (!search->work || !search->held || !search->basis || !search->h || !search->ritz ||
+        !search->turn || !search->order || !search->w || !search->mw)
         return 0;
     for (int i = 0; i < mesh->prescribed_count; i++)
-        s->held[mesh->prescribed_dof[i]] = 1;
-    return pzs_model_init(&s->model, structure, s->work, bytes) == PZS_OK;
+        search->held[mesh->prescribed_dof[i]] = 1;
+    return pzs_model_init(&search->model, structure, search->work, bytes) == PZS_OK;
 }
 
-static void free_search(search *s)
+static void free_search(search *search)
 {
-    mass_free(&s->mass);
-    free(s->work);
-    free(s->held);
-    free(s->basis);
-    free(s->h);
-    free(s->ritz);
-    free(s->turn);
-    free(s->order);
-    free(s->w);
-    free(s->mw);
+    mass_free(&search->mass);
+    free(search->work);
+    free(search->held);
+    free(search->basis);
+    free(search->h);
+    free(search->ritz);
+    free(search->turn);
+    free(search->order);
+    free(search->w);
+    free(search->mw);
 }
 
-static int run(search *s, vibration *vibration, size_t number, char *error)
+static int run(search *search, vibration *vibration, size_t number, char *error)
 {
-    const scene *of = s->d->scene;
-    if (!choose_shift(s, (int)number))
+    const scene *of = search->d->scene;
+    if (!choose_shift(search, (int)number))
         return scene_fault(of, of->at_surface, error,
                            "the stiffness cannot be factored, not even with mass added: a dof "
                            "has neither");
-    const int block = s->shift > 0 ? BLOCK_LOOSE : BLOCK;
+    const int block = search->shift > 0 ? BLOCK_LOOSE : BLOCK;
     for (int i = 0; i < block; i++)
-        inject(s);
-    if (find_modes(s, number, error) < 0)
+        inject(search);
+    if (find_modes(search, number, error) < 0)
         return -1;
-    if (!allocate_results(vibration, number, s->n))
+    if (!allocate_results(vibration, number, search->n))
         return scene_fault(of, of->at_surface, error, "%zu modes do not fit into memory", number);
-    take_modes(s, vibration);
-    take_masses(s, vibration);
+    take_modes(search, vibration);
+    take_masses(search, vibration);
     return 0;
 }
 
 int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
                     char *error)
 {
-    search s;
+    search search;
     memset(vibration, 0, sizeof *vibration);
-    memset(&s, 0, sizeof s);
-    s.d = design;
+    memset(&search, 0, sizeof search);
+    search.d = design;
     if (design->mesh.elements == 0)
         return scene_fault(design->scene, design->scene->influence.at, error,
                            "natural frequencies need a structure, and this scene has none: a "
                            "measured influence matrix tells nothing of mass");
     const int most = design->mesh.free_dof - design->mesh.prescribed_count;
     const int wanted = number < most ? number : most;
-    if (mass_build(&s.mass, &design->mesh, lumped, error) < 0)
+    if (mass_build(&search.mass, &design->mesh, lumped, error) < 0)
         return -1;
     int failed = -1;
     if (wanted < 1)
         scene_fault(design->scene, design->scene->at_surface, error,
                     "%d modes of %d free dof; ask for at least 1", number, most);
-    else if (!allocate_search(&s, (size_t)wanted))
+    else if (!allocate_search(&search, (size_t)wanted))
         scene_fault(design->scene, design->scene->line[0].at, error,
                     "%d modes of %d free dof do not fit into memory", wanted, most);
     else
-        failed = run(&s, vibration, (size_t)wanted, error);
-    free_search(&s);
+        failed = run(&search, vibration, (size_t)wanted, error);
+    free_search(&search);
     if (failed)
         vibration_free(vibration);
     return failed;
@@ -581,9 +586,9 @@ int vibration_first(const vibration *vibration)
 double vibration_static(const vibration *vibration, const design *design, int mode, int input)
 {
     const pzs_rows *in = &design->structure.input;
-    const double *x = vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof;
+    const double *vector = vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof;
     double sum = 0;
-    for (uint32_t t = in->start[input]; t < in->start[input + 1]; t++)
-        sum += in->value[t] * x[in->dof[t]];
+    for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
+        sum += in->value[entry] * vector[in->dof[entry]];
     return mode < vibration->rigid ? (double)NAN : sum / vibration->square[mode];
 }

@@ -35,21 +35,21 @@ static void trial_free(trial *trial)
 static pzs_status trial_start(trial *trial, const design *design, common_limits common,
                               const double *influence, char *error)
 {
-    const size_t n = (size_t)design->amplifiers,
+    const size_t amplifiers = (size_t)design->amplifiers,
                  bytes = PZS_CONTROL_BYTES(design->amplifiers, design->targets);
     memset(trial, 0, sizeof *trial);
     trial->problem = design->problem;
-    trial->limits = calloc(3 * n, sizeof *trial->limits);
+    trial->limits = calloc(3 * amplifiers, sizeof *trial->limits);
     trial->work = malloc(bytes);
     if (!trial->limits || !trial->work)
         return PZS_E_WORKSPACE;
-    if (design_limits(design, common, trial->limits, trial->limits + n, error) < 0)
+    if (design_limits(design, common, trial->limits, trial->limits + amplifiers, error) < 0)
         return PZS_E_LIMITS;
-    for (size_t k = 0; k < n; k++)
-        trial->limits[2 * n + k] = HUGE_VAL;
+    for (size_t k = 0; k < amplifiers; k++)
+        trial->limits[2 * amplifiers + k] = HUGE_VAL;
     trial->problem.lower = trial->limits;
-    trial->problem.upper = trial->limits + n;
-    trial->problem.step_limit = trial->limits + 2 * n;
+    trial->problem.upper = trial->limits + amplifiers;
+    trial->problem.step_limit = trial->limits + 2 * amplifiers;
     if (influence) {
         trial->problem.influence = influence;
         trial->problem.hessian = NULL;
@@ -387,7 +387,7 @@ static void go_back(analysis *analysis, const newton *newton, voltages *result)
 static pzs_status relinearise(analysis *analysis, newton *newton, voltages *result)
 {
     const design *design = &analysis->design;
-    const size_t n = (size_t)design->amplifiers;
+    const size_t amplifiers = (size_t)design->amplifiers;
     const pzs_status status =
         pzs_influence_at(&analysis->equilibrium.solver, newton->full_influence);
     if (status == PZS_OK)
@@ -395,8 +395,8 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
                               newton->work, newton->influence);
     for (size_t i = 0; status == PZS_OK && i < (size_t)design->targets; i++) {
         newton->wanted[i] = result->aligned_target[i] - result->shape[i];
-        for (size_t k = 0; k < n; k++)
-            newton->wanted[i] += newton->influence[i * n + k] * result->voltage[k];
+        for (size_t k = 0; k < amplifiers; k++)
+            newton->wanted[i] += newton->influence[i * amplifiers + k] * result->voltage[k];
     }
     result->relinearised++;
     save_best(analysis, newton, result);
@@ -460,16 +460,17 @@ static double improve(analysis *analysis, common_limits common, newton *newton, 
 static int gauss_newton(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     const design *design = &analysis->design;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  inputs = design->structure.input.count;
     const size_t all = (size_t)design->structure.output.count * inputs;
     double fell = 1;
     newton newton = {.trust_radius = HUGE_VAL,
-                     .full_influence = calloc(all + m * n + 2 * m, sizeof *newton.full_influence),
+                     .full_influence = calloc(all + targets * amplifiers + 2 * targets,
+                                              sizeof *newton.full_influence),
                      .state = malloc(equilibrium_state_bytes(&analysis->equilibrium))};
     newton.influence = newton.full_influence + all;
-    newton.wanted = newton.influence + m * n;
-    newton.work = newton.wanted + m;
+    newton.wanted = newton.influence + targets * amplifiers;
+    newton.work = newton.wanted + targets;
     pzs_status status =
         start(analysis, &newton.best, "") == 0 && newton.full_influence && newton.state
             ? PZS_OK

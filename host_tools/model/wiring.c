@@ -42,103 +42,108 @@ typedef struct wiring {
 
 /* ---- sums ------------------------------------------------------------- */
 
-static int wiring_open(wiring *w, const pokes *pokes)
+static int wiring_open(wiring *wiring, const pokes *pokes)
 {
-    const size_t n = pokes->actuators;
-    memset(w, 0, sizeof *w);
-    w->n = n;
-    w->entries = (double)(pokes->count * pokes->outputs);
-    w->voltages = calloc(4 * n * n + 2 * n + 1, sizeof *w->voltages);
-    w->amplifier = calloc(n + 1, sizeof *w->amplifier);
-    if (!w->voltages || !w->amplifier)
+    const size_t actuators = pokes->actuators;
+    memset(wiring, 0, sizeof *wiring);
+    wiring->n = actuators;
+    wiring->entries = (double)(pokes->count * pokes->outputs);
+    wiring->voltages =
+        calloc(4 * actuators * actuators + 2 * actuators + 1, sizeof *wiring->voltages);
+    wiring->amplifier = calloc(actuators + 1, sizeof *wiring->amplifier);
+    if (!wiring->voltages || !wiring->amplifier)
         return -1;
-    w->shapes = w->voltages + n * n;
-    w->products = w->shapes + n * n;
-    w->matrix = w->products + n * n;
-    w->gain = w->matrix + n * n;
-    w->work = w->gain + n;
-    for (size_t e = 0; e < n; e++)
-        w->amplifier[e] = e;
+    wiring->shapes = wiring->voltages + actuators * actuators;
+    wiring->products = wiring->shapes + actuators * actuators;
+    wiring->matrix = wiring->products + actuators * actuators;
+    wiring->gain = wiring->matrix + actuators * actuators;
+    wiring->work = wiring->gain + actuators;
+    for (size_t actuator = 0; actuator < actuators; actuator++)
+        wiring->amplifier[actuator] = actuator;
     return 0;
 }
 
-static void wiring_close(wiring *w)
+static void wiring_close(wiring *wiring)
 {
-    free(w->voltages);
-    free(w->amplifier);
+    free(wiring->voltages);
+    free(wiring->amplifier);
 }
 
-static void fill_sums(wiring *w, const pokes *pokes, const double *model)
+static void fill_sums(wiring *wiring, const pokes *pokes, const double *model)
 {
-    const size_t n = w->n, m = pokes->outputs;
-    for (size_t i = 0; i < m; i++)
-        for (size_t e = 0; e < n; e++)
-            for (size_t f = 0; f < n; f++)
-                w->shapes[e * n + f] += model[i * n + e] * model[i * n + f];
-    for (size_t p = 0; p < pokes->count; p++) {
-        const double *v = pokes->voltage + p * n, *s = pokes->shape + p * m;
-        for (size_t e = 0; e < n; e++) {
+    const size_t actuators = wiring->n, outputs = pokes->outputs;
+    for (size_t i = 0; i < outputs; i++)
+        for (size_t row = 0; row < actuators; row++)
+            for (size_t column = 0; column < actuators; column++)
+                wiring->shapes[row * actuators + column] +=
+                    model[i * actuators + row] * model[i * actuators + column];
+    for (size_t poke = 0; poke < pokes->count; poke++) {
+        const double *voltage = pokes->voltage + poke * actuators,
+                     *shape = pokes->shape + poke * outputs;
+        for (size_t row = 0; row < actuators; row++) {
             double along = 0;
-            for (size_t i = 0; i < m; i++)
-                along += model[i * n + e] * s[i];
-            for (size_t a = 0; a < n; a++) {
-                w->products[a * n + e] += v[a] * along;
-                w->voltages[a * n + e] += v[a] * v[e];
+            for (size_t i = 0; i < outputs; i++)
+                along += model[i * actuators + row] * shape[i];
+            for (size_t other = 0; other < actuators; other++) {
+                wiring->products[other * actuators + row] += voltage[other] * along;
+                wiring->voltages[other * actuators + row] += voltage[other] * voltage[row];
             }
         }
-        for (size_t i = 0; i < m; i++)
-            w->squares += s[i] * s[i];
+        for (size_t i = 0; i < outputs; i++)
+            wiring->squares += shape[i] * shape[i];
     }
 }
 
 /* ---- gains ------------------------------------------------------------ */
 
 /* Cholesky factor of `matrix` in its lower triangle; `matrix` is positive definite. */
-static void factor(wiring *w)
+static void factor(wiring *wiring)
 {
-    const size_t n = w->n;
-    for (size_t j = 0; j < n; j++)
-        for (size_t i = j; i < n; i++) {
-            double sum = w->matrix[i * n + j];
+    const size_t actuators = wiring->n;
+    for (size_t j = 0; j < actuators; j++)
+        for (size_t i = j; i < actuators; i++) {
+            double sum = wiring->matrix[i * actuators + j];
             for (size_t k = 0; k < j; k++)
-                sum -= w->matrix[i * n + k] * w->matrix[j * n + k];
-            w->matrix[i * n + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / w->matrix[j * n + j];
+                sum -= wiring->matrix[i * actuators + k] * wiring->matrix[j * actuators + k];
+            wiring->matrix[i * actuators + j] =
+                i == j ? sqrt(fmax(sum, 1e-300)) : sum / wiring->matrix[j * actuators + j];
         }
 }
 
-static void substitute(const wiring *w, double *x)
+static void substitute(const wiring *wiring, double *vector)
 {
-    const size_t n = w->n;
-    for (size_t j = 0; j < n; j++) {
+    const size_t actuators = wiring->n;
+    for (size_t j = 0; j < actuators; j++) {
         for (size_t k = 0; k < j; k++)
-            x[j] -= w->matrix[j * n + k] * x[k];
-        x[j] /= w->matrix[j * n + j];
+            vector[j] -= wiring->matrix[j * actuators + k] * vector[k];
+        vector[j] /= wiring->matrix[j * actuators + j];
     }
-    for (size_t j = n; j-- > 0;) {
-        for (size_t k = j + 1; k < n; k++)
-            x[j] -= w->matrix[k * n + j] * x[k];
-        x[j] /= w->matrix[j * n + j];
+    for (size_t j = actuators; j-- > 0;) {
+        for (size_t k = j + 1; k < actuators; k++)
+            vector[j] -= wiring->matrix[k * actuators + j] * vector[k];
+        vector[j] /= wiring->matrix[j * actuators + j];
     }
 }
 
-static double normal_entry(const wiring *w, size_t e, size_t f)
+static double normal_entry(const wiring *wiring, size_t row, size_t column)
 {
-    return w->voltages[w->amplifier[e] * w->n + w->amplifier[f]] * w->shapes[e * w->n + f];
+    return wiring->voltages[wiring->amplifier[row] * wiring->n + wiring->amplifier[column]] *
+           wiring->shapes[row * wiring->n + column];
 }
 
-static double right_side(const wiring *w, size_t e)
+static double right_side(const wiring *wiring, size_t actuator)
 {
-    return w->products[w->amplifier[e] * w->n + e];
+    return wiring->products[wiring->amplifier[actuator] * wiring->n + actuator];
 }
 
 /* Common gain of all electrodes that fits best. */
-static double common_gain(const wiring *w)
+static double common_gain(const wiring *wiring)
 {
     double with_shape = 0, size = 0;
-    for (size_t e = 0; e < w->n; e++) {
-        with_shape += right_side(w, e);
-        for (size_t f = 0; f < w->n; f++)
-            size += normal_entry(w, e, f);
+    for (size_t row = 0; row < wiring->n; row++) {
+        with_shape += right_side(wiring, row);
+        for (size_t column = 0; column < wiring->n; column++)
+            size += normal_entry(wiring, row, column);
     }
     return size > 0 ? with_shape / size : 1;
 }
@@ -147,53 +152,53 @@ static double common_gain(const wiring *w)
  * Gains for the present wiring. They are drawn to the common gain by the variance of the noise, so
  * that a gain that the pokes leave open keeps the common one. Returns the squares that remain.
  */
-static double find_gains(wiring *w)
+static double find_gains(wiring *wiring)
 {
-    const size_t n = w->n;
-    const double common = common_gain(w),
-                 pull = w->variance / (gain_spread * gain_spread * common * common);
-    double left = w->squares, size = 0;
-    for (size_t e = 0; e < n; e++)
-        size = fmax(size, normal_entry(w, e, e));
-    for (size_t e = 0; e < n; e++) {
-        for (size_t f = 0; f < n; f++)
-            w->matrix[e * n + f] = normal_entry(w, e, f);
-        w->matrix[e * n + e] += pull + 1e-12 * size;
-        w->gain[e] = right_side(w, e) + (pull + 1e-12 * size) * common;
+    const size_t actuators = wiring->n;
+    const double common = common_gain(wiring),
+                 pull = wiring->variance / (gain_spread * gain_spread * common * common);
+    double left = wiring->squares, size = 0;
+    for (size_t row = 0; row < actuators; row++)
+        size = fmax(size, normal_entry(wiring, row, row));
+    for (size_t row = 0; row < actuators; row++) {
+        for (size_t column = 0; column < actuators; column++)
+            wiring->matrix[row * actuators + column] = normal_entry(wiring, row, column);
+        wiring->matrix[row * actuators + row] += pull + 1e-12 * size;
+        wiring->gain[row] = right_side(wiring, row) + (pull + 1e-12 * size) * common;
     }
-    factor(w);
-    substitute(w, w->gain);
-    for (size_t e = 0; e < n; e++) {
+    factor(wiring);
+    substitute(wiring, wiring->gain);
+    for (size_t row = 0; row < actuators; row++) {
         double sum = 0;
-        for (size_t f = 0; f < n; f++)
-            sum += normal_entry(w, e, f) * w->gain[f];
-        left += w->gain[e] * (sum - 2 * right_side(w, e));
+        for (size_t column = 0; column < actuators; column++)
+            sum += normal_entry(wiring, row, column) * wiring->gain[column];
+        left += wiring->gain[row] * (sum - 2 * right_side(wiring, row));
     }
     return fmax(left, 0);
 }
 
 /* ---- faults ----------------------------------------------------------- */
 
-static void exchange(wiring *w, size_t e, size_t f)
+static void exchange(wiring *wiring, size_t first, size_t second)
 {
-    const size_t kept = w->amplifier[e];
-    w->amplifier[e] = w->amplifier[f];
-    w->amplifier[f] = kept;
+    const size_t kept = wiring->amplifier[first];
+    wiring->amplifier[first] = wiring->amplifier[second];
+    wiring->amplifier[second] = kept;
 }
 
 /* Find the best exchange of two cables. Returns whether it lowers the squares enough. */
-static bool find_swap(wiring *w, wiring_fault *fault)
+static bool find_swap(wiring *wiring, wiring_fault *fault)
 {
-    const double before = find_gains(w);
+    const double before = find_gains(wiring);
     double least = before;
-    for (size_t e = 0; e < w->n; e++)
-        for (size_t f = e + 1; f < w->n; f++) {
-            exchange(w, e, f);
-            const double left = find_gains(w);
-            exchange(w, e, f);
+    for (size_t first = 0; first < wiring->n; first++)
+        for (size_t second = first + 1; second < wiring->n; second++) {
+            exchange(wiring, first, second);
+            const double left = find_gains(wiring);
+            exchange(wiring, first, second);
             if (left < least) {
                 least = left;
-                *fault = (wiring_fault){WIRING_SWAPPED, e, f};
+                *fault = (wiring_fault){WIRING_SWAPPED, first, second};
             }
         }
     return least < (1 - WIRING_GAIN) * before;
@@ -201,46 +206,47 @@ static bool find_swap(wiring *w, wiring_fault *fault)
 
 static int ascending(const void *left, const void *right)
 {
-    const double x = *(const double *)left, y = *(const double *)right;
-    return (x > y) - (x < y);
+    const double first = *(const double *)left, second = *(const double *)right;
+    return (first > second) - (first < second);
 }
 
-static double median_gain(wiring *w)
+static double median_gain(wiring *wiring)
 {
-    memcpy(w->work, w->gain, w->n * sizeof *w->work);
-    qsort(w->work, w->n, sizeof *w->work, ascending);
-    return w->work[w->n / 2];
+    memcpy(wiring->work, wiring->gain, wiring->n * sizeof *wiring->work);
+    qsort(wiring->work, wiring->n, sizeof *wiring->work, ascending);
+    return wiring->work[wiring->n / 2];
 }
 
 /* Standard error of a gain, by the factor of the last find_gains. */
-static double gain_error(wiring *w, size_t e)
+static double gain_error(wiring *wiring, size_t actuator)
 {
-    memset(w->work, 0, w->n * sizeof *w->work);
-    w->work[e] = 1;
-    substitute(w, w->work);
-    return sqrt(fmax(w->variance * w->work[e], 0));
+    memset(wiring->work, 0, wiring->n * sizeof *wiring->work);
+    wiring->work[actuator] = 1;
+    substitute(wiring, wiring->work);
+    return sqrt(fmax(wiring->variance * wiring->work[actuator], 0));
 }
 
 /* Dead electrodes and reversed wires by their gains. Returns the number of all faults. */
-static int find_gain_faults(wiring *w, wiring_fault *fault, int faults)
+static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
 {
-    (void)find_gains(w);
-    const double median = median_gain(w);
-    for (size_t e = 0; e < w->n && faults < WIRING_FAULTS; e++) {
-        const double gain = w->gain[e] / median;
-        if (gain > dead_gain || gain_error(w, e) > dead_gain / 2 * fabs(median))
+    (void)find_gains(wiring);
+    const double median = median_gain(wiring);
+    for (size_t actuator = 0; actuator < wiring->n && faults < WIRING_FAULTS; actuator++) {
+        const double gain = wiring->gain[actuator] / median;
+        if (gain > dead_gain || gain_error(wiring, actuator) > dead_gain / 2 * fabs(median))
             continue;
         const wiring_fault_type type = gain < -dead_gain ? WIRING_REVERSED : WIRING_DEAD;
-        fault[faults++] = (wiring_fault){type, e, e};
+        fault[faults++] = (wiring_fault){type, actuator, actuator};
     }
     return faults;
 }
 
 /* Apply a fault to the columns of a matrix. matrix [rows][n] in/out */
-static void change_columns(const wiring_fault *fault, size_t rows, size_t n, double *matrix)
+static void change_columns(const wiring_fault *fault, size_t rows, size_t actuators, double *matrix)
 {
     for (size_t i = 0; i < rows; i++) {
-        double *own = matrix + i * n + fault->actuator, *other = matrix + i * n + fault->other;
+        double *own = matrix + i * actuators + fault->actuator,
+               *other = matrix + i * actuators + fault->other;
         const double kept = *own;
         if (fault->type == WIRING_SWAPPED) {
             *own = *other;
@@ -254,36 +260,37 @@ static void change_columns(const wiring_fault *fault, size_t rows, size_t n, dou
 void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, double *voltage)
 {
     memcpy(voltage, pokes->voltage, pokes->count * pokes->actuators * sizeof *voltage);
-    for (int f = 0; f < faults; f++)
-        change_columns(&fault[f], pokes->count, pokes->actuators, voltage);
+    for (int index = 0; index < faults; index++)
+        change_columns(&fault[index], pokes->count, pokes->actuators, voltage);
 }
 
 int wiring_find(wiring_fault fault[WIRING_FAULTS], const pokes *pokes, const double *model)
 {
-    wiring w;
+    wiring wiring;
     int faults = 0;
-    if (wiring_open(&w, pokes) < 0) {
-        wiring_close(&w);
+    if (wiring_open(&wiring, pokes) < 0) {
+        wiring_close(&wiring);
         return -1;
     }
-    fill_sums(&w, pokes, model);
-    while (faults < WIRING_FAULTS && w.n <= SWAP_ACTUATORS && find_swap(&w, &fault[faults])) {
-        exchange(&w, fault[faults].actuator, fault[faults].other);
+    fill_sums(&wiring, pokes, model);
+    while (faults < WIRING_FAULTS && wiring.n <= SWAP_ACTUATORS &&
+           find_swap(&wiring, &fault[faults])) {
+        exchange(&wiring, fault[faults].actuator, fault[faults].other);
         faults++;
     }
-    const double free_values = fmax(w.entries - (double)w.n, 1);
-    w.variance = find_gains(&w) / free_values;
-    faults = find_gain_faults(&w, fault, faults);
-    wiring_close(&w);
+    const double free_values = fmax(wiring.entries - (double)wiring.n, 1);
+    wiring.variance = find_gains(&wiring) / free_values;
+    faults = find_gain_faults(&wiring, fault, faults);
+    wiring_close(&wiring);
     return faults;
 }
 
 void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, double *influence,
                    double *error)
 {
-    for (int f = faults - 1; f >= 0; f--) {
-        change_columns(&fault[f], pokes->outputs, pokes->actuators, influence);
-        change_columns(&fault[f], 1, pokes->actuators, error);
+    for (int index = faults - 1; index >= 0; index--) {
+        change_columns(&fault[index], pokes->outputs, pokes->actuators, influence);
+        change_columns(&fault[index], 1, pokes->actuators, error);
     }
     for (size_t k = 0; k < pokes->actuators; k++)
         error[k] = fabs(error[k]);

@@ -144,41 +144,42 @@ void device_remove(const char *folder)
 
 /* ---- frames ----------------------------------------------------------- */
 
-static size_t real_bytes(const device *d)
+static size_t real_bytes(const device *device)
 {
-    return (size_t)d->board->bits / 8;
+    return (size_t)device->board->bits / 8;
 }
 
 /* Write n floating-point numbers in the device's precision. Returns the address behind them. */
-static unsigned char *put_reals(const device *d, unsigned char *at, const double *x, size_t n)
+static unsigned char *put_reals(const device *device, unsigned char *at, const double *value,
+                                size_t count)
 {
-    for (size_t i = 0; i < n; i++, at += real_bytes(d)) {
-        const float rounded = (float)x[i];
-        if (d->board->bits == 32)
+    for (size_t i = 0; i < count; i++, at += real_bytes(device)) {
+        const float rounded = (float)value[i];
+        if (device->board->bits == 32)
             memcpy(at, &rounded, sizeof rounded);
         else
-            memcpy(at, &x[i], sizeof x[i]);
+            memcpy(at, &value[i], sizeof value[i]);
     }
     return at;
 }
 
-static unsigned char *put_order(device *d, uint32_t order, uint32_t input)
+static unsigned char *put_order(device *device, uint32_t order, uint32_t input)
 {
     const uint32_t word[2] = {order, input};
-    memcpy(d->frame, word, sizeof word);
-    return d->frame + sizeof word;
+    memcpy(device->frame, word, sizeof word);
+    return device->frame + sizeof word;
 }
 
-static void get_reals(const device *d, double *x, size_t n)
+static void get_reals(const device *device, double *value, size_t count)
 {
-    const unsigned char *at = d->frame;
-    for (size_t i = 0; i < n; i++, at += real_bytes(d)) {
+    const unsigned char *at = device->frame;
+    for (size_t i = 0; i < count; i++, at += real_bytes(device)) {
         float rounded;
         memcpy(&rounded, at, sizeof rounded);
-        if (d->board->bits == 32)
-            x[i] = (double)rounded;
+        if (device->board->bits == 32)
+            value[i] = (double)rounded;
         else
-            memcpy(&x[i], at, sizeof x[i]);
+            memcpy(&value[i], at, sizeof value[i]);
     }
 }
 
@@ -186,62 +187,63 @@ static void get_reals(const device *d, double *x, size_t n)
  * Allocate a frame for an order and a given number of floating-point numbers. Returns whether
  * memory was available.
  */
-static int take_frame(device *d, size_t reals)
+static int take_frame(device *device, size_t reals)
 {
-    unsigned char *more = realloc(d->frame, 2 * sizeof(uint32_t) + reals * sizeof(double));
+    unsigned char *more = realloc(device->frame, 2 * sizeof(uint32_t) + reals * sizeof(double));
     if (more)
-        d->frame = more;
+        device->frame = more;
     return more != NULL;
 }
 
 /* Send the frame up to `end` to the device. */
-static int send(const device *d, const unsigned char *end)
+static int send(const device *device, const unsigned char *end)
 {
-    for (const unsigned char *at = d->frame; at < end;) {
-        const ssize_t n = write(d->to, at, (size_t)(end - at));
-        if (n <= 0)
+    for (const unsigned char *at = device->frame; at < end;) {
+        const ssize_t moved = write(device->to, at, (size_t)(end - at));
+        if (moved <= 0)
             return -1;
-        at += n;
+        at += moved;
     }
     return 0;
 }
 
-static int receive(const device *d, void *to, size_t bytes)
+static int receive(const device *device, void *to, size_t bytes)
 {
     for (unsigned char *at = to; bytes > 0;) {
-        struct pollfd wait = {d->from, POLLIN, 0};
+        struct pollfd wait = {device->from, POLLIN, 0};
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
         if (ready < 0 && errno == EINTR)
             continue; /* interrupted by the timer of progress.h */
-        const ssize_t n = ready > 0 ? read(d->from, at, bytes) : 0;
+        const ssize_t moved = ready > 0 ? read(device->from, at, bytes) : 0;
         if (ready == 0)
             errno = ETIMEDOUT;
-        if (n <= 0)
+        if (moved <= 0)
             return -1;
-        at += n;
-        bytes -= (size_t)n;
+        at += moved;
+        bytes -= (size_t)moved;
     }
     return 0;
 }
 
-static int silent(const device *d, char error[DEVICE_ERROR])
+static int silent(const device *device, char error[DEVICE_ERROR])
 {
-    snprintf(error, DEVICE_ERROR, "%s does not answer%s", d->board->name,
-             d->board->machine ? "; it takes qemu-system-arm, QEMU in the environment names another"
-                               : "");
+    snprintf(error, DEVICE_ERROR, "%s does not answer%s", device->board->name,
+             device->board->machine
+                 ? "; it takes qemu-system-arm, QEMU in the environment names another"
+                 : "");
     return -1;
 }
 
 /* ---- start ------------------------------------------------------------ */
 
-static int launch(device *d, const char *folder)
+static int launch(device *child, const char *folder)
 {
     char image[DEVICE_PATH + 64];
     const char *emulator = getenv("QEMU");
     const char *const qemu[MOST_ARGUMENTS] = {emulator ? emulator : "qemu-system-arm",
                                               "-M",
-                                              d->board->machine,
+                                              child->board->machine,
                                               "-kernel",
                                               image,
                                               "-display",
@@ -254,82 +256,86 @@ static int launch(device *d, const char *folder)
                                               "enable=on,target=native",
                                               NULL};
     const char *const program[] = {image, NULL};
-    snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, d->board->name);
+    snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, child->board->name);
     signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must fail and not end this
                                  program. */
-    return d->process = begin(d->board->machine ? qemu : program, &d->to, &d->from);
+    return child->process = begin(child->board->machine ? qemu : program, &child->to, &child->from);
 }
 
-int device_start(device *d, const device_board *board, const char *folder,
+int device_start(device *device, const device_board *board, const char *folder,
                  const pzs_problem *problem, int readings, double *voltage,
                  char error[DEVICE_ERROR])
 {
     uint32_t about[5];
-    memset(d, 0, sizeof *d);
-    d->board = board;
-    d->inputs = problem->inputs;
-    d->outputs = problem->outputs;
-    d->readings = (size_t)readings;
-    if (!take_frame(d, d->inputs + d->outputs + d->readings) || launch(d, folder) < 0 ||
-        receive(d, about, sizeof about) < 0)
-        return silent(d, error);
-    if ((int)about[0] != board->bits || about[1] != d->inputs || about[2] != d->outputs ||
-        about[3] != d->readings || about[4] != PZS_OK) {
+    memset(device, 0, sizeof *device);
+    device->board = board;
+    device->inputs = problem->inputs;
+    device->outputs = problem->outputs;
+    device->readings = (size_t)readings;
+    if (!take_frame(device, device->inputs + device->outputs + device->readings) ||
+        launch(device, folder) < 0 || receive(device, about, sizeof about) < 0)
+        return silent(device, error);
+    if ((int)about[0] != board->bits || about[1] != device->inputs || about[2] != device->outputs ||
+        about[3] != device->readings || about[4] != PZS_OK) {
         snprintf(error, DEVICE_ERROR, "%s refuses the tables: %s", board->name,
                  pzs_status_text((pzs_status)about[4]));
         return -1;
     }
-    if (receive(d, d->frame, d->inputs * real_bytes(d)) < 0)
-        return silent(d, error);
-    get_reals(d, voltage, d->inputs);
+    if (receive(device, device->frame, device->inputs * real_bytes(device)) < 0)
+        return silent(device, error);
+    get_reals(device, voltage, device->inputs);
     return 0;
 }
 
-void device_stop(device *d)
+void device_stop(device *device)
 {
-    if (d->process > 0) {
+    if (device->process > 0) {
         char rest;
-        close(d->to); /* A working firmware ends when its input is closed. */
-        if (receive(d, &rest, 1) < 0 && errno == ETIMEDOUT)
-            kill((pid_t)d->process, SIGKILL);
-        close(d->from);
-        waitpid((pid_t)d->process, NULL, 0);
+        close(device->to); /* A working firmware ends when its input is closed. */
+        if (receive(device, &rest, 1) < 0 && errno == ETIMEDOUT)
+            kill((pid_t)device->process, SIGKILL);
+        close(device->from);
+        waitpid((pid_t)device->process, NULL, 0);
     }
-    free(d->frame);
-    memset(d, 0, sizeof *d);
+    free(device->frame);
+    memset(device, 0, sizeof *device);
 }
 
 /* ---- orders ----------------------------------------------------------- */
 
-void device_hold(device *d, int input, double voltage)
+void device_hold(device *device, int input, double voltage)
 {
-    if (d->process > 0)
-        (void)send(d, put_reals(d, put_order(d, HOLD, (uint32_t)input), &voltage, 1));
+    if (device->process > 0)
+        (void)send(device,
+                   put_reals(device, put_order(device, HOLD, (uint32_t)input), &voltage, 1));
 }
 
-void device_release(device *d, int input)
+void device_release(device *device, int input)
 {
-    if (d->process > 0)
-        (void)send(d, put_order(d, RELEASE, (uint32_t)input));
+    if (device->process > 0)
+        (void)send(device, put_order(device, RELEASE, (uint32_t)input));
 }
 
-void device_know(device *d, const double *then, const double *coming, size_t loads)
+void device_know(device *device, const double *then, const double *coming, size_t loads)
 {
-    if (d->process > 0 && take_frame(d, d->inputs + d->outputs + d->readings + 2 * loads))
-        (void)send(d,
-                   put_reals(d, put_reals(d, put_order(d, KNOW, 0), then, loads), coming, loads));
+    if (device->process > 0 &&
+        take_frame(device, device->inputs + device->outputs + device->readings + 2 * loads))
+        (void)send(device,
+                   put_reals(device, put_reals(device, put_order(device, KNOW, 0), then, loads),
+                             coming, loads));
 }
 
-int device_tick(device *d, const double *wanted, const double *measured, double *voltage,
+int device_tick(device *device, const double *wanted, const double *measured, double *voltage,
                 uint8_t *state, int *passes, char error[DEVICE_ERROR])
 {
     uint32_t about[2];
-    unsigned char *end = put_reals(d, put_order(d, TICK, 0), wanted, d->outputs);
-    if (send(d, put_reals(d, end, measured, d->readings)) < 0 ||
-        receive(d, about, sizeof about) < 0 ||
-        receive(d, d->frame, d->inputs * real_bytes(d)) < 0 || receive(d, state, d->inputs) < 0)
-        return silent(d, error);
-    get_reals(d, voltage, d->inputs);
+    unsigned char *end = put_reals(device, put_order(device, TICK, 0), wanted, device->outputs);
+    if (send(device, put_reals(device, end, measured, device->readings)) < 0 ||
+        receive(device, about, sizeof about) < 0 ||
+        receive(device, device->frame, device->inputs * real_bytes(device)) < 0 ||
+        receive(device, state, device->inputs) < 0)
+        return silent(device, error);
+    get_reals(device, voltage, device->inputs);
     *passes = (int)about[1];
     return (int)about[0];
 }

@@ -52,21 +52,21 @@ typedef struct device {
  *   voltage [inputs] out  initial voltages of the firmware (V)
  * Returns 0, or -1 with error filled.
  */
-int device_start(device *d, const device_board *board, const char *folder,
+int device_start(device *device, const device_board *board, const char *folder,
                  const pzs_problem *problem, int readings, double *voltage,
                  char error[DEVICE_ERROR]);
-void device_stop(device *d);
+void device_stop(device *device);
 
 /* Call pzs_hold or pzs_release in the firmware. The next device_tick reports a failure. */
-void device_hold(device *d, int input, double voltage);
-void device_release(device *d, int input);
+void device_hold(device *device, int input, double voltage);
+void device_release(device *device, int input);
 
 /*
  * Pass the factors of the known loads to the firmware.
  *   then [loads] in  at the time of the next measurement
  *   coming [loads] in  in the coming tick
  */
-void device_know(device *d, const double *then, const double *coming, size_t loads);
+void device_know(device *device, const double *then, const double *coming, size_t loads);
 
 /*
  * Call pzs_loop_tick in the firmware.
@@ -77,7 +77,7 @@ void device_know(device *d, const double *then, const double *coming, size_t loa
  *   passes out  iterations of the optimiser
  * Returns the status of pzs_loop_tick, or -1 with error filled where the firmware does not answer.
  */
-int device_tick(device *d, const double *wanted, const double *measured, double *voltage,
+int device_tick(device *device, const double *wanted, const double *measured, double *voltage,
                 uint8_t *state, int *passes, char error[DEVICE_ERROR]);
 
 #endif

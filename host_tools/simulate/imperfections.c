@@ -29,9 +29,9 @@ static void lag(const imperfections *on, double *voltage, double interval)
 {
     const double times = 2 * 3.14159265358979323846 * of(on)->bandwidth * interval;
     for (int k = 0; k < on->design->amplifiers; k++) {
-        electrode *e = &on->electrode[k];
-        const double behind = e->output - voltage[k];
-        e->output = voltage[k] + behind * exp(-times);
+        electrode *electrode = &on->electrode[k];
+        const double behind = electrode->output - voltage[k];
+        electrode->output = voltage[k] + behind * exp(-times);
         voltage[k] += times > 0 ? -behind * expm1(-times) / times : behind;
     }
 }
@@ -86,13 +86,13 @@ static bool has_hysteresis(const design *design)
     return imperfections_hysteresis(design) > 0;
 }
 
-static double through_play(electrode *e, double voltage, double half_range, double share)
+static double through_play(electrode *electrode, double voltage, double half_range, double share)
 {
     double mean = 0;
     for (int i = 0; i < PLAYS; i++) {
         const double slack = half_range * (i + 1) / (2 * PLAYS);
-        e->play[i] = fmin(fmax(e->play[i], voltage - slack), voltage + slack);
-        mean += e->play[i] / PLAYS;
+        electrode->play[i] = fmin(fmax(electrode->play[i], voltage - slack), voltage + slack);
+        mean += electrode->play[i] / PLAYS;
     }
     return voltage + share * (mean - voltage);
 }

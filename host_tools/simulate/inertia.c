@@ -83,8 +83,8 @@ double inertia_energy(const inertia *inertia)
 {
     double sum = 0;
     for (size_t i = 0; i < inertia->modal->modes; i++) {
-        const double w = inertia->stretch * inertia->modal->frequency[i];
-        sum += w * w *
+        const double frequency = inertia->stretch * inertia->modal->frequency[i];
+        sum += frequency * frequency *
                (inertia->deviation[i] * inertia->deviation[i] +
                 inertia->velocity[i] * inertia->velocity[i]) /
                2;

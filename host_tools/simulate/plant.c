@@ -47,14 +47,14 @@ static double draw(uint32_t *state)
 static void scale_matrix(scene *scene)
 {
     const scene_simulate *simulate = &scene->simulate;
-    const size_t n = (size_t)scene->amplifiers;
+    const size_t amplifiers = (size_t)scene->amplifiers;
     uint32_t state = (uint32_t)simulate->seed + 1;
-    for (size_t i = 0; i < (size_t)scene->influence.outputs * n; i++) {
+    for (size_t i = 0; i < (size_t)scene->influence.outputs * amplifiers; i++) {
         double error = -6; /* the sum of twelve uniform numbers has variance 1 */
         for (int k = 0; k < 12; k++)
             error += draw(&state);
         scene->influence.matrix[i] *=
-            (simulate->gain ? simulate->gain[i % n] : 1) * (1 + simulate->scatter * error);
+            (simulate->gain ? simulate->gain[i % amplifiers] : 1) * (1 + simulate->scatter * error);
     }
 }
 
@@ -220,10 +220,10 @@ void plant_rest(plant *plant)
 static void act(plant *plant)
 {
     const design *design = &plant->analysis.design;
-    const size_t n = (size_t)design->amplifiers;
-    memcpy(plant->acting, plant->amount, n * sizeof *plant->acting);
+    const size_t amplifiers = (size_t)design->amplifiers;
+    memcpy(plant->acting, plant->amount, amplifiers * sizeof *plant->acting);
     for (int k = 0; k < design->loads; k++)
-        plant->acting[n + (size_t)k] = plant->amount[input_of(plant, k)];
+        plant->acting[amplifiers + (size_t)k] = plant->amount[input_of(plant, k)];
     if (plant->is_at_rest)
         inertia_rest(&plant->inertia, plant->acting);
     else
@@ -348,34 +348,36 @@ int plant_readings(plant *plant, double *reading, char *error)
     const pzs_status status = look(plant);
     for (size_t i = 0; i < analysis->design.structure.output.count && plant->has_inertia; i++)
         plant->value[i] += plant->vibrating[i];
-    for (int r = 0; r < estimate->readings; r++)
-        for (int i = 0; i < analysis_outputs(analysis, estimate->reading[r].output); i++)
-            *reading++ = analysis_output(analysis, estimate->reading[r].output, i, plant->value);
+    for (int index = 0; index < estimate->readings; index++)
+        for (int i = 0; i < analysis_outputs(analysis, estimate->reading[index].output); i++)
+            *reading++ =
+                analysis_output(analysis, estimate->reading[index].output, i, plant->value);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
 /* Displacement vector of the static equilibrium. */
-static int static_displacement(plant *plant, double *u, char *error)
+static int static_displacement(plant *plant, double *displacement, char *error)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->nonlinear) {
-        memcpy(u, analysis->equilibrium.solver.info.displacement,
-               (size_t)analysis->design.mesh.free_dof * sizeof *u);
+        memcpy(displacement, analysis->equilibrium.solver.info.displacement,
+               (size_t)analysis->design.mesh.free_dof * sizeof *displacement);
         return 0;
     }
-    const pzs_status status = analysis_displace(analysis, plant->amount, u);
+    const pzs_status status = analysis_displace(analysis, plant->amount, displacement);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-int plant_displacement(plant *plant, double *u, char *error)
+int plant_displacement(plant *plant, double *displacement, char *error)
 {
     const size_t dof = (size_t)plant->analysis.design.mesh.free_dof;
-    if (static_displacement(plant, u, error) < 0)
+    if (static_displacement(plant, displacement, error) < 0)
         return -1;
     for (size_t i = 0; i < plant->modal.modes && plant->has_inertia; i++) {
-        const double *x = plant->vibration.shape + ((size_t)plant->vibration.rigid + i) * dof;
+        const double *modal_part =
+            plant->vibration.shape + ((size_t)plant->vibration.rigid + i) * dof;
         for (size_t k = 0; k < dof; k++)
-            u[k] += plant->inertia.deviation[i] * x[k];
+            displacement[k] += plant->inertia.deviation[i] * modal_part[k];
     }
     return 0;
 }
@@ -409,13 +411,13 @@ int plant_optimum(plant *plant, const double *target, const double *held, voltag
 {
     analysis *analysis = &plant->analysis;
     design *design = &analysis->design;
-    const size_t n = (size_t)design->amplifiers;
-    double *limit = malloc(2 * n * sizeof *limit);
+    const size_t amplifiers = (size_t)design->amplifiers;
+    double *limit = malloc(2 * amplifiers * sizeof *limit);
     if (!limit)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    memcpy(limit, design->lower, n * sizeof *limit);
-    memcpy(limit + n, design->upper, n * sizeof *limit);
-    for (size_t k = 0; k < n; k++)
+    memcpy(limit, design->lower, amplifiers * sizeof *limit);
+    memcpy(limit + amplifiers, design->upper, amplifiers * sizeof *limit);
+    for (size_t k = 0; k < amplifiers; k++)
         if (!isnan(held[k]))
             design->lower[k] = design->upper[k] = held[k];
     want(plant, target);
@@ -424,8 +426,8 @@ int plant_optimum(plant *plant, const double *target, const double *held, voltag
                design->structure.input.count * sizeof *plant->amount);
     const int failed =
         voltages_optimum(analysis, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
-    memcpy(design->lower, limit, n * sizeof *limit);
-    memcpy(design->upper, limit + n, n * sizeof *limit);
+    memcpy(design->lower, limit, amplifiers * sizeof *limit);
+    memcpy(design->upper, limit + amplifiers, amplifiers * sizeof *limit);
     free(limit);
     plant->moved = 0;
     return failed ? -1 : static_shape(plant, best->voltage, shape, error);

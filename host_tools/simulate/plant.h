@@ -84,7 +84,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 int plant_readings(plant *plant, double *reading, char *error);
 
 /* Displacement vector of the latest shape. u [dof] out */
-int plant_displacement(plant *plant, double *u, char *error);
+int plant_displacement(plant *plant, double *displacement, char *error);
 
 /*
  * Optimal voltages for a target on this structure under the present loads and temperature, without

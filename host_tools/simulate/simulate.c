@@ -100,12 +100,12 @@ static int lay_out_phases(simulation *simulation)
 static int check_readings(const design *design, char *error)
 {
     const scene_estimate *estimate = &design->scene->estimate;
-    for (int r = 0; r < estimate->readings; r++)
-        if (design->scene->output[estimate->reading[r].output].electric != ELECTRIC_NONE)
-            return scene_fault(design->scene, estimate->reading[r].at, error,
+    for (int reading = 0; reading < estimate->readings; reading++)
+        if (design->scene->output[estimate->reading[reading].output].electric != ELECTRIC_NONE)
+            return scene_fault(design->scene, estimate->reading[reading].at, error,
                                "'%s' is read by an electrode, whose gains are made in the "
                                "undeformed state; write influence: undeformed in simulate",
-                               design->scene->output[estimate->reading[r].output].name);
+                               design->scene->output[estimate->reading[reading].output].name);
     return 0;
 }
 
@@ -332,91 +332,94 @@ static int ticks_of_end(const simulation *simulation)
     return (int)fmin(fmax(ceil(period), LAST), LAST_MOST);
 }
 
-static int log_open(course_log *f, const simulation *simulation)
+static int log_open(course_log *record, const simulation *simulation)
 {
     const design *design = &simulation->nominal->design;
-    const size_t m = (size_t)design->targets;
-    memset(f, 0, sizeof *f);
-    f->kept = ticks_of_end(simulation);
-    f->window = calloc(WINDOW * m, sizeof *f->window);
-    f->last = calloc((size_t)f->kept * m, sizeof *f->last);
-    f->mean = calloc(m, sizeof *f->mean);
-    f->before = calloc((size_t)design->amplifiers, sizeof *f->before);
-    return f->window && f->last && f->mean && f->before;
+    const size_t targets = (size_t)design->targets;
+    memset(record, 0, sizeof *record);
+    record->kept = ticks_of_end(simulation);
+    record->window = calloc(WINDOW * targets, sizeof *record->window);
+    record->last = calloc((size_t)record->kept * targets, sizeof *record->last);
+    record->mean = calloc(targets, sizeof *record->mean);
+    record->before = calloc((size_t)design->amplifiers, sizeof *record->before);
+    return record->window && record->last && record->mean && record->before;
 }
 
-static void log_close(course_log *f)
+static void log_close(course_log *record)
 {
-    free(f->window);
-    free(f->last);
-    free(f->mean);
-    free(f->before);
+    free(record->window);
+    free(record->last);
+    free(record->mean);
+    free(record->before);
 }
 
-static void follow(course_log *f, const loop *loop, simulate_course *course)
+static void follow(course_log *record, const loop *loop, simulate_course *course)
 {
-    const size_t m = (size_t)loop->design->targets;
-    if (f->ticks < WINDOW)
-        memcpy(f->window + (size_t)f->ticks * m, loop->shape, m * sizeof *f->window);
-    memcpy(f->last + (size_t)(f->ticks % f->kept) * m, loop->shape, m * sizeof *f->last);
-    f->error[f->ticks % f->kept] = loop->error;
-    f->missed[f->ticks % f->kept] = loop->missed;
-    f->vibration[f->ticks % f->kept] = loop->vibration;
+    const size_t targets = (size_t)loop->design->targets;
+    if (record->ticks < WINDOW)
+        memcpy(record->window + (size_t)record->ticks * targets, loop->shape,
+               targets * sizeof *record->window);
+    memcpy(record->last + (size_t)(record->ticks % record->kept) * targets, loop->shape,
+           targets * sizeof *record->last);
+    record->error[record->ticks % record->kept] = loop->error;
+    record->missed[record->ticks % record->kept] = loop->missed;
+    record->vibration[record->ticks % record->kept] = loop->vibration;
     course->vibration_worst = fmax(course->vibration_worst, loop->vibration);
     course->worst = fmax(course->worst, loop->error);
-    f->ticks++;
+    record->ticks++;
 }
 
 /* Weighted distance of two shapes: |W (x - y)|. */
-static double apart(const design *design, const double *x, const double *y)
+static double apart(const design *design, const double *first, const double *second)
 {
-    return sqrt(design_squares(design, x, y));
+    return sqrt(design_squares(design, first, second));
 }
 
 /*
  * Number of ticks after which the distance from the final shape remains below a fraction of its
  * largest value in the window.
  */
-static int settled_after(const course_log *f, const design *design)
+static int settled_after(const course_log *record, const design *design)
 {
-    const size_t m = (size_t)design->targets;
-    const int ticks = f->ticks < WINDOW ? f->ticks : WINDOW;
+    const size_t targets = (size_t)design->targets;
+    const int ticks = record->ticks < WINDOW ? record->ticks : WINDOW;
     double most = 0;
     int after = 0;
     for (int k = 0; k < ticks; k++)
-        most = fmax(most, apart(design, f->window + (size_t)k * m, f->mean));
+        most = fmax(most, apart(design, record->window + (size_t)k * targets, record->mean));
     for (int k = 0; k < ticks; k++)
-        if (apart(design, f->window + (size_t)k * m, f->mean) > settled_part * most)
+        if (apart(design, record->window + (size_t)k * targets, record->mean) > settled_part * most)
             after = k + 1;
     return after < ticks ? after : -1;
 }
 
 /* Compute the means over the last ticks, which are at most a quarter of the phase. */
-static void finish_course(course_log *f, const loop *loop, simulate_course *course)
+static void finish_course(course_log *record, const loop *loop, simulate_course *course)
 {
     const design *design = loop->design;
-    const int quarter = (f->ticks + 3) / 4, count = quarter < f->kept ? quarter : f->kept;
+    const int quarter = (record->ticks + 3) / 4,
+              count = quarter < record->kept ? quarter : record->kept;
     double squares = 0, missed = 0, vibration = 0, slew = 0;
-    memset(f->mean, 0, (size_t)design->targets * sizeof *f->mean);
-    for (int k = f->ticks - count; k < f->ticks; k++) {
-        const int at = k % f->kept;
-        squares += f->error[at] * f->error[at] / count;
-        missed += f->missed[at] * f->missed[at] / count;
-        vibration += f->vibration[at] * f->vibration[at] / count;
+    memset(record->mean, 0, (size_t)design->targets * sizeof *record->mean);
+    for (int k = record->ticks - count; k < record->ticks; k++) {
+        const int at = k % record->kept;
+        squares += record->error[at] * record->error[at] / count;
+        missed += record->missed[at] * record->missed[at] / count;
+        vibration += record->vibration[at] * record->vibration[at] / count;
         for (int i = 0; i < design->targets; i++)
-            f->mean[i] += f->last[at * design->targets + i] / count;
+            record->mean[i] += record->last[at * design->targets + i] / count;
     }
     for (int k = 0; k < design->amplifiers; k++)
-        slew = fmax(slew, fabs(loop->given[k] - f->before[k]) / design->step_limit[k]);
+        slew = fmax(slew, fabs(loop->given[k] - record->before[k]) / design->step_limit[k]);
     course->steady = sqrt(squares);
     course->missed = sqrt(missed);
     course->vibration = sqrt(vibration);
-    course->settled = settled_after(f, design);
+    course->settled = settled_after(record, design);
     course->step_limit_ticks = (int)fmin(ceil(slew), 1e9);
     memcpy(course->voltage, loop->given, (size_t)design->amplifiers * sizeof *course->voltage);
     memcpy(course->shape, loop->shape, (size_t)design->targets * sizeof *course->shape);
-    memcpy(f->before, loop->given, (size_t)design->amplifiers * sizeof *f->before);
-    f->ticks = 0;
+    memcpy(record->before, loop->given, (size_t)design->amplifiers * sizeof *record->before);
+    record->ticks = 0;
 }
 
 /*
@@ -489,7 +492,7 @@ static void give_up(simulation *simulation, const simulate_phase *from, simulate
     }
 }
 
-static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate_law law,
+static int run_ticks(simulation *simulation, loop *loop, course_log *record, simulate_law law,
                      simulate_watch *watch, void *context, char *error)
 {
     const int ticks = loop->design->scene->simulate.ticks;
@@ -497,7 +500,7 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate
     for (int tick = 0; tick < ticks; tick++) {
         if (loop_tick(loop, tick, error) < 0)
             return -1;
-        follow(f, loop, &phase->course[law]);
+        follow(record, loop, &phase->course[law]);
         tell(loop, law, tick, watch, context);
         count_tick(loop, &simulation->count[law]);
         if (has_diverged(loop, law)) {
@@ -506,7 +509,7 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate
         }
         if (tick + 1 < phase->until)
             continue;
-        finish_course(f, loop, &phase->course[law]);
+        finish_course(record, loop, &phase->course[law]);
         if (law == LAW_CONTROLLER)
             keep_conditions(loop, phase);
         if (plant_displacement(&simulation->plant, phase->course[law].u, error) < 0)
@@ -519,18 +522,18 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *f, simulate
 int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch, void *context,
                  char *error)
 {
-    course_log f;
+    course_log record;
     loop loop;
     const double begin = analysis_now();
     memset(&simulation->count[law], 0, sizeof simulation->count[law]);
     for (int k = 0; k < simulation->phases; k++)
         simulation->phase[k].course[law].worst = simulation->phase[k].course[law].vibration_worst =
             0;
-    int failed = log_open(&f, simulation) ? 0 : no_memory(simulation->nominal, error);
+    int failed = log_open(&record, simulation) ? 0 : no_memory(simulation->nominal, error);
     failed = loop_open(&loop, simulation, law, error) < 0 || failed ||
-             run_ticks(simulation, &loop, &f, law, watch, context, error) < 0;
+             run_ticks(simulation, &loop, &record, law, watch, context, error) < 0;
     loop_close(&loop);
-    log_close(&f);
+    log_close(&record);
     simulation->count[law].seconds = analysis_now() - begin;
     return failed ? -1 : 0;
 }
@@ -545,14 +548,17 @@ long simulate_ran(const simulate_count *count)
 
 /* ---- optima ----------------------------------------------------------- */
 
-static int same_conditions(const simulation *simulation, const simulate_phase *a,
-                           const simulate_phase *b)
+static int same_conditions(const simulation *simulation, const simulate_phase *first,
+                           const simulate_phase *second)
 {
     const design *design = &simulation->nominal->design;
-    int same = memcmp(a->target, b->target, (size_t)design->targets * sizeof *a->target) == 0 &&
-               memcmp(a->amount, b->amount, ((size_t)design->loads + 1) * sizeof *a->amount) == 0;
+    int same = memcmp(first->target, second->target,
+                      (size_t)design->targets * sizeof *first->target) == 0 &&
+               memcmp(first->amount, second->amount,
+                      ((size_t)design->loads + 1) * sizeof *first->amount) == 0;
     for (int k = 0; k < design->amplifiers; k++)
-        same = same && (isnan(a->held[k]) ? isnan(b->held[k]) : a->held[k] == b->held[k]);
+        same = same &&
+               (isnan(first->held[k]) ? isnan(second->held[k]) : first->held[k] == second->held[k]);
     return same;
 }
 

@@ -47,25 +47,25 @@ static void set_load(loop *loop, int load, double amount)
 static void fail_electrodes(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < event->amplifiers; i++) {
-        electrode *e = &loop->electrode[event->amplifier[i]];
-        e->held = event->type == EVENT_DEAD    ? 0
-                  : e->fault == ELECTRODE_GOOD ? loop->given[event->amplifier[i]]
-                                               : e->held;
-        e->failed_at = tick;
-        e->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
-        e->told_at = event->told >= 0 ? tick + event->told : -1;
-        e->good_at = event->ticks > 0 ? tick + event->ticks : -1;
+        electrode *electrode = &loop->electrode[event->amplifier[i]];
+        electrode->held = event->type == EVENT_DEAD            ? 0
+                          : electrode->fault == ELECTRODE_GOOD ? loop->given[event->amplifier[i]]
+                                                               : electrode->held;
+        electrode->failed_at = tick;
+        electrode->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
+        electrode->told_at = event->told >= 0 ? tick + event->told : -1;
+        electrode->good_at = event->ticks > 0 ? tick + event->ticks : -1;
     }
 }
 
 static void revive(loop *loop, int amplifier)
 {
-    electrode *e = &loop->electrode[amplifier];
-    if (e->is_told)
+    electrode *electrode = &loop->electrode[amplifier];
+    if (electrode->is_told)
         release(loop, amplifier);
-    e->fault = ELECTRODE_GOOD;
-    e->told_at = e->good_at = -1;
-    e->is_told = 0;
+    electrode->fault = ELECTRODE_GOOD;
+    electrode->told_at = electrode->good_at = -1;
+    electrode->is_told = 0;
 }
 
 static void fail_sensors(loop *loop, const scene_event *event, int tick)
@@ -193,13 +193,13 @@ static void run_events(loop *loop, int tick)
         schedule(loop, &simulate->event[loop->next_event], tick);
     look_ahead(loop, tick);
     for (int k = 0; k < loop->design->amplifiers; k++) {
-        electrode *e = &loop->electrode[k];
-        if (e->good_at == tick)
+        electrode *electrode = &loop->electrode[k];
+        if (electrode->good_at == tick)
             revive(loop, k);
-        if (e->told_at == tick) {
-            hold(loop, k, e->held);
-            e->is_told = 1;
-            e->out_since = e->failed_at;
+        if (electrode->told_at == tick) {
+            hold(loop, k, electrode->held);
+            electrode->is_told = 1;
+            electrode->out_since = electrode->failed_at;
         }
     }
     for (int i = 0; i < loop->design->targets; i++)
@@ -308,7 +308,7 @@ static loop *loop_of(const pzs_loop_signals *signals)
  */
 static int ask_board(loop *loop, char *error)
 {
-    const size_t n = (size_t)loop->design->amplifiers, loads = (size_t)loop->design->loads;
+    const size_t amplifiers = (size_t)loop->design->amplifiers, loads = (size_t)loop->design->loads;
     if (loop->simulation->feeds) {
         device_know(&loop->board, loop->present, loop->coming, loads);
         device_know(&loop->twin, loop->present, loop->coming, loads);
@@ -321,8 +321,8 @@ static int ask_board(loop *loop, char *error)
     same = device_tick(&loop->twin, loop->wanted, loop->sensed, loop->next, loop->twin_state,
                        &passes, error);
     loop->same = same == status && passes == loop->iterations &&
-                 memcmp(loop->next, loop->command, n * sizeof *loop->next) == 0 &&
-                 memcmp(loop->twin_state, loop->state, n) == 0;
+                 memcmp(loop->next, loop->command, amplifiers * sizeof *loop->next) == 0 &&
+                 memcmp(loop->twin_state, loop->state, amplifiers) == 0;
     return same < 0 ? -1 : status;
 }
 
@@ -381,16 +381,16 @@ static void learn(loop *loop, int tick)
 {
     loop->found = loop->wrong = 0;
     for (int k = 0; k < loop->design->amplifiers; k++) {
-        electrode *e = &loop->electrode[k];
-        if (loop->state[k] != PZS_ELECTRODE_HELD || e->is_told)
+        electrode *electrode = &loop->electrode[k];
+        if (loop->state[k] != PZS_ELECTRODE_HELD || electrode->is_told)
             continue;
-        e->is_told = 1;
-        e->out_since = 0;
+        electrode->is_told = 1;
+        electrode->out_since = 0;
         loop->found++;
-        if (e->fault == ELECTRODE_GOOD)
+        if (electrode->fault == ELECTRODE_GOOD)
             loop->wrong++;
-        else if (tick - e->failed_at > loop->search)
-            loop->search = tick - e->failed_at;
+        else if (tick - electrode->failed_at > loop->search)
+            loop->search = tick - electrode->failed_at;
     }
 }
 
@@ -408,11 +408,11 @@ static void follow(loop *loop)
 /* Copy the results of the library's step block: voltages, iterations and electrode states. */
 static void take_command(loop *loop)
 {
-    const size_t n = (size_t)loop->design->amplifiers;
+    const size_t amplifiers = (size_t)loop->design->amplifiers;
     loop->iterations = loop->controller.info.control->info.iterations;
-    memcpy(loop->command, loop->controller.info.voltage, n * sizeof *loop->command);
+    memcpy(loop->command, loop->controller.info.voltage, amplifiers * sizeof *loop->command);
     if (loop->controller.info.electrode)
-        memcpy(loop->state, loop->controller.info.electrode, n);
+        memcpy(loop->state, loop->controller.info.electrode, amplifiers);
 }
 
 /*
@@ -538,14 +538,14 @@ int loop_active(const loop *loop)
 
 int loop_tick(loop *loop, int tick, char *error)
 {
-    const size_t n = (size_t)loop->design->amplifiers;
+    const size_t amplifiers = (size_t)loop->design->amplifiers;
     if (tick > 0)
         elapse(loop, tick);
     run_events(loop, tick);
     set_waves(loop, loop->time);
     const imperfections wiring = loop_imperfections(loop);
     imperfections_actuate(&wiring, loop->given, 0, loop->effect);
-    memcpy(loop->before, loop->given, n * sizeof *loop->before);
+    memcpy(loop->before, loop->given, amplifiers * sizeof *loop->before);
     if (plant_shape(&loop->simulation->plant, loop->effect, loop->shape, error) < 0)
         return -1;
     loop->error =
@@ -558,12 +558,12 @@ int loop_tick(loop *loop, int tick, char *error)
     loop->missed_ticks += loop->is_lost;
     if (loop->is_lost)
         return 0;
-    memcpy(loop->last, loop->command, n * sizeof *loop->last);
+    memcpy(loop->last, loop->command, amplifiers * sizeof *loop->last);
     if (command(loop, tick, error) < 0)
         return -1;
     loop->beyond =
         beyond(loop, loop->command, loop->last, loop->board.board ? loop->board.board->bits : 64);
-    memcpy(loop->last, loop->given, n * sizeof *loop->last);
+    memcpy(loop->last, loop->given, amplifiers * sizeof *loop->last);
     amplify(loop);
     loop->beyond += beyond(loop, loop->given, loop->last, 64);
     loop->not_finite = not_finite(loop);
@@ -578,21 +578,22 @@ int loop_tick(loop *loop, int tick, char *error)
 static int take_memory(loop *loop)
 {
     const design *design = loop->design;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  loads = (size_t)design->loads + 1;
-    double *at = loop->memory = calloc(4 * m + 2 * loads + 6 * n, sizeof *loop->memory);
-    loop->electrode = calloc(n, sizeof *loop->electrode);
+    double *at = loop->memory =
+        calloc(4 * targets + 2 * loads + 6 * amplifiers, sizeof *loop->memory);
+    loop->electrode = calloc(amplifiers, sizeof *loop->electrode);
     loop->wave = calloc(loads, sizeof *loop->wave);
-    loop->state = calloc(2 * n, 1);
+    loop->state = calloc(2 * amplifiers, 1);
     if (!at || !loop->electrode || !loop->wave || !loop->state || !sense_open(loop))
         return 0;
-    loop->twin_state = loop->state + n;
+    loop->twin_state = loop->state + amplifiers;
     double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->wish};
     double **const of_amplifiers[] = {&loop->command, &loop->given, &loop->effect,
                                       &loop->next,    &loop->last,  &loop->before};
-    for (int i = 0; i < 4; i++, at += m)
+    for (int i = 0; i < 4; i++, at += targets)
         *of_targets[i] = at;
-    for (int i = 0; i < 6; i++, at += n)
+    for (int i = 0; i < 6; i++, at += amplifiers)
         *of_amplifiers[i] = at;
     loop->load = at, at += loads;
     loop->scheduled_load = at;

@@ -19,10 +19,11 @@ static void take_noise(loop *loop)
     double *noise = loop->noise;
     for (int i = 0; i < loop->sensors && !simulation->estimates; i++)
         noise[i] = scene->simulate.noise;
-    for (int r = 0; r < scene->estimate.readings && simulation->estimates; r++)
+    for (int reading = 0; reading < scene->estimate.readings && simulation->estimates; reading++)
         for (int i = 0;
-             i < analysis_outputs(simulation->nominal, scene->estimate.reading[r].output); i++)
-            *noise++ = scene->estimate.reading[r].noise;
+             i < analysis_outputs(simulation->nominal, scene->estimate.reading[reading].output);
+             i++)
+            *noise++ = scene->estimate.reading[reading].noise;
 }
 
 /* Number of ticks whose readings may still be needed. */
@@ -40,12 +41,12 @@ int sense_open(loop *loop)
     const simulation *simulation = loop->simulation;
     const design *design = loop->design;
     loop->sensors = simulation->estimates ? simulation->estimator.sensors : design->targets;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets,
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  loads = (size_t)design->loads, k = (size_t)loop->sensors;
     loop->kept = kept_ticks(&design->scene->simulate);
     const size_t kept = (size_t)loop->kept;
     double *at = loop->sense_memory =
-        calloc((5 + kept) * k + kept * (n + loads) + m + 2 * loads + 1, sizeof *at);
+        calloc((5 + kept) * k + kept * (amplifiers + loads) + targets + 2 * loads + 1, sizeof *at);
     loop->sensor = calloc(k + 1, sizeof *loop->sensor);
     if (!at || !loop->sensor)
         return 0;
@@ -54,9 +55,9 @@ int sense_open(loop *loop)
     for (int i = 0; i < 5; i++, at += k)
         *of_sensors[i] = at;
     loop->late_reading = at, at += kept * k;
-    loop->late_command = at, at += kept * n;
+    loop->late_command = at, at += kept * amplifiers;
     loop->late_known = at, at += kept * loads;
-    loop->predicted = at, at += m;
+    loop->predicted = at, at += targets;
     loop->known = at, at += loads;
     loop->coming = at;
     take_noise(loop);
@@ -72,14 +73,14 @@ void sense_close(loop *loop)
 /* ---- sensors ---------------------------------------------------------- */
 
 /* y [rows] = table [rows][amplifiers] times voltage [amplifiers] */
-static void multiply(const loop *loop, double *y, const double *table, int rows,
+static void multiply(const loop *loop, double *product, const double *table, int rows,
                      const double *voltage)
 {
-    const size_t n = (size_t)loop->design->amplifiers;
+    const size_t amplifiers = (size_t)loop->design->amplifiers;
     for (size_t i = 0; i < (size_t)rows; i++) {
-        y[i] = 0;
-        for (size_t k = 0; k < n; k++)
-            y[i] += table[i * n + k] * voltage[k];
+        product[i] = 0;
+        for (size_t k = 0; k < amplifiers; k++)
+            product[i] += table[i * amplifiers + k] * voltage[k];
     }
 }
 
@@ -99,9 +100,9 @@ void sense_predict(loop *loop)
 }
 
 /* Address of the vector of a tick, of length n, in a ring buffer of the last ticks. */
-static double *late(const loop *loop, double *kept, int tick, int n)
+static double *late(const loop *loop, double *kept, int tick, int amplifiers)
 {
-    return kept + (size_t)(tick % loop->kept) * (size_t)n;
+    return kept + (size_t)(tick % loop->kept) * (size_t)amplifiers;
 }
 
 void sense_taken_out(loop *loop, int amplifier, int since, int tick)

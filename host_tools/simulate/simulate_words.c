@@ -118,18 +118,18 @@ void simulate_words_phase(const simulation *simulation, const simulate_phase *ph
     const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
     const bool ends_faults = simulate->fault_chance > 0 && phase->from == simulate->fault_until;
     const char *begin = "";
-    size_t n = 0;
+    size_t used = 0;
     if (phase->from == 0)
         begin = "start";
     else if (ends_faults)
         begin = "random faults end";
     snprintf(text, SIMULATE_PHASE_TEXT, "%s", begin);
-    for (int k = phase->first; k < phase->first + phase->events && n + 70 < SIMULATE_PHASE_TEXT;
+    for (int k = phase->first; k < phase->first + phase->events && used + 70 < SIMULATE_PHASE_TEXT;
          k++) {
         if (k > phase->first)
-            n += (size_t)snprintf(text + n, SIMULATE_PHASE_TEXT - n, ", ");
-        name_event(simulation->nominal->design.scene, &simulate->event[k], text + n,
-                   SIMULATE_PHASE_TEXT - n);
-        n += strlen(text + n);
+            used += (size_t)snprintf(text + used, SIMULATE_PHASE_TEXT - used, ", ");
+        name_event(simulation->nominal->design.scene, &simulate->event[k], text + used,
+                   SIMULATE_PHASE_TEXT - used);
+        used += strlen(text + used);
     }
 }

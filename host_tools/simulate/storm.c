@@ -48,8 +48,8 @@ static void list_rows(storm_rig *rig)
             rig->row[i] = (uint32_t)i;
         return;
     }
-    for (int r = 0; r < estimate->readings; r++) {
-        const int output = estimate->reading[r].output;
+    for (int reading = 0; reading < estimate->readings; reading++) {
+        const int output = estimate->reading[reading].output;
         for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++)
             if (at < rig->sensors)
                 rig->row[at++] = (uint32_t)row;
@@ -59,12 +59,13 @@ static void list_rows(storm_rig *rig)
 /* Static responses of targets and sensors, from the influence matrix of the tables. */
 static void fill_static(storm_rig *rig)
 {
-    const size_t inputs = rig->analysis->design.structure.input.count, n = rig->amplifiers;
+    const size_t inputs = rig->analysis->design.structure.input.count, amplifiers = rig->amplifiers;
     for (size_t i = 0; i < rig->targets; i++)
-        memcpy(rig->influence + i * n, rig->analysis->influence + i * inputs, n * sizeof(double));
+        memcpy(rig->influence + i * amplifiers, rig->analysis->influence + i * inputs,
+               amplifiers * sizeof(double));
     for (size_t i = 0; i < rig->sensors; i++)
-        memcpy(rig->direct + i * n, rig->analysis->influence + rig->row[i] * inputs,
-               n * sizeof(double));
+        memcpy(rig->direct + i * amplifiers, rig->analysis->influence + rig->row[i] * inputs,
+               amplifiers * sizeof(double));
 }
 
 /* Limits from which random voltages are drawn; an amplifier without limits is left at 0 V. */
@@ -80,15 +81,16 @@ static void fill_limits(storm_rig *rig)
 
 static bool take_memory(storm_rig *rig)
 {
-    const size_t n = rig->amplifiers, s = rig->sensors, m = rig->targets;
-    rig->memory = calloc(s * n + m * n + 2 * n + 1, sizeof *rig->memory);
-    rig->row = calloc(s + 1, sizeof *rig->row);
+    const size_t amplifiers = rig->amplifiers, sensors = rig->sensors, targets = rig->targets;
+    rig->memory = calloc(sensors * amplifiers + targets * amplifiers + 2 * amplifiers + 1,
+                         sizeof *rig->memory);
+    rig->row = calloc(sensors + 1, sizeof *rig->row);
     if (!rig->memory || !rig->row)
         return false;
     rig->direct = rig->memory;
-    rig->influence = rig->direct + s * n;
-    rig->lower = rig->influence + m * n;
-    rig->upper = rig->lower + n;
+    rig->influence = rig->direct + sensors * amplifiers;
+    rig->lower = rig->influence + targets * amplifiers;
+    rig->upper = rig->lower + amplifiers;
     return true;
 }
 
@@ -160,54 +162,57 @@ typedef struct storm {
     double *command; /* [kept][amplifiers] voltages of the last ticks (V) */
 } storm;
 
-static bool take_run_memory(storm *s)
+static bool take_run_memory(storm *storm)
 {
-    const size_t n = s->rig->amplifiers, m = s->rig->targets, k = s->rig->sensors;
-    const size_t kept = (size_t)s->kept;
-    double *at = s->memory = calloc(5 * n + 5 * m + k + kept * (k + n) + 1, sizeof *s->memory);
-    if (!at || !inertia_open(&s->inertia, &s->rig->modal))
+    const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets,
+                 k = storm->rig->sensors;
+    const size_t kept = (size_t)storm->kept;
+    double *at = storm->memory = calloc(
+        5 * amplifiers + 5 * targets + k + kept * (k + amplifiers) + 1, sizeof *storm->memory);
+    if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
         return false;
-    s->limits = at, at += 3 * n;
-    s->voltage = at, at += n;
-    s->before = at, at += n;
-    s->thrown = at, at += m;
-    s->goal = at, at += m;
-    s->best = at, at += m;
-    s->shape = at, at += m;
-    s->part = at, at += m;
-    s->sensed = at, at += k;
-    s->reading = at, at += kept * k;
-    s->command = at;
+    storm->limits = at, at += 3 * amplifiers;
+    storm->voltage = at, at += amplifiers;
+    storm->before = at, at += amplifiers;
+    storm->thrown = at, at += targets;
+    storm->goal = at, at += targets;
+    storm->best = at, at += targets;
+    storm->shape = at, at += targets;
+    storm->part = at, at += targets;
+    storm->sensed = at, at += k;
+    storm->reading = at, at += kept * k;
+    storm->command = at;
     return true;
 }
 
 /* y [rows] = factor a [rows][columns] x */
-static void multiply(double *y, const double *a, const double *x, size_t rows, size_t columns,
-                     double factor)
+static void multiply(double *product, const double *matrix, const double *vector, size_t rows,
+                     size_t columns, double factor)
 {
-    pzs_product_matrix(y, a, x, rows, columns);
+    pzs_product_matrix(product, matrix, vector, rows, columns);
     for (size_t i = 0; i < rows; i++)
-        y[i] *= factor;
+        product[i] *= factor;
 }
 
 /* Give the problem the limits of the run. */
-static void set_limits(storm *s)
+static void set_limits(storm *storm)
 {
-    const size_t n = s->rig->amplifiers;
-    const design *design = &s->rig->analysis->design;
-    const double factor = s->plant->step_limit;
+    const size_t amplifiers = storm->rig->amplifiers;
+    const design *design = &storm->rig->analysis->design;
+    const double factor = storm->plant->step_limit;
     const bool is_free = !isfinite(factor);
-    for (size_t k = 0; k < n; k++) {
+    for (size_t k = 0; k < amplifiers; k++) {
         const bool is_held = !(design->lower[k] < design->upper[k]);
         const bool is_limited = !is_free || is_held;
-        s->limits[k] = is_limited ? s->problem.lower[k] : -HUGE_VAL;
-        s->limits[n + k] = is_limited ? s->problem.upper[k] : HUGE_VAL;
-        s->limits[2 * n + k] = is_free ? HUGE_VAL : s->problem.step_limit[k] * factor;
+        storm->limits[k] = is_limited ? storm->problem.lower[k] : -HUGE_VAL;
+        storm->limits[amplifiers + k] = is_limited ? storm->problem.upper[k] : HUGE_VAL;
+        storm->limits[2 * amplifiers + k] =
+            is_free ? HUGE_VAL : storm->problem.step_limit[k] * factor;
     }
-    s->problem.lower = s->limits;
-    s->problem.upper = s->limits + n;
-    s->problem.step_limit = s->limits + 2 * n;
-    s->problem.crc = pzs_problem_crc(&s->problem);
+    storm->problem.lower = storm->limits;
+    storm->problem.upper = storm->limits + amplifiers;
+    storm->problem.step_limit = storm->limits + 2 * amplifiers;
+    storm->problem.crc = pzs_problem_crc(&storm->problem);
 }
 
 /*
@@ -215,106 +220,108 @@ static void set_limits(storm *s)
  * its problem, so the problem is replaced in place. A run without limits omits the blocks behind
  * the step, because converter steps and held electrodes would hide the growth.
  */
-static void set_tables(storm *s)
+static void set_tables(storm *storm)
 {
-    for (int k = 0; k < s->rig->blocks; k++) {
-        s->block[k] = s->rig->block[k];
-        if (s->block[k].type->phase > PZS_PHASE_STEP && !isfinite(s->plant->step_limit))
+    for (int k = 0; k < storm->rig->blocks; k++) {
+        storm->block[k] = storm->rig->block[k];
+        if (storm->block[k].type->phase > PZS_PHASE_STEP && !isfinite(storm->plant->step_limit))
             return;
-        s->blocks = k + 1;
-        if (s->block[k].type->phase != PZS_PHASE_STEP)
+        storm->blocks = k + 1;
+        if (storm->block[k].type->phase != PZS_PHASE_STEP)
             continue;
-        s->problem = *(const pzs_problem *)s->block[k].tables;
-        set_limits(s);
-        if (s->block[k].type == &pzs_step_block)
-            s->block[k].tables = &s->problem;
+        storm->problem = *(const pzs_problem *)storm->block[k].tables;
+        set_limits(storm);
+        if (storm->block[k].type == &pzs_step_block)
+            storm->block[k].tables = &storm->problem;
         else
-            *(pzs_problem *)(uintptr_t)s->block[k].tables = s->problem;
+            *(pzs_problem *)(uintptr_t)storm->block[k].tables = storm->problem;
     }
 }
 
-static pzs_status open_loop(storm *s)
+static pzs_status open_loop(storm *storm)
 {
     double none;
-    const size_t count = (size_t)s->blocks;
-    pzs_status status = pzs_loop_init(&s->loop, s->block, count, NULL, &none, 0);
+    const size_t count = (size_t)storm->blocks;
+    pzs_status status = pzs_loop_init(&storm->loop, storm->block, count, NULL, &none, 0);
     if (status != PZS_E_WORKSPACE)
         return status;
-    const size_t need = (size_t)s->loop.info.where;
-    s->work = malloc(need);
-    return s->work ? pzs_loop_init(&s->loop, s->block, count, NULL, s->work, need)
-                   : PZS_E_WORKSPACE;
+    const size_t need = (size_t)storm->loop.info.where;
+    storm->work = malloc(need);
+    return storm->work ? pzs_loop_init(&storm->loop, storm->block, count, NULL, storm->work, need)
+                       : PZS_E_WORKSPACE;
 }
 
 /* Best shape for the goal within the voltage limits, on the structure of the run. */
-static pzs_status find_best(storm *s)
+static pzs_status find_best(storm *storm)
 {
-    const size_t n = s->rig->amplifiers, m = s->rig->targets;
-    const pzs_problem *given = &s->rig->analysis->design.problem;
+    const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
+    const pzs_problem *given = &storm->rig->analysis->design.problem;
     pzs_problem problem = *given;
     pzs_control control;
-    double *influence = malloc((m * n + n) * sizeof *influence);
-    void *work = malloc(PZS_CONTROL_BYTES(n, m));
+    double *influence = malloc((targets * amplifiers + amplifiers) * sizeof *influence);
+    void *work = malloc(PZS_CONTROL_BYTES(amplifiers, targets));
     pzs_status status = PZS_E_WORKSPACE;
     if (influence && work) {
-        double *wide = influence + m * n;
-        for (size_t i = 0; i < m * n; i++)
-            influence[i] = s->plant->gain * given->influence[i];
-        for (size_t k = 0; k < n; k++)
+        double *wide = influence + targets * amplifiers;
+        for (size_t i = 0; i < targets * amplifiers; i++)
+            influence[i] = storm->plant->gain * given->influence[i];
+        for (size_t k = 0; k < amplifiers; k++)
             wide[k] = HUGE_VAL;
         problem.step_limit = wide;
         problem.hessian = NULL;
         problem.crc = pzs_problem_crc(&problem);
-        status = pzs_control_init(&control, &problem, influence, work, PZS_CONTROL_BYTES(n, m));
+        status = pzs_control_init(&control, &problem, influence, work,
+                                  PZS_CONTROL_BYTES(amplifiers, targets));
         if (!PZS_IS_ERROR(status))
-            status = pzs_step(&control, s->goal);
+            status = pzs_step(&control, storm->goal);
         if (!PZS_IS_ERROR(status))
-            multiply(s->best, s->rig->influence, control.info.voltage, m, n, s->plant->gain);
+            multiply(storm->best, storm->rig->influence, control.info.voltage, targets, amplifiers,
+                     storm->plant->gain);
     }
     free(influence);
     free(work);
     return status;
 }
 
-static int explain(const storm *s, pzs_status status, char *error)
+static int explain(const storm *run, pzs_status status, char *error)
 {
-    const scene *scene = s->rig->analysis->design.scene;
+    const scene *scene = run->rig->analysis->design.scene;
     return scene_fault(scene, scene->simulate.at, error, "storm: %s", pzs_status_text(status));
 }
 
-static void close_storm(storm *s)
+static void close_storm(storm *storm)
 {
-    inertia_close(&s->inertia);
-    free(s->memory);
-    free(s->work);
+    inertia_close(&storm->inertia);
+    free(storm->memory);
+    free(storm->work);
 }
 
 /* Weighted distance of two shapes; y NULL: weighted size of x. */
-static double apart(const storm *s, const double *x, const double *y)
+static double apart(const storm *storm, const double *first, const double *second)
 {
-    return sqrt(design_squares(&s->rig->analysis->design, x, y));
+    return sqrt(design_squares(&storm->rig->analysis->design, first, second));
 }
 
-static int open_storm(storm *s, const storm_rig *rig, const storm_plant *plant, char *error)
+static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *plant, char *error)
 {
-    memset(s, 0, sizeof *s);
-    s->rig = rig;
-    s->plant = plant;
-    s->random = plant->seed;
-    s->kept = rig->delay + plant->more_delay + 1;
-    if (!take_run_memory(s))
+    memset(storm, 0, sizeof *storm);
+    storm->rig = rig;
+    storm->plant = plant;
+    storm->random = plant->seed;
+    storm->kept = rig->delay + plant->more_delay + 1;
+    if (!take_run_memory(storm))
         return no_memory(rig->analysis, error);
-    s->inertia.gain = plant->gain;
-    s->inertia.stretch = plant->frequency;
-    set_tables(s);
-    memcpy(s->goal, rig->analysis->design.target, rig->targets * sizeof *s->goal);
-    pzs_status status = open_loop(s);
+    storm->inertia.gain = plant->gain;
+    storm->inertia.stretch = plant->frequency;
+    set_tables(storm);
+    memcpy(storm->goal, rig->analysis->design.target, rig->targets * sizeof *storm->goal);
+    pzs_status status = open_loop(storm);
     if (!PZS_IS_ERROR(status))
-        status = find_best(s);
+        status = find_best(storm);
     if (PZS_IS_ERROR(status))
-        return explain(s, status, error);
-    memcpy(s->voltage, s->loop.info.voltage, rig->amplifiers * sizeof *s->voltage);
-    inertia_rest(&s->inertia, s->voltage);
+        return explain(storm, status, error);
+    memcpy(storm->voltage, storm->loop.info.voltage, rig->amplifiers * sizeof *storm->voltage);
+    inertia_rest(&storm->inertia, storm->voltage);
     return 0;
 }
 
@@ -322,67 +329,70 @@ static int open_storm(storm *s, const storm_rig *rig, const storm_plant *plant, 
 
 /* Address of the vector of a tick, of length n, in a ring of the last ticks; ticks before the start
  * are those of the start. */
-static double *late(const storm *s, double *ring, int tick, size_t n)
+static double *late(const storm *storm, double *ring, int tick, size_t amplifiers)
 {
-    return ring + (size_t)((tick > 0 ? tick : 0) % s->kept) * n;
+    return ring + (size_t)((tick > 0 ? tick : 0) % storm->kept) * amplifiers;
 }
 
 /* Present shape. */
-static void observe_shape(storm *s)
+static void observe_shape(storm *storm)
 {
-    const storm_rig *rig = s->rig;
-    multiply(s->shape, rig->influence, s->voltage, rig->targets, rig->amplifiers, s->plant->gain);
-    inertia_observe(&s->inertia, 0, rig->targets, s->part);
+    const storm_rig *rig = storm->rig;
+    multiply(storm->shape, rig->influence, storm->voltage, rig->targets, rig->amplifiers,
+             storm->plant->gain);
+    inertia_observe(&storm->inertia, 0, rig->targets, storm->part);
     for (size_t i = 0; i < rig->targets; i++)
-        s->shape[i] += s->part[i];
+        storm->shape[i] += storm->part[i];
 }
 
 /* Present readings, kept with the voltages for the time when they arrive. */
-static void observe(storm *s)
+static void observe(storm *storm)
 {
-    const storm_rig *rig = s->rig;
-    const size_t n = rig->amplifiers;
-    double *reading = late(s, s->reading, s->tick, rig->sensors);
-    memcpy(late(s, s->command, s->tick, n), s->voltage, n * sizeof *s->voltage);
+    const storm_rig *rig = storm->rig;
+    const size_t amplifiers = rig->amplifiers;
+    double *reading = late(storm, storm->reading, storm->tick, rig->sensors);
+    memcpy(late(storm, storm->command, storm->tick, amplifiers), storm->voltage,
+           amplifiers * sizeof *storm->voltage);
     if (!rig->estimator) {
-        observe_shape(s);
-        memcpy(reading, s->shape, rig->sensors * sizeof *reading);
+        observe_shape(storm);
+        memcpy(reading, storm->shape, rig->sensors * sizeof *reading);
         return;
     }
-    multiply(reading, rig->direct, s->voltage, rig->sensors, n, s->plant->gain);
+    multiply(reading, rig->direct, storm->voltage, rig->sensors, amplifiers, storm->plant->gain);
     for (size_t i = 0; i < rig->sensors; i++) {
-        inertia_observe(&s->inertia, rig->row[i], 1, s->part);
-        reading[i] += s->part[0];
+        inertia_observe(&storm->inertia, rig->row[i], 1, storm->part);
+        reading[i] += storm->part[0];
     }
 }
 
 /* Readings as they arrive at the loop: late, with noise, corrected where the caller has to. */
-static void sense(storm *s)
+static void sense(storm *storm)
 {
-    const storm_rig *rig = s->rig;
-    const size_t n = rig->amplifiers;
-    const double *shown =
-        late(s, s->reading, s->tick - rig->delay - s->plant->more_delay, rig->sensors);
-    const double *then = late(s, s->command, s->tick - rig->delay, n);
+    const storm_rig *rig = storm->rig;
+    const size_t amplifiers = rig->amplifiers;
+    const double *shown = late(storm, storm->reading,
+                               storm->tick - rig->delay - storm->plant->more_delay, rig->sensors);
+    const double *then = late(storm, storm->command, storm->tick - rig->delay, amplifiers);
     for (size_t i = 0; i < rig->sensors; i++) {
-        s->sensed[i] = shown[i] + (s->noise > 0 ? s->noise * random_noise(&s->random) : 0);
-        for (size_t k = 0; k < n && rig->is_corrected && rig->delay > 0; k++)
-            s->sensed[i] += rig->direct[i * n + k] * (s->voltage[k] - then[k]);
+        storm->sensed[i] =
+            shown[i] + (storm->noise > 0 ? storm->noise * random_noise(&storm->random) : 0);
+        for (size_t k = 0; k < amplifiers && rig->is_corrected && rig->delay > 0; k++)
+            storm->sensed[i] += rig->direct[i * amplifiers + k] * (storm->voltage[k] - then[k]);
     }
 }
 
 /* One tick: measure, choose voltages, let the interval pass. Returns the status of the loop. */
-static pzs_status run_tick(storm *s)
+static pzs_status run_tick(storm *storm)
 {
-    const size_t n = s->rig->amplifiers;
-    observe(s);
-    sense(s);
-    memcpy(s->before, s->voltage, n * sizeof *s->voltage);
-    const pzs_status status = pzs_loop_tick(&s->loop, s->thrown, s->sensed);
-    memcpy(s->voltage, s->loop.info.voltage, n * sizeof *s->voltage);
-    inertia_jump(&s->inertia, s->voltage);
-    inertia_advance(&s->inertia, s->rig->interval);
-    s->tick++;
+    const size_t amplifiers = storm->rig->amplifiers;
+    observe(storm);
+    sense(storm);
+    memcpy(storm->before, storm->voltage, amplifiers * sizeof *storm->voltage);
+    const pzs_status status = pzs_loop_tick(&storm->loop, storm->thrown, storm->sensed);
+    memcpy(storm->voltage, storm->loop.info.voltage, amplifiers * sizeof *storm->voltage);
+    inertia_jump(&storm->inertia, storm->voltage);
+    inertia_advance(&storm->inertia, storm->rig->interval);
+    storm->tick++;
     return status;
 }
 
@@ -394,55 +404,55 @@ static int clamp_ticks(double ticks, int least, int most)
 }
 
 /* Throw a target: z, -z, or the shape of random voltages. */
-static void throw_target(storm *s)
+static void throw_target(storm *storm)
 {
-    const storm_rig *rig = s->rig;
-    const size_t n = rig->amplifiers;
-    const int kind = random_int(&s->random, 4);
+    const storm_rig *rig = storm->rig;
+    const size_t amplifiers = rig->amplifiers;
+    const int kind = random_int(&storm->random, 4);
     if (kind < 2) {
         for (size_t i = 0; i < rig->targets; i++)
-            s->thrown[i] = kind == 0 ? s->goal[i] : -s->goal[i];
+            storm->thrown[i] = kind == 0 ? storm->goal[i] : -storm->goal[i];
         return;
     }
-    for (size_t k = 0; k < n; k++) {
-        const double part = 2 * random_uniform(&s->random) - 1, sign = part < 0 ? -1 : 1;
+    for (size_t k = 0; k < amplifiers; k++) {
+        const double part = 2 * random_uniform(&storm->random) - 1, sign = part < 0 ? -1 : 1;
         const double middle = (rig->lower[k] + rig->upper[k]) / 2,
                      half = (rig->upper[k] - rig->lower[k]) / 2;
-        s->before[k] = middle + 2 * half * (kind == 2 ? part : sign);
+        storm->before[k] = middle + 2 * half * (kind == 2 ? part : sign);
     }
-    multiply(s->thrown, rig->influence, s->before, rig->targets, n, 1);
+    multiply(storm->thrown, rig->influence, storm->before, rig->targets, amplifiers, 1);
 }
 
 /* Noise in proportion to the largest entry of the best shape. */
-static void set_noise(storm *s)
+static void set_noise(storm *storm)
 {
     double largest = 0;
-    for (size_t i = 0; i < s->rig->targets; i++)
-        largest = fmax(largest, fabs(s->best[i]));
-    s->noise = noise_share * largest;
+    for (size_t i = 0; i < storm->rig->targets; i++)
+        largest = fmax(largest, fabs(storm->best[i]));
+    storm->noise = noise_share * largest;
 }
 
-static pzs_status run_storm(storm *s, storm_result *result)
+static pzs_status run_storm(storm *storm, storm_result *result)
 {
-    const double period = two_pi / (s->rig->modal.frequency[0] * s->rig->interval);
+    const double period = two_pi / (storm->rig->modal.frequency[0] * storm->rig->interval);
     const int every = clamp_ticks(0.6 * period, EVERY_LEAST, EVERY_MOST),
               rest = clamp_ticks(REST_PERIODS * period, REST_LEAST, REST_MOST),
               end = clamp_ticks(period, END_LEAST, END_MOST);
-    const double size = fmax(apart(s, s->goal, NULL), 1e-300);
+    const double size = fmax(apart(storm, storm->goal, NULL), 1e-300);
     int quiet = 0;
     result->ticks = TARGETS * every + rest;
     for (int k = 0; k < result->ticks; k++) {
         if (k == TARGETS * every)
-            memcpy(s->thrown, s->goal, s->rig->targets * sizeof *s->thrown);
+            memcpy(storm->thrown, storm->goal, storm->rig->targets * sizeof *storm->thrown);
         else if (k < TARGETS * every && k % every == 0)
-            throw_target(s);
-        const pzs_status status = run_tick(s);
+            throw_target(storm);
+        const pzs_status status = run_tick(storm);
         if (PZS_IS_ERROR(status))
             return status;
         if (k < TARGETS * every && k % 8 != 0)
             continue;
-        observe_shape(s);
-        const double distance = apart(s, s->shape, s->best) / size;
+        observe_shape(storm);
+        const double distance = apart(storm, storm->shape, storm->best) / size;
         result->peak = fmax(result->peak, distance);
         if (k + end >= result->ticks)
             result->end = fmax(result->end, distance);
@@ -462,67 +472,67 @@ static pzs_status run_storm(storm *s, storm_result *result)
 
 int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *result, char *error)
 {
-    storm s;
+    storm storm;
     memset(result, 0, sizeof *result);
-    int failed = open_storm(&s, rig, plant, error);
+    int failed = open_storm(&storm, rig, plant, error);
     if (!failed) {
-        set_noise(&s);
-        const pzs_status status = run_storm(&s, result);
+        set_noise(&storm);
+        const pzs_status status = run_storm(&storm, result);
         if (PZS_IS_ERROR(status))
-            failed = explain(&s, status, error);
+            failed = explain(&storm, status, error);
     }
-    close_storm(&s);
+    close_storm(&storm);
     return failed;
 }
 
 /* ---- growth ----------------------------------------------------------- */
 
 /* Size of the vibration and of the last change of the voltages, in displacements of the targets. */
-static double amplitude(storm *s)
+static double amplitude(storm *storm)
 {
-    const size_t n = s->rig->amplifiers, m = s->rig->targets;
-    double *moved = s->best, *vibrating = s->thrown;
-    for (size_t k = 0; k < n; k++)
-        s->before[k] = s->voltage[k] - s->before[k];
-    multiply(moved, s->rig->influence, s->before, m, n, 1);
-    inertia_observe(&s->inertia, 0, m, vibrating);
-    const double size = hypot(apart(s, moved, NULL), apart(s, vibrating, NULL));
-    memset(vibrating, 0, m * sizeof *vibrating);
+    const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
+    double *moved = storm->best, *vibrating = storm->thrown;
+    for (size_t k = 0; k < amplifiers; k++)
+        storm->before[k] = storm->voltage[k] - storm->before[k];
+    multiply(moved, storm->rig->influence, storm->before, targets, amplifiers, 1);
+    inertia_observe(&storm->inertia, 0, targets, vibrating);
+    const double size = hypot(apart(storm, moved, NULL), apart(storm, vibrating, NULL));
+    memset(vibrating, 0, targets * sizeof *vibrating);
     return size;
 }
 
 /* Slope of a straight line through y [count] over its index. */
-static double slope(const double *y, int count)
+static double slope(const double *value, int count)
 {
     const double middle = (count - 1) / 2.0;
     double product = 0, square = 0;
     for (int i = 0; i < count; i++) {
-        product += (i - middle) * y[i];
+        product += (i - middle) * value[i];
         square += (i - middle) * (i - middle);
     }
     return square > 0 ? product / square : 0;
 }
 
-static pzs_status run_free(storm *s, int ticks, double *size, storm_result *result)
+static pzs_status run_free(storm *storm, int ticks, double *size, storm_result *result)
 {
-    const modal *modal = &s->rig->modal;
-    const double scale = fmax(apart(s, s->goal, NULL), 1e-12);
+    const modal *modal = &storm->rig->modal;
+    const double scale = fmax(apart(storm, storm->goal, NULL), 1e-12);
     for (size_t i = 0; i < modal->modes; i++) {
-        s->inertia.deviation[i] = 2 * random_uniform(&s->random) - 1;
-        s->inertia.velocity[i] = 2 * random_uniform(&s->random) - 1;
+        storm->inertia.deviation[i] = 2 * random_uniform(&storm->random) - 1;
+        storm->inertia.velocity[i] = 2 * random_uniform(&storm->random) - 1;
     }
-    const double unit = 1e-3 * scale / fmax(amplitude(s), 1e-300);
+    const double unit = 1e-3 * scale / fmax(amplitude(storm), 1e-300);
     for (size_t i = 0; i < modal->modes; i++) {
-        s->inertia.deviation[i] *= unit;
-        s->inertia.velocity[i] *= unit;
+        storm->inertia.deviation[i] *= unit;
+        storm->inertia.velocity[i] *= unit;
     }
-    memset(s->thrown, 0, s->rig->targets * sizeof *s->thrown);
+    memset(storm->thrown, 0, storm->rig->targets * sizeof *storm->thrown);
     int k = 0;
     for (; k < ticks; k++) {
-        const pzs_status status = run_tick(s);
+        const pzs_status status = run_tick(storm);
         if (PZS_IS_ERROR(status))
             return status;
-        size[k] = log(fmax(amplitude(s), 1e-300));
+        size[k] = log(fmax(amplitude(storm), 1e-300));
         if (fabs(size[k] - log(1e-3 * scale)) > log(1e6))
             break;
     }
@@ -535,18 +545,18 @@ static pzs_status run_free(storm *s, int ticks, double *size, storm_result *resu
 int storm_growth(const storm_rig *rig, const storm_plant *plant, int ticks, storm_result *result,
                  char *error)
 {
-    storm s;
+    storm storm;
     double *size = malloc((size_t)ticks * sizeof *size);
     memset(result, 0, sizeof *result);
-    int failed = open_storm(&s, rig, plant, error);
+    int failed = open_storm(&storm, rig, plant, error);
     if (!failed && !size)
         failed = no_memory(rig->analysis, error);
     if (!failed) {
-        const pzs_status status = run_free(&s, ticks, size, result);
+        const pzs_status status = run_free(&storm, ticks, size, result);
         if (PZS_IS_ERROR(status))
-            failed = explain(&s, status, error);
+            failed = explain(&storm, status, error);
     }
-    close_storm(&s);
+    close_storm(&storm);
     free(size);
     return failed;
 }

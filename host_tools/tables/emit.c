@@ -9,10 +9,10 @@
 
 /* ---- checksums -------------------------------------------------------- */
 
-uint32_t emit_crc_reals(uint32_t crc, const double *x, size_t n)
+uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count)
 {
-    for (size_t i = 0; i < n; i++) {
-        const float rounded = (float)x[i];
+    for (size_t i = 0; i < count; i++) {
+        const float rounded = (float)value[i];
         crc = pzs_guard_crc(crc, &rounded, sizeof rounded);
     }
     return crc;
@@ -20,93 +20,94 @@ uint32_t emit_crc_reals(uint32_t crc, const double *x, size_t n)
 
 /* ---- arrays ----------------------------------------------------------- */
 
-void emit_count_reals(emitter *emitter, const double *x, size_t n)
+void emit_count_reals(emitter *emitter, const double *value, size_t count)
 {
-    emitter->crc32 = emit_crc_reals(emitter->crc32, x, n);
-    emitter->reals += n;
+    emitter->crc32 = emit_crc_reals(emitter->crc32, value, count);
+    emitter->reals += count;
 }
 
-void emit_count_bytes(emitter *emitter, const void *x, size_t bytes)
+void emit_count_bytes(emitter *emitter, const void *value, size_t bytes)
 {
-    emitter->crc32 = pzs_guard_crc(emitter->crc32, x, bytes);
+    emitter->crc32 = pzs_guard_crc(emitter->crc32, value, bytes);
     emitter->bytes += bytes;
 }
 
-void emit_real(FILE *file, double x)
+void emit_real(FILE *file, double value)
 {
-    if (isinf(x))
-        fprintf(file, "%sHUGE_VAL", x < 0 ? "-" : "");
-    else if (x == 0 && signbit(x)) /* -0 without a decimal point would be the integer 0 */
+    if (isinf(value))
+        fprintf(file, "%sHUGE_VAL", value < 0 ? "-" : "");
+    else if (value == 0 && signbit(value)) /* -0 without a decimal point would be the integer 0 */
         fputs("-0.0", file);
     else
-        fprintf(file, "%.17g", x);
+        fprintf(file, "%.17g", value);
 }
 
 /* Values of an initialiser, `columns` in each line. */
-static void list_reals(FILE *file, const double *x, size_t n, size_t columns)
+static void list_reals(FILE *file, const double *value, size_t count, size_t columns)
 {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < count; i++) {
         fputs(i % columns == 0 ? "\n    PZS_R(" : " PZS_R(", file);
-        emit_real(file, x[i]);
+        emit_real(file, value[i]);
         fputs("),", file);
     }
 }
 
-void emit_reals(emitter *emitter, const char *name, const double *x, size_t n, const char *meaning)
+void emit_reals(emitter *emitter, const char *name, const double *value, size_t count,
+                const char *meaning)
 {
     fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning,
-            emitter->prefix, name, n ? n : 1);
-    list_reals(emitter->file, x, n, 4);
-    fputs(n ? "\n};\n" : "0};\n", emitter->file);
-    emit_count_reals(emitter, x, n);
+            emitter->prefix, name, count ? count : 1);
+    list_reals(emitter->file, value, count, 4);
+    fputs(count ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_reals(emitter, value, count);
 }
 
 /* Largest float that is not above x, or smallest float that is not below x. */
-static double float_inside(double x, int upper)
+static double float_inside(double value, int upper)
 {
-    const float nearest = (float)x;
+    const float nearest = (float)value;
     const float inwards = upper ? -HUGE_VALF : HUGE_VALF;
-    const int outside = upper ? (double)nearest > x : (double)nearest < x;
+    const int outside = upper ? (double)nearest > value : (double)nearest < value;
     return (double)(outside ? nextafterf(nearest, inwards) : nearest);
 }
 
-void emit_limits(emitter *emitter, const char *name, const double *x, size_t n, int upper,
+void emit_limits(emitter *emitter, const char *name, const double *value, size_t count, int upper,
                  const char *meaning)
 {
     fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning,
-            emitter->prefix, name, n);
-    for (size_t i = 0; i < n; i++) {
-        const double inside = float_inside(x[i], upper);
+            emitter->prefix, name, count);
+    for (size_t i = 0; i < count; i++) {
+        const double inside = float_inside(value[i], upper);
         fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", emitter->file);
-        if (inside < x[i] || inside > x[i])
-            fprintf(emitter->file, "PZS_BY_BITS(%.17g, %.17g)", inside, x[i]);
+        if (inside < value[i] || inside > value[i])
+            fprintf(emitter->file, "PZS_BY_BITS(%.17g, %.17g)", inside, value[i]);
         else
-            emit_real(emitter->file, x[i]);
+            emit_real(emitter->file, value[i]);
         fputs("),", emitter->file);
         emit_count_reals(emitter, &inside, 1);
     }
     fputs("\n};\n", emitter->file);
 }
 
-void emit_shorts(emitter *emitter, const char *name, const uint16_t *x, size_t n,
+void emit_shorts(emitter *emitter, const char *name, const uint16_t *value, size_t count,
                  const char *meaning)
 {
     fprintf(emitter->file, "/* %s */\nstatic const uint16_t %s_%s[%zu] = {", meaning,
-            emitter->prefix, name, n ? n : 1);
-    for (size_t i = 0; i < n; i++)
-        fprintf(emitter->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", x[i]);
-    fputs(n ? "\n};\n" : "0};\n", emitter->file);
-    emit_count_bytes(emitter, x, n * sizeof *x);
+            emitter->prefix, name, count ? count : 1);
+    for (size_t i = 0; i < count; i++)
+        fprintf(emitter->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", value[i]);
+    fputs(count ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_bytes(emitter, value, count * sizeof *value);
 }
 
-void emit_longs(emitter *emitter, const char *name, const uint32_t *x, size_t n)
+void emit_longs(emitter *emitter, const char *name, const uint32_t *value, size_t count)
 {
     fprintf(emitter->file, "static const uint32_t %s_%s[%zu] = {", emitter->prefix, name,
-            n ? n : 1);
-    for (size_t i = 0; i < n; i++)
-        fprintf(emitter->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)x[i]);
-    fputs(n ? "\n};\n" : "0};\n", emitter->file);
-    emit_count_bytes(emitter, x, n * sizeof *x);
+            count ? count : 1);
+    for (size_t i = 0; i < count; i++)
+        fprintf(emitter->file, "%s%uu,", i % 12 == 0 ? "\n    " : " ", (unsigned)value[i]);
+    fputs(count ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_bytes(emitter, value, count * sizeof *value);
 }
 
 void emit_begin(const emitter *emitter, const char *type, const char *name, uint32_t scene,
@@ -118,46 +119,46 @@ void emit_begin(const emitter *emitter, const char *type, const char *name, uint
             (unsigned)crc);
 }
 
-const double *emit_nested(FILE *file, const double *x, const int *length, int depth)
+const double *emit_nested(FILE *file, const double *value, const int *length, int depth)
 {
     fputs("{", file);
     for (int i = 0; i < length[0]; i++) {
         if (depth > 1) {
-            x = emit_nested(file, x, length + 1, depth - 1);
+            value = emit_nested(file, value, length + 1, depth - 1);
         } else {
             fputs("PZS_R(", file);
-            emit_real(file, *x++);
+            emit_real(file, *value++);
             fputs(")", file);
         }
         if (i + 1 < length[0])
             fputs(depth > 2 ? ",\n     " : ", ", file);
     }
     fputs("}", file);
-    return x;
+    return value;
 }
 
-void emit_blocks(emitter *emitter, const char *name, const double *x, size_t n, const int *length,
-                 int depth, const char *meaning)
+void emit_blocks(emitter *emitter, const char *name, const double *value, size_t count,
+                 const int *length, int depth, const char *meaning)
 {
     size_t size = 1;
     fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu]", meaning, emitter->prefix,
-            name, n);
+            name, count);
     for (int i = 0; i < depth; i++) {
         fprintf(emitter->file, "[%d]", length[i]);
         size *= (size_t)length[i];
     }
     fputs(" = {", emitter->file);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < count; i++) {
         fputs("\n    ", emitter->file);
-        emit_nested(emitter->file, x + i * size, length, depth);
+        emit_nested(emitter->file, value + i * size, length, depth);
         fputs(",", emitter->file);
     }
     fputs("\n};\n", emitter->file);
-    emit_count_reals(emitter, x, n * size);
+    emit_count_reals(emitter, value, count * size);
 }
 
-void emit_vector(emitter *emitter, const double x[3])
+void emit_vector(emitter *emitter, const double value[3])
 {
     const int length = 3;
-    emit_nested(emitter->file, x, &length, 1);
+    emit_nested(emitter->file, value, &length, 1);
 }

@@ -213,28 +213,28 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
 /* Arrays of the damper in the order in which they are declared. */
 static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
 {
-    const size_t n = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
+    const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
     const size_t few = tables->reading ? sensors : 0;
-    emit_reals(emitter, "mode_shape", tables->shape, tables->outputs * n,
+    emit_reals(emitter, "mode_shape", tables->shape, tables->outputs * modes,
                "displacement of each target node (row) in each observed mode (column)");
     if (few)
-        emit_reals(emitter, "mode_reading", tables->reading, few * n,
+        emit_reals(emitter, "mode_reading", tables->reading, few * modes,
                    "change of each reading (row) in each observed mode (column)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, few * inputs);
     emitter->crc32 = emit_crc_reals(emitter->crc32, tables->gain, few * tables->outputs);
     if (tables->precision)
         emit_reals(emitter, "precision", tables->precision, sensors,
                    "relative inverse variance of the noise of each reading");
-    emit_reals(emitter, "modal", tables->modal, n * inputs,
+    emit_reals(emitter, "modal", tables->modal, modes * inputs,
                "static coordinate of each mode (row) per volt of each amplifier (column)");
-    emit_reals(emitter, "turn", tables->turn, 4 * n, "propagator of each mode over one tick");
-    emit_reals(emitter, "observer", tables->observer, 3 * n * n,
+    emit_reals(emitter, "turn", tables->turn, 4 * modes, "propagator of each mode over one tick");
+    emit_reals(emitter, "observer", tables->observer, 3 * modes * modes,
                "observer gains for position, velocity and load of each mode");
-    emit_reals(emitter, "explain", tables->explain, n * n,
+    emit_reals(emitter, "explain", tables->explain, modes * modes,
                "least-squares fit of the modes to readings");
-    emit_reals(emitter, "damping", tables->damping, n * inputs,
+    emit_reals(emitter, "damping", tables->damping, modes * inputs,
                "damping gradient of each amplifier (column) per deviation of each mode (row)");
-    emit_reals(emitter, "inverse_angle", tables->inverse_angle, n,
+    emit_reals(emitter, "inverse_angle", tables->inverse_angle, modes,
                "inverse angle that each mode turns in a tick (1/rad)");
 }
 
@@ -415,9 +415,9 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
     if (!loop_estimates(scene))
         return;
     fputs("/* index of each reading of the sensors */\nenum {\n", emitter->file);
-    for (int r = 0; r < scene->estimate.readings; r++) {
-        const scene_output *output = &scene->output[scene->estimate.reading[r].output];
-        const int count = analysis_outputs(analysis, scene->estimate.reading[r].output);
+    for (int reading = 0; reading < scene->estimate.readings; reading++) {
+        const scene_output *output = &scene->output[scene->estimate.reading[reading].output];
+        const int count = analysis_outputs(analysis, scene->estimate.reading[reading].output);
         for (int i = 1; i <= count; i++) {
             if (count == 1)
                 snprintf(name, sizeof name, "%s", output->name);
@@ -439,8 +439,8 @@ static void write_rows(const emitter *emitter, const design *design)
         const int row = influence->row[i];
         const char *name = influence->output_name ? influence->output_name[row] : "";
         fprintf(emitter->file, " * %6d %5d", i, row + 1);
-        for (int a = 0; a < 3 && influence->place; a++)
-            fprintf(emitter->file, "  %.6g", influence->place[i][a]);
+        for (int axis = 0; axis < 3 && influence->place; axis++)
+            fprintf(emitter->file, "  %.6g", influence->place[i][axis]);
         fprintf(emitter->file, "%s%s\n", *name ? "  " : "", name);
     }
     fputs(" */\n", emitter->file);
@@ -459,9 +459,10 @@ static void write_nodes(const emitter *emitter, const design *design)
             design->scene->quads ? "x  y  z" : "theta1  theta2");
     for (int i = 0; i < design->targets; i++) {
         const int node = design->target_node[i];
-        const double *theta = design->mesh.theta[node], *x = design->mesh.point[node].x;
+        const double *theta = design->mesh.theta[node], *place = design->mesh.point[node].x;
         if (design->scene->quads)
-            fprintf(emitter->file, " * %6d %5d  %.6g  %.6g  %.6g\n", i, node, x[0], x[1], x[2]);
+            fprintf(emitter->file, " * %6d %5d  %.6g  %.6g  %.6g\n", i, node, place[0], place[1],
+                    place[2]);
         else
             fprintf(emitter->file, " * %6d %5d  %.6g  %.6g\n", i, node, theta[0], theta[1]);
     }

@@ -22,9 +22,10 @@ static void write_elements(emitter *emitter, const mesh *mesh)
             "/* nodes of each element, corners (-,-), (+,-), (+,+), (-,+) */\n"
             "static const uint16_t %s_element[%d][4] = {",
             emitter->prefix, mesh->elements);
-    for (int e = 0; e < mesh->elements; e++)
-        fprintf(emitter->file, "%s{%u, %u, %u, %u},", e % 4 == 0 ? "\n    " : " ",
-                mesh->element[e][0], mesh->element[e][1], mesh->element[e][2], mesh->element[e][3]);
+    for (int element = 0; element < mesh->elements; element++)
+        fprintf(emitter->file, "%s{%u, %u, %u, %u},", element % 4 == 0 ? "\n    " : " ",
+                mesh->element[element][0], mesh->element[element][1], mesh->element[element][2],
+                mesh->element[element][3]);
     fputs("\n};\n", emitter->file);
     emit_count_bytes(emitter, mesh->element, (size_t)mesh->elements * sizeof *mesh->element);
 }
@@ -218,7 +219,7 @@ static void name_or_null(const emitter *emitter, int is_written, const char *nam
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
 {
     const design *design = &analysis->design;
-    const size_t n = (size_t)design->amplifiers, m = (size_t)design->targets;
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
     const int influence = image == TABLES_CONTROL;
     pzs_problem problem = design->problem;
     if (!influence) {
@@ -228,22 +229,24 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     const uint16_t counts[2] = {problem.inputs, problem.outputs};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (influence) {
-        emit_reals(emitter, "influence", problem.influence, m * n,
+        emit_reals(emitter, "influence", problem.influence, targets * amplifiers,
                    design->free_functions > 0
                        ? "influence: displacement of each target node (row) per volt of each "
                          "amplifier (column), without the free functions of the target"
                        : "influence: displacement of each target node (row) per volt of each "
                          "amplifier (column)");
         if (problem.hessian)
-            emit_reals(emitter, "hessian", problem.hessian, n * n,
+            emit_reals(emitter, "hessian", problem.hessian, amplifiers * amplifiers,
                        "B'W^2 B of the influence B and the weights W");
     }
-    emit_reals(emitter, "weight", design->weight, m, "weight of each target node");
-    emit_limits(emitter, "lower", design->lower, n, 0, "lowest voltage of each amplifier (V)");
-    emit_limits(emitter, "upper", design->upper, n, 1, "highest voltage of each amplifier (V)");
-    emit_limits(emitter, "step_limit", design->step_limit, n, 1,
+    emit_reals(emitter, "weight", design->weight, targets, "weight of each target node");
+    emit_limits(emitter, "lower", design->lower, amplifiers, 0,
+                "lowest voltage of each amplifier (V)");
+    emit_limits(emitter, "upper", design->upper, amplifiers, 1,
+                "highest voltage of each amplifier (V)");
+    emit_limits(emitter, "step_limit", design->step_limit, amplifiers, 1,
                 "largest change of each voltage in one step (V)");
-    emit_reals(emitter, "reference_voltage", design->reference_voltage, n,
+    emit_reals(emitter, "reference_voltage", design->reference_voltage, amplifiers,
                "voltage to which the regularisation draws each amplifier (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
     char influence_name[128], hessian_name[128];
@@ -253,13 +256,13 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     fprintf(emitter->file,
             " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n};\n\n",
-            n, m, influence_name, hessian_name, emitter->prefix, emitter->prefix, emitter->prefix,
-            emitter->prefix, emitter->prefix, problem.regularisation);
+            amplifiers, targets, influence_name, hessian_name, emitter->prefix, emitter->prefix,
+            emitter->prefix, emitter->prefix, emitter->prefix, problem.regularisation);
     if (image == TABLES_NONLINEAR)
-        emit_reals(emitter, "target", design->target, m,
+        emit_reals(emitter, "target", design->target, targets,
                    "target displacement of each target node, the effect of the loads included");
     else
-        emit_reals(emitter, "target", design->wanted, m,
+        emit_reals(emitter, "target", design->wanted, targets,
                    "displacement of each target node that the voltages must cause");
 }
 
