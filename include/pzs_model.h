@@ -140,13 +140,14 @@ pzs_status pzs_factor(pzs_model *model);
  * Displacement under the inputs: K u = sum_j value_j f_j, refined by strains where the structure
  * has element types.
  *   value [inputs]   in  (V, K, Pa or load factors)
- *   u     [free_dof] out (m and 1)
+ *   displacement     [free_dof] out (m and 1)
  * Errors: STAGE, NONFINITE, RESIDUAL (u is then the best result reached).
  */
-pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *u);
+pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displacement);
 
-/* Outputs of a displacement, y = output rows . u.  u [free_dof] in, y [outputs] out (m) */
-void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y);
+/* Outputs of a displacement, y = output rows . u.  displacement [free_dof] in, output [outputs] out
+ * (m) */
+void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, pzs_real *output);
 
 /*
  * Influence matrix: outputs per unit of each input, by one solve for each column.

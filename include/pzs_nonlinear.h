@@ -270,7 +270,7 @@ typedef struct pzs_body {
      *   normal  [3]    out gradient of the distance
      *   hessian [3][3] out second derivatives of the distance (1/m)
      */
-    pzs_real (*gap)(const struct pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+    pzs_real (*gap)(const struct pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                     pzs_real hessian[3][3]);
     pzs_real point[3]; /* a point on the plane or on the axis of the cylinder, or the centre of the
                           sphere (m) */
@@ -287,11 +287,11 @@ uint32_t pzs_body_crc(const pzs_body *body);
  * Signed distance, normal and second derivatives of the bodies of the library: half-space behind a
  * plane, infinite cylinder, sphere.
  */
-pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                        pzs_real hessian[3][3]);
-pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                           pzs_real hessian[3][3]);
-pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                         pzs_real hessian[3][3]);
 
 /* The face that may come into contact. All arrays are const, in flash. */

@@ -18,7 +18,7 @@ extern "C" {
 #define BOARD_LARGE __attribute__((section(".bss.large")))
 
 void board_start(void);          /* serial line and counter on */
-void board_put(char c);          /* one character, waiting until it is taken */
+void board_put(char character);  /* one character, waiting until it is taken */
 uint32_t board_count(void);      /* free-running counter; always 0 where there is none */
 uint32_t board_stack_used(void); /* bytes, the deepest so far; 0 on the host */
 

@@ -10,9 +10,9 @@ void board_start(void)
 {
 }
 
-void board_put(char c)
+void board_put(char character)
 {
-    putchar(c);
+    putchar(character);
 }
 
 uint32_t board_count(void)

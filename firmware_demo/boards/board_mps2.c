@@ -20,11 +20,11 @@ void board_start(void)
     FPGAIO_PRESCALE = 24u; /* 25 MHz / 25 */
 }
 
-void board_put(char c)
+void board_put(char character)
 {
     while (UART_STATE & 1u) {
     }
-    UART_DATA = (uint8_t)c;
+    UART_DATA = (uint8_t)character;
 }
 
 uint32_t board_count(void)

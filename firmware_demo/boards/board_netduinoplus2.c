@@ -19,11 +19,11 @@ void board_start(void)
     TIM2_CR1 = 1u;
 }
 
-void board_put(char c)
+void board_put(char character)
 {
     while (!(USART_SR & 1u << 7)) {
     }
-    USART_DR = (uint8_t)c;
+    USART_DR = (uint8_t)character;
 }
 
 uint32_t board_count(void)

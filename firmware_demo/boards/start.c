@@ -99,16 +99,16 @@ static void paint_stack(void)
 {
     uintptr_t sp;
     __asm volatile("mov %0, sp" : "=r"(sp));
-    for (volatile uint32_t *p = stack_low; (uintptr_t)p < sp; p++)
-        *p = PAINT;
+    for (volatile uint32_t *word = stack_low; (uintptr_t)word < sp; word++)
+        *word = PAINT;
 }
 
 uint32_t board_stack_used(void)
 {
-    const uint32_t *p = stack_low;
-    while (p < stack_high && *p == PAINT)
-        p++;
-    return (uint32_t)((uintptr_t)stack_high - (uintptr_t)p);
+    const uint32_t *word = stack_low;
+    while (word < stack_high && *word == PAINT)
+        word++;
+    return (uint32_t)((uintptr_t)stack_high - (uintptr_t)word);
 }
 
 static void reset(void)
@@ -117,10 +117,10 @@ static void reset(void)
     enable_fpu();
     guard_stack();
     paint_stack();
-    for (uint32_t *p = data_start; p < data_end; p++)
-        *p = *from++;
-    for (uint32_t *p = bss_start; p < bss_end; p++)
-        *p = 0;
+    for (uint32_t *word = data_start; word < data_end; word++)
+        *word = *from++;
+    for (uint32_t *word = bss_start; word < bss_end; word++)
+        *word = 0;
     const uint32_t block[2] = {BY_ITSELF, (uint32_t)main()};
     (void)semihosting(SYS_EXIT_EXTENDED, block);
     for (;;) {

@@ -20,9 +20,9 @@ static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
 static pzs_real path_work[REALS(DEMO_SOLVER_BYTES)] BOARD_LARGE;
 static pzs_real output[DEMO_ALL_OUTPUTS];
 
-static pzs_real size(pzs_real x)
+static pzs_real size(pzs_real number)
 {
-    return x < 0 ? -x : x;
+    return number < 0 ? -number : number;
 }
 
 /* Largest difference from the host's outputs over their largest. */

@@ -33,9 +33,9 @@ static int inside(const pzs_control *control)
 
 static pzs_real not_a_number(void)
 {
-    pzs_real x;
-    memset(&x, 0xFF, sizeof x);
-    return x;
+    pzs_real number;
+    memset(&number, 0xFF, sizeof number);
+    return number;
 }
 
 int drill_model(const pzs_structure *structure, void *work, size_t bytes)

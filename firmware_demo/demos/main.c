@@ -31,16 +31,16 @@ typedef struct loop_log {
 static pzs_real wave(int tick)
 {
     const int phase = tick % PERIOD;
-    const pzs_real t =
+    const pzs_real time =
         (pzs_real)(phase < PERIOD / 2 ? phase : PERIOD - phase) / (pzs_real)(PERIOD / 2);
-    return t * t * (3 - 2 * t);
+    return time * time * (3 - 2 * time);
 }
 
-static pzs_real largest(const pzs_real *x, int n)
+static pzs_real largest(const pzs_real *vector, int count)
 {
     pzs_real most = 0;
-    for (int i = 0; i < n; i++) {
-        const pzs_real size = x[i] < 0 ? -x[i] : x[i];
+    for (int i = 0; i < count; i++) {
+        const pzs_real size = vector[i] < 0 ? -vector[i] : vector[i];
         if (size > most)
             most = size;
     }

@@ -19,12 +19,12 @@ static void field(const char *name)
 static void decimal(uint32_t value)
 {
     char digits[10];
-    int n = 0;
+    int number = 0;
     do
-        digits[n++] = (char)('0' + value % 10u);
+        digits[number++] = (char)('0' + value % 10u);
     while (value /= 10u);
-    while (n)
-        board_put(digits[--n]);
+    while (number)
+        board_put(digits[--number]);
 }
 
 static void hexadecimal(uint32_t value)

@@ -101,10 +101,11 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 /* ---- gradients ------------------------------------------------------ */
 
 /* y = A x, A [n][width] symmetric. */
-static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict y, const pzs_real *restrict a,
-                      const pzs_real *restrict x)
+static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
+                      const pzs_real *restrict matrix, const pzs_real *restrict vector)
 {
-    pzs_product_sum_rows(y, a, optimiser->width, x, optimiser->inputs, optimiser_span(optimiser));
+    pzs_product_sum_rows(product, matrix, optimiser->width, vector, optimiser->inputs,
+                         optimiser_span(optimiser));
     optimiser->work += PZS_PRODUCT_WORK(optimiser->inputs);
 }
 
@@ -115,9 +116,9 @@ static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
                     size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        const pzs_real g = model_gradient[i] - target_gradient[i];
-        gradient[i] = g;
-        next[i] = free_set[i] > 0 ? g : 0;
+        const pzs_real difference = model_gradient[i] - target_gradient[i];
+        gradient[i] = difference;
+        next[i] = free_set[i] > 0 ? difference : 0;
     }
 }
 
@@ -127,17 +128,17 @@ void pzs_boxls_gradient(pzs_optimiser *optimiser)
             optimiser->target_gradient, optimiser->free_set, optimiser_span(optimiser));
 }
 
-static void subtract(pzs_real *restrict z, const pzs_real *restrict x, const pzs_real *restrict y,
-                     size_t span)
+static void subtract(pzs_real *restrict difference, const pzs_real *restrict left,
+                     const pzs_real *restrict right, size_t span)
 {
     for (size_t i = 0; i < span; i++)
-        z[i] = x[i] - y[i];
+        difference[i] = left[i] - right[i];
 }
 
-static void add(pzs_real *restrict z, const pzs_real *restrict x, size_t span)
+static void add(pzs_real *restrict sum, const pzs_real *restrict vector, size_t span)
 {
     for (size_t i = 0; i < span; i++)
-        z[i] += x[i];
+        sum[i] += vector[i];
 }
 
 /* Rounding-error bound of the product H offset (m2/V). */
@@ -161,11 +162,12 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
  * the component of -g that points to the inside, which is negative where the KKT condition is
  * satisfied.
  */
-static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, pzs_real upper)
+static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_real lower,
+                                       pzs_real upper)
 {
-    const pzs_real falls = v < upper ? number_absolute(g) : g;
-    const pzs_real stays = v < upper ? -g : 0;
-    return v > lower ? falls : stays;
+    const pzs_real falls = voltage < upper ? number_absolute(gradient) : gradient;
+    const pzs_real stays = voltage < upper ? -gradient : 0;
+    return voltage > lower ? falls : stays;
 }
 
 /*
@@ -175,22 +177,22 @@ static inline pzs_real entry_violation(pzs_real g, pzs_real v, pzs_real lower, p
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
-                             const pzs_real *restrict gradient, const pzs_real *restrict v,
+                             const pzs_real *restrict gradient, const pzs_real *restrict voltage,
                              const pzs_real *restrict lower, const pzs_real *restrict upper,
                              const pzs_real *restrict base, pzs_real rounding, size_t span)
 {
     uint32_t open = 0;
     for (size_t i = 0; i < span; i++) {
-        pzs_real x = v[i];
+        pzs_real moved = voltage[i];
         if (free_set[i] > 0) {
-            x += move[i];
+            moved += move[i];
         } else {
             move[i] = gradient[i] - move[i];
-            open += entry_violation(move[i], x, lower[i], upper[i]) <= rounding ? 0u : 1u;
+            open += entry_violation(move[i], moved, lower[i], upper[i]) <= rounding ? 0u : 1u;
         }
-        next[i] = x;
-        offset[i] = x - base[i];
-        open += x >= lower[i] && x <= upper[i] ? 0u : 1u;
+        next[i] = moved;
+        offset[i] = moved - base[i];
+        open += moved >= lower[i] && moved <= upper[i] ? 0u : 1u;
     }
     return open;
 }
@@ -204,18 +206,18 @@ uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
                         optimiser_span(optimiser));
 }
 
-static void entry_violations(pzs_real *restrict out, const pzs_real *restrict v,
+static void entry_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                              const pzs_real *restrict lower, const pzs_real *restrict upper,
                              const pzs_real *restrict gradient, size_t span)
 {
     for (size_t i = 0; i < span; i++)
-        out[i] = entry_violation(gradient[i], v[i], lower[i], upper[i]);
+        out[i] = entry_violation(gradient[i], voltage[i], lower[i], upper[i]);
 }
 
-pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
+pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *voltage,
                              const pzs_real *gradient)
 {
-    entry_violations(optimiser->scratch, v, optimiser->lower, optimiser->upper, gradient,
+    entry_violations(optimiser->scratch, voltage, optimiser->lower, optimiser->upper, gradient,
                      optimiser_span(optimiser));
     return pzs_product_largest(optimiser->scratch, optimiser->width);
 }
@@ -242,13 +244,13 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
  * out = KKT violation of each active input; `turn` instead, if the gradient is at most `turn` in
  * size and the bounds differ; 0 on F.
  */
-static void active_violations(pzs_real *restrict out, const pzs_real *restrict v,
+static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
                               const pzs_real *restrict gradient, const pzs_real *restrict free_set,
                               pzs_real turn, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        const pzs_real violation = entry_violation(gradient[i], v[i], lower[i], upper[i]);
+        const pzs_real violation = entry_violation(gradient[i], voltage[i], lower[i], upper[i]);
         const bool may_turn = number_absolute(gradient[i]) <= turn && lower[i] < upper[i];
         const pzs_real counts = may_turn ? turn : violation;
         out[i] = free_set[i] > 0 ? 0 : counts;
@@ -292,16 +294,16 @@ static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
 }
 
 /* Distance of v to the bound in the direction of `way` (V). */
-static inline pzs_real room_towards(pzs_real way, pzs_real v, pzs_real lower, pzs_real upper)
+static inline pzs_real room_towards(pzs_real way, pzs_real voltage, pzs_real lower, pzs_real upper)
 {
-    return way < 0 ? v - lower : upper - v;
+    return way < 0 ? voltage - lower : upper - voltage;
 }
 
 /* Shorten `part` of the direction sense * move of the free inputs to the first bound it meets. */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
 {
-    const pzs_real *free_set = optimiser->free_set, *v = optimiser->voltage;
+    const pzs_real *free_set = optimiser->free_set, *voltage = optimiser->voltage;
     const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
     const uint32_t inputs = optimiser->inputs;
     blocking first = {part, inputs};
@@ -309,7 +311,7 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
         if (!(free_set[i] > 0))
             continue;
         const pzs_real way = sense * move[i], size = number_absolute(way);
-        const pzs_real room = room_towards(way, v[i], lower[i], upper[i]);
+        const pzs_real room = room_towards(way, voltage[i], lower[i], upper[i]);
         if (room < first.part * size) {
             first.part = room / size;
             first.input = i;
@@ -328,14 +330,14 @@ static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real 
     const pzs_real *free_set = optimiser->free_set;
     const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
     const pzs_real far = sense * first.part;
-    pzs_real *v = optimiser->voltage;
+    pzs_real *voltage = optimiser->voltage;
     for (uint32_t i = 0, inputs = optimiser->inputs; i < inputs; i++) {
         if (free_set[i] > 0)
-            v[i] = number_clamp(v[i] + far * move[i], lower[i], upper[i]);
+            voltage[i] = number_clamp(voltage[i] + far * move[i], lower[i], upper[i]);
     }
     if (first.input < optimiser->inputs) {
         const bool down = sense * move[first.input] < 0;
-        v[first.input] = down ? optimiser->lower[first.input] : optimiser->upper[first.input];
+        voltage[first.input] = down ? optimiser->lower[first.input] : optimiser->upper[first.input];
     }
 }
 
@@ -384,7 +386,7 @@ static bool descend(pzs_optimiser *optimiser)
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
-    const pzs_real *free_set = optimiser->free_set, *v = optimiser->voltage;
+    const pzs_real *free_set = optimiser->free_set, *voltage = optimiser->voltage;
     const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
     const uint32_t inputs = optimiser->inputs;
     uint32_t between = inputs, at_bound = inputs;
@@ -393,9 +395,9 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
         const pzs_real slope = optimiser->direction[i], size = number_absolute(slope);
         if (free_set[i] > 0 || !(size > most_at_bound || size > most_between))
             continue;
-        if (!(room_towards(-slope, v[i], lower[i], upper[i]) > 0))
+        if (!(room_towards(-slope, voltage[i], lower[i], upper[i]) > 0))
             continue;
-        if (v[i] > lower[i] && v[i] < upper[i]) {
+        if (voltage[i] > lower[i] && voltage[i] < upper[i]) {
             most_between = size > most_between ? size : most_between;
             between = size >= most_between ? i : between;
         } else if (size > most_at_bound) {
@@ -485,7 +487,7 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
  */
 static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real rounding, pzs_real *way)
 {
-    const pzs_real *free_set = optimiser->free_set, *v = optimiser->voltage;
+    const pzs_real *free_set = optimiser->free_set, *voltage = optimiser->voltage;
     const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
     uint32_t count = 0;
     memset(way, 0, optimiser->width * sizeof *way);
@@ -493,7 +495,7 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
         const pzs_real slope = optimiser->direction[i], size = number_absolute(slope);
         if (free_set[i] > 0 || !(size > rounding))
             continue;
-        const pzs_real room = room_towards(-slope, v[i], lower[i], upper[i]);
+        const pzs_real room = room_towards(-slope, voltage[i], lower[i], upper[i]);
         if (number_is_finite(room) && room > 0 && size > room * optimiser->pivot[i]) {
             way[i] = slope > 0 ? -room : room;
             count++;
@@ -595,13 +597,13 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
  * Accept the step: set the voltages after it, and the model gradient that matches the predicted
  * gradient.
  */
-static void accept_prediction(pzs_real *restrict v, pzs_real *restrict model_gradient,
+static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
                               const pzs_real *restrict free_set,
                               const pzs_real *restrict target_gradient, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        v[i] = next[i];
+        voltage[i] = next[i];
         model_gradient[i] = target_gradient[i] + (free_set[i] > 0 ? 0 : move[i]);
     }
 }
@@ -646,12 +648,13 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
 /* ---- rounds --------------------------------------------------------- */
 
 /* way = v - start_voltage, slope = gradient + start_gradient. */
-static void difference(pzs_real *restrict way, pzs_real *restrict slope, const pzs_real *restrict v,
-                       const pzs_real *restrict start, const pzs_real *restrict gradient,
-                       const pzs_real *restrict start_gradient, size_t span)
+static void difference(pzs_real *restrict way, pzs_real *restrict slope,
+                       const pzs_real *restrict voltage, const pzs_real *restrict start,
+                       const pzs_real *restrict gradient, const pzs_real *restrict start_gradient,
+                       size_t span)
 {
     for (size_t i = 0; i < span; i++) {
-        way[i] = v[i] - start[i];
+        way[i] = voltage[i] - start[i];
         slope[i] = gradient[i] + start_gradient[i];
     }
 }
@@ -716,15 +719,15 @@ static void assess(pzs_optimiser *optimiser)
 }
 
 /* Clamp v to the bounds. Returns how many entries were outside. */
-static uint32_t clamp_voltages(pzs_real *restrict v, const pzs_real *restrict lower,
+static uint32_t clamp_voltages(pzs_real *restrict voltage, const pzs_real *restrict lower,
                                const pzs_real *restrict upper, size_t span)
 {
     uint32_t outside = 0;
     for (size_t i = 0; i < span; i++) {
-        const uint32_t below = v[i] < lower[i] ? 1u : 0u;
-        const uint32_t above = v[i] > upper[i] ? 1u : 0u;
+        const uint32_t below = voltage[i] < lower[i] ? 1u : 0u;
+        const uint32_t above = voltage[i] > upper[i] ? 1u : 0u;
         outside += below + above;
-        v[i] = number_clamp(v[i], lower[i], upper[i]);
+        voltage[i] = number_clamp(voltage[i], lower[i], upper[i]);
     }
     return outside;
 }

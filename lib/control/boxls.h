@@ -46,8 +46,9 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
  */
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
-/* Largest KKT violation at voltages v [width] with this gradient [width] (m2/V). Uses scratch. */
-pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *v,
+/* Largest KKT violation at voltages voltage [width] with this gradient [width] (m2/V). Uses
+ * scratch. */
+pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *voltage,
                              const pzs_real *gradient);
 
 /* Whether the rounding error of H (v - base) may cost more than epsilon of the target energy. */

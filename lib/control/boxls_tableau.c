@@ -22,18 +22,19 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
 }
 
 /* z = factor x. */
-static void multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real factor, size_t span)
+static void multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
+                     size_t span)
 {
     for (size_t i = 0; i < span; i++)
-        z[i] = factor * x[i];
+        to[i] = factor * from[i];
 }
 
 /* z -= factor x. */
-static void subtract_multiple(pzs_real *restrict z, const pzs_real *restrict x, pzs_real factor,
+static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
                               size_t span)
 {
     for (size_t i = 0; i < span; i++)
-        z[i] -= factor * x[i];
+        to[i] -= factor * from[i];
 }
 
 /* ---- exchanges ------------------------------------------------------- */
@@ -121,9 +122,9 @@ static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, si
     const size_t width = optimiser->width;
     const pzs_real *block = optimiser->tableau + i * width + j;
     pzs_real *mirror = optimiser->tableau + j * width + i;
-    for (size_t c = 0; c < columns; c++)
-        for (size_t r = 0; r < rows; r++)
-            mirror[c * width + r] = block[r * width + c];
+    for (size_t column = 0; column < columns; column++)
+        for (size_t row = 0; row < rows; row++)
+            mirror[column * width + row] = block[row * width + column];
 }
 
 /*
@@ -138,28 +139,28 @@ static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, si
         pzs_real *at = optimiser->tableau + i * width + j;                                         \
         entry block[ROWS][COUNT];                                                                  \
         UNROLLED                                                                                   \
-        for (unsigned r = 0; r < (ROWS); r++) {                                                    \
+        for (unsigned line = 0; line < (ROWS); line++) {                                           \
             UNROLLED                                                                               \
-            for (unsigned c = 0; c < (COUNT); c++)                                                 \
-                block[r][c] = ((const entry *)(at + r * width))[c];                                \
+            for (unsigned column = 0; column < (COUNT); column++)                                  \
+                block[line][column] = ((const entry *)(at + line * width))[column];                \
         }                                                                                          \
         const pzs_real *update = optimiser->pending;                                               \
         for (uint32_t k = 0; k < optimiser->pending_count; k++, update += width) {                 \
             const entry *row = (const entry *)(update + j);                                        \
             const pzs_real sign = optimiser->exchange[k].sign;                                     \
             UNROLLED                                                                               \
-            for (unsigned r = 0; r < (ROWS); r++) {                                                \
-                const pzs_real factor = sign * update[i + r];                                      \
+            for (unsigned line = 0; line < (ROWS); line++) {                                       \
+                const pzs_real factor = sign * update[i + line];                                   \
                 UNROLLED                                                                           \
-                for (unsigned c = 0; c < (COUNT); c++)                                             \
-                    block[r][c] -= factor * row[c];                                                \
+                for (unsigned column = 0; column < (COUNT); column++)                              \
+                    block[line][column] -= factor * row[column];                                   \
             }                                                                                      \
         }                                                                                          \
         UNROLLED                                                                                   \
-        for (unsigned r = 0; r < (ROWS); r++) {                                                    \
+        for (unsigned line = 0; line < (ROWS); line++) {                                           \
             UNROLLED                                                                               \
-            for (unsigned c = 0; c < (COUNT); c++)                                                 \
-                ((entry *)(at + r * width))[c] = block[r][c];                                      \
+            for (unsigned column = 0; column < (COUNT); column++)                                  \
+                ((entry *)(at + line * width))[column] = block[line][column];                      \
         }                                                                                          \
         if (j + columns <= i)                                                                      \
             mirror_block(optimiser, i, j, ROWS, columns);                                          \

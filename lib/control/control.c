@@ -39,13 +39,14 @@
  * limit and voltage limits do not overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
-                                const pzs_real *restrict v, const pzs_real *restrict step_limit,
-                                const pzs_real *restrict lower, const pzs_real *restrict upper,
-                                size_t width)
+                                const pzs_real *restrict voltage,
+                                const pzs_real *restrict step_limit, const pzs_real *restrict lower,
+                                const pzs_real *restrict upper, size_t width)
 {
     uint32_t clashes = 0;
     for (size_t i = 0; i < width; i++) {
-        const pzs_real from = step_down(v[i], step_limit[i]), to = step_up(v[i], step_limit[i]);
+        const pzs_real from = step_down(voltage[i], step_limit[i]),
+                       to = step_up(voltage[i], step_limit[i]);
         const pzs_real low = from > lower[i] ? from : lower[i];
         const pzs_real high = to < upper[i] ? to : upper[i];
         clashes += low > high ? 1u : 0u;
@@ -88,13 +89,15 @@ static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 }
 
 /* out [inputs] = B'W^2 (e - y). Returns |W (e - y)|^2. */
-static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const pzs_real *e,
-                               const pzs_real *y)
+static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const pzs_real *wanted,
+                               const pzs_real *shape)
 {
-    const uint32_t m = control->state.problem->outputs, n = control->state.problem->inputs;
-    const pzs_real square =
-        pzs_product_weigh(control->state.weighted, control->state.problem->weight, e, y, m);
-    pzs_product_sum_rows(out, control->state.influence, n, control->state.weighted, m, n);
+    const uint32_t outputs = control->state.problem->outputs,
+                   inputs = control->state.problem->inputs;
+    const pzs_real square = pzs_product_weigh(
+        control->state.weighted, control->state.problem->weight, wanted, shape, outputs);
+    pzs_product_sum_rows(out, control->state.influence, inputs, control->state.weighted, outputs,
+                         inputs);
     return square;
 }
 
@@ -150,9 +153,9 @@ static pzs_status ready(const pzs_control *control, const void *argument)
 /* Measurements to expect: predicted + disturbance. */
 static const pzs_real *expected(const pzs_control *control)
 {
-    const uint32_t m = control->state.problem->outputs;
-    pzs_real *sum = control->state.weighted + m;
-    for (uint32_t i = 0; i < m; i++)
+    const uint32_t outputs = control->state.problem->outputs;
+    pzs_real *sum = control->state.weighted + outputs;
+    for (uint32_t i = 0; i < outputs; i++)
         sum[i] = control->state.predicted[i] + control->state.disturbance[i];
     return sum;
 }
@@ -321,12 +324,12 @@ static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, 
  */
 static uint32_t compare(const pzs_control *control, const pzs_real *measured, int32_t *where)
 {
-    const uint32_t m = control->state.problem->outputs;
-    const sensor_check all = {m, control->state.predicted, control->state.measured,
+    const uint32_t outputs = control->state.problem->outputs;
+    const sensor_check all = {outputs, control->state.predicted, control->state.measured,
                               control->state.disturbance, control->state.repeats};
     if (control->state.damping == NULL)
         return pzs_sensor_check(&all, measured, where);
-    for (uint32_t i = 0; i < m; i++)
+    for (uint32_t i = 0; i < outputs; i++)
         control->state.disturbance[i] = measured[i] - control->state.predicted[i];
     return 0;
 }
@@ -337,11 +340,11 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     if (status != PZS_OK)
         return status;
     pzs_optimiser *optimiser = &control->state.optimiser;
-    const uint32_t m = control->state.problem->outputs;
+    const uint32_t outputs = control->state.problem->outputs;
     int32_t where = -1;
     renew_prediction(optimiser, control);
     const uint32_t unusable = measured != NULL ? compare(control, measured, &where) : 0;
-    if (unusable == m)
+    if (unusable == outputs)
         return hold_voltages(optimiser, control, where);
     const pzs_status stepped = step(
         optimiser, control, wanted,
@@ -373,11 +376,13 @@ static int32_t bad_limit(const pzs_problem *problem)
 /* Index of the first table entry that is not finite, or -1. */
 static int32_t bad_number(const pzs_problem *problem, const pzs_real *influence)
 {
-    const uint32_t n = problem->inputs, m = problem->outputs;
-    int32_t bad = pzs_guard_nonfinite(influence, m * n);
-    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->weight, m);
-    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->reference_voltage, n);
-    bad = bad >= 0 || problem->hessian == NULL ? bad : pzs_guard_nonfinite(problem->hessian, n * n);
+    const uint32_t inputs = problem->inputs, outputs = problem->outputs;
+    int32_t bad = pzs_guard_nonfinite(influence, outputs * inputs);
+    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->weight, outputs);
+    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->reference_voltage, inputs);
+    bad = bad >= 0 || problem->hessian == NULL
+              ? bad
+              : pzs_guard_nonfinite(problem->hessian, inputs * inputs);
     return bad;
 }
 
@@ -405,13 +410,14 @@ void pzs_control_place(pzs_control *control, void *work)
 {
     pzs_real *at = work;
     control->state.work = work;
-    const uint32_t n = control->state.problem->inputs, m = control->state.problem->outputs,
-                   width = (uint32_t)PZS_CONTROL_WIDTH(n);
+    const uint32_t inputs = control->state.problem->inputs,
+                   outputs = control->state.problem->outputs,
+                   width = (uint32_t)PZS_CONTROL_WIDTH(inputs);
     pzs_optimiser *optimiser = &control->state.optimiser;
-    optimiser->inputs = n;
+    optimiser->inputs = inputs;
     optimiser->width = width;
-    optimiser->hessian = at, at += (size_t)n * width;
-    optimiser->tableau = at, at += (size_t)n * width;
+    optimiser->hessian = at, at += (size_t)inputs * width;
+    optimiser->tableau = at, at += (size_t)inputs * width;
     pzs_boxls_place(optimiser, at);
     at += BOXLS_VECTORS * width;
     control->state.voltage = optimiser->voltage = at, at += width;
@@ -420,10 +426,10 @@ void pzs_control_place(pzs_control *control, void *work)
     control->state.step_limit = at, at += width;
     for (int copy = 0; copy < 3; copy++)
         control->state.held[copy] = at, at += width;
-    control->state.predicted = at, at += m;
-    control->state.disturbance = at, at += m;
-    control->state.measured = at, at += m;
-    control->state.weighted = at, at += 2u * m;
+    control->state.predicted = at, at += outputs;
+    control->state.disturbance = at, at += outputs;
+    control->state.measured = at, at += outputs;
+    control->state.weighted = at, at += 2u * outputs;
     control->state.repeats = (uint8_t *)at;
     control->info.voltage = control->state.voltage;
     control->info.predicted = control->state.predicted;
@@ -434,19 +440,20 @@ void pzs_control_place(pzs_control *control, void *work)
 
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
-    const uint32_t n = control->state.problem->inputs, m = control->state.problem->outputs,
+    const uint32_t inputs = control->state.problem->inputs,
+                   outputs = control->state.problem->outputs,
                    width = control->state.optimiser.width;
     const pzs_real *weight = control->state.problem->weight;
-    pzs_real *h = control->state.optimiser.hessian, *row = h + (size_t)k * width,
+    pzs_real *hessian = control->state.optimiser.hessian, *row = hessian + (size_t)k * width,
              *column = control->state.weighted;
     if (table != NULL) {
-        memcpy(row, table + (size_t)k * n, n * sizeof(pzs_real));
+        memcpy(row, table + (size_t)k * inputs, inputs * sizeof(pzs_real));
     } else {
-        for (uint32_t i = 0; i < m; i++)
-            column[i] = weight[i] * weight[i] * control->state.influence[(size_t)i * n + k];
-        pzs_product_sum_rows(row, control->state.influence, n, column, m, n);
+        for (uint32_t i = 0; i < outputs; i++)
+            column[i] = weight[i] * weight[i] * control->state.influence[(size_t)i * inputs + k];
+        pzs_product_sum_rows(row, control->state.influence, inputs, column, outputs, inputs);
         for (uint32_t j = 0; j < k; j++)
-            row[j] = h[(size_t)j * width + k];
+            row[j] = hessian[(size_t)j * width + k];
     }
     row[k] += control->state.problem->regularisation;
 }
@@ -575,31 +582,32 @@ pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *r
     const pzs_status status = report != NULL ? ready(control, error) : PZS_E_ARGUMENT;
     if (status != PZS_OK)
         return status;
-    const uint32_t m = control->state.problem->outputs;
+    const uint32_t outputs = control->state.problem->outputs;
     pzs_optimiser *optimiser = &control->state.optimiser;
-    pzs_real *shape = control->state.weighted + m, most = 0;
-    memset(shape, 0, m * sizeof *shape);
+    pzs_real *shape = control->state.weighted + outputs, most = 0;
+    memset(shape, 0, outputs * sizeof *shape);
     const pzs_real all = PZS_SQRT(project_misfit(control, optimiser->next_voltage, error, shape));
     for (uint32_t i = 0; i < optimiser->inputs; i++)
         most = number_absolute(optimiser->next_voltage[i]) > most
                    ? number_absolute(optimiser->next_voltage[i])
                    : most;
-    pzs_product_matrix(shape, control->state.influence, optimiser->voltage, m, optimiser->inputs);
+    pzs_product_matrix(shape, control->state.influence, optimiser->voltage, outputs,
+                       optimiser->inputs);
     const pzs_real left = PZS_SQRT(project_misfit(control, optimiser->next_voltage, error, shape));
     if (!number_is_finite(all + left))
-        return finish(control, PZS_E_NONFINITE, pzs_guard_nonfinite(error, m));
-    pzs_report r = {.relative_error = all > 0 ? left / all : 0};
+        return finish(control, PZS_E_NONFINITE, pzs_guard_nonfinite(error, outputs));
+    pzs_report result = {.relative_error = all > 0 ? left / all : 0};
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         optimiser->gradient[i] =
             control->state.problem->regularisation *
                 (optimiser->voltage[i] - control->state.problem->reference_voltage[i]) -
             optimiser->next_voltage[i];
-        r.active_limits =
-            (uint16_t)(r.active_limits + !(optimiser->voltage[i] > optimiser->lower[i] &&
-                                           optimiser->voltage[i] < optimiser->upper[i]));
+        result.active_limits =
+            (uint16_t)(result.active_limits + !(optimiser->voltage[i] > optimiser->lower[i] &&
+                                                optimiser->voltage[i] < optimiser->upper[i]));
     }
     const pzs_real wrong = pzs_boxls_violation(optimiser, optimiser->voltage, optimiser->gradient);
-    r.kkt_violation = most > 0 ? wrong / most : 0;
-    *report = r;
+    result.kkt_violation = most > 0 ? wrong / most : 0;
+    *report = result;
     return PZS_OK;
 }

@@ -56,9 +56,9 @@
  */
 enum { NOT_MEASURED = 1, EXCLUDED = 2 };
 
-static pzs_real square(pzs_real x)
+static pzs_real square(pzs_real number)
 {
-    return x * x;
+    return number * number;
 }
 
 /* ---- init ------------------------------------------------------------- */
@@ -84,25 +84,25 @@ static pzs_real *take(pzs_real **next, size_t count)
 
 static void lay_out(pzs_fault_detector *detector, void *work)
 {
-    const uint32_t n = detector->state.control->state.problem->inputs,
-                   m = detector->state.control->state.problem->outputs;
+    const uint32_t inputs = detector->state.control->state.problem->inputs,
+                   outputs = detector->state.control->state.problem->outputs;
     pzs_real *next = work;
-    pzs_real *const columns = take(&next, PZS_DENSE(n));
-    detector->settings.amplitude = take(&next, n);
-    detector->state.diagonal = take(&next, n);
-    detector->state.voltage = take(&next, (size_t)(detector->state.delay + 1u) * n);
-    detector->state.voltage_before = take(&next, n);
-    detector->state.deviation = take(&next, n);
-    detector->state.moved = take(&next, n);
-    detector->state.response = take(&next, n);
-    detector->state.lost_voltage = take(&next, n);
-    detector->state.disturbance = take(&next, m);
-    detector->state.change = take(&next, m);
-    pzs_linalg_dense_layout(&detector->state.columns, n, columns, next);
+    pzs_real *const columns = take(&next, PZS_DENSE(inputs));
+    detector->settings.amplitude = take(&next, inputs);
+    detector->state.diagonal = take(&next, inputs);
+    detector->state.voltage = take(&next, (size_t)(detector->state.delay + 1u) * inputs);
+    detector->state.voltage_before = take(&next, inputs);
+    detector->state.deviation = take(&next, inputs);
+    detector->state.moved = take(&next, inputs);
+    detector->state.response = take(&next, inputs);
+    detector->state.lost_voltage = take(&next, inputs);
+    detector->state.disturbance = take(&next, outputs);
+    detector->state.change = take(&next, outputs);
+    pzs_linalg_dense_layout(&detector->state.columns, inputs, columns, next);
     detector->state.electrode =
-        (uint8_t *)next + sizeof(uint32_t) * (n / PZS_TILE + 2u) + sizeof(uint16_t) * n;
-    detector->state.pause = detector->state.electrode + n;
-    detector->state.missing = detector->state.pause + n;
+        (uint8_t *)next + sizeof(uint32_t) * (inputs / PZS_TILE + 2u) + sizeof(uint16_t) * inputs;
+    detector->state.pause = detector->state.electrode + inputs;
+    detector->state.missing = detector->state.pause + inputs;
     detector->info.electrode = detector->state.electrode;
 }
 
@@ -130,12 +130,12 @@ static void place(pzs_fault_detector *detector, pzs_control *control, uint16_t d
 static void find_diagonal(pzs_fault_detector *detector)
 {
     const pzs_control *control = detector->state.control;
-    const uint32_t n = control->state.problem->inputs;
-    for (uint32_t j = 0; j < n; j++) {
+    const uint32_t inputs = control->state.problem->inputs;
+    for (uint32_t j = 0; j < inputs; j++) {
         pzs_real sum = 0;
         for (uint32_t i = 0; i < control->state.problem->outputs; i++)
             sum += square(control->state.problem->weight[i] *
-                          control->state.influence[(size_t)i * n + j]);
+                          control->state.influence[(size_t)i * inputs + j]);
         detector->state.diagonal[j] = sum > 0 ? sum : 1;
         const pzs_real amplitude = detector->settings.amplitude[j];
         const bool can_move = number_is_finite(amplitude) && amplitude > 0;
@@ -151,17 +151,17 @@ static void find_diagonal(pzs_fault_detector *detector)
 static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *row)
 {
     const pzs_control *control = detector->state.control;
-    const uint32_t n = control->state.problem->inputs;
+    const uint32_t inputs = control->state.problem->inputs;
     memcpy(row, control->state.optimiser.hessian + (size_t)j * control->state.optimiser.width,
            j * sizeof *row);
     row[j] = detector->state.diagonal[j] * (1 + detector->state.ridge);
     for (uint32_t i = 0; i < control->state.problem->outputs; i++) {
         if (!(detector->state.missing[i] & EXCLUDED))
             continue;
-        const pzs_real *b = control->state.influence + (size_t)i * n,
-                       part = square(control->state.problem->weight[i]) * b[j];
+        const pzs_real *column = control->state.influence + (size_t)i * inputs,
+                       part = square(control->state.problem->weight[i]) * column[j];
         for (uint32_t k = 0; k <= j; k++)
-            row[k] -= part * b[k];
+            row[k] -= part * column[k];
     }
 }
 
@@ -183,9 +183,9 @@ static bool factor(pzs_fault_detector *detector)
  */
 static void find_unobservable(pzs_fault_detector *detector)
 {
-    const uint32_t n = detector->state.columns.n;
-    for (uint32_t j = 0; j < n; j++) {
-        memset(detector->state.deviation, 0, n * sizeof *detector->state.deviation);
+    const uint32_t inputs = detector->state.columns.n;
+    for (uint32_t j = 0; j < inputs; j++) {
+        memset(detector->state.deviation, 0, inputs * sizeof *detector->state.deviation);
         detector->state.deviation[j] = 1;
         pzs_linalg_solve(&detector->state.columns, detector->state.deviation);
         if (!(1 - detector->state.ridge * detector->state.diagonal[j] *
@@ -196,7 +196,7 @@ static void find_unobservable(pzs_fault_detector *detector)
             (uint16_t)(detector->info.unobservable +
                        (detector->state.electrode[j] == PZS_ELECTRODE_UNOBSERVABLE));
     }
-    memset(detector->state.deviation, 0, n * sizeof *detector->state.deviation);
+    memset(detector->state.deviation, 0, inputs * sizeof *detector->state.deviation);
 }
 
 static pzs_status finish(pzs_fault_detector *detector, pzs_status status, int32_t where)
@@ -251,9 +251,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
 static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
 {
     const pzs_control *control = detector->state.control;
-    const uint32_t m = control->state.problem->outputs;
+    const uint32_t outputs = control->state.problem->outputs;
     uint32_t excluded = 0;
-    for (uint32_t i = 0; i < m; i++) {
+    for (uint32_t i = 0; i < outputs; i++) {
         const bool is_missing = sensor_is_unusable(&control->state.repeats[i], measured[i]);
         const bool is_excluded = is_missing || (detector->state.missing[i] & NOT_MEASURED);
         const pzs_real change = control->state.disturbance[i] - detector->state.disturbance[i];
@@ -267,7 +267,7 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
         detector->state.missing[i] = (uint8_t)(missing_bit | excluded_bit);
         excluded += is_excluded ? 1u : 0u;
     }
-    return MISSING_LIMIT * excluded <= m && (!detector->state.is_stale || factor(detector));
+    return MISSING_LIMIT * excluded <= outputs && (!detector->state.is_stale || factor(detector));
 }
 
 /*
@@ -311,12 +311,12 @@ static void store_voltages(pzs_fault_detector *detector)
 static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     const pzs_control *control = detector->state.control;
-    const uint32_t n = control->state.problem->inputs;
+    const uint32_t inputs = control->state.problem->inputs;
     pzs_real deviation2 = 0;
-    pzs_product_sum_rows(detector->state.deviation, control->state.influence, n,
-                         detector->state.change, control->state.problem->outputs, n);
+    pzs_product_sum_rows(detector->state.deviation, control->state.influence, inputs,
+                         detector->state.change, control->state.problem->outputs, inputs);
     pzs_linalg_solve(&detector->state.columns, detector->state.deviation);
-    for (uint32_t j = 0; j < n; j++) {
+    for (uint32_t j = 0; j < inputs; j++) {
         const pzs_real move = voltage[j] - detector->state.voltage_before[j],
                        limit = 2 * number_absolute(move);
         deviation2 += square(detector->state.deviation[j]);
@@ -482,9 +482,9 @@ static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
  */
 static bool has_no_response(const pzs_test_signal *test)
 {
-    const pzs_real n = (pzs_real)test->moves;
-    const pzs_real moves = test->square - square(test->sum) / n;
-    const pzs_real responses = test->response_square - square(test->response_sum) / n;
+    const pzs_real count = (pzs_real)test->moves;
+    const pzs_real moves = test->square - square(test->sum) / count;
+    const pzs_real responses = test->response_square - square(test->response_sum) / count;
     return NO_RESPONSE * responses <= moves;
 }
 

@@ -74,12 +74,12 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 
 /* ---- tick ---------------------------------------------------------------- */
 
-static bool are_equal(const pzs_real *x, const pzs_real *y, uint32_t n)
+static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t count)
 {
     uint32_t i = 0;
-    while (i < n && x[i] >= y[i] && x[i] <= y[i])
+    while (i < count && left[i] >= right[i] && left[i] <= right[i])
         i++;
-    return i == n;
+    return i == count;
 }
 
 /* Whether target and limits are those of the last optimum. */

@@ -75,12 +75,12 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
 /* Take over the shapes of the first tick, with which later ones are compared. */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
-    const uint32_t m = signals->control->state.problem->outputs;
+    const uint32_t outputs = signals->control->state.problem->outputs;
     const pzs_control_info *info = &signals->control->info;
     pzs_real square = 0;
-    for (uint32_t i = 0; i < m; i++) {
+    for (uint32_t i = 0; i < outputs; i++) {
         const pzs_real missed = signals->wanted[i] - info->predicted[i] - info->disturbance[i];
-        square += missed * missed / (pzs_real)m;
+        square += missed * missed / (pzs_real)outputs;
         monitor->slow[i] = info->disturbance[i];
         monitor->disturbance[i] = info->disturbance[i];
         monitor->predicted[i] = info->predicted[i];
@@ -102,11 +102,11 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
-    const uint32_t m = signals->control->state.problem->outputs;
+    const uint32_t outputs = signals->control->state.problem->outputs;
     const pzs_control_info *info = &signals->control->info;
-    const pzs_real part = 1 / (pzs_real)m;
+    const pzs_real part = 1 / (pzs_real)outputs;
     squares sum = {0, 0, 0, 0};
-    for (uint32_t i = 0; i < m; i++) {
+    for (uint32_t i = 0; i < outputs; i++) {
         const pzs_real fast = info->disturbance[i] - monitor->slow[i];
         const pzs_real target = signals->wanted[i] - monitor->wanted[i];
         const pzs_real change = info->disturbance[i] - monitor->disturbance[i];

@@ -51,11 +51,11 @@ pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t 
                            int32_t *where)
 {
     const pzs_problem *problem = gate->problem;
-    const uint32_t n = problem->inputs;
+    const uint32_t inputs = problem->inputs;
     uint32_t sum = 0;
     *where = -1;
-    pzs_guard_vote(gate->last[0], gate->last[1], gate->last[2], n * sizeof *voltage);
-    for (uint32_t i = 0; i < n; i++) {
+    pzs_guard_vote(gate->last[0], gate->last[1], gate->last[2], inputs * sizeof *voltage);
+    for (uint32_t i = 0; i < inputs; i++) {
         const pzs_real last = gate->last[0][i];
         pzs_real given = voltage[i];
         sum = add_limits(sum, problem, i);
@@ -69,6 +69,6 @@ pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t 
     if (sum != limit_sum)
         return PZS_E_CRC;
     for (int copy = 0; copy < 3; copy++)
-        memcpy(gate->last[copy], voltage, n * sizeof *voltage);
+        memcpy(gate->last[copy], voltage, inputs * sizeof *voltage);
     return *where < 0 ? PZS_OK : PZS_W_OUTPUT;
 }

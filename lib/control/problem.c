@@ -5,24 +5,24 @@
 #include "../core/guard.h"
 
 /* An array of `count` reals, which may be absent. */
-static scrub_part reals(const pzs_real *x, size_t count)
+static scrub_part reals(const pzs_real *value, size_t count)
 {
-    const scrub_part part = {x, x != NULL ? count * sizeof *x : 0};
+    const scrub_part part = {value, value != NULL ? count * sizeof *value : 0};
     return part;
 }
 
 void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS])
 {
-    const size_t n = problem->inputs, m = problem->outputs;
+    const size_t inputs = problem->inputs, outputs = problem->outputs;
     part[0] = (scrub_part){&problem->inputs, sizeof problem->inputs};
     part[1] = (scrub_part){&problem->outputs, sizeof problem->outputs};
-    part[2] = reals(problem->influence, m * n);
-    part[3] = reals(problem->hessian, n * n);
-    part[4] = reals(problem->weight, m);
-    part[5] = reals(problem->lower, n);
-    part[6] = reals(problem->upper, n);
-    part[7] = reals(problem->step_limit, n);
-    part[8] = reals(problem->reference_voltage, n);
+    part[2] = reals(problem->influence, outputs * inputs);
+    part[3] = reals(problem->hessian, inputs * inputs);
+    part[4] = reals(problem->weight, outputs);
+    part[5] = reals(problem->lower, inputs);
+    part[6] = reals(problem->upper, inputs);
+    part[7] = reals(problem->step_limit, inputs);
+    part[8] = reals(problem->reference_voltage, inputs);
     part[9] = reals(&problem->regularisation, 1);
 }
 

@@ -81,18 +81,18 @@ static void restore_limits(pzs_control *control)
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
     const pzs_optimiser *optimiser = &control->state.optimiser;
-    const uint32_t n = optimiser->inputs;
+    const uint32_t inputs = optimiser->inputs;
     const pzs_real *row = optimiser->hessian + (size_t)k * optimiser->width;
-    const pzs_real *source = table != NULL ? table + (size_t)k * n : optimiser->hessian + k;
+    const pzs_real *source = table != NULL ? table + (size_t)k * inputs : optimiser->hessian + k;
     const size_t stride = table != NULL ? 1u : optimiser->width;
-    for (uint32_t j = 0; j < n; j++) {
+    for (uint32_t j = 0; j < inputs; j++) {
         const bool has_sum = j == k && table != NULL;
         const pzs_real expected =
             has_sum ? source[j] + control->state.problem->regularisation : source[j * stride];
         if (!(row[j] >= expected && row[j] <= expected))
             return j;
     }
-    return n;
+    return inputs;
 }
 
 /* Form rows k and j of H again, with their entries on the other side and on the diagonal. */

@@ -7,12 +7,12 @@
  * 1/RESOLUTION of |measured| + the largest |expected| of all sensors. */
 #define RESOLUTION 64
 
-/* Largest absolute value of x [n]. */
-static pzs_real largest_size(const pzs_real *x, uint32_t n)
+/* Largest absolute value of vector [n]. */
+static pzs_real largest_size(const pzs_real *vector, uint32_t count)
 {
     pzs_real most = 0;
-    for (uint32_t i = 0; i < n; i++)
-        most = number_absolute(x[i]) > most ? number_absolute(x[i]) : most;
+    for (uint32_t i = 0; i < count; i++)
+        most = number_absolute(vector[i]) > most ? number_absolute(vector[i]) : most;
     return most;
 }
 
@@ -47,7 +47,7 @@ static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measur
  */
 static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measured, uint32_t i)
 {
-    const uint32_t n = sensors->n;
+    const uint32_t count = sensors->n;
     const pzs_real *expected = sensors->expected;
     pzs_real *last = sensors->last, *all = sensors->difference;
     uint8_t *repeats = sensors->repeats;
@@ -58,8 +58,8 @@ static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measure
         last[i] = seen;
         all[i] = difference;
         repeats[i] = 0;
-    } while (++i < n);
-    return n;
+    } while (++i < count);
+    return count;
 }
 
 uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where)

@@ -205,9 +205,9 @@ static void happen(pzs_supervisor *supervisor, pzs_supervisor_event event,
 /* The command word that two of its copies agree on. */
 static uint32_t command_word(const pzs_supervisor *supervisor)
 {
-    const uint32_t a = supervisor->state.command[0], b = supervisor->state.command[1],
-                   c = supervisor->state.command[2];
-    return (a & b) | (a & c) | (b & c);
+    const uint32_t first = supervisor->state.command[0], second = supervisor->state.command[1],
+                   third = supervisor->state.command[2];
+    return (first & second) | (first & third) | (second & third);
 }
 
 /* Carry out the command given since the last tick. */

@@ -44,23 +44,23 @@
 
 uint32_t pzs_vibration_crc(const pzs_vibration *tables)
 {
-    const size_t n = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
+    const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
     const uint16_t counts[5] = {tables->inputs, tables->outputs, tables->sensors, tables->modes,
                                 tables->delay};
     const pzs_real settings[3] = {tables->share, tables->mix, tables->slow};
     const size_t size = sizeof(pzs_real);
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, tables->shape, tables->outputs * n, size);
-    crc = pzs_guard_array_crc(crc, tables->reading, sensors * n, size);
+    crc = pzs_guard_array_crc(crc, tables->shape, tables->outputs * modes, size);
+    crc = pzs_guard_array_crc(crc, tables->reading, sensors * modes, size);
     crc = pzs_guard_array_crc(crc, tables->direct, sensors * inputs, size);
     crc = pzs_guard_array_crc(crc, tables->gain, tables->outputs * sensors, size);
     crc = pzs_guard_array_crc(crc, tables->precision, sensors, size);
-    crc = pzs_guard_array_crc(crc, tables->modal, n * inputs, size);
-    crc = pzs_guard_array_crc(crc, tables->turn, 4 * n, size);
-    crc = pzs_guard_array_crc(crc, tables->observer, 3 * n * n, size);
-    crc = pzs_guard_array_crc(crc, tables->explain, n * n, size);
-    crc = pzs_guard_array_crc(crc, tables->damping, n * inputs, size);
-    crc = pzs_guard_array_crc(crc, tables->inverse_angle, n, size);
+    crc = pzs_guard_array_crc(crc, tables->modal, modes * inputs, size);
+    crc = pzs_guard_array_crc(crc, tables->turn, 4 * modes, size);
+    crc = pzs_guard_array_crc(crc, tables->observer, 3 * modes * modes, size);
+    crc = pzs_guard_array_crc(crc, tables->explain, modes * modes, size);
+    crc = pzs_guard_array_crc(crc, tables->damping, modes * inputs, size);
+    crc = pzs_guard_array_crc(crc, tables->inverse_angle, modes, size);
     return ~pzs_guard_crc(crc, settings, sizeof settings);
 }
 
@@ -83,24 +83,25 @@ pzs_status pzs_vibration_seal(pzs_vibration *tables)
     return PZS_OK;
 }
 
-static bool is_finite_array(const pzs_real *x, size_t n)
+static bool is_finite_array(const pzs_real *value, size_t count)
 {
-    return x == NULL || pzs_guard_nonfinite(x, (uint32_t)n) < 0;
+    return value == NULL || pzs_guard_nonfinite(value, (uint32_t)count) < 0;
 }
 
 static bool are_finite(const pzs_vibration *tables)
 {
-    const size_t n = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
-    return is_finite_array(tables->shape, tables->outputs * n) &&
-           is_finite_array(tables->reading, sensors * n) &&
+    const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
+    return is_finite_array(tables->shape, tables->outputs * modes) &&
+           is_finite_array(tables->reading, sensors * modes) &&
            is_finite_array(tables->direct, sensors * inputs) &&
            is_finite_array(tables->gain, tables->outputs * sensors) &&
            is_finite_array(tables->precision, sensors) &&
-           is_finite_array(tables->modal, n * inputs) && is_finite_array(tables->turn, 4 * n) &&
-           is_finite_array(tables->observer, 3 * n * n) &&
-           is_finite_array(tables->explain, n * n) &&
-           is_finite_array(tables->damping, n * inputs) &&
-           is_finite_array(tables->inverse_angle, n);
+           is_finite_array(tables->modal, modes * inputs) &&
+           is_finite_array(tables->turn, 4 * modes) &&
+           is_finite_array(tables->observer, 3 * modes * modes) &&
+           is_finite_array(tables->explain, modes * modes) &&
+           is_finite_array(tables->damping, modes * inputs) &&
+           is_finite_array(tables->inverse_angle, modes);
 }
 
 static bool are_in_range(const pzs_vibration *tables)
@@ -170,19 +171,20 @@ static void record_voltages(pzs_damper *damper)
     }
 }
 
-/* Predict the state x [3][width] of all modes one tick on, under voltages with this equilibrium. */
-static void predict(const pzs_damper *damper, pzs_real *x, const pzs_real *equilibrium)
+/* Predict the state state [3][width] of all modes one tick on, under voltages with this
+ * equilibrium. */
+static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *equilibrium)
 {
     const pzs_vibration *tables = damper->state.tables;
-    const size_t n = tables->modes, width = width_of(damper);
+    const size_t modes = tables->modes, width = width_of(damper);
     const pzs_real *turn = tables->turn;
-    pzs_real *position = x, *velocity = x + width;
-    const pzs_real *load = x + 2 * width;
-    for (size_t i = 0; i < n; i++) {
+    pzs_real *position = state, *velocity = state + width;
+    const pzs_real *load = state + 2 * width;
+    for (size_t i = 0; i < modes; i++) {
         const pzs_real rest = equilibrium[i] + load[i];
         const pzs_real deviation = position[i] - rest, speed = velocity[i];
-        position[i] = rest + (turn[i] * deviation + turn[n + i] * speed);
-        velocity[i] = turn[2 * n + i] * deviation + turn[3 * n + i] * speed;
+        position[i] = rest + (turn[i] * deviation + turn[modes + i] * speed);
+        velocity[i] = turn[2 * modes + i] * deviation + turn[3 * modes + i] * speed;
     }
 }
 
@@ -289,18 +291,18 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
 static void correct(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
-    const size_t n = tables->modes, width = width_of(damper);
+    const size_t modes = tables->modes, width = width_of(damper);
     pzs_real *fit = damper->state.work, *change = damper->state.work + width;
     pzs_real *residual = damper->state.residual;
     project_innovation(damper, fit);
     for (size_t part = 0; part < 3; part++) {
         pzs_real *state = damper->state.late + part * width;
-        pzs_product_matrix(change, tables->observer + part * n * n, fit, n, n);
-        for (size_t i = 0; i < n; i++)
+        pzs_product_matrix(change, tables->observer + part * modes * modes, fit, modes, modes);
+        for (size_t i = 0; i < modes; i++)
             state[i] += change[i];
     }
-    pzs_product_matrix(change, tables->explain, fit, n, n);
-    for (size_t i = 0; i < n; i++)
+    pzs_product_matrix(change, tables->explain, fit, modes, modes);
+    for (size_t i = 0; i < modes; i++)
         damper->state.residual_modes[i] +=
             tables->slow * (change[i] - damper->state.residual_modes[i]);
     for (uint32_t i = 0; i < tables->sensors; i++)

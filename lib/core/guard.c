@@ -61,10 +61,10 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
 }
 
 /* x - x is 0 for a finite number, and NaN for NaN and the infinities. */
-int32_t pzs_guard_nonfinite(const pzs_real *x, uint32_t n)
+int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count)
 {
-    for (uint32_t i = 0; i < n; i++) {
-        const pzs_real none = x[i] - x[i];
+    for (uint32_t i = 0; i < count; i++) {
+        const pzs_real none = value[i] - value[i];
         if (!(none <= 0))
             return (int32_t)i;
     }
@@ -96,18 +96,20 @@ uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 
 void pzs_guard_vote(void *one, void *two, void *three, size_t bytes)
 {
-    uint8_t *x = one, *y = two, *z = three;
-    const uint8_t *const end = x + bytes;
-    for (; x < end; x += sizeof(uint32_t), y += sizeof(uint32_t), z += sizeof(uint32_t)) {
-        uint32_t a, b, c;
-        memcpy(&a, x, sizeof a);
-        memcpy(&b, y, sizeof b);
-        memcpy(&c, z, sizeof c);
-        if (a == b && b == c)
+    uint8_t *first = one, *second = two, *third = three;
+    const uint8_t *const end = first + bytes;
+    for (; first < end;
+         first += sizeof(uint32_t), second += sizeof(uint32_t), third += sizeof(uint32_t)) {
+        uint32_t first_word, second_word, third_word;
+        memcpy(&first_word, first, sizeof first_word);
+        memcpy(&second_word, second, sizeof second_word);
+        memcpy(&third_word, third, sizeof third_word);
+        if (first_word == second_word && second_word == third_word)
             continue;
-        const uint32_t most = (a & b) | (a & c) | (b & c);
-        memcpy(x, &most, sizeof most);
-        memcpy(y, &most, sizeof most);
-        memcpy(z, &most, sizeof most);
+        const uint32_t most =
+            (first_word & second_word) | (first_word & third_word) | (second_word & third_word);
+        memcpy(first, &most, sizeof most);
+        memcpy(second, &most, sizeof most);
+        memcpy(third, &most, sizeof most);
     }
 }

@@ -14,8 +14,8 @@
  */
 uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes);
 
-/* Index of the first entry of x [n] that is NaN or infinite, or -1. */
-int32_t pzs_guard_nonfinite(const pzs_real *x, uint32_t n);
+/* Index of the first entry of value [n] that is NaN or infinite, or -1. */
+int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count);
 
 /*
  * Check that a workspace is aligned for pzs_real and has at least `need` bytes. Returns -1 if so.
@@ -50,10 +50,10 @@ static inline void guard_repair_bool(bool *flag)
 }
 
 /* Continue a checksum with a number: every single flipped bit changes it. Cheaper than a CRC. */
-static inline uint32_t guard_add(uint32_t sum, pzs_real x)
+static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 {
-    uint32_t word[sizeof x / sizeof(uint32_t)];
-    memcpy(word, &x, sizeof word);
+    uint32_t word[sizeof number / sizeof(uint32_t)];
+    memcpy(word, &number, sizeof word);
     for (uint32_t k = 0; k < sizeof word / sizeof *word; k++)
         sum = (sum << 1 | sum >> 31) + word[k];
     return sum;

@@ -40,18 +40,18 @@ static pzs_real most(pzs_real a, pzs_real b)
     return a > b ? a : b;
 }
 
-static uint32_t panels_of(uint32_t n)
+static uint32_t panels_of(uint32_t rows)
 {
-    return n / PZS_TILE + (n % PZS_TILE != 0u ? 1u : 0u);
+    return rows / PZS_TILE + (rows % PZS_TILE != 0u ? 1u : 0u);
 }
 
 /*
  * Entries of one panel: from its leftmost column, rounded down to a tile, to the end of its
  * diagonal tile.
  */
-static uint32_t panel_reals(const uint16_t *first, uint32_t n, uint32_t panel)
+static uint32_t panel_reals(const uint16_t *first, uint32_t rows, uint32_t panel)
 {
-    const uint32_t end = smaller((panel + 1u) * PZS_TILE, n);
+    const uint32_t end = smaller((panel + 1u) * PZS_TILE, rows);
     uint32_t left = panel * PZS_TILE;
 
     for (uint32_t i = panel * PZS_TILE; i < end; i++)
@@ -59,35 +59,36 @@ static uint32_t panel_reals(const uint16_t *first, uint32_t n, uint32_t panel)
     return ((panel + 1u) * PZS_TILE - left / PZS_TILE * PZS_TILE) * PZS_TILE;
 }
 
-size_t pzs_linalg_reals(const uint16_t *first, uint32_t n)
+size_t pzs_linalg_reals(const uint16_t *first, uint32_t rows)
 {
     size_t reals = 0;
 
-    for (uint32_t p = 0; p < panels_of(n); p++)
-        reals += panel_reals(first, n, p);
+    for (uint32_t panel = 0; panel < panels_of(rows); panel++)
+        reals += panel_reals(first, rows, panel);
     return reals;
 }
 
 void pzs_linalg_layout(pzs_envelope *matrix)
 {
     matrix->start[0] = 0;
-    for (uint32_t p = 0; p < panels_of(matrix->n); p++)
-        matrix->start[p + 1u] = matrix->start[p] + panel_reals(matrix->first, matrix->n, p);
+    for (uint32_t panel = 0; panel < panels_of(matrix->n); panel++)
+        matrix->start[panel + 1u] =
+            matrix->start[panel] + panel_reals(matrix->first, matrix->n, panel);
 }
 
 /*
  * Rows beyond n in the last panel stay zero through all operations, and no result depends on them.
  */
-void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t n, pzs_real *work, void *index)
+void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work, void *index)
 {
     uint32_t *start = index;
-    uint16_t *first = (uint16_t *)(start + n / PZS_TILE + 2);
-    memset(first, 0, n * sizeof *first);
-    dense->n = n;
+    uint16_t *first = (uint16_t *)(start + rows / PZS_TILE + 2);
+    memset(first, 0, rows * sizeof *first);
+    dense->n = rows;
     dense->first = first;
     dense->start = start;
     dense->inverse = work;
-    dense->value = work + n;
+    dense->value = work + rows;
     pzs_linalg_layout(dense);
 }
 
@@ -129,24 +130,24 @@ static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint
  * Power of two s with 1/2 <= s d s < 2, for positive finite d. At most 540 iterations; 2 or 3 for
  * usual d.
  */
-static pzs_real unit_scale(pzs_real d)
+static pzs_real unit_scale(pzs_real diagonal)
 {
-    pzs_real s = 1;
+    pzs_real scale = 1;
 
-    for (; d >= 2; d *= (pzs_real)0.25)
-        s *= (pzs_real)0.5;
-    for (; d < (pzs_real)0.5; d *= 4)
-        s *= 2;
-    return s;
+    for (; diagonal >= 2; diagonal *= (pzs_real)0.25)
+        scale *= (pzs_real)0.5;
+    for (; diagonal < (pzs_real)0.5; diagonal *= 4)
+        scale *= 2;
+    return scale;
 }
 
 int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 {
     for (uint32_t i = 0; i < matrix->n; i++) {
-        const pzs_real d = *pzs_linalg_entry(matrix, i, i);
-        if (!(d > 0 && d <= REAL_MOST))
+        const pzs_real diagonal = *pzs_linalg_entry(matrix, i, i);
+        if (!(diagonal > 0 && diagonal <= REAL_MOST))
             return (int32_t)i;
-        scale[i] = unit_scale(d);
+        scale[i] = unit_scale(diagonal);
     }
     pzs_linalg_apply_scale(matrix, scale);
     return -1;
@@ -160,14 +161,14 @@ void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
     pzs_real *restrict entry = matrix->value;
 
     for (uint32_t row = 0; row < matrix->n; row += PZS_TILE) {
-        pzs_real s[PZS_TILE] = {0};
-        copy_rows(s, scale + row, smaller(PZS_TILE, matrix->n - row));
+        pzs_real row_scale[PZS_TILE] = {0};
+        copy_rows(row_scale, scale + row, smaller(PZS_TILE, matrix->n - row));
         for (uint32_t k = left_of(matrix, row / PZS_TILE); k < row + PZS_TILE;
              k++, entry += PZS_TILE) {
-            const pzs_real t = k < matrix->n ? scale[k] : 0;
+            const pzs_real column_scale = k < matrix->n ? scale[k] : 0;
             UNROLLED
             for (int i = 0; i < PZS_TILE; i++)
-                entry[i] = entry[i] * s[i] * t;
+                entry[i] = entry[i] * row_scale[i] * column_scale;
         }
     }
 }
@@ -202,53 +203,54 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
  * strip's own columns; l[k][0] is the first The last STRIP terms continue the sum with the columns
  * of W just finished.
  */
-static void eliminate(pzs_real *restrict strip, const pzs_real *restrict w,
-                      const pzs_real *restrict l, uint32_t count)
+static void eliminate(pzs_real *restrict strip, const pzs_real *restrict scaled,
+                      const pzs_real *restrict lower, uint32_t count)
 {
-    pzs_real c[STRIP * PZS_TILE];
+    pzs_real sum[STRIP * PZS_TILE];
 
-    MOVE(c, strip, STRIP * PZS_TILE);
-    for (; count > 0; count--, w += PZS_TILE, l += PZS_TILE)
+    MOVE(sum, strip, STRIP * PZS_TILE);
+    for (; count > 0; count--, scaled += PZS_TILE, lower += PZS_TILE)
         UNROLLED
     for (int j = 0; j < STRIP; j++)
         UNROLLED
     for (int i = 0; i < PZS_TILE; i++)
-        c[j * PZS_TILE + i] -= w[i] * l[j];
+        sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
     UNROLLED
-    for (int k = 0; k < STRIP; k++, l += PZS_TILE)
+    for (int k = 0; k < STRIP; k++, lower += PZS_TILE)
         UNROLLED
     for (int j = k + 1; j < STRIP; j++)
         UNROLLED
     for (int i = 0; i < PZS_TILE; i++)
-        c[j * PZS_TILE + i] -= c[k * PZS_TILE + i] * l[j];
-    MOVE(strip, c, STRIP * PZS_TILE);
+        sum[j * PZS_TILE + i] -= sum[k * PZS_TILE + i] * lower[j];
+    MOVE(strip, sum, STRIP * PZS_TILE);
 }
 
 /*
  * The diagonal tile of a panel before its own pivots: A - sum_k w_k l_k^T, with l_k = w_k
- * inverse_k. tile    [T][T]     in A, out; entries above the diagonal are not used w [count][T] in
- * columns of L D, out columns of L inverse [count]    in inverse pivots of these columns
+ * inverse_k. tile    [T][T]     in A, out; entries above the diagonal are not used scaled
+ * [count][T] in columns of L D, out columns of L inverse [count]    in inverse pivots of these
+ * columns
  */
-static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict w,
+static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scaled,
                                const pzs_real *restrict inverse, uint32_t count)
 {
-    pzs_real c[PZS_TILE * PZS_TILE];
-    pzs_real l[PZS_TILE];
+    pzs_real sum[PZS_TILE * PZS_TILE];
+    pzs_real lower[PZS_TILE];
 
-    MOVE(c, tile, PZS_TILE * PZS_TILE);
-    for (; count > 0; count--, w += PZS_TILE, inverse++) {
+    MOVE(sum, tile, PZS_TILE * PZS_TILE);
+    for (; count > 0; count--, scaled += PZS_TILE, inverse++) {
         UNROLLED
         for (int j = 0; j < PZS_TILE; j++)
-            l[j] = w[j] * *inverse;
+            lower[j] = scaled[j] * *inverse;
         UNROLLED
         for (int j = 0; j < PZS_TILE; j++)
             UNROLLED
         for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* with wide vectors, whole columns
                                                                  are faster */
-            c[j * PZS_TILE + i] -= w[i] * l[j];
-        MOVE(w, l, PZS_TILE);
+            sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
+        MOVE(scaled, lower, PZS_TILE);
     }
-    MOVE(tile, c, PZS_TILE * PZS_TILE);
+    MOVE(tile, sum, PZS_TILE * PZS_TILE);
 }
 
 /*
@@ -262,16 +264,16 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
                             pzs_real *restrict inverse, uint32_t rows)
 {
     for (uint32_t k = 0; k < rows; k++) {
-        pzs_real *w = tile + k * PZS_TILE;
-        inverse[k] = 1 / w[k];
-        if (!(PZS_ABS(w[k]) > least[k] && PZS_ABS(inverse[k]) > 0 &&
+        pzs_real *scaled = tile + k * PZS_TILE;
+        inverse[k] = 1 / scaled[k];
+        if (!(PZS_ABS(scaled[k]) > least[k] && PZS_ABS(inverse[k]) > 0 &&
               PZS_ABS(inverse[k]) <= REAL_MOST))
             return k;
         for (uint32_t j = k + 1u; j < rows; j++) {
-            const pzs_real l = w[j] * inverse[k];
+            const pzs_real lower = scaled[j] * inverse[k];
             for (uint32_t i = j; i < PZS_TILE; i++)
-                tile[j * PZS_TILE + i] -= w[i] * l;
-            w[j] = l;
+                tile[j * PZS_TILE + i] -= scaled[i] * lower;
+            scaled[j] = lower;
         }
     }
     return rows;
@@ -285,11 +287,11 @@ static void eliminate_panel(const pzs_envelope *matrix, uint32_t panel)
 {
     const uint32_t left = left_of(matrix, panel);
 
-    for (uint32_t q = left; q < panel * PZS_TILE; q += STRIP) {
+    for (uint32_t strip = left; strip < panel * PZS_TILE; strip += STRIP) {
         const uint32_t from =
-            left_of(matrix, q / PZS_TILE) > left ? left_of(matrix, q / PZS_TILE) : left;
-        eliminate(column(matrix, panel, q), column(matrix, panel, from),
-                  column(matrix, q / PZS_TILE, from) + q % PZS_TILE, q - from);
+            left_of(matrix, strip / PZS_TILE) > left ? left_of(matrix, strip / PZS_TILE) : left;
+        eliminate(column(matrix, panel, strip), column(matrix, panel, from),
+                  column(matrix, strip / PZS_TILE, from) + strip % PZS_TILE, strip - from);
     }
     eliminate_diagonal(column(matrix, panel, panel * PZS_TILE), column(matrix, panel, left),
                        matrix->inverse + left, panel * PZS_TILE - left);
@@ -310,16 +312,16 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
         pzs_real least[PZS_TILE];
         uint32_t usable;
 
-        for (uint32_t r = 0; r < rows; r++) {
-            least[r] = tolerance * PZS_ABS(tile[r * PZS_TILE + r]);
-            diagonal = most(diagonal, PZS_ABS(tile[r * PZS_TILE + r]));
+        for (uint32_t local = 0; local < rows; local++) {
+            least[local] = tolerance * PZS_ABS(tile[local * PZS_TILE + local]);
+            diagonal = most(diagonal, PZS_ABS(tile[local * PZS_TILE + local]));
         }
         eliminate_panel(matrix, row / PZS_TILE);
         usable = factor_tile(tile, least, matrix->inverse + row, rows);
-        for (uint32_t r = 0; r < usable; r++) {
-            pivot = most(pivot, PZS_ABS(tile[r * PZS_TILE + r]));
-            if (tile[r * PZS_TILE + r] < 0 && found.negative++ == 0)
-                found.first_negative = (int32_t)(row + r);
+        for (uint32_t local = 0; local < usable; local++) {
+            pivot = most(pivot, PZS_ABS(tile[local * PZS_TILE + local]));
+            if (tile[local * PZS_TILE + local] < 0 && found.negative++ == 0)
+                found.first_negative = (int32_t)(row + local);
         }
         if (usable < rows)
             found.zero = (int32_t)(row + usable);
@@ -331,11 +333,11 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
 
 /* ---- solve ------------------------------------------------------------ */
 
-pzs_real pzs_linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n)
+pzs_real pzs_linalg_inner(const pzs_real *left, const pzs_real *right, uint32_t count)
 {
     pzs_real sum = 0;
-    for (uint32_t i = 0; i < n; i++)
-        sum += x[i] * y[i];
+    for (uint32_t i = 0; i < count; i++)
+        sum += left[i] * right[i];
     return sum;
 }
 
@@ -343,102 +345,103 @@ pzs_real pzs_linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n)
  * L x = b, first half of a panel: subtract the known x_k left of its diagonal tile, for all rows at
  * once.
  */
-static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *x)
+static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
     const uint32_t left = left_of(matrix, panel);
-    const pzs_real *restrict l = column(matrix, panel, left);
-    pzs_real y[PZS_TILE] = {0};
+    const pzs_real *restrict lower = column(matrix, panel, left);
+    pzs_real part[PZS_TILE] = {0};
 
-    copy_rows(y, x + row, rows);
+    copy_rows(part, vector + row, rows);
     for (uint32_t k = left; k < row; k += PZS_TILE)
         UNROLLED
-    for (uint32_t j = 0; j < PZS_TILE; j++, l += PZS_TILE)
+    for (uint32_t j = 0; j < PZS_TILE; j++, lower += PZS_TILE)
         UNROLLED
     for (int i = 0; i < PZS_TILE; i++)
-        y[i] -= l[i] * x[k + j];
-    copy_rows(x + row, y, rows);
+        part[i] -= lower[i] * vector[k + j];
+    copy_rows(vector + row, part, rows);
 }
 
 /*
  * L x = b, second half: the triangle of the diagonal tile. Separate from the first half, so that
  * vectors stay whole there.
  */
-static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *x)
+static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
-    const pzs_real *restrict l = column(matrix, panel, row);
-    pzs_real y[PZS_TILE] = {0};
+    const pzs_real *restrict lower = column(matrix, panel, row);
+    pzs_real part[PZS_TILE] = {0};
 
-    copy_rows(y, x + row, rows);
+    copy_rows(part, vector + row, rows);
     UNROLLED
-    for (int k = 0; k < PZS_TILE; k++, l += PZS_TILE)
+    for (int k = 0; k < PZS_TILE; k++, lower += PZS_TILE)
         UNROLLED
     for (int i = k + 1; i < PZS_TILE; i++)
-        y[i] -= l[i] * y[k];
-    copy_rows(x + row, y, rows);
+        part[i] -= lower[i] * part[k];
+    copy_rows(vector + row, part, rows);
 }
 
 /*
  * L^T x = b, one panel: finish its rows, then subtract them from the x_k to its left, the last row
  * first.
  */
-static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *x)
+static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
     const uint32_t left = left_of(matrix, panel);
     const pzs_real *restrict tile = column(matrix, panel, row);
-    const pzs_real *restrict l = column(matrix, panel, left);
-    pzs_real y[PZS_TILE] = {0};
+    const pzs_real *restrict lower = column(matrix, panel, left);
+    pzs_real part[PZS_TILE] = {0};
 
-    copy_rows(y, x + row, rows);
+    copy_rows(part, vector + row, rows);
     UNROLLED
     for (int i = PZS_TILE - 1; i > 0; i--)
         UNROLLED
     for (int k = 0; k < i; k++)
-        y[k] -= tile[k * PZS_TILE + i] * y[i];
-    copy_rows(x + row, y, rows);
-    for (uint32_t k = left; k < row; k++, l += PZS_TILE)
+        part[k] -= tile[k * PZS_TILE + i] * part[i];
+    copy_rows(vector + row, part, rows);
+    for (uint32_t k = left; k < row; k++, lower += PZS_TILE)
         UNROLLED
     for (int i = PZS_TILE - 1; i >= 0; i--)
-        x[k] -= l[i] * y[i];
+        vector[k] -= lower[i] * part[i];
 }
 
 /* Each panel is applied to all right-hand sides while it is in cache. */
-void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *x, uint32_t count, size_t stride)
+void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
+                           size_t stride)
 {
     const uint32_t panels = panels_of(matrix->n);
 
-    for (uint32_t p = 0; p < panels; p++) {
-        for (uint32_t r = 0; r < count; r++)
-            forward_known(matrix, p, x + r * stride);
-        for (uint32_t r = 0; r < count; r++)
-            forward_triangle(matrix, p, x + r * stride);
+    for (uint32_t panel = 0; panel < panels; panel++) {
+        for (uint32_t side = 0; side < count; side++)
+            forward_known(matrix, panel, vector + side * stride);
+        for (uint32_t side = 0; side < count; side++)
+            forward_triangle(matrix, panel, vector + side * stride);
     }
-    for (uint32_t r = 0; r < count; r++)
+    for (uint32_t side = 0; side < count; side++)
         for (uint32_t i = 0; i < matrix->n; i++)
-            x[r * stride + i] *= matrix->inverse[i];
-    for (uint32_t p = panels; p-- > 0;)
-        for (uint32_t r = 0; r < count; r++)
-            backward(matrix, p, x + r * stride);
+            vector[side * stride + i] *= matrix->inverse[i];
+    for (uint32_t panel = panels; panel-- > 0;)
+        for (uint32_t side = 0; side < count; side++)
+            backward(matrix, panel, vector + side * stride);
 }
 
-void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *x)
+void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *vector)
 {
-    pzs_linalg_solve_many(matrix, x, 1, 0);
+    pzs_linalg_solve_many(matrix, vector, 1, 0);
 }
 
 /* ---- condition -------------------------------------------------------- */
 
-static pzs_real norm1(const pzs_real *x, uint32_t n)
+static pzs_real norm1(const pzs_real *vector, uint32_t count)
 {
     pzs_real sum = 0;
 
-    for (uint32_t i = 0; i < n; i++)
-        sum += PZS_ABS(x[i]);
+    for (uint32_t i = 0; i < count; i++)
+        sum += PZS_ABS(vector[i]);
     return sum;
 }
 
@@ -446,24 +449,24 @@ static pzs_real norm1(const pzs_real *x, uint32_t n)
  * Replace y by the signs of its entries; `sign` holds the previous signs. Returns how many have
  * changed.
  */
-static uint32_t take_signs(pzs_real *y, pzs_real *sign, uint32_t n)
+static uint32_t take_signs(pzs_real *vector, pzs_real *sign, uint32_t count)
 {
     uint32_t changed = 0;
 
-    for (uint32_t i = 0; i < n; i++) {
-        y[i] = y[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
-        changed += y[i] * sign[i] > 0 ? 0u : 1u;
-        sign[i] = y[i];
+    for (uint32_t i = 0; i < count; i++) {
+        vector[i] = vector[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
+        changed += vector[i] * sign[i] > 0 ? 0u : 1u;
+        sign[i] = vector[i];
     }
     return changed;
 }
 
-static uint32_t largest(const pzs_real *x, uint32_t n)
+static uint32_t largest(const pzs_real *vector, uint32_t count)
 {
     uint32_t at = 0;
 
-    for (uint32_t i = 1; i < n; i++)
-        if (PZS_ABS(x[i]) > PZS_ABS(x[at]))
+    for (uint32_t i = 1; i < count; i++)
+        if (PZS_ABS(vector[i]) > PZS_ABS(vector[at]))
             at = i;
     return at;
 }
@@ -472,17 +475,17 @@ static uint32_t largest(const pzs_real *x, uint32_t n)
  * |A^-1 b| / |b| for the b of alternating signs and growing size that defeats cancellation (Higham
  * 1988, section 3).
  */
-static pzs_real alternating(const pzs_envelope *matrix, pzs_real *x)
+static pzs_real alternating(const pzs_envelope *matrix, pzs_real *vector)
 {
     pzs_real size;
 
     for (uint32_t i = 0; i < matrix->n; i++) {
-        const pzs_real b = 1 + (pzs_real)i / (pzs_real)matrix->n;
-        x[i] = i % 2u != 0u ? -b : b;
+        const pzs_real size_of_entry = 1 + (pzs_real)i / (pzs_real)matrix->n;
+        vector[i] = i % 2u != 0u ? -size_of_entry : size_of_entry;
     }
-    size = norm1(x, matrix->n);
-    pzs_linalg_solve(matrix, x);
-    return norm1(x, matrix->n) / size;
+    size = norm1(vector, matrix->n);
+    pzs_linalg_solve(matrix, vector);
+    return norm1(vector, matrix->n) / size;
 }
 
 /*
@@ -492,31 +495,31 @@ static pzs_real alternating(const pzs_envelope *matrix, pzs_real *x)
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {
-    const uint32_t n = matrix->n;
-    pzs_real *x = work;
-    pzs_real *sign = work + n;
+    const uint32_t rows = matrix->n;
+    pzs_real *vector = work;
+    pzs_real *sign = work + rows;
     pzs_real inverse = 0;
     pzs_real other;
 
-    for (uint32_t i = 0; i < n; i++) {
-        x[i] = 1 / (pzs_real)n;
+    for (uint32_t i = 0; i < rows; i++) {
+        vector[i] = 1 / (pzs_real)rows;
         sign[i] = 0;
     }
     for (int corner = 0; corner < 5; corner++) {
         uint32_t best;
-        pzs_linalg_solve(matrix, x);
-        if (!(norm1(x, n) > inverse))
+        pzs_linalg_solve(matrix, vector);
+        if (!(norm1(vector, rows) > inverse))
             break;
-        inverse = norm1(x, n);
-        if (take_signs(x, sign, n) == 0)
+        inverse = norm1(vector, rows);
+        if (take_signs(vector, sign, rows) == 0)
             break;
-        pzs_linalg_solve(matrix, x);
-        best = largest(x, n);
-        if (!(PZS_ABS(x[best]) > inverse))
+        pzs_linalg_solve(matrix, vector);
+        best = largest(vector, rows);
+        if (!(PZS_ABS(vector[best]) > inverse))
             break;
-        memset(x, 0, n * sizeof *x);
-        x[best] = 1;
+        memset(vector, 0, rows * sizeof *vector);
+        vector[best] = 1;
     }
-    other = alternating(matrix, x);
+    other = alternating(matrix, vector);
     return norm_a * (other <= inverse ? inverse : other);
 }

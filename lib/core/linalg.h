@@ -20,7 +20,7 @@
  * Number of reals that the entries of an envelope take, padding included.
  *   first [n]  in  first column of each row
  */
-size_t pzs_linalg_reals(const uint16_t *first, uint32_t n);
+size_t pzs_linalg_reals(const uint16_t *first, uint32_t rows);
 
 /*
  * Lay out an envelope whose n, first and start pointers are set: compute the panel starts and set
@@ -35,7 +35,7 @@ void pzs_linalg_clear(pzs_envelope *matrix);
  *   index [n / PZS_TILE + 2], [n]  memory of the panel starts (uint32_t), followed by the
  *                                  first columns (uint16_t)
  */
-void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t n, pzs_real *work, void *index);
+void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work, void *index);
 
 /* Address of entry (i, j), first[i] <= j <= i. */
 pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j);
@@ -73,16 +73,17 @@ typedef struct linalg_inertia {
 linalg_inertia pzs_linalg_factor(pzs_envelope *matrix);
 
 /* x . y, summed in ascending order. */
-pzs_real pzs_linalg_inner(const pzs_real *x, const pzs_real *y, uint32_t n);
+pzs_real pzs_linalg_inner(const pzs_real *left, const pzs_real *right, uint32_t count);
 
-/* Solve L D L^T x = b in place. x [n] in b, out solution. */
-void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *x);
+/* Solve L D L^T x = b in place. vector [n] in b, out solution. */
+void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *vector);
 
 /*
  * Solve L D L^T x = b in place for `count` right-hand sides x of n entries each, whose first
  * entries are `stride` apart.
  */
-void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *x, uint32_t count, size_t stride);
+void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
+                           size_t stride);
 
 /*
  * Estimate the condition number in the 1-norm (Hager, Higham) from the factor.

@@ -5,22 +5,22 @@
 
 #include "pzs_base.h"
 
-static inline pzs_real number_absolute(pzs_real x)
+static inline pzs_real number_absolute(pzs_real number)
 {
-    return PZS_ABS(x);
+    return PZS_ABS(number);
 }
 
 /* x inside [lower, upper]; upper if x is NaN and lower <= upper. */
-static inline pzs_real number_clamp(pzs_real x, pzs_real lower, pzs_real upper)
+static inline pzs_real number_clamp(pzs_real number, pzs_real lower, pzs_real upper)
 {
-    const pzs_real below_upper = x > upper ? upper : x;
-    return x < lower ? lower : below_upper;
+    const pzs_real below_upper = number > upper ? upper : number;
+    return number < lower ? lower : below_upper;
 }
 
 /* Neither NaN nor infinite: x - x is zero for finite numbers alone. */
-static inline bool number_is_finite(pzs_real x)
+static inline bool number_is_finite(pzs_real number)
 {
-    const pzs_real zero = x - x;
+    const pzs_real zero = number - number;
     return zero <= 0;
 }
 

@@ -24,20 +24,20 @@
  * y_i = from_i + row i times x over `cols` columns, with x in registers. `from` advances by `step`.
  */
 #define MULTIPLY(name, COUNT)                                                                      \
-    static void name(pzs_real *y, const pzs_real *from, size_t step, const pzs_real *a,            \
-                     size_t stride, const pzs_real *x, size_t rows, size_t cols)                   \
+    static void name(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,  \
+                     size_t stride, const pzs_real *vector, size_t rows, size_t cols)              \
     {                                                                                              \
         pzs_real part[COUNT];                                                                      \
         UNROLLED                                                                                   \
         for (unsigned k = 0; k < (COUNT); k++)                                                     \
-            part[k] = x[k];                                                                        \
-        for (size_t i = 0; i < rows; i++, a += stride, from += step) {                             \
+            part[k] = vector[k];                                                                   \
+        for (size_t i = 0; i < rows; i++, table += stride, from += step) {                         \
             pzs_real sum = *from;                                                                  \
             UNROLLED                                                                               \
             for (unsigned k = 0; k < (COUNT); k++)                                                 \
                 if (IS_COLUMN(k, COUNT))                                                           \
-                    sum += a[k] * part[k];                                                         \
-            y[i] = sum;                                                                            \
+                    sum += table[k] * part[k];                                                     \
+            product[i] = sum;                                                                      \
         }                                                                                          \
     }
 
@@ -46,8 +46,8 @@ MULTIPLY(multiply_some, 4u * FEW)
 MULTIPLY(multiply_four, 4u)
 
 /* y = from + a x; `from` has the entries 0, step, 2 step ... */
-static void multiply(pzs_real *y, const pzs_real *from, size_t step, const pzs_real *a,
-                     const pzs_real *x, size_t rows, size_t cols)
+static void multiply(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,
+                     const pzs_real *vector, size_t rows, size_t cols)
 {
     for (size_t j = 0, now; j < cols; j += now) {
         const size_t left = cols - j, fours = (left + 3u) / 4u;
@@ -58,12 +58,12 @@ static void multiply(pzs_real *y, const pzs_real *from, size_t step, const pzs_r
             now = 4u * FEW;
         now = now < left ? now : left;
         if (fours >= FOURS)
-            multiply_many(y, from, step, a + j, cols, x + j, rows, now);
+            multiply_many(product, from, step, table + j, cols, vector + j, rows, now);
         else if (fours >= FEW)
-            multiply_some(y, from, step, a + j, cols, x + j, rows, now);
+            multiply_some(product, from, step, table + j, cols, vector + j, rows, now);
         else
-            multiply_four(y, from, step, a + j, cols, x + j, rows, now);
-        from = y;
+            multiply_four(product, from, step, table + j, cols, vector + j, rows, now);
+        from = product;
         step = 1;
     }
 }
@@ -74,23 +74,23 @@ static void multiply(pzs_real *y, const pzs_real *from, size_t step, const pzs_r
  */
 #define LONG_ROW 128u
 
-void pzs_product_matrix(pzs_real *restrict y, const pzs_real *restrict a,
-                        const pzs_real *restrict x, size_t rows, size_t cols)
+void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict table,
+                        const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     static const pzs_real zero = 0;
     if (cols < LONG_ROW)
-        multiply(y, &zero, 0, a, x, rows, cols);
+        multiply(product, &zero, 0, table, vector, rows, cols);
     for (size_t i = 0; cols >= LONG_ROW && i < rows; i++)
-        y[i] = pzs_product_dot(a + i * cols, x, cols);
+        product[i] = pzs_product_dot(table + i * cols, vector, cols);
 }
 
-void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
-                     const pzs_real *restrict a, const pzs_real *restrict x, size_t rows,
+void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
+                     const pzs_real *restrict table, const pzs_real *restrict vector, size_t rows,
                      size_t cols)
 {
     if (cols == 0)
-        memcpy(y, from, rows * sizeof *y);
-    multiply(y, from, 1, a, x, rows, cols);
+        memcpy(product, from, rows * sizeof *product);
+    multiply(product, from, 1, table, vector, rows, cols);
 }
 
 /* ---- sums of rows -------------------------------------------------------------- */
@@ -99,24 +99,24 @@ void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
 
 /* y = sum of x_i times row i, over `cols` columns, more than COUNT - 1 tiles. */
 #define SUM_TILES(name, COUNT)                                                                     \
-    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,              \
-                     const pzs_real *restrict x, size_t rows, size_t cols)                         \
+    static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
+                     const pzs_real *restrict vector, size_t rows, size_t cols)                    \
     {                                                                                              \
         pzs_real sum[4 * (COUNT)];                                                                 \
         UNROLLED                                                                                   \
         for (unsigned k = 0; k < 4u * (COUNT); k++)                                                \
             sum[k] = 0;                                                                            \
-        for (size_t i = 0; i < rows; i++, a += stride) {                                           \
-            const pzs_real xi = x[i];                                                              \
+        for (size_t i = 0; i < rows; i++, table += stride) {                                       \
+            const pzs_real factor = vector[i];                                                     \
             UNROLLED                                                                               \
             for (unsigned k = 0; k < 4u * (COUNT); k++)                                            \
                 if (IS_COLUMN(k, 4u * (COUNT)))                                                    \
-                    sum[k] += xi * a[k];                                                           \
+                    sum[k] += factor * table[k];                                                   \
         }                                                                                          \
         UNROLLED                                                                                   \
         for (unsigned k = 0; k < 4u * (COUNT); k++)                                                \
             if (IS_COLUMN(k, 4u * (COUNT)))                                                        \
-                y[k] = sum[k];                                                                     \
+                product[k] = sum[k];                                                               \
     }
 
 #else
@@ -130,22 +130,22 @@ void pzs_product_add(pzs_real *restrict y, const pzs_real *restrict from,
 
 /* The same for whole tiles. */
 #define SUM_TILES(name, COUNT)                                                                     \
-    static void name(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,              \
-                     const pzs_real *restrict x, size_t rows, size_t cols)                         \
+    static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
+                     const pzs_real *restrict vector, size_t rows, size_t cols)                    \
     {                                                                                              \
         lane sum[(COUNT)*IN_TILE];                                                                 \
         const size_t last = cols - PZS_TILE;                                                       \
         UNROLLED                                                                                   \
         for (unsigned k = 0; k < (COUNT)*IN_TILE; k++)                                             \
             sum[k] = (lane){0};                                                                    \
-        for (size_t i = 0; i < rows; i++, a += stride) {                                           \
+        for (size_t i = 0; i < rows; i++, table += stride) {                                       \
             UNROLLED                                                                               \
             for (unsigned k = 0; k < (COUNT)*IN_TILE; k++)                                         \
-                sum[k] += x[i] * *(const lane *)(a + LANE_AT(k, COUNT));                           \
+                sum[k] += vector[i] * *(const lane *)(table + LANE_AT(k, COUNT));                  \
         }                                                                                          \
         UNROLLED                                                                                   \
         for (unsigned k = 0; k < (COUNT)*IN_TILE; k++)                                             \
-            *(lane *)(y + LANE_AT(k, COUNT)) = sum[k];                                             \
+            *(lane *)(product + LANE_AT(k, COUNT)) = sum[k];                                       \
     }
 
 #endif
@@ -155,21 +155,21 @@ SUM_TILES(sum_some, SOME)
 SUM_TILES(sum_one, 1)
 
 /* The same for fewer columns than a tile. */
-static void sum_few(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,
-                    const pzs_real *restrict x, size_t rows, size_t cols)
+static void sum_few(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                    const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     for (size_t j = 0; j < cols; j++) {
-        y[j] = 0;
+        product[j] = 0;
         for (size_t i = 0; i < rows; i++)
-            y[j] += x[i] * a[i * stride + j];
+            product[j] += vector[i] * table[i * stride + j];
     }
 }
 
-void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size_t stride,
-                          const pzs_real *restrict x, size_t rows, size_t cols)
+void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                          const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     if (PZS_TILE > 4 && cols < PZS_TILE) {
-        sum_few(y, a, stride, x, rows, cols);
+        sum_few(product, table, stride, vector, rows, cols);
         return;
     }
     for (size_t j = 0, end; j < cols; j = end) {
@@ -182,11 +182,11 @@ void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size
         end = j + now * PZS_TILE < cols ? j + now * PZS_TILE : cols;
         const size_t from = PZS_TILE == 4 || now > 1u ? j : end - PZS_TILE;
         if (now == MANY)
-            sum_many(y + from, a + from, stride, x, rows, end - from);
+            sum_many(product + from, table + from, stride, vector, rows, end - from);
         else if (now == SOME)
-            sum_some(y + from, a + from, stride, x, rows, end - from);
+            sum_some(product + from, table + from, stride, vector, rows, end - from);
         else
-            sum_one(y + from, a + from, stride, x, rows, end - from);
+            sum_one(product + from, table + from, stride, vector, rows, end - from);
     }
 }
 
@@ -200,22 +200,22 @@ void pzs_product_sum_rows(pzs_real *restrict y, const pzs_real *restrict a, size
  * the bits are the same at any vector width. Zeros that fill up a tile change nothing.
  */
 #define SUM_OF(name, TERM)                                                                         \
-    pzs_real name(const pzs_real *x, const pzs_real *y, size_t n)                                  \
+    pzs_real name(const pzs_real *left, const pzs_real *right, size_t count)                       \
     {                                                                                              \
         pzs_real sum[LANES] = {0};                                                                 \
         size_t i = 0;                                                                              \
-        for (; i + LANES <= n; i += LANES) {                                                       \
+        for (; i + LANES <= count; i += LANES) {                                                   \
             UNROLLED                                                                               \
             for (unsigned k = 0; k < LANES; k++)                                                   \
-                sum[k] += TERM(x[i + k], y[i + k]);                                                \
+                sum[k] += TERM(left[i + k], right[i + k]);                                         \
         }                                                                                          \
-        for (; i + 4u <= n; i += 4u) {                                                             \
+        for (; i + 4u <= count; i += 4u) {                                                         \
             UNROLLED                                                                               \
             for (unsigned k = 0; k < 4u; k++)                                                      \
-                sum[k] += TERM(x[i + k], y[i + k]);                                                \
+                sum[k] += TERM(left[i + k], right[i + k]);                                         \
         }                                                                                          \
-        for (; i < n; i++)                                                                         \
-            sum[0] += TERM(x[i], y[i]);                                                            \
+        for (; i < count; i++)                                                                     \
+            sum[0] += TERM(left[i], right[i]);                                                     \
         return ADD_LANES(sum);                                                                     \
     }
 
@@ -226,35 +226,37 @@ SUM_OF(pzs_product_dot, PRODUCT)
 SUM_OF(pzs_product_dot_size, PRODUCT_SIZE)
 SUM_OF(pzs_product_energy, PRODUCT_SQUARE)
 
-pzs_real pzs_product_weigh(pzs_real *restrict z, const pzs_real *restrict w,
-                           const pzs_real *restrict x, const pzs_real *restrict y, size_t n)
+pzs_real pzs_product_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,
+                           const pzs_real *restrict left, const pzs_real *restrict right,
+                           size_t count)
 {
     pzs_real sum[LANES] = {0};
     size_t i = 0;
-    for (; i + LANES <= n; i += LANES) {
+    for (; i + LANES <= count; i += LANES) {
         UNROLLED
         for (unsigned k = 0; k < LANES; k++) {
-            const pzs_real miss = x[i + k] - y[i + k], weighted = w[i + k] * w[i + k] * miss;
-            z[i + k] = weighted;
+            const pzs_real miss = left[i + k] - right[i + k],
+                           weighted = weight[i + k] * weight[i + k] * miss;
+            weighted_difference[i + k] = weighted;
             sum[k] += weighted * miss;
         }
     }
-    for (; i < n; i++) {
-        const pzs_real miss = x[i] - y[i];
-        z[i] = w[i] * w[i] * miss;
-        sum[0] += z[i] * miss;
+    for (; i < count; i++) {
+        const pzs_real miss = left[i] - right[i];
+        weighted_difference[i] = weight[i] * weight[i] * miss;
+        sum[0] += weighted_difference[i] * miss;
     }
     return ADD_LANES(sum);
 }
 
-pzs_real pzs_product_largest(const pzs_real *x, size_t n)
+pzs_real pzs_product_largest(const pzs_real *vector, size_t count)
 {
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < n; i += 4u) {
-        s0 = x[i] > s0 ? x[i] : s0;
-        s1 = x[i + 1u] > s1 ? x[i + 1u] : s1;
-        s2 = x[i + 2u] > s2 ? x[i + 2u] : s2;
-        s3 = x[i + 3u] > s3 ? x[i + 3u] : s3;
+    for (size_t i = 0; i < count; i += 4u) {
+        s0 = vector[i] > s0 ? vector[i] : s0;
+        s1 = vector[i + 1u] > s1 ? vector[i + 1u] : s1;
+        s2 = vector[i + 2u] > s2 ? vector[i + 2u] : s2;
+        s3 = vector[i + 3u] > s3 ? vector[i + 3u] : s3;
     }
     s0 = s1 > s0 ? s1 : s0;
     s2 = s3 > s2 ? s3 : s2;

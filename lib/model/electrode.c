@@ -69,17 +69,17 @@ uint32_t pzs_electrode_open_count(const pzs_electrodes *tables)
     return open;
 }
 
-uint32_t pzs_electrode_open(const pzs_electrodes *tables, uint32_t a)
+uint32_t pzs_electrode_open(const pzs_electrodes *tables, uint32_t open)
 {
     uint32_t k = 0;
-    for (; k + 1 < tables->count && (!tables->open[k] || a > 0); k++)
-        a -= tables->open[k] != 0;
+    for (; k + 1 < tables->count && (!tables->open[k] || open > 0); k++)
+        open -= tables->open[k] != 0;
     return k;
 }
 
-uint16_t pzs_electrode_open_input(const pzs_electrodes *tables, uint32_t a)
+uint16_t pzs_electrode_open_input(const pzs_electrodes *tables, uint32_t open)
 {
-    return tables->input[pzs_electrode_open(tables, a)];
+    return tables->input[pzs_electrode_open(tables, open)];
 }
 
 pzs_real pzs_electrode_direct(const pzs_electrodes *tables, uint32_t electrode, uint32_t input)
@@ -147,15 +147,15 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 {
     const pzs_rows *input = &electric->state.model->state.structure->input,
                    *direct = &electric->state.tables->direct;
-    pzs_real *u =
+    pzs_real *displacement =
         electric->state.model->state.work + 5 * (size_t)electric->state.model->state.stiffness.n;
     memset(electric->state.value, 0, input->count * sizeof *electric->state.value);
     electric->state.value[electric->state.tables->input[k]] = 1;
-    const pzs_status status = pzs_solve(electric->state.model, electric->state.value, u);
+    const pzs_status status = pzs_solve(electric->state.model, electric->state.value, displacement);
     for (uint32_t j = 0; j < input->count; j++) {
         *sensitivity(electric, k, j) = 0;
-        for (uint32_t t = input->start[j]; t < input->start[j + 1]; t++)
-            *sensitivity(electric, k, j) += input->value[t] * u[input->dof[t]];
+        for (uint32_t entry = input->start[j]; entry < input->start[j + 1]; entry++)
+            *sensitivity(electric, k, j) += input->value[entry] * displacement[input->dof[entry]];
     }
     for (uint32_t i = direct->start[k]; i < direct->start[k + 1]; i++)
         *sensitivity(electric, k, direct->dof[i]) += direct->value[i];
@@ -169,11 +169,11 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 static int32_t factor_open(pzs_electric *electric)
 {
     pzs_linalg_clear(&electric->state.open);
-    for (uint32_t a = 0; a < electric->state.open.n; a++)
-        for (uint32_t b = 0; b <= a; b++)
-            *pzs_linalg_entry(&electric->state.open, a, b) =
-                *sensitivity(electric, pzs_electrode_open(electric->state.tables, a),
-                             pzs_electrode_open_input(electric->state.tables, b));
+    for (uint32_t open = 0; open < electric->state.open.n; open++)
+        for (uint32_t other = 0; other <= open; other++)
+            *pzs_linalg_entry(&electric->state.open, open, other) =
+                *sensitivity(electric, pzs_electrode_open(electric->state.tables, open),
+                             pzs_electrode_open_input(electric->state.tables, other));
     const linalg_inertia inertia = pzs_linalg_factor(&electric->state.open);
     const int32_t bad = inertia.zero >= 0 ? inertia.zero : inertia.first_negative;
     return bad < 0 ? -1 : (int32_t)pzs_electrode_open(electric->state.tables, (uint32_t)bad);
@@ -212,8 +212,8 @@ static pzs_real charge_under(const pzs_electric *electric, uint32_t electrode,
 static void write_open_voltages(const pzs_electric *electric, const pzs_real *voltage,
                                 pzs_real *value)
 {
-    for (uint32_t a = 0; a < electric->state.open.n; a++)
-        value[pzs_electrode_open_input(electric->state.tables, a)] = voltage[a];
+    for (uint32_t open = 0; open < electric->state.open.n; open++)
+        value[pzs_electrode_open_input(electric->state.tables, open)] = voltage[open];
 }
 
 pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *value)
@@ -223,17 +223,17 @@ pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *value)
     if (electric->state.stage != ELECTRIC_FACTORED)
         return PZS_E_STAGE;
     pzs_real *voltage = electric->state.value;
-    for (uint32_t a = 0; a < electric->state.open.n; a++) {
-        voltage[a] = value[pzs_electrode_open_input(electric->state.tables, a)];
-        value[pzs_electrode_open_input(electric->state.tables, a)] = 0;
+    for (uint32_t open = 0; open < electric->state.open.n; open++) {
+        voltage[open] = value[pzs_electrode_open_input(electric->state.tables, open)];
+        value[pzs_electrode_open_input(electric->state.tables, open)] = 0;
     }
     if (pzs_guard_nonfinite(value, electric->state.model->state.structure->input.count) >= 0) {
         write_open_voltages(electric, voltage, value);
         return PZS_E_NONFINITE;
     }
-    for (uint32_t a = 0; a < electric->state.open.n; a++) {
-        const uint32_t k = pzs_electrode_open(electric->state.tables, a);
-        voltage[a] = electric->settings.charge[k] - charge_under(electric, k, value);
+    for (uint32_t open = 0; open < electric->state.open.n; open++) {
+        const uint32_t k = pzs_electrode_open(electric->state.tables, open);
+        voltage[open] = electric->settings.charge[k] - charge_under(electric, k, value);
     }
     pzs_linalg_solve(&electric->state.open, voltage);
     write_open_voltages(electric, voltage, value);
@@ -263,18 +263,19 @@ pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
     if (electric->state.stage != ELECTRIC_FACTORED)
         return PZS_E_STAGE;
     const uint32_t inputs = electric->state.model->state.structure->input.count;
-    pzs_real *w = electric->state.value;
+    pzs_real *per_charge = electric->state.value;
     for (uint32_t i = 0; i < electric->state.model->state.structure->output.count; i++) {
         pzs_real *row = influence + (size_t)i * inputs;
-        for (uint32_t a = 0; a < electric->state.open.n; a++)
-            w[a] = row[pzs_electrode_open_input(electric->state.tables, a)];
-        pzs_linalg_solve(&electric->state.open, w);
-        for (uint32_t a = 0; a < electric->state.open.n; a++)
+        for (uint32_t open = 0; open < electric->state.open.n; open++)
+            per_charge[open] = row[pzs_electrode_open_input(electric->state.tables, open)];
+        pzs_linalg_solve(&electric->state.open, per_charge);
+        for (uint32_t open = 0; open < electric->state.open.n; open++)
             for (uint32_t j = 0; j < inputs; j++)
                 row[j] -=
-                    w[a] * *sensitivity(electric, pzs_electrode_open(electric->state.tables, a), j);
-        for (uint32_t a = 0; a < electric->state.open.n; a++)
-            row[pzs_electrode_open_input(electric->state.tables, a)] = w[a];
+                    per_charge[open] *
+                    *sensitivity(electric, pzs_electrode_open(electric->state.tables, open), j);
+        for (uint32_t open = 0; open < electric->state.open.n; open++)
+            row[pzs_electrode_open_input(electric->state.tables, open)] = per_charge[open];
     }
     return PZS_OK;
 }

@@ -18,10 +18,10 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs);
 pzs_status pzs_electrode_check(const pzs_electrodes *tables, const pzs_structure *structure);
 
 /* Index, among all electrodes, of open electrode number a. */
-uint32_t pzs_electrode_open(const pzs_electrodes *tables, uint32_t a);
+uint32_t pzs_electrode_open(const pzs_electrodes *tables, uint32_t open);
 
 /* Index, among all inputs, of the voltage of open electrode number a. */
-uint16_t pzs_electrode_open_input(const pzs_electrodes *tables, uint32_t a);
+uint16_t pzs_electrode_open_input(const pzs_electrodes *tables, uint32_t open);
 
 /* Number of open electrodes. */
 uint32_t pzs_electrode_open_count(const pzs_electrodes *tables);

@@ -45,12 +45,12 @@ static bool structure_complete(const pzs_structure *structure)
 /* Whether the row starts ascend and every dof index is below `dof`. */
 static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 {
-    for (uint32_t r = 0; r < rows->count; r++)
-        if (rows->start[r] > rows->start[r + 1])
+    for (uint32_t row = 0; row < rows->count; row++)
+        if (rows->start[row] > rows->start[row + 1])
             return false;
-    for (uint32_t t = rows->count ? rows->start[0] : 0; rows->count && t < rows->start[rows->count];
-         t++)
-        if (rows->dof[t] >= dof)
+    for (uint32_t entry = rows->count ? rows->start[0] : 0;
+         rows->count && entry < rows->start[rows->count]; entry++)
+        if (rows->dof[entry] >= dof)
             return false;
     return true;
 }
@@ -90,13 +90,13 @@ static bool indices_in_range(const pzs_structure *structure)
     for (uint32_t i = 0; i < structure->free_dof; i++)
         if (structure->first_column[i] > i)
             return false;
-    for (uint32_t e = 0; e < structure->elements; e++) {
-        if (structure->element_type[e] >= structure->types)
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        if (structure->element_type[element] >= structure->types)
             return false;
-        for (int r = 0; r < SHELL_NODES; r++)
-            if (structure->element[e][r] >= structure->nodes)
+        for (int corner = 0; corner < SHELL_NODES; corner++)
+            if (structure->element[element][corner] >= structure->nodes)
                 return false;
-        if (!element_in_envelope(structure, structure->element[e]))
+        if (!element_in_envelope(structure, structure->element[element]))
             return false;
     }
     return rows_in_range(&structure->input, structure->free_dof) &&
@@ -119,23 +119,23 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
     if (!indices_in_range(structure))
         return PZS_E_ARGUMENT;
 
-    const uint32_t n = structure->free_dof;
-    const size_t entries = pzs_linalg_reals(structure->first_column, n);
+    const uint32_t free_dof = structure->free_dof;
+    const size_t entries = pzs_linalg_reals(structure->first_column, free_dof);
     if (entries > SIZE_MAX / 2 / sizeof(pzs_real))
         return fail(model, PZS_E_WORKSPACE, INT32_MAX);
-    const int32_t missing = guard_missing_bytes(work, bytes, PZS_MODEL_BYTES(n, entries));
+    const int32_t missing = guard_missing_bytes(work, bytes, PZS_MODEL_BYTES(free_dof, entries));
     if (missing >= 0)
         return fail(model, PZS_E_WORKSPACE, missing);
 
     pzs_real *real = work;
     model->state.structure = structure;
-    model->state.stiffness.n = n;
+    model->state.stiffness.n = free_dof;
     model->state.stiffness.first = structure->first_column;
     model->state.stiffness.value = real;
     model->state.stiffness.inverse = real + entries;
-    model->state.scale = model->state.stiffness.inverse + n;
-    model->state.work = model->state.scale + n;
-    model->state.stiffness.start = (uint32_t *)(void *)(model->state.work + 6 * (size_t)n);
+    model->state.scale = model->state.stiffness.inverse + free_dof;
+    model->state.work = model->state.scale + free_dof;
+    model->state.stiffness.start = (uint32_t *)(void *)(model->state.work + 6 * (size_t)free_dof);
     pzs_linalg_layout(&model->state.stiffness);
     model->info.residual = -1;
     model->state.stage = STAGE_READY;
@@ -241,10 +241,10 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
     model->state.constrained = constrained;
     pzs_linalg_clear(&model->state.stiffness);
     const pzs_structure *structure = model->state.structure;
-    for (uint32_t e = 0; e < structure->elements; e++)
+    for (uint32_t element = 0; element < structure->elements; element++)
         pzs_model_add_matrix(
-            model, structure->element[e], SHELL_NODES, pzs_model_type_factor(model, e),
-            structure->stiffness + structure->element_type[e] *
+            model, structure->element[element], SHELL_NODES, pzs_model_type_factor(model, element),
+            structure->stiffness + structure->element_type[element] *
                                        (size_t)SHELL_PACKED(SHELL_NODES * structure->dof_per_node));
     for (uint32_t i = 0; constrained && i < model->state.stiffness.n; i++)
         if (constrained[i])
@@ -295,54 +295,54 @@ pzs_status pzs_factor(pzs_model *model)
 /* ---- solve ------------------------------------------------------------ */
 
 void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned count,
-                      const pzs_real *p, pzs_real *u)
+                      const pzs_real *vector, pzs_real *gathered)
 {
-    for (unsigned r = 0; r < count; r++)
+    for (unsigned at = 0; at < count; at++)
         for (unsigned i = 0; i < model->state.structure->dof_per_node; i++) {
-            const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[r])[i]);
-            *u++ = dof == PZS_CONSTRAINED ? 0 : p[dof];
+            const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[at])[i]);
+            *gathered++ = dof == PZS_CONSTRAINED ? 0 : vector[dof];
         }
 }
 
 void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned count,
-                       pzs_real factor, const pzs_real *u, pzs_real *f)
+                       pzs_real factor, const pzs_real *gathered, pzs_real *vector)
 {
-    for (unsigned r = 0; r < count; r++)
-        for (unsigned i = 0; i < model->state.structure->dof_per_node; i++, u++) {
-            const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[r])[i]);
+    for (unsigned at = 0; at < count; at++)
+        for (unsigned i = 0; i < model->state.structure->dof_per_node; i++, gathered++) {
+            const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[at])[i]);
             if (dof != PZS_CONSTRAINED)
-                f[dof] += factor * *u;
+                vector[dof] += factor * *gathered;
         }
 }
 
 /* f += K p, summed over the elements from strains */
-static void add_force(const pzs_model *model, const pzs_real *p, pzs_real *f)
+static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *force)
 {
     const pzs_structure *structure = model->state.structure;
-    for (uint32_t e = 0; e < structure->elements; e++) {
-        pzs_real u[SHELL_MAX]; /* displacement, then force */
-        pzs_model_gather(model, structure->element[e], SHELL_NODES, p, u);
-        pzs_shell_force(&structure->type[structure->element_type[e]], structure->dof_per_node, u,
-                        u);
-        pzs_model_scatter(model, structure->element[e], SHELL_NODES,
-                          pzs_model_type_factor(model, e), u, f);
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        pzs_real element_vector[SHELL_MAX]; /* displacement, then force */
+        pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
+        pzs_shell_force(&structure->type[structure->element_type[element]], structure->dof_per_node,
+                        element_vector, element_vector);
+        pzs_model_scatter(model, structure->element[element], SHELL_NODES,
+                          pzs_model_type_factor(model, element), element_vector, force);
     }
 }
 
-void pzs_model_backsolve(const pzs_model *model, const pzs_real *r, pzs_real *z)
+void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement)
 {
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
-        z[i] = model->state.scale[i] * r[i];
-    pzs_linalg_solve(&model->state.stiffness, z);
+        displacement[i] = model->state.scale[i] * force[i];
+    pzs_linalg_solve(&model->state.stiffness, displacement);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
-        z[i] *= model->state.scale[i];
+        displacement[i] *= model->state.scale[i];
 }
 
-pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *r)
+pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
 {
     pzs_real sum = 0;
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
-        sum += model->state.scale[i] * r[i] * (model->state.scale[i] * r[i]);
+        sum += model->state.scale[i] * force[i] * (model->state.scale[i] * force[i]);
     return sum;
 }
 
@@ -387,31 +387,32 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     }
 }
 
-void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *f)
+void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *force)
 {
     const pzs_rows *in = &model->state.structure->input;
-    for (uint32_t t = in->start[j]; t < in->start[j + 1]; t++)
-        if (!(model->state.constrained && model->state.constrained[in->dof[t]]))
-            f[in->dof[t]] += value * in->value[t];
+    for (uint32_t entry = in->start[j]; entry < in->start[j + 1]; entry++)
+        if (!(model->state.constrained && model->state.constrained[in->dof[entry]]))
+            force[in->dof[entry]] += value * in->value[entry];
 }
 
 /*
  * Residual f - K u, recomputed from strains, and the energy norm of the error relative to that of
- * u. r, z [n] are work.
+ * u. r, correction [n] are work.
  */
-static void estimate_error(pzs_model *model, const pzs_real *f, const pzs_real *u, pzs_real *r,
-                           pzs_real *z)
+static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_real *displacement,
+                           pzs_real *residual, pzs_real *correction)
 {
-    const uint32_t n = model->state.stiffness.n;
-    const pzs_real load = pzs_model_scaled_norm2(model, f), energy = pzs_linalg_inner(f, u, n);
-    memset(r, 0, n * sizeof *r);
-    add_force(model, u, r);
-    for (uint32_t i = 0; i < n; i++)
-        r[i] = f[i] - r[i];
-    pzs_model_backsolve(model, r, z);
-    const pzs_real error = pzs_linalg_inner(r, z, n);
+    const uint32_t free_dof = model->state.stiffness.n;
+    const pzs_real load = pzs_model_scaled_norm2(model, force),
+                   energy = pzs_linalg_inner(force, displacement, free_dof);
+    memset(residual, 0, free_dof * sizeof *residual);
+    add_force(model, displacement, residual);
+    for (uint32_t i = 0; i < free_dof; i++)
+        residual[i] = force[i] - residual[i];
+    pzs_model_backsolve(model, residual, correction);
+    const pzs_real error = pzs_linalg_inner(residual, correction, free_dof);
     /* Rounding may make a tiny error negative; a NaN must stay NaN. */
-    model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, r) / load);
+    model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, residual) / load);
     const pzs_real error2 = error < 0 ? 0 : error;
     model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT(error2 / energy);
 }
@@ -420,11 +421,11 @@ static void estimate_error(pzs_model *model, const pzs_real *f, const pzs_real *
  * Multiply the force by a power of two that brings its largest scaled entry near 1, so that its
  * squares neither overflow nor underflow. Returns this power.
  */
-static pzs_real scale_force(const pzs_model *model, pzs_real *f)
+static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 {
     pzs_real largest = 0, unit = 1;
     for (uint32_t i = 0; i < model->state.stiffness.n; i++) {
-        const pzs_real size = model->state.scale[i] * (f[i] < 0 ? -f[i] : f[i]);
+        const pzs_real size = model->state.scale[i] * (force[i] < 0 ? -force[i] : force[i]);
         largest = size > largest ? size : largest;
     }
     for (int i = 0; i < 100 && largest > 0 && largest < (pzs_real)0.5; i++) {
@@ -436,44 +437,45 @@ static pzs_real scale_force(const pzs_model *model, pzs_real *f)
         unit /= 2;
     }
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
-        f[i] *= unit;
+        force[i] *= unit;
     return unit;
 }
 
 /*
- * Solve for the force in work[0] into u [n], with refinement where the structure has element types.
+ * Solve for the force in work[0] into displacement [n], with refinement where the structure has
+ * element types.
  */
-static void solve_scaled(pzs_model *model, pzs_real *u)
+static void solve_scaled(pzs_model *model, pzs_real *displacement)
 {
-    pzs_real *f = model->state.work, *r = f + model->state.stiffness.n;
+    pzs_real *force = model->state.work, *residual = force + model->state.stiffness.n;
     model->info.refinements = 0;
     model->info.residual = -1;
     model->info.error_estimate = -1;
     if (!model->state.structure->type) {
-        pzs_model_backsolve(model, f, u);
+        pzs_model_backsolve(model, force, displacement);
         return;
     }
-    memcpy(r, f, model->state.stiffness.n * sizeof *r);
-    refine(model, r, u);
-    estimate_error(model, f, u, r, r + model->state.stiffness.n);
+    memcpy(residual, force, model->state.stiffness.n * sizeof *residual);
+    refine(model, residual, displacement);
+    estimate_error(model, force, displacement, residual, residual + model->state.stiffness.n);
 }
 
-static pzs_status solve_force(pzs_model *model, pzs_real *u)
+static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
 {
     const pzs_real unit = scale_force(model, model->state.work);
-    solve_scaled(model, u);
+    solve_scaled(model, displacement);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
-        u[i] /= unit;
+        displacement[i] /= unit;
     /* The comparison is written so that NaN fails. */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
-                   pzs_guard_nonfinite(u, model->state.stiffness.n) < 0
+                   pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0
                ? PZS_OK
                : PZS_E_RESIDUAL;
 }
 
-pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *u)
+pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displacement)
 {
-    if (!model || !value || !u)
+    if (!model || !value || !displacement)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_FACTORED)
         return fail(model, PZS_E_STAGE, -1);
@@ -485,23 +487,25 @@ pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *u)
     for (uint32_t j = 0; j < inputs; j++)
         if (value[j] != 0)
             pzs_model_add_input(model, j, value[j], model->state.work);
-    return fail(model, solve_force(model, u), -1);
+    return fail(model, solve_force(model, displacement), -1);
 }
 
 /* ---- influence -------------------------------------------------------- */
 
-pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *u, uint32_t row)
+pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *displacement,
+                               uint32_t row)
 {
     pzs_real sum = 0;
-    for (uint32_t t = structure->output.start[row]; t < structure->output.start[row + 1]; t++)
-        sum += structure->output.value[t] * u[structure->output.dof[t]];
+    for (uint32_t entry = structure->output.start[row]; entry < structure->output.start[row + 1];
+         entry++)
+        sum += structure->output.value[entry] * displacement[structure->output.dof[entry]];
     return sum;
 }
 
-void pzs_observe(const pzs_structure *structure, const pzs_real *u, pzs_real *y)
+void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, pzs_real *output)
 {
     for (uint32_t row = 0; row < structure->output.count; row++)
-        y[row] = pzs_model_observe_row(structure, u, row);
+        output[row] = pzs_model_observe_row(structure, displacement, row);
 }
 
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
@@ -511,16 +515,16 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
     if (model->state.stage != STAGE_FACTORED)
         return fail(model, PZS_E_STAGE, -1);
     const pzs_structure *structure = model->state.structure;
-    pzs_real *u = model->state.work + 5 * (size_t)model->state.stiffness.n;
+    pzs_real *displacement = model->state.work + 5 * (size_t)model->state.stiffness.n;
     for (uint32_t j = 0; j < structure->input.count; j++) {
         memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
         pzs_model_add_input(model, j, 1, model->state.work);
-        const pzs_status status = solve_force(model, u);
+        const pzs_status status = solve_force(model, displacement);
         if (status != PZS_OK)
             return fail(model, status, (int32_t)j);
         for (uint32_t i = 0; i < structure->output.count; i++)
             influence[(size_t)i * structure->input.count + j] =
-                pzs_model_observe_row(structure, u, i);
+                pzs_model_observe_row(structure, displacement, i);
     }
     return fail(model, PZS_OK, -1);
 }

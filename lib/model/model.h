@@ -31,24 +31,25 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor,
                           const pzs_real *entry);
 
-/* u [count dof_per_node] = P p, zero at constrained dof.  p [free_dof] in */
+/* gathered [count dof_per_node] = P p, zero at constrained dof.  vector [free_dof] in */
 void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned count,
-                      const pzs_real *p, pzs_real *u);
+                      const pzs_real *vector, pzs_real *gathered);
 
-/* f += factor P' u, except at constrained dof.  f [free_dof] in/out */
+/* f += factor P' u, except at constrained dof.  vector [free_dof] in/out */
 void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned count,
-                       pzs_real factor, const pzs_real *u, pzs_real *f);
+                       pzs_real factor, const pzs_real *gathered, pzs_real *vector);
 
 /* z = S (L D L')^-1 S r: apply the factor as inverse of the unscaled matrix. z may be r. */
-void pzs_model_backsolve(const pzs_model *model, const pzs_real *r, pzs_real *z);
+void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement);
 
-/* Squared norm of a force r [free_dof] in scaled rows, which all have the same weight. */
-pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *r);
+/* Squared norm of a force force [free_dof] in scaled rows, which all have the same weight. */
+pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force);
 
-/* f [free_dof] += value times the force of input j, except at constrained dof */
-void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *f);
+/* force [free_dof] += value times the force of input j, except at constrained dof */
+void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *force);
 
-/* Output number `row` of a displacement u [free_dof]. */
-pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *u, uint32_t row);
+/* Output number `row` of a displacement displacement [free_dof]. */
+pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *displacement,
+                               uint32_t row);
 
 #endif

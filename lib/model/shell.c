@@ -24,17 +24,17 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
 }
 
 /* y += M x, M [3][3] */
-static void add_product(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+static void add_product(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)
-        y[i] += m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2];
+        y[i] += matrix[i][0] * x[0] + matrix[i][1] * x[1] + matrix[i][2] * x[2];
 }
 
 /* y += M' x, M [3][3] */
-static void add_transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+static void add_transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
-        y[j] += m[0][j] * x[0] + m[1][j] * x[1] + m[2][j] * x[2];
+        y[j] += matrix[0][j] * x[0] + matrix[1][j] * x[1] + matrix[2][j] * x[2];
 }
 
 /* y += factor x */
@@ -44,10 +44,10 @@ static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
         y[i] += factor * x[i];
 }
 
-static shape undeformed_shape(const pzs_element_type *type, int r)
+static shape undeformed_shape(const pzs_element_type *type, int corner)
 {
-    const shape s = {type->g_mean[r], type->g_diff[r], e3, 0};
-    return s;
+    const shape base = {type->g_mean[corner], type->g_diff[corner], e3, 0};
+    return base;
 }
 
 /*
@@ -55,21 +55,21 @@ static shape undeformed_shape(const pzs_element_type *type, int r)
  * difference of the faces.
  */
 static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
-                                       const pzs_real *u, int r)
+                                       const pzs_real *displacement, int corner)
 {
-    shell_corner c;
-    const pzs_real *own = u + (unsigned)r * dof_per_node;
-    memset(&c, 0, sizeof c);
-    for (int a = 0; a < 2; a++) {
-        const pzs_real *other = u + neighbour[r][a] * dof_per_node;
-        add_product(c.mean[a], type->s[r][a], own);
-        add_product(c.mean[a], type->t[r][a], other);
-        add_product(c.diff[a], type->s[r][a], own + 3);
-        add_product(c.diff[a], type->t[r][a], other + 3);
+    shell_corner derivative;
+    const pzs_real *own = displacement + (unsigned)corner * dof_per_node;
+    memset(&derivative, 0, sizeof derivative);
+    for (int direction = 0; direction < 2; direction++) {
+        const pzs_real *other = displacement + neighbour[corner][direction] * dof_per_node;
+        add_product(derivative.mean[direction], type->s[corner][direction], own);
+        add_product(derivative.mean[direction], type->t[corner][direction], other);
+        add_product(derivative.diff[direction], type->s[corner][direction], own + 3);
+        add_product(derivative.diff[direction], type->t[corner][direction], other + 3);
     }
-    memcpy(c.beta, own + 3, sizeof c.beta);
-    c.q = dof_per_node == 7 ? own[6] : 0;
-    return c;
+    memcpy(derivative.beta, own + 3, sizeof derivative.beta);
+    derivative.q = dof_per_node == 7 ? own[6] : 0;
+    return derivative;
 }
 
 /*
@@ -77,15 +77,15 @@ static shell_corner corner_derivatives(const pzs_element_type *type, unsigned do
  * forces f.
  */
 static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
-                           const shell_corner *force, int r, pzs_real *f)
+                           const shell_corner *force, int corner, pzs_real *nodal_force)
 {
-    pzs_real *own = f + (unsigned)r * dof_per_node;
-    for (int a = 0; a < 2; a++) {
-        pzs_real *other = f + neighbour[r][a] * dof_per_node;
-        add_transposed(own, type->s[r][a], force->mean[a]);
-        add_transposed(other, type->t[r][a], force->mean[a]);
-        add_transposed(own + 3, type->s[r][a], force->diff[a]);
-        add_transposed(other + 3, type->t[r][a], force->diff[a]);
+    pzs_real *own = nodal_force + (unsigned)corner * dof_per_node;
+    for (int direction = 0; direction < 2; direction++) {
+        pzs_real *other = nodal_force + neighbour[corner][direction] * dof_per_node;
+        add_transposed(own, type->s[corner][direction], force->mean[direction]);
+        add_transposed(other, type->t[corner][direction], force->mean[direction]);
+        add_transposed(own + 3, type->s[corner][direction], force->diff[direction]);
+        add_transposed(other + 3, type->t[corner][direction], force->diff[direction]);
     }
     add_scaled(own + 3, 1, force->beta);
     if (dof_per_node == 7)
@@ -97,66 +97,74 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
  * = g.lam + lam.lam/2 follows de = (g + lam).dlam on each face. Written in means and differences of
  * the faces, no terms cancel.
  */
-static void corner_strains(const shape *base, const shell_corner *change, pzs_real h,
-                           pzs_real e[10])
+static void corner_strains(const shape *base, const shell_corner *change, pzs_real thickness,
+                           pzs_real strain[10])
 {
-    const pzs_real hh4 = h * h / 4;
-    for (int a = 0; a < 2; a++) {
-        e[2 * a] = dot(base->mean[a], change->mean[a]) + hh4 * dot(base->diff[a], change->diff[a]);
-        e[2 * a + 1] =
-            h * (dot(base->mean[a], change->diff[a]) + dot(base->diff[a], change->mean[a]));
-        e[E13 + a] = dot(base->mean[a], change->beta) + dot(base->beta, change->mean[a]) -
-                     2 * h * (base->diff[a][2] * change->q + base->q * change->diff[a][2]);
+    const pzs_real hh4 = thickness * thickness / 4;
+    for (int direction = 0; direction < 2; direction++) {
+        strain[2 * direction] = dot(base->mean[direction], change->mean[direction]) +
+                                hh4 * dot(base->diff[direction], change->diff[direction]);
+        strain[2 * direction + 1] =
+            thickness * (dot(base->mean[direction], change->diff[direction]) +
+                         dot(base->diff[direction], change->mean[direction]));
+        strain[E13 + direction] =
+            dot(base->mean[direction], change->beta) + dot(base->beta, change->mean[direction]) -
+            2 * thickness *
+                (base->diff[direction][2] * change->q + base->q * change->diff[direction][2]);
     }
-    e[E33M] = dot(base->beta, change->beta) + 16 * base->q * change->q;
-    e[E33D] = -8 * (base->beta[2] * change->q + base->q * change->beta[2]);
-    e[E12M] = dot(base->mean[0], change->mean[1]) + dot(base->mean[1], change->mean[0]) +
-              hh4 * (dot(base->diff[0], change->diff[1]) + dot(base->diff[1], change->diff[0]));
-    e[E12D] = h * (dot(base->mean[0], change->diff[1]) + dot(base->diff[0], change->mean[1]) +
-                   dot(base->mean[1], change->diff[0]) + dot(base->diff[1], change->mean[0]));
+    strain[E33M] = dot(base->beta, change->beta) + 16 * base->q * change->q;
+    strain[E33D] = -8 * (base->beta[2] * change->q + base->q * change->beta[2]);
+    strain[E12M] =
+        dot(base->mean[0], change->mean[1]) + dot(base->mean[1], change->mean[0]) +
+        hh4 * (dot(base->diff[0], change->diff[1]) + dot(base->diff[1], change->diff[0]));
+    strain[E12D] =
+        thickness * (dot(base->mean[0], change->diff[1]) + dot(base->diff[0], change->mean[1]) +
+                     dot(base->mean[1], change->diff[0]) + dot(base->diff[1], change->mean[0]));
 }
 
 /* Transpose of corner_strains: forces f on the derivatives from the stresses t. */
-static void corner_stresses(const shape *base, const pzs_real t[10], pzs_real h,
+static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
                             shell_corner *force)
 {
-    const pzs_real hh4 = h * h / 4;
+    const pzs_real hh4 = thickness * thickness / 4;
     memset(force, 0, sizeof *force);
-    for (int a = 0; a < 2; a++) {
-        const pzs_real m = t[2 * a], d = h * t[2 * a + 1], q = t[E13 + a];
-        add_scaled(force->mean[a], m, base->mean[a]);
-        add_scaled(force->mean[a], d, base->diff[a]);
-        add_scaled(force->mean[a], q, base->beta);
-        add_scaled(force->mean[a], t[E12M], base->mean[1 - a]);
-        add_scaled(force->mean[a], h * t[E12D], base->diff[1 - a]);
-        add_scaled(force->diff[a], hh4 * m, base->diff[a]);
-        add_scaled(force->diff[a], d, base->mean[a]);
-        add_scaled(force->diff[a], hh4 * t[E12M], base->diff[1 - a]);
-        add_scaled(force->diff[a], h * t[E12D], base->mean[1 - a]);
-        force->diff[a][2] -= 2 * h * q * base->q;
-        add_scaled(force->beta, q, base->mean[a]);
-        force->q -= 2 * h * q * base->diff[a][2];
+    for (int direction = 0; direction < 2; direction++) {
+        const pzs_real membrane = stress[2 * direction],
+                       bending = thickness * stress[2 * direction + 1],
+                       shear = stress[E13 + direction];
+        add_scaled(force->mean[direction], membrane, base->mean[direction]);
+        add_scaled(force->mean[direction], bending, base->diff[direction]);
+        add_scaled(force->mean[direction], shear, base->beta);
+        add_scaled(force->mean[direction], stress[E12M], base->mean[1 - direction]);
+        add_scaled(force->mean[direction], thickness * stress[E12D], base->diff[1 - direction]);
+        add_scaled(force->diff[direction], hh4 * membrane, base->diff[direction]);
+        add_scaled(force->diff[direction], bending, base->mean[direction]);
+        add_scaled(force->diff[direction], hh4 * stress[E12M], base->diff[1 - direction]);
+        add_scaled(force->diff[direction], thickness * stress[E12D], base->mean[1 - direction]);
+        force->diff[direction][2] -= 2 * thickness * shear * base->q;
+        add_scaled(force->beta, shear, base->mean[direction]);
+        force->q -= 2 * thickness * shear * base->diff[direction][2];
     }
-    add_scaled(force->beta, t[E33M], base->beta);
-    force->beta[2] -= 8 * t[E33D] * base->q;
-    force->q += 16 * t[E33M] * base->q - 8 * t[E33D] * base->beta[2];
+    add_scaled(force->beta, stress[E33M], base->beta);
+    force->beta[2] -= 8 * stress[E33D] * base->q;
+    force->q += 16 * stress[E33M] * base->q - 8 * stress[E33D] * base->beta[2];
 }
 
 /* Add the strains e of corner r to the modes:  e^m = 1/4 sum_r sign e_r. */
-static void add_modes(pzs_real modes[4][10], const pzs_real e[10], int r)
+static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corner)
 {
-    for (int m = 0; m < SHELL_MODES; m++)
+    for (int mode = 0; mode < SHELL_MODES; mode++)
         for (int i = 0; i < SHELL_STRAINS; i++)
-            modes[m][i] += (pzs_real)0.25 * mode_sign[m][r] * e[i];
+            modes[mode][i] += (pzs_real)0.25 * mode_sign[mode][corner] * strain[i];
 }
 
 /* Stresses t at corner r from the resultants of the modes, the transpose of add_modes. */
-static void stresses_of_modes(pzs_real h[4][10], int r, pzs_real t[10])
+static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real stress[10])
 {
     for (int i = 0; i < SHELL_STRAINS; i++) {
-        t[i] = 0;
-        for (int m = 0; m < SHELL_MODES; m++)
-            t[i] += (pzs_real)0.25 * mode_sign[m][r] * h[m][i];
+        stress[i] = 0;
+        for (int mode = 0; mode < SHELL_MODES; mode++)
+            stress[i] += (pzs_real)0.25 * mode_sign[mode][corner] * resultant[mode][i];
     }
 }
 
@@ -173,132 +181,133 @@ static const uint8_t kept_strain[4][10] = {
 };
 
 /* Replace the strains of one mode by its resultants D e.  d: packed lower triangle of 10 rows */
-static void multiply_mode(const pzs_real *d, int mode, pzs_real e[10])
+static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
-    pzs_real h[10] = {0};
+    pzs_real resultant[10] = {0};
     for (int i = 0; i < kept_strains[mode]; i++) {
         const int row = kept_strain[mode][i];
-        const pzs_real *entry = d + row * (row + 1) / 2;
+        const pzs_real *entry = stiffness + row * (row + 1) / 2;
         for (int j = 0; j < i; j++) {
             const int column = kept_strain[mode][j];
-            h[row] += entry[column] * e[column];
-            h[column] += entry[column] * e[row];
+            resultant[row] += entry[column] * strain[column];
+            resultant[column] += entry[column] * strain[row];
         }
-        h[row] += entry[row] * e[row];
+        resultant[row] += entry[row] * strain[row];
     }
-    memcpy(e, h, sizeof h);
+    memcpy(strain, resultant, sizeof resultant);
 }
 
 /*
  * Add the warp to the mean strain 12 of mode 00: a fixed combination of other strains
  * (pzs_element_type).
  */
-static void add_warp(const pzs_element_type *type, pzs_real e[4][10])
+static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 {
     const pzs_real *w = type->warp;
-    e[0][E12M] += w[0] * e[0][E12D] + w[1] * e[1][E13] + w[2] * e[2][E23] + w[3] * e[0][E13] +
-                  w[4] * e[0][E23] + w[5] * e[0][E11D] + w[6] * e[1][E11D] + w[7] * e[0][E22D] +
-                  w[8] * e[2][E22D];
+    strain[0][E12M] += w[0] * strain[0][E12D] + w[1] * strain[1][E13] + w[2] * strain[2][E23] +
+                       w[3] * strain[0][E13] + w[4] * strain[0][E23] + w[5] * strain[0][E11D] +
+                       w[6] * strain[1][E11D] + w[7] * strain[0][E22D] + w[8] * strain[2][E22D];
 }
 
 /* Transpose of add_warp: add the part of the mean resultant 12 to the other resultants. */
-static void distribute_warp(const pzs_element_type *type, pzs_real h[4][10])
+static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
-    const pzs_real *w = type->warp, mean = h[0][E12M];
-    h[0][E12D] += w[0] * mean;
-    h[1][E13] += w[1] * mean;
-    h[2][E23] += w[2] * mean;
-    h[0][E13] += w[3] * mean;
-    h[0][E23] += w[4] * mean;
-    h[0][E11D] += w[5] * mean;
-    h[1][E11D] += w[6] * mean;
-    h[0][E22D] += w[7] * mean;
-    h[2][E22D] += w[8] * mean;
+    const pzs_real *w = type->warp, mean = resultant[0][E12M];
+    resultant[0][E12D] += w[0] * mean;
+    resultant[1][E13] += w[1] * mean;
+    resultant[2][E23] += w[2] * mean;
+    resultant[0][E13] += w[3] * mean;
+    resultant[0][E23] += w[4] * mean;
+    resultant[0][E11D] += w[5] * mean;
+    resultant[1][E11D] += w[6] * mean;
+    resultant[0][E22D] += w[7] * mean;
+    resultant[2][E22D] += w[8] * mean;
 }
 
 /* Turn the strains of the plain modes into those that the resultants belong to. */
-static void correct_modes(const pzs_element_type *type, pzs_real e[4][10])
+static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
-    add_warp(type, e);
+    add_warp(type, strain);
     if (shell_is_skewed(type))
-        pzs_shell_skew_strains(type->skew, e);
+        pzs_shell_skew_strains(type->skew, strain);
 }
 
 /* Transpose of correct_modes: resultants of the plain modes. */
-static void distribute_modes(const pzs_element_type *type, pzs_real h[4][10])
+static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4][10])
 {
     if (shell_is_skewed(type))
-        pzs_shell_skew_resultants(type->skew, h);
-    distribute_warp(type, h);
+        pzs_shell_skew_resultants(type->skew, resultant);
+    distribute_warp(type, resultant);
 }
 
 /* Replace the corrected strains of all modes by their resultants. distribute_modes must follow. */
-static void multiply_modes(const pzs_element_type *type, pzs_real e[4][10])
+static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
-    for (int m = 0; m < SHELL_MODES; m++)
-        multiply_mode(type->d[m], m, e[m]);
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        multiply_mode(type->d[mode], mode, strain[mode]);
 }
 
 /* Strains of each mode in the undeformed state, linear in u. */
-static void small_strains(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                          pzs_real modes[4][10])
+static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement, pzs_real modes[4][10])
 {
     memset(modes, 0, sizeof(pzs_real[4][10]));
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const shape rest = undeformed_shape(type, r);
-        const shell_corner d = corner_derivatives(type, dof_per_node, u, r);
-        pzs_real e[10];
-        corner_strains(&rest, &d, type->thickness, e);
-        add_modes(modes, e, r);
+    for (int corner = 0; corner < SHELL_NODES; corner++) {
+        const shape rest = undeformed_shape(type, corner);
+        const shell_corner derivative =
+            corner_derivatives(type, dof_per_node, displacement, corner);
+        pzs_real strain[10];
+        corner_strains(&rest, &derivative, type->thickness, strain);
+        add_modes(modes, strain, corner);
     }
     correct_modes(type, modes);
 }
 
 /* f = sum of L' h in the undeformed state */
-static void small_force(const pzs_element_type *type, unsigned dof_per_node, pzs_real h[4][10],
-                        pzs_real *f)
+static void small_force(const pzs_element_type *type, unsigned dof_per_node,
+                        pzs_real resultant[4][10], pzs_real *nodal_force)
 {
-    distribute_modes(type, h);
-    memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const shape rest = undeformed_shape(type, r);
-        pzs_real t[10];
+    distribute_modes(type, resultant);
+    memset(nodal_force, 0, SHELL_NODES * dof_per_node * sizeof *nodal_force);
+    for (int corner = 0; corner < SHELL_NODES; corner++) {
+        const shape rest = undeformed_shape(type, corner);
+        pzs_real stress[10];
         shell_corner force;
-        stresses_of_modes(h, r, t);
-        corner_stresses(&rest, t, type->thickness, &force);
-        corner_scatter(type, dof_per_node, &force, r, f);
+        stresses_of_modes(resultant, corner, stress);
+        corner_stresses(&rest, stress, type->thickness, &force);
+        corner_scatter(type, dof_per_node, &force, corner, nodal_force);
     }
 }
 
-void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                     pzs_real *f)
+void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node,
+                     const pzs_real *displacement, pzs_real *force)
 {
     pzs_real modes[4][10];
-    small_strains(type, dof_per_node, u, modes);
+    small_strains(type, dof_per_node, displacement, modes);
     multiply_modes(type, modes);
-    small_force(type, dof_per_node, modes, f);
+    small_force(type, dof_per_node, modes, force);
 }
 
-void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *k)
+void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *stiffness)
 {
-    const unsigned n = SHELL_NODES * dof_per_node;
-    pzs_real u[SHELL_MAX] = {0}, f[SHELL_MAX];
-    for (unsigned i = 0; i < n; i++) {
-        u[i] = 1;
-        pzs_shell_force(type, dof_per_node, u, f);
-        memcpy(k, f, (i + 1) * sizeof *k);
-        k += i + 1;
-        u[i] = 0;
+    const unsigned dof = SHELL_NODES * dof_per_node;
+    pzs_real displacement[SHELL_MAX] = {0}, force[SHELL_MAX];
+    for (unsigned i = 0; i < dof; i++) {
+        displacement[i] = 1;
+        pzs_shell_force(type, dof_per_node, displacement, force);
+        memcpy(stiffness, force, (i + 1) * sizeof *stiffness);
+        stiffness += i + 1;
+        displacement[i] = 0;
     }
 }
 
 void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_node,
-                                const pzs_real *h0, pzs_real *f)
+                                const pzs_real *h0, pzs_real *force)
 {
-    pzs_real h[4][10] = {{0}};
+    pzs_real resultant[4][10] = {{0}};
     for (int i = 0; i < SHELL_STRAINS; i++)
-        h[0][i] = -h0[i];
-    small_force(type, dof_per_node, h, f);
+        resultant[0][i] = -h0[i];
+    small_force(type, dof_per_node, resultant, force);
 }
 
 #if PZS_NONLINEAR
@@ -306,47 +315,47 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 /* The members of a shell_corner as a shape. */
 static shape shape_of(const shell_corner *corner)
 {
-    const shape s = {corner->mean, corner->diff, corner->beta, corner->q};
-    return s;
+    const shape base = {corner->mean, corner->diff, corner->beta, corner->q};
+    return base;
 }
 
 /* Base vectors at corner r plus `part` of the derivatives d. */
 static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
-                                    pzs_real part, int r)
+                                    pzs_real part, int at_corner)
 {
     shell_corner corner;
-    memcpy(corner.mean, type->g_mean[r], sizeof corner.mean);
-    memcpy(corner.diff, type->g_diff[r], sizeof corner.diff);
+    memcpy(corner.mean, type->g_mean[at_corner], sizeof corner.mean);
+    memcpy(corner.diff, type->g_diff[at_corner], sizeof corner.diff);
     memcpy(corner.beta, e3, sizeof corner.beta);
-    for (int a = 0; a < 2; a++) {
-        add_scaled(corner.mean[a], part, derivative->mean[a]);
-        add_scaled(corner.diff[a], part, derivative->diff[a]);
+    for (int direction = 0; direction < 2; direction++) {
+        add_scaled(corner.mean[direction], part, derivative->mean[direction]);
+        add_scaled(corner.diff[direction], part, derivative->diff[direction]);
     }
     add_scaled(corner.beta, part, derivative->beta);
     corner.q = part * derivative->q;
     return corner;
 }
 
-static void derivatives(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                        shell_corner d[4])
+static void derivatives(const pzs_element_type *type, unsigned dof_per_node,
+                        const pzs_real *displacement, shell_corner derivative[4])
 {
-    for (int r = 0; r < SHELL_NODES; r++)
-        d[r] = corner_derivatives(type, dof_per_node, u, r);
+    for (int corner = 0; corner < SHELL_NODES; corner++)
+        derivative[corner] = corner_derivatives(type, dof_per_node, displacement, corner);
 }
 
 /*
  * e += L(part u) v, the first variation of the strains of the plain modes.
- *   d, v [4] in  derivatives of u and of v at the corners
+ *   d, variation [4] in  derivatives of u and of v at the corners
  */
-static void add_variation(const pzs_element_type *type, const shell_corner d[4], pzs_real part,
-                          const shell_corner v[4], pzs_real e[4][10])
+static void add_variation(const pzs_element_type *type, const shell_corner derivative[4],
+                          pzs_real part, const shell_corner variation[4], pzs_real strain[4][10])
 {
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const shell_corner at = deformed_corner(type, &d[r], part, r);
-        const shape s = shape_of(&at);
+    for (int corner = 0; corner < SHELL_NODES; corner++) {
+        const shell_corner at = deformed_corner(type, &derivative[corner], part, corner);
+        const shape base = shape_of(&at);
         pzs_real corner_e[10];
-        corner_strains(&s, &v[r], type->thickness, corner_e);
-        add_modes(e, corner_e, r);
+        corner_strains(&base, &variation[corner], type->thickness, corner_e);
+        add_modes(strain, corner_e, corner);
     }
 }
 
@@ -355,86 +364,90 @@ static void add_variation(const pzs_element_type *type, const shell_corner d[4],
  * their variation is exact: e(u) = L(u/2) u.
  */
 static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_node,
-                                 const pzs_real *u, const pzs_real *du, pzs_real e[4][10])
+                                 const pzs_real *displacement, const pzs_real *du,
+                                 pzs_real strain[4][10])
 {
-    shell_corner d[4], v[4];
-    memset(e, 0, sizeof(pzs_real[4][10]));
-    derivatives(type, dof_per_node, u, d);
-    add_variation(type, d, (pzs_real)0.5, d, e);
+    shell_corner derivative[4], variation[4];
+    memset(strain, 0, sizeof(pzs_real[4][10]));
+    derivatives(type, dof_per_node, displacement, derivative);
+    add_variation(type, derivative, (pzs_real)0.5, derivative, strain);
     if (du) {
-        derivatives(type, dof_per_node, du, v);
-        add_variation(type, d, 1, v, e);
+        derivatives(type, dof_per_node, du, variation);
+        add_variation(type, derivative, 1, variation, strain);
     }
-    correct_modes(type, e);
+    correct_modes(type, strain);
 }
 
-void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                          pzs_real e[4][10])
+void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement, pzs_real strain[4][10])
 {
-    extrapolated_strains(type, dof_per_node, u, NULL, e);
+    extrapolated_strains(type, dof_per_node, displacement, NULL, strain);
 }
 
-void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                          const pzs_real *du, const pzs_real *given, pzs_real *resultant)
+void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement, const pzs_real *du, const pzs_real *given,
+                          pzs_real *resultant)
 {
-    pzs_real h[4][10];
-    extrapolated_strains(type, dof_per_node, u, du, h);
-    multiply_modes(type, h);
+    pzs_real mode_resultant[4][10];
+    extrapolated_strains(type, dof_per_node, displacement, du, mode_resultant);
+    multiply_modes(type, mode_resultant);
     for (int i = 0; given && i < SHELL_STRAINS; i++)
-        h[0][i] += given[i];
-    for (int m = 0; m < SHELL_MODES; m++)
-        for (int i = 0; i < kept_strains[m]; i++)
-            *resultant++ = h[m][kept_strain[m][i]];
+        mode_resultant[0][i] += given[i];
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        for (int i = 0; i < kept_strains[mode]; i++)
+            *resultant++ = mode_resultant[mode][kept_strain[mode][i]];
 }
 
-void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                       shell_corner now[4])
+void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
+                       const pzs_real *displacement, shell_corner now[4])
 {
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const shell_corner d = corner_derivatives(type, dof_per_node, u, r);
-        now[r] = deformed_corner(type, &d, 1, r);
+    for (int corner = 0; corner < SHELL_NODES; corner++) {
+        const shell_corner derivative =
+            corner_derivatives(type, dof_per_node, displacement, corner);
+        now[corner] = deformed_corner(type, &derivative, 1, corner);
     }
 }
 
-void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10])
+void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
+                        pzs_real stress[4][10])
 {
-    pzs_real h[4][10];
-    memset(h, 0, sizeof h);
-    for (int m = 0; m < SHELL_MODES; m++)
-        for (int i = 0; i < kept_strains[m]; i++)
-            h[m][kept_strain[m][i]] = *resultant++;
-    distribute_modes(type, h);
-    for (int r = 0; r < SHELL_NODES; r++)
-        stresses_of_modes(h, r, t[r]);
+    pzs_real mode_resultant[4][10];
+    memset(mode_resultant, 0, sizeof mode_resultant);
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        for (int i = 0; i < kept_strains[mode]; i++)
+            mode_resultant[mode][kept_strain[mode][i]] = *resultant++;
+    distribute_modes(type, mode_resultant);
+    for (int corner = 0; corner < SHELL_NODES; corner++)
+        stresses_of_modes(mode_resultant, corner, stress[corner]);
 }
 
-void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real e[4][10])
+void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10])
 {
-    pzs_shell_skew_strains(type->skew, e);
-    multiply_modes(type, e);
-    pzs_shell_skew_resultants(type->skew, e);
+    pzs_shell_skew_strains(type->skew, strain);
+    multiply_modes(type, strain);
+    pzs_shell_skew_resultants(type->skew, strain);
 }
 
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
-                            const shell_corner at[4], pzs_real t[4][10], pzs_real *f)
+                            const shell_corner at[4], pzs_real stress[4][10], pzs_real *nodal_force)
 {
-    memset(f, 0, SHELL_NODES * dof_per_node * sizeof *f);
-    for (int r = 0; r < SHELL_NODES; r++) {
-        const shape s = shape_of(&at[r]);
+    memset(nodal_force, 0, SHELL_NODES * dof_per_node * sizeof *nodal_force);
+    for (int corner = 0; corner < SHELL_NODES; corner++) {
+        const shape base = shape_of(&at[corner]);
         shell_corner force;
-        corner_stresses(&s, t[r], type->thickness, &force);
-        corner_scatter(type, dof_per_node, &force, r, f);
+        corner_stresses(&base, stress[corner], type->thickness, &force);
+        corner_scatter(type, dof_per_node, &force, corner, nodal_force);
     }
 }
 
-void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                        const pzs_real *resultant, pzs_real *f)
+void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node,
+                        const pzs_real *displacement, const pzs_real *resultant, pzs_real *force)
 {
-    pzs_real t[4][10];
+    pzs_real stress[4][10];
     shell_corner at[4];
-    pzs_shell_corners(type, dof_per_node, u, at);
-    pzs_shell_stresses(type, resultant, t);
-    pzs_shell_corner_force(type, dof_per_node, at, t, f);
+    pzs_shell_corners(type, dof_per_node, displacement, at);
+    pzs_shell_stresses(type, resultant, stress);
+    pzs_shell_corner_force(type, dof_per_node, at, stress, force);
 }
 
 #endif

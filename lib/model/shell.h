@@ -19,27 +19,27 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
 
 /*
  * Internal force in the undeformed state, computed from strains:  f = sum_m L_m^T D_m L_m u.
- *   u [4 dof_per_node] in  (m, 1)
- *   f [4 dof_per_node] out (N, N m), may be u itself
+ *   displacement [4 dof_per_node] in  (m, 1)
+ *   force [4 dof_per_node] out (N, N m), may be u itself
  * The small strains are formed as differences before anything is multiplied by a stiffness, so f
  * keeps the digits that the product K u loses on thin shells.
  */
-void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                     pzs_real *f);
+void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node,
+                     const pzs_real *displacement, pzs_real *force);
 
 /*
  * Stiffness in the undeformed state, one column for each call of pzs_shell_force.
- *   k [SHELL_PACKED(4 dof_per_node)] out, lower triangle
+ *   stiffness [SHELL_PACKED(4 dof_per_node)] out, lower triangle
  */
-void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *k);
+void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *stiffness);
 
 /*
  * Force of prescribed resultants H0 (actuation or temperature) of mode 00:  f = -L_00^T H0.
  *   h0 [10]             in  times the element's area (N m), order of D
- *   f  [4 dof_per_node] out (N, N m)
+ *   force  [4 dof_per_node] out (N, N m)
  */
 void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_node,
-                                const pzs_real *h0, pzs_real *f);
+                                const pzs_real *h0, pzs_real *force);
 
 /*
  * Derivatives of a displacement at one corner, or the deformed base vectors there, which have the
@@ -61,9 +61,9 @@ typedef struct shell_corner {
  */
 enum { SHELL_RESULTANTS = 22 };
 
-/* Strains of each mode at displacement u.  e [4][10] out, order of D. */
-void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                          pzs_real e[4][10]);
+/* Strains of each mode at displacement u.  strain [4][10] out, order of D. */
+void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement, pzs_real strain[4][10]);
 
 /*
  * Tangent and internal force of one element for Newton's method with independent resultants:
@@ -71,11 +71,12 @@ void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node, c
  *   K = sum_m L_m^T D_m L_m + (resultants)_m A_m        tangent, resultants as passed
  *   given     [10] in   H0 of mode 00, times the element's area (N m), order of D; NULL: zero
  *   resultant [22] in   resultants of the geometric part, H0 included; NULL: H(u)
- *   f [4 dof_per_node] out (N, N m)
- *   k [SHELL_PACKED(4 dof_per_node)] out, lower triangle
+ *   force [4 dof_per_node] out (N, N m)
+ *   stiffness [SHELL_PACKED(4 dof_per_node)] out, lower triangle
  */
-void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                      const pzs_real *given, const pzs_real *resultant, pzs_real *f, pzs_real *k);
+void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
+                      const pzs_real *displacement, const pzs_real *given,
+                      const pzs_real *resultant, pzs_real *force, pzs_real *stiffness);
 
 /*
  * Resultants extrapolated along an increment du:  H = D (e(u) + L(u) du) + H0.
@@ -83,32 +84,35 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const
  *   given     [10]             in  H0 of mode 00, times the element's area (N m); NULL: zero
  *   resultant [22]             out (N m)
  */
-void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                          const pzs_real *du, const pzs_real *given, pzs_real *resultant);
+void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement, const pzs_real *du, const pzs_real *given,
+                          pzs_real *resultant);
 
 /* Internal force of prescribed resultants:  f = sum_m L_m(u)^T H_m.
- *   resultant [22] in (N m), f [4 dof_per_node] out (N, N m) */
-void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                        const pzs_real *resultant, pzs_real *f);
+ *   resultant [22] in (N m), force [4 dof_per_node] out (N, N m) */
+void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node,
+                        const pzs_real *displacement, const pzs_real *resultant, pzs_real *force);
 
 /* Deformed base vectors at the four corners: base vectors plus derivatives of u. */
-void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                       shell_corner shape[4]);
+void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
+                       const pzs_real *displacement, shell_corner shape[4]);
 
 /* Stresses at the corners from resultants [22], the parts of warp and skew included.
- *   t [4][10] out, order of D */
-void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant, pzs_real t[4][10]);
+ *   stress [4][10] out, order of D */
+void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
+                        pzs_real stress[4][10]);
 
 /*
  * Replace the strains of the modes of a skewed element, warp included, by the resultants of the
- * same modes, in place. The strains that a mode does not keep are not read. e [4][10] in: strains;
- * out: resultants times the element's area (N m)
+ * same modes, in place. The strains that a mode does not keep are not read. strain [4][10] in:
+ * strains; out: resultants times the element's area (N m)
  */
-void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real e[4][10]);
+void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10]);
 
-/* Force of the stresses t at the corners of a deformed shape.  f [4 dof_per_node] out (N, N m). */
+/* Force of the stresses t at the corners of a deformed shape.  force [4 dof_per_node] out (N, N m).
+ */
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
-                            const shell_corner shape[4], pzs_real t[4][10], pzs_real *f);
+                            const shell_corner shape[4], pzs_real stress[4][10], pzs_real *force);
 #endif
 
 #endif

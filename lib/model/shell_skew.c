@@ -9,56 +9,58 @@
  * e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22)
  *        - alpha_1 e00_12)] / (1 - alpha_1^2 - alpha_2^2).
  */
-static void skew_plane(const pzs_real skew[3], pzs_real e[4][10], int face)
+static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 {
-    const pzs_real a1 = skew[0], a2 = skew[1], r = skew[2], e12 = e[0][E12M + face];
-    pzs_real *e11 = &e[0][E11M + face], *e22 = &e[0][E22M + face];
-    pzs_real *along1 = &e[1][E11M + face], *along2 = &e[2][E22M + face];
-    const pzs_real of_22 = r * (*along2 - a2 * *e22) - a1 * e12;
-    const pzs_real sum = a1 * (*along1 - a1 * *e11) + a2 * r * of_22;
+    const pzs_real a1 = skew[0], a2 = skew[1], ratio = skew[2], e12 = strain[0][E12M + face];
+    pzs_real *e11 = &strain[0][E11M + face], *e22 = &strain[0][E22M + face];
+    pzs_real *along1 = &strain[1][E11M + face], *along2 = &strain[2][E22M + face];
+    const pzs_real of_22 = ratio * (*along2 - a2 * *e22) - a1 * e12;
+    const pzs_real sum = a1 * (*along1 - a1 * *e11) + a2 * ratio * of_22;
     const pzs_real excess = sum / (1 - a1 * a1 - a2 * a2);
     *e11 -= excess;
-    *e22 -= excess / (r * r);
-    *along1 -= 2 * a1 * *e11 + a2 * r * e12;
-    *along2 -= 2 * a2 * *e22 + a1 / r * e12;
+    *e22 -= excess / (ratio * ratio);
+    *along1 -= 2 * a1 * *e11 + a2 * ratio * e12;
+    *along2 -= 2 * a2 * *e22 + a1 / ratio * e12;
 }
 
 /* Transpose of skew_plane. */
-static void skew_plane_back(const pzs_real skew[3], pzs_real h[4][10], int face)
+static void skew_plane_back(const pzs_real skew[3], pzs_real resultant[4][10], int face)
 {
-    const pzs_real a1 = skew[0], a2 = skew[1], r = skew[2];
-    pzs_real *h11 = &h[0][E11M + face], *h22 = &h[0][E22M + face], *h12 = &h[0][E12M + face];
-    pzs_real *along1 = &h[1][E11M + face], *along2 = &h[2][E22M + face];
+    const pzs_real a1 = skew[0], a2 = skew[1], ratio = skew[2];
+    pzs_real *h11 = &resultant[0][E11M + face], *h22 = &resultant[0][E22M + face],
+             *h12 = &resultant[0][E12M + face];
+    pzs_real *along1 = &resultant[1][E11M + face], *along2 = &resultant[2][E22M + face];
     *h11 -= 2 * a1 * *along1;
     *h22 -= 2 * a2 * *along2;
-    *h12 -= a2 * r * *along1 + a1 / r * *along2;
-    const pzs_real excess = -(*h11 + *h22 / (r * r)) / (1 - a1 * a1 - a2 * a2);
+    *h12 -= a2 * ratio * *along1 + a1 / ratio * *along2;
+    const pzs_real excess = -(*h11 + *h22 / (ratio * ratio)) / (1 - a1 * a1 - a2 * a2);
     *along1 += a1 * excess;
-    *along2 += a2 * r * r * excess;
+    *along2 += a2 * ratio * ratio * excess;
     *h11 -= a1 * a1 * excess;
-    *h22 -= a2 * a2 * r * r * excess;
-    *h12 -= a1 * a2 * r * excess;
+    *h22 -= a2 * a2 * ratio * ratio * excess;
+    *h12 -= a1 * a2 * ratio * excess;
 }
 
-void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real e[4][10])
+void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10])
 {
-    const pzs_real a1 = skew[0], a2 = skew[1], r = skew[2], third = (pzs_real)1 / 3;
+    const pzs_real a1 = skew[0], a2 = skew[1], ratio = skew[2], third = (pzs_real)1 / 3;
     for (int face = 0; face < 2; face++) {
-        skew_plane(skew, e, face);
-        e[0][E33M + face] += third * (a1 * e[1][E33M + face] + a2 * e[2][E33M + face]);
+        skew_plane(skew, strain, face);
+        strain[0][E33M + face] +=
+            third * (a1 * strain[1][E33M + face] + a2 * strain[2][E33M + face]);
     }
-    e[1][E13] -= a1 * e[0][E13] + a2 * r * e[0][E23];
-    e[2][E23] -= a1 / r * e[0][E13] + a2 * e[0][E23];
+    strain[1][E13] -= a1 * strain[0][E13] + a2 * ratio * strain[0][E23];
+    strain[2][E23] -= a1 / ratio * strain[0][E13] + a2 * strain[0][E23];
 }
 
-void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real h[4][10])
+void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real resultant[4][10])
 {
-    const pzs_real a1 = skew[0], a2 = skew[1], r = skew[2], third = (pzs_real)1 / 3;
-    h[0][E13] -= a1 * h[1][E13] + a1 / r * h[2][E23];
-    h[0][E23] -= a2 * r * h[1][E13] + a2 * h[2][E23];
+    const pzs_real a1 = skew[0], a2 = skew[1], ratio = skew[2], third = (pzs_real)1 / 3;
+    resultant[0][E13] -= a1 * resultant[1][E13] + a1 / ratio * resultant[2][E23];
+    resultant[0][E23] -= a2 * ratio * resultant[1][E13] + a2 * resultant[2][E23];
     for (int face = 0; face < 2; face++) {
-        skew_plane_back(skew, h, face);
-        h[1][E33M + face] += third * a1 * h[0][E33M + face];
-        h[2][E33M + face] += third * a2 * h[0][E33M + face];
+        skew_plane_back(skew, resultant, face);
+        resultant[1][E33M + face] += third * a1 * resultant[0][E33M + face];
+        resultant[2][E33M + face] += third * a2 * resultant[0][E33M + face];
     }
 }

@@ -24,11 +24,11 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 /*
  * Correct the strains of the modes, warp included, in place.
  *   skew [3]     in      alpha_1, alpha_2, L_2/L_1
- *   e    [4][10] in/out  the strains that a mode does not keep are neither read nor written
+ *   strain    [4][10] in/out  the strains that a mode does not keep are neither read nor written
  */
-void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real e[4][10]);
+void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10]);
 
 /* Transpose of pzs_shell_skew_strains: apply it to the resultants of the corrected strains. */
-void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real h[4][10]);
+void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real resultant[4][10]);
 
 #endif

@@ -74,29 +74,32 @@ static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_rea
     return distance - radius;
 }
 
-pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                        pzs_real hessian[3][3])
 {
     memset(hessian, 0, sizeof(pzs_real[3][3]));
     memcpy(normal, body->axis, sizeof body->axis);
-    const pzs_real from[3] = {x[0] - body->point[0], x[1] - body->point[1], x[2] - body->point[2]};
+    const pzs_real from[3] = {position[0] - body->point[0], position[1] - body->point[1],
+                              position[2] - body->point[2]};
     return dot(from, normal);
 }
 
-pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                           pzs_real hessian[3][3])
 {
-    pzs_real from[3] = {x[0] - body->point[0], x[1] - body->point[1], x[2] - body->point[2]};
+    pzs_real from[3] = {position[0] - body->point[0], position[1] - body->point[1],
+                        position[2] - body->point[2]};
     const pzs_real along = dot(from, body->axis);
     for (int i = 0; i < 3; i++)
         from[i] -= along * body->axis[i];
     return gap_round(body->radius, from, body->axis, normal, hessian);
 }
 
-pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real x[3], pzs_real normal[3],
+pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                         pzs_real hessian[3][3])
 {
-    const pzs_real from[3] = {x[0] - body->point[0], x[1] - body->point[1], x[2] - body->point[2]};
+    const pzs_real from[3] = {position[0] - body->point[0], position[1] - body->point[1],
+                              position[2] - body->point[2]};
     return gap_round(body->radius, from, NULL, normal, hessian);
 }
 
@@ -115,13 +118,13 @@ static pzs_real face_height(const pzs_contact *contact, const pzs_solver *solver
     return pzs_face_height(solver->state.model->state.structure, contact->state.face->face);
 }
 
-/* Displacement w of a node of the face, in its triad (m).  p [free_dof] in */
+/* Displacement w of a node of the face, in its triad (m).  vector [free_dof] in */
 static void node_displacement(const pzs_contact *contact, const pzs_solver *solver, uint16_t node,
-                              const pzs_real *p, pzs_real w[3])
+                              const pzs_real *vector, pzs_real displacement[3])
 {
     pzs_real all[1][3];
-    pzs_face_gather(solver->state.model, &node, 1, face_height(contact, solver), p, all);
-    memcpy(w, all[0], sizeof all[0]);
+    pzs_face_gather(solver->state.model, &node, 1, face_height(contact, solver), vector, all);
+    memcpy(displacement, all[0], sizeof all[0]);
 }
 
 static contact_point find_point(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
@@ -131,13 +134,14 @@ static contact_point find_point(const pzs_contact *contact, const pzs_solver *so
     const pzs_real moved = face->input < solver->state.model->state.structure->input.count
                                ? solver->state.input_value[face->input]
                                : 0;
-    pzs_real w[3], x[3], global[3][3];
+    pzs_real displacement[3], position[3], global[3][3];
     contact_point point;
-    node_displacement(contact, solver, node, solver->state.displacement, w);
+    node_displacement(contact, solver, node, solver->state.displacement, displacement);
     for (int i = 0; i < 3; i++)
-        x[i] = face->place[node][i] - moved * face->motion[i] + w[0] * triad[0][i] +
-               w[1] * triad[1][i] + w[2] * triad[2][i];
-    point.gap = contact->state.body->gap(contact->state.body, x, point.global, global);
+        position[i] = face->place[node][i] - moved * face->motion[i] +
+                      displacement[0] * triad[0][i] + displacement[1] * triad[1][i] +
+                      displacement[2] * triad[2][i];
+    point.gap = contact->state.body->gap(contact->state.body, position, point.global, global);
     for (int i = 0; i < 3; i++) {
         const pzs_real derivative[3] = {dot(triad[i], global[0]), dot(triad[i], global[1]),
                                         dot(triad[i], global[2])};
@@ -177,10 +181,10 @@ static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver
 static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                   uint16_t node)
 {
-    pzs_real e = contact->settings.stiffness;
-    for (uint32_t i = 0; i < solver->state.iteration && e < LARGEST_STIFFNESS; i++)
-        e *= 2;
-    return e * structure_stiffness(contact, solver, node);
+    pzs_real stiffness = contact->settings.stiffness;
+    for (uint32_t i = 0; i < solver->state.iteration && stiffness < LARGEST_STIFFNESS; i++)
+        stiffness *= 2;
+    return stiffness * structure_stiffness(contact, solver, node);
 }
 
 /* ---- active set ------------------------------------------------------- */
@@ -192,18 +196,18 @@ static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *
 static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_real z = face_height(contact, solver);
+    const pzs_real height = face_height(contact, solver);
     memset(contact->state.facing, 0, structure->nodes * sizeof *contact->state.facing);
-    for (uint32_t e = 0; e < structure->elements; e++) {
-        pzs_real w[SHELL_NODES][3];
-        pzs_face_gather(solver->state.model, structure->element[e], SHELL_NODES, z,
-                        solver->state.displacement, w);
-        for (unsigned r = 0; r < SHELL_NODES; r++) {
-            const uint16_t node = structure->element[e][r];
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        pzs_real displacement[SHELL_NODES][3];
+        pzs_face_gather(solver->state.model, structure->element[element], SHELL_NODES, height,
+                        solver->state.displacement, displacement);
+        for (unsigned corner = 0; corner < SHELL_NODES; corner++) {
+            const uint16_t node = structure->element[element][corner];
             const contact_point point = find_point(contact, solver, node);
             pzs_real eta[3];
-            pzs_face_normal(&structure->type[structure->element_type[e]], z,
-                            (const pzs_real(*)[3])w, r, eta);
+            pzs_face_normal(&structure->type[structure->element_type[element]], height,
+                            (const pzs_real(*)[3])displacement, corner, eta);
             contact->state.facing[node] +=
                 contact->state.face->face == 0 ? -dot(eta, point.normal) : dot(eta, point.normal);
         }
@@ -241,10 +245,11 @@ static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver
 {
     int32_t best = -1;
     pzs_real least = 0;
-    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
-        const pzs_real gap = can_touch(contact, solver, n) ? find_point(contact, solver, n).gap : 0;
-        if (can_touch(contact, solver, n) && (best < 0 || gap < least)) {
-            best = n;
+    for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++) {
+        const pzs_real gap =
+            can_touch(contact, solver, node) ? find_point(contact, solver, node).gap : 0;
+        if (can_touch(contact, solver, node) && (best < 0 || gap < least)) {
+            best = node;
             least = gap;
         }
     }
@@ -260,14 +265,14 @@ static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
     const uint16_t nodes = solver->state.model->state.structure->nodes;
     uint32_t before = 0, added = 0;
-    for (uint16_t n = 0; n < nodes; n++)
-        before += contact->state.touching[n];
+    for (uint16_t node = 0; node < nodes; node++)
+        before += contact->state.touching[node];
     const pzs_real most =
         before > 0 ? -pzs_contact_closed_gap(contact) : pzs_contact_closed_gap(contact);
-    for (uint16_t n = 0; n < nodes; n++)
-        if (!contact->state.touching[n] && can_touch(contact, solver, n) &&
-            find_point(contact, solver, n).gap <= most) {
-            contact->state.touching[n] = 1;
+    for (uint16_t node = 0; node < nodes; node++)
+        if (!contact->state.touching[node] && can_touch(contact, solver, node) &&
+            find_point(contact, solver, node).gap <= most) {
+            contact->state.touching[node] = 1;
             added++;
         }
     contact->state.is_warm = before > 0 && added == 0;
@@ -284,13 +289,13 @@ static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
     const uint16_t nodes = solver->state.model->state.structure->nodes;
     uint32_t count = 0;
-    for (uint16_t n = 0; n < nodes; n++) {
-        const bool touches = is_active(contact, solver, n);
-        contact->state.has_changed |= touches != (contact->state.touching[n] != 0);
-        contact->state.touching[n] = touches;
+    for (uint16_t node = 0; node < nodes; node++) {
+        const bool touches = is_active(contact, solver, node);
+        contact->state.has_changed |= touches != (contact->state.touching[node] != 0);
+        contact->state.touching[node] = touches;
         count += touches;
         if (!touches)
-            contact->state.pressure[n] = 0;
+            contact->state.pressure[node] = 0;
     }
     const int32_t closest =
         count == 0 && contact->state.is_loose ? nearest_node(contact, solver) : -1;
@@ -318,10 +323,11 @@ static bool has_converged(pzs_solver_option *option, pzs_solver *solver)
         return false;
     find_facing(contact, solver);
     const pzs_real closed = pzs_contact_closed_gap(contact);
-    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
-        const pzs_real gap = contact->state.touching[n] ? find_point(contact, solver, n).gap : 0;
+    for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++) {
+        const pzs_real gap =
+            contact->state.touching[node] ? find_point(contact, solver, node).gap : 0;
         if (gap > closed || gap < -closed ||
-            is_active(contact, solver, n) != (contact->state.touching[n] != 0))
+            is_active(contact, solver, node) != (contact->state.touching[node] != 0))
             return false;
     }
     return true;
@@ -345,19 +351,20 @@ static pzs_real largest_part(pzs_solver_option *option, const pzs_solver *solver
 
 /* Add the stiffness w (e n n' - p Hess g) of a node to the tangent. */
 static void add_tangent(const pzs_contact *contact, pzs_solver *solver, uint16_t node,
-                        const contact_point *point, pzs_real e)
+                        const contact_point *point, pzs_real stiffness)
 {
-    const pzs_real z = face_height(contact, solver);
-    pzs_real k[SHELL_PACKED(7)] = {0};
+    const pzs_real height = face_height(contact, solver);
+    pzs_real tangent[SHELL_PACKED(7)] = {0};
     for (unsigned i = 0; i < 6; i++)
         for (unsigned j = 0; j <= i; j++) {
-            const pzs_real row_arm = i < 3 ? 1 : z;
-            const pzs_real column_arm = j < 3 ? 1 : z;
-            k[SHELL_PACKED(i) + j] = row_arm * column_arm *
-                                     (e * point->normal[i % 3] * point->normal[j % 3] -
-                                      contact->state.pressure[node] * point->hessian[i % 3][j % 3]);
+            const pzs_real row_arm = i < 3 ? 1 : height;
+            const pzs_real column_arm = j < 3 ? 1 : height;
+            tangent[SHELL_PACKED(i) + j] =
+                row_arm * column_arm *
+                (stiffness * point->normal[i % 3] * point->normal[j % 3] -
+                 contact->state.pressure[node] * point->hessian[i % 3][j % 3]);
         }
-    pzs_model_add_matrix(solver->state.model, &node, 1, contact->state.face->area[node], k);
+    pzs_model_add_matrix(solver->state.model, &node, 1, contact->state.face->area[node], tangent);
 }
 
 static void add_forces(pzs_solver_option *option, pzs_solver *solver, pzs_real *load)
@@ -365,22 +372,22 @@ static void add_forces(pzs_solver_option *option, pzs_solver *solver, pzs_real *
     pzs_contact *contact = contact_of(option);
     memset(contact->info.force, 0, sizeof contact->info.force);
     contact->info.nodes = 0;
-    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
-        if (!contact->state.touching[n])
+    for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++) {
+        if (!contact->state.touching[node])
             continue;
-        const contact_point point = find_point(contact, solver, n);
-        const pzs_real e = contact_stiffness(contact, solver, n);
-        const pzs_real push =
-            contact->state.face->area[n] * (contact->state.pressure[n] - e * point.gap);
+        const contact_point point = find_point(contact, solver, node);
+        const pzs_real stiffness = contact_stiffness(contact, solver, node);
+        const pzs_real push = contact->state.face->area[node] *
+                              (contact->state.pressure[node] - stiffness * point.gap);
         pzs_real force[1][3];
         for (int i = 0; i < 3; i++) {
             force[0][i] = push * point.normal[i];
             contact->info.force[i] +=
-                contact->state.face->area[n] * contact->state.pressure[n] * point.global[i];
+                contact->state.face->area[node] * contact->state.pressure[node] * point.global[i];
         }
-        pzs_face_scatter(solver->state.model, &n, 1, face_height(contact, solver),
+        pzs_face_scatter(solver->state.model, &node, 1, face_height(contact, solver),
                          (const pzs_real(*)[3])force, load);
-        add_tangent(contact, solver, n, &point, e);
+        add_tangent(contact, solver, node, &point, stiffness);
         contact->info.nodes++;
     }
 }
@@ -388,14 +395,14 @@ static void add_forces(pzs_solver_option *option, pzs_solver *solver, pzs_real *
 static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du)
 {
     pzs_contact *contact = contact_of(option);
-    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++) {
-        if (!contact->state.touching[n])
+    for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++) {
+        if (!contact->state.touching[node])
             continue;
-        const contact_point point = find_point(contact, solver, n);
-        pzs_real d[3];
-        node_displacement(contact, solver, n, du, d);
-        contact->state.pressure[n] -=
-            contact_stiffness(contact, solver, n) * (point.gap + dot(point.normal, d));
+        const contact_point point = find_point(contact, solver, node);
+        pzs_real increment[3];
+        node_displacement(contact, solver, node, du, increment);
+        contact->state.pressure[node] -=
+            contact_stiffness(contact, solver, node) * (point.gap + dot(point.normal, increment));
     }
 }
 
@@ -407,21 +414,21 @@ static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32
                            pzs_real *out)
 {
     const pzs_contact *contact = contact_of(option);
-    for (uint16_t n = 0;
-         input == contact->state.face->input && n < solver->state.model->state.structure->nodes;
-         n++) {
-        if (!contact->state.touching[n])
+    for (uint16_t node = 0;
+         input == contact->state.face->input && node < solver->state.model->state.structure->nodes;
+         node++) {
+        if (!contact->state.touching[node])
             continue;
-        const contact_point point = find_point(contact, solver, n);
-        const pzs_real e = contact_stiffness(contact, solver, n);
-        pzs_real force[1][3], m[3];
+        const contact_point point = find_point(contact, solver, node);
+        const pzs_real stiffness = contact_stiffness(contact, solver, node);
+        pzs_real force[1][3], motion[3];
         for (int i = 0; i < 3; i++)
-            m[i] = dot(contact->state.face->triad[n][i], contact->state.face->motion);
+            motion[i] = dot(contact->state.face->triad[node][i], contact->state.face->motion);
         for (int i = 0; i < 3; i++)
-            force[0][i] = contact->state.face->area[n] *
-                          (e * dot(point.normal, m) * point.normal[i] -
-                           contact->state.pressure[n] * dot(point.hessian[i], m));
-        pzs_face_scatter(solver->state.model, &n, 1, face_height(contact, solver),
+            force[0][i] = contact->state.face->area[node] *
+                          (stiffness * dot(point.normal, motion) * point.normal[i] -
+                           contact->state.pressure[node] * dot(point.hessian[i], motion));
+        pzs_face_scatter(solver->state.model, &node, 1, face_height(contact, solver),
                          (const pzs_real(*)[3])force, out);
     }
 }
@@ -476,19 +483,19 @@ static bool is_fixed(const pzs_solver *solver, uint16_t dof)
  * gram [6][6] += row row'. The row is the effect of the six rigid motions (translations, rotations
  * times size) on dof k < 6 of a node.
  */
-static void add_support(const pzs_contact *contact, pzs_real z, uint16_t node, int k,
+static void add_support(const pzs_contact *contact, pzs_real height, uint16_t node, int k,
                         pzs_real gram[6][6])
 {
-    const pzs_real(*triad)[3] = contact->state.face->triad[node], *e = triad[k % 3];
+    const pzs_real(*triad)[3] = contact->state.face->triad[node], *unit = triad[k % 3];
     pzs_real arm[3], row[6];
     for (int i = 0; i < 3; i++)
-        arm[i] = k < 3 ? (contact->state.face->place[node][i] - z * triad[2][i] -
+        arm[i] = k < 3 ? (contact->state.face->place[node][i] - height * triad[2][i] -
                           contact->state.face->place[0][i]) /
                              contact->state.face->size
                        : triad[2][i];
     for (int i = 0; i < 3; i++) {
-        row[i] = k < 3 ? e[i] : 0;
-        row[3 + i] = arm[(i + 1) % 3] * e[(i + 2) % 3] - arm[(i + 2) % 3] * e[(i + 1) % 3];
+        row[i] = k < 3 ? unit[i] : 0;
+        row[3 + i] = arm[(i + 1) % 3] * unit[(i + 2) % 3] - arm[(i + 2) % 3] * unit[(i + 1) % 3];
     }
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++)
@@ -504,19 +511,19 @@ static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
     pzs_real gram[6][6] = {{0}}, least[6];
-    for (uint16_t n = 0; n < structure->nodes; n++)
+    for (uint16_t node = 0; node < structure->nodes; node++)
         for (int k = 0; k < 6; k++)
             if (is_fixed(solver,
-                         structure->node_dof[(size_t)n * structure->dof_per_node + (size_t)k]))
-                add_support(contact, face_height(contact, solver), n, k, gram);
+                         structure->node_dof[(size_t)node * structure->dof_per_node + (size_t)k]))
+                add_support(contact, face_height(contact, solver), node, k, gram);
     for (int i = 0; i < 6; i++)
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
-    for (int p = 0; p < 6; p++) {
-        if (!(gram[p][p] > least[p]))
+    for (int pivot = 0; pivot < 6; pivot++) {
+        if (!(gram[pivot][pivot] > least[pivot]))
             return true;
-        for (int i = p + 1; i < 6; i++)
-            for (int j = p + 1; j < 6; j++)
-                gram[i][j] -= gram[i][p] * gram[p][j] / gram[p][p];
+        for (int i = pivot + 1; i < 6; i++)
+            for (int j = pivot + 1; j < 6; j++)
+                gram[i][j] -= gram[i][pivot] * gram[pivot][j] / gram[pivot][pivot];
     }
     return false;
 }
@@ -537,8 +544,8 @@ static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *so
 {
     const pzs_contact *contact = (const pzs_contact *)(const void *)option;
     uint32_t kept = 0;
-    for (uint16_t n = 0; n < solver->state.model->state.structure->nodes; n++)
-        kept += contact->state.converged_touching[n];
+    for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++)
+        kept += contact->state.converged_touching[node];
     return contact->state.is_loose &&
            (contact->state.lacks_contact ||
             (kept == 0 && (solver->info.where >= 0 || solver->info.negative_pivots > 0)));

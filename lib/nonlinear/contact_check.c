@@ -39,36 +39,39 @@ static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver
 
 /*
  * Positions of `count` nodes relative to the moved body, on the face at height z.
- *   u     [free_dof] in  displacement
+ *   displacement     [free_dof] in  displacement
  *   value [inputs]   in  input values
- *   x     [count][3] out (m)
+ *   position     [count][3] out (m)
  */
 static void node_positions(const pzs_contact *contact, const pzs_solver *solver,
-                           const uint16_t *node, unsigned count, pzs_real z, const pzs_real *u,
-                           const pzs_real *value, pzs_real (*x)[3])
+                           const uint16_t *node, unsigned count, pzs_real height,
+                           const pzs_real *displacement, const pzs_real *value,
+                           pzs_real (*position)[3])
 {
     const pzs_contact_face *face = contact->state.face;
-    const pzs_real up = z - pzs_face_height(solver->state.model->state.structure, face->face);
+    const pzs_real up = height - pzs_face_height(solver->state.model->state.structure, face->face);
     const pzs_real moved = body_motion(contact, solver, value);
-    pzs_face_gather(solver->state.model, node, count, z, u, x);
-    for (unsigned r = 0; r < count; r++) {
-        const pzs_real(*triad)[3] = face->triad[node[r]];
-        const pzs_real w[3] = {x[r][0], x[r][1], x[r][2] + up};
+    pzs_face_gather(solver->state.model, node, count, height, displacement, position);
+    for (unsigned corner = 0; corner < count; corner++) {
+        const pzs_real(*triad)[3] = face->triad[node[corner]];
+        const pzs_real offset[3] = {position[corner][0], position[corner][1],
+                                    position[corner][2] + up};
         for (int i = 0; i < 3; i++)
-            x[r][i] = face->place[node[r]][i] - moved * face->motion[i] + w[0] * triad[0][i] +
-                      w[1] * triad[1][i] + w[2] * triad[2][i];
+            position[corner][i] = face->place[node[corner]][i] - moved * face->motion[i] +
+                                  offset[0] * triad[0][i] + offset[1] * triad[1][i] +
+                                  offset[2] * triad[2][i];
     }
 }
 
 pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *structure)
 {
     pzs_real most = 0;
-    for (uint32_t e = 0; e < structure->elements; e++)
+    for (uint32_t element = 0; element < structure->elements; element++)
         for (int k = 0; k < 2; k++) {
-            const pzs_real *a = contact->state.face->place[structure->element[e][k]];
-            const pzs_real *b = contact->state.face->place[structure->element[e][k + 2]];
-            const pzs_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-            const pzs_real size2 = dot(d, d);
+            const pzs_real *from = contact->state.face->place[structure->element[element][k]];
+            const pzs_real *to = contact->state.face->place[structure->element[element][k + 2]];
+            const pzs_real diagonal[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+            const pzs_real size2 = dot(diagonal, diagonal);
             most = size2 > most ? size2 : most;
         }
     return PZS_SQRT(most) / 2;
@@ -83,23 +86,23 @@ typedef struct body_point {
     pzs_real radius;        /* smallest radius of curvature of the body (m); 0: flat */
 } body_point;
 
-static pzs_real gap_at(const pzs_contact *contact, const pzs_real x[3], pzs_real normal[3])
+static pzs_real gap_at(const pzs_contact *contact, const pzs_real position[3], pzs_real normal[3])
 {
     pzs_real hessian[3][3];
-    return contact->state.body->gap(contact->state.body, x, normal, hessian);
+    return contact->state.body->gap(contact->state.body, position, normal, hessian);
 }
 
 /*
  * Larger principal curvature (1/m) from h, the second derivatives of the gap along the surface. It
  * is the larger of the two eigenvalues that are not zero, from trace and Frobenius norm.
  */
-static pzs_real largest_curvature(const pzs_real h[3][3])
+static pzs_real largest_curvature(const pzs_real hessian[3][3])
 {
     pzs_real trace = 0, square = 0;
     for (int i = 0; i < 3; i++) {
-        trace += h[i][i];
+        trace += hessian[i][i];
         for (int j = 0; j < 3; j++)
-            square += h[i][j] * h[i][j];
+            square += hessian[i][j] * hessian[i][j];
     }
     const pzs_real apart2 = 2 * square - trace * trace;
     return (trace + (apart2 > 0 ? PZS_SQRT(apart2) : 0)) / 2;
@@ -109,17 +112,17 @@ static pzs_real largest_curvature(const pzs_real h[3][3])
  * Gap, normal and curvature of the body at point x. A surface of constant gap has the radius of the
  * body plus the gap, so the radius of the body is 1/curvature - gap.
  */
-static body_point find_body_point(const pzs_contact *contact, const pzs_real x[3])
+static body_point find_body_point(const pzs_contact *contact, const pzs_real position[3])
 {
     body_point at;
-    pzs_real h[3][3], left[3];
-    at.gap = contact->state.body->gap(contact->state.body, x, at.normal, h);
+    pzs_real hessian[3][3], left[3];
+    at.gap = contact->state.body->gap(contact->state.body, position, at.normal, hessian);
     for (int i = 0; i < 3; i++)
-        left[i] = dot(h[i], at.normal);
+        left[i] = dot(hessian[i], at.normal);
     const pzs_real across = dot(left, at.normal);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            at.hessian[i][j] = h[i][j] - at.normal[i] * left[j] - left[i] * at.normal[j] +
+            at.hessian[i][j] = hessian[i][j] - at.normal[i] * left[j] - left[i] * at.normal[j] +
                                across * at.normal[i] * at.normal[j];
     const pzs_real curvature = largest_curvature((const pzs_real(*)[3])at.hessian);
     for (int i = 0; i < 3; i++)
@@ -130,10 +133,11 @@ static body_point find_body_point(const pzs_contact *contact, const pzs_real x[3
 }
 
 /* d' H d, with H the second derivatives of the gap along the surface */
-static pzs_real curvature_along(const body_point *at, const pzs_real d[3])
+static pzs_real curvature_along(const body_point *at, const pzs_real direction[3])
 {
-    const pzs_real h[3] = {dot(at->hessian[0], d), dot(at->hessian[1], d), dot(at->hessian[2], d)};
-    return dot(h, d);
+    const pzs_real product[3] = {dot(at->hessian[0], direction), dot(at->hessian[1], direction),
+                                 dot(at->hessian[2], direction)};
+    return dot(product, direction);
 }
 
 /* ---- one element -------------------------------------------------------- */
@@ -163,27 +167,29 @@ typedef struct facet_search {
 } facet_search;
 
 /* Point x of a facet at coordinates a, b from 0 to 1. */
-static void facet_point(const pzs_real corner[4][3], pzs_real a, pzs_real b, pzs_real x[3])
+static void facet_point(const pzs_real corner[4][3], pzs_real along, pzs_real across,
+                        pzs_real position[3])
 {
     for (int i = 0; i < 3; i++)
-        x[i] = (1 - b) * ((1 - a) * corner[0][i] + a * corner[1][i]) +
-               b * ((1 - a) * corner[3][i] + a * corner[2][i]);
+        position[i] = (1 - across) * ((1 - along) * corner[0][i] + along * corner[1][i]) +
+                      across * ((1 - along) * corner[3][i] + along * corner[2][i]);
 }
 
-static pzs_real interpolate(pzs_real t, pzs_real x, pzs_real y)
+static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 {
-    return x + t * (y - x);
+    return from + part * (to - from);
 }
 
 /* Derivatives of n . x by a and b, with x the position at time t (0 to 1) of the load step. */
-static void find_slopes(facet_search *search, pzs_real a, pzs_real b, pzs_real t,
-                        const pzs_real n[3])
+static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
+                        const pzs_real normal[3])
 {
-    pzs_real along[4];
-    for (int r = 0; r < 4; r++)
-        along[r] = interpolate(t, dot(n, search->corner[0][r]), dot(n, search->corner[1][r]));
-    search->slope[0] = interpolate(b, along[1] - along[0], along[2] - along[3]);
-    search->slope[1] = interpolate(a, along[3] - along[0], along[2] - along[1]);
+    pzs_real distance[4];
+    for (int corner = 0; corner < 4; corner++)
+        distance[corner] = interpolate(time, dot(normal, search->corner[0][corner]),
+                                       dot(normal, search->corner[1][corner]));
+    search->slope[0] = interpolate(across, distance[1] - distance[0], distance[2] - distance[3]);
+    search->slope[1] = interpolate(along, distance[3] - distance[0], distance[2] - distance[1]);
 }
 
 /*
@@ -194,20 +200,22 @@ static void find_slopes(facet_search *search, pzs_real a, pzs_real b, pzs_real t
  * diagonals of length R sags by R (1 - sqrt(3/4)). A body smaller than the diagonals may enter only
  * where a corner is in contact, because elsewhere nothing holds it back.
  */
-static pzs_real allowed_sag(const facet_search *search, pzs_real a, pzs_real b, const pzs_real x[3],
-                            const body_point *at)
+static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
+                            const pzs_real position[3], const body_point *at)
 {
-    const pzs_real weight[4] = {(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b};
+    const pzs_real weight[4] = {(1 - along) * (1 - across), along * (1 - across), along * across,
+                                (1 - along) * across};
     const pzs_real(*corner)[3] = search->corner[1];
     pzs_real sag = 0, diagonal = 0;
-    for (int r = 0; r < 4; r++) {
-        const pzs_real d[3] = {corner[r][0] - x[0], corner[r][1] - x[1], corner[r][2] - x[2]};
-        sag += weight[r] * curvature_along(at, d);
+    for (int index = 0; index < 4; index++) {
+        const pzs_real offset[3] = {corner[index][0] - position[0], corner[index][1] - position[1],
+                                    corner[index][2] - position[2]};
+        sag += weight[index] * curvature_along(at, offset);
     }
-    for (int r = 0; r < 2; r++) {
-        const pzs_real *from = corner[r], *to = corner[r + 2];
-        const pzs_real d[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-        const pzs_real length = curvature_along(at, d);
+    for (int index = 0; index < 2; index++) {
+        const pzs_real *from = corner[index], *to = corner[index + 2];
+        const pzs_real offset[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+        const pzs_real length = curvature_along(at, offset);
         diagonal = length > diagonal ? length : diagonal;
     }
     if (!search->is_supported && diagonal > at->radius)
@@ -217,24 +225,24 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real a, pzs_real b, 
 }
 
 /* Whether a point now lies deeper in the body than is allowed at a node or between nodes. */
-static bool is_penetrated(facet_search *search, pzs_real a, pzs_real b)
+static bool is_penetrated(facet_search *search, pzs_real along, pzs_real across)
 {
     const pzs_contact *contact = search->contact;
-    const bool is_corner = (a == 0 || a == 1) && (b == 0 || b == 1);
-    pzs_real x[3];
-    facet_point((const pzs_real(*)[3])search->corner[1], a, b, x);
-    const body_point at = find_body_point(contact, x);
-    find_slopes(search, a, b, 1, at.normal);
+    const bool is_corner = (along == 0 || along == 1) && (across == 0 || across == 1);
+    pzs_real position[3];
+    facet_point((const pzs_real(*)[3])search->corner[1], along, across, position);
+    const body_point at = find_body_point(contact, position);
+    find_slopes(search, along, across, 1, at.normal);
     const pzs_real most = 2 * pzs_contact_closed_gap(contact);
     if (at.gap >= -most)
         return false;
-    if (!is_corner && at.gap >= -most - allowed_sag(search, a, b, x, &at)) {
+    if (!is_corner && at.gap >= -most - allowed_sag(search, along, across, position, &at)) {
         search->contact->info.sag =
             -at.gap > search->contact->info.sag ? -at.gap : search->contact->info.sag;
         return false;
     }
     search->found.depth = -at.gap;
-    memcpy(search->found.spot, x, sizeof x);
+    memcpy(search->found.spot, position, sizeof position);
     return true;
 }
 
@@ -246,24 +254,24 @@ static bool is_penetrated(facet_search *search, pzs_real a, pzs_real b)
 static pzs_real crossing_time(const pzs_contact *contact, const pzs_real from[3],
                               const pzs_real to[3], pzs_real normal[3])
 {
-    const pzs_real d[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    const pzs_real motion[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
     const pzs_real closed = 2 * pzs_contact_closed_gap(contact);
     pzs_real behind[3], low = 0, high = 1;
     const pzs_real gap = gap_at(contact, from, normal);
-    if (gap < -closed || !(dot(normal, d) < 0))
+    if (gap < -closed || !(dot(normal, motion) < 0))
         return 0;
     gap_at(contact, to, behind);
     const bool ends_behind = dot(normal, behind) < 0;
     memcpy(normal, behind, sizeof behind);
-    if (!(dot(normal, d) > 0))
+    if (!(dot(normal, motion) > 0))
         return 1;
     for (int i = 0; i < MOTION_BISECTIONS; i++) {
         const pzs_real middle = (low + high) / 2;
-        const pzs_real x[3] = {from[0] + middle * d[0], from[1] + middle * d[1],
-                               from[2] + middle * d[2]};
-        if (gap_at(contact, x, normal) < -closed && ends_behind)
+        const pzs_real position[3] = {from[0] + middle * motion[0], from[1] + middle * motion[1],
+                                      from[2] + middle * motion[2]};
+        if (gap_at(contact, position, normal) < -closed && ends_behind)
             return -1;
-        if (dot(normal, d) > 0)
+        if (dot(normal, motion) > 0)
             high = middle;
         else
             low = middle;
@@ -271,13 +279,13 @@ static pzs_real crossing_time(const pzs_contact *contact, const pzs_real from[3]
     return low;
 }
 
-static bool has_passed(facet_search *search, pzs_real a, pzs_real b)
+static bool has_passed(facet_search *search, pzs_real along, pzs_real across)
 {
     pzs_real from[3], to[3], normal[3];
-    facet_point((const pzs_real(*)[3])search->corner[0], a, b, from);
-    facet_point((const pzs_real(*)[3])search->corner[1], a, b, to);
+    facet_point((const pzs_real(*)[3])search->corner[0], along, across, from);
+    facet_point((const pzs_real(*)[3])search->corner[1], along, across, to);
     const pzs_real time = crossing_time(search->contact, from, to, normal);
-    find_slopes(search, a, b, time < 0 ? 1 : time, normal);
+    find_slopes(search, along, across, time < 0 ? 1 : time, normal);
     if (time >= 0)
         return false;
     search->found.depth = 0;
@@ -285,21 +293,22 @@ static bool has_passed(facet_search *search, pzs_real a, pzs_real b)
     return true;
 }
 
-static bool is_faulty(facet_search *search, pzs_real a, pzs_real b)
+static bool is_faulty(facet_search *search, pzs_real along, pzs_real across)
 {
-    return search->follows_motion ? has_passed(search, a, b) : is_penetrated(search, a, b);
+    return search->follows_motion ? has_passed(search, along, across)
+                                  : is_penetrated(search, along, across);
 }
 
 /*
  * Search the line a = constant of a facet, by bisection of the slope towards the smallest gap.
  * Returns whether a fault was found.
  */
-static bool search_line(facet_search *search, pzs_real a)
+static bool search_line(facet_search *search, pzs_real along)
 {
     pzs_real low = 0, high = 1;
     for (int i = 0; i <= SIDE_BISECTIONS; i++) {
         const pzs_real middle = (low + high) / 2;
-        if (is_faulty(search, a, middle))
+        if (is_faulty(search, along, middle))
             return true;
         if (search->slope[1] > 0)
             high = middle;
@@ -334,11 +343,11 @@ static bool search_facet_points(facet_search *search)
  */
 static bool is_separated(const facet_search *search, int k)
 {
-    pzs_real x[3], n[3];
-    facet_point(search->corner[k], (pzs_real)0.5, (pzs_real)0.5, x);
-    const pzs_real gap = gap_at(search->contact, x, n) - dot(n, x);
+    pzs_real position[3], normal[3];
+    facet_point(search->corner[k], (pzs_real)0.5, (pzs_real)0.5, position);
+    const pzs_real gap = gap_at(search->contact, position, normal) - dot(normal, position);
     for (int i = 0; i < 8; i++)
-        if (!(gap + dot(n, search->corner[i / 4][i % 4]) > 0))
+        if (!(gap + dot(normal, search->corner[i / 4][i % 4]) > 0))
             return false;
     return true;
 }
@@ -358,9 +367,9 @@ static void search_facet(facet_search *search)
         return;
     for (int k = 0; k < 2; k++) {
         search->follows_motion = k == 1;
-        for (uint8_t r = 0; r < SHELL_NODES; r++)
-            if (is_faulty(search, side[r][0], side[r][1])) {
-                search->found.node = r;
+        for (uint8_t corner = 0; corner < SHELL_NODES; corner++)
+            if (is_faulty(search, side[corner][0], side[corner][1])) {
+                search->found.node = corner;
                 search->found.how = at_node[k];
                 return;
             }
@@ -378,13 +387,15 @@ static void search_facet(facet_search *search)
 static bool faces_away(const facet_search *search)
 {
     for (int k = 0; k < 2; k++) {
-        const pzs_real(*x)[3] = search->corner[k];
-        const pzs_real d[3] = {x[2][0] - x[0][0], x[2][1] - x[0][1], x[2][2] - x[0][2]};
-        const pzs_real e[3] = {x[3][0] - x[1][0], x[3][1] - x[1][1], x[3][2] - x[1][2]};
+        const pzs_real(*corner)[3] = search->corner[k];
+        const pzs_real diagonal[3] = {corner[2][0] - corner[0][0], corner[2][1] - corner[0][1],
+                                      corner[2][2] - corner[0][2]};
+        const pzs_real other_diagonal[3] = {
+            corner[3][0] - corner[1][0], corner[3][1] - corner[1][1], corner[3][2] - corner[1][2]};
         pzs_real middle[3], normal[3], up[3];
-        facet_point(x, (pzs_real)0.5, (pzs_real)0.5, middle);
+        facet_point(corner, (pzs_real)0.5, (pzs_real)0.5, middle);
         gap_at(search->contact, middle, normal);
-        pzs_face_cross(d, e, up);
+        pzs_face_cross(diagonal, other_diagonal, up);
         const pzs_real facing = dot(up, normal);
         if ((search->contact->state.face->face == 0 ? -facing : facing) < 0)
             return false;
@@ -392,17 +403,17 @@ static bool faces_away(const facet_search *search)
     return true;
 }
 
-static penetration check_element(pzs_contact *contact, const pzs_solver *solver, uint32_t e,
-                                 pzs_real z)
+static penetration check_element(pzs_contact *contact, const pzs_solver *solver, uint32_t element,
+                                 pzs_real height)
 {
-    const uint16_t *node = solver->state.model->state.structure->element[e];
+    const uint16_t *node = solver->state.model->state.structure->element[element];
     facet_search search = {.contact = contact};
-    node_positions(contact, solver, node, SHELL_NODES, z, solver->state.converged_displacement,
+    node_positions(contact, solver, node, SHELL_NODES, height, solver->state.converged_displacement,
                    solver->state.converged_input_value, search.corner[0]);
-    node_positions(contact, solver, node, SHELL_NODES, z, solver->state.displacement,
+    node_positions(contact, solver, node, SHELL_NODES, height, solver->state.displacement,
                    solver->state.input_value, search.corner[1]);
-    for (unsigned r = 0; r < SHELL_NODES; r++)
-        search.is_supported |= contact->state.touching[node[r]] != 0;
+    for (unsigned corner = 0; corner < SHELL_NODES; corner++)
+        search.is_supported |= contact->state.touching[node[corner]] != 0;
     search_facet(&search);
     if (search.found.node != PZS_CONSTRAINED)
         search.found.node = node[search.found.node];
@@ -412,12 +423,12 @@ static penetration check_element(pzs_contact *contact, const pzs_solver *solver,
 }
 
 static void write_info(pzs_contact *contact, const pzs_solver *solver, const penetration *found,
-                       uint32_t e, uint8_t side)
+                       uint32_t element, uint8_t side)
 {
     const pzs_real moved = body_motion(contact, solver, solver->state.input_value);
     contact->info.penetration = found->how;
     contact->info.side = side;
-    contact->info.element = (uint16_t)e;
+    contact->info.element = (uint16_t)element;
     contact->info.node = found->node;
     contact->info.depth = found->depth;
     for (int i = 0; i < 3; i++)
@@ -432,16 +443,16 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver)
     contact->info.depth = 0;
     contact->info.penetration = PZS_PENETRATION_NONE;
     for (uint32_t i = 0; i < 2 * (uint32_t)structure->elements && !PZS_IS_ERROR(status); i++) {
-        const uint32_t e = i % structure->elements;
+        const uint32_t element = i % structure->elements;
         const uint8_t side =
             i < structure->elements ? contact->state.face->face : 1 - contact->state.face->face;
         const penetration found =
-            check_element(contact, solver, e, pzs_face_height(structure, side));
+            check_element(contact, solver, element, pzs_face_height(structure, side));
         if (found.how == PZS_PENETRATION_NONE ||
             (found.is_behind && status == PZS_W_BEHIND && found.depth <= contact->info.depth))
             continue;
         status = found.is_behind ? PZS_W_BEHIND : PZS_E_PENETRATION;
-        write_info(contact, solver, &found, e, side);
+        write_info(contact, solver, &found, element, side);
     }
     return status;
 }
@@ -452,16 +463,17 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver)
  * Part (0 to 1) of the motion d of the body after which its gap to point x is `near`. The gap falls
  * by at most |d|, so each step moves by the remaining gap.
  */
-static pzs_real free_motion(const pzs_contact *contact, const pzs_real x[3], const pzs_real d[3],
-                            pzs_real near)
+static pzs_real free_motion(const pzs_contact *contact, const pzs_real position[3],
+                            const pzs_real motion[3], pzs_real near)
 {
-    const pzs_real length = PZS_SQRT(dot(d, d));
+    const pzs_real length = PZS_SQRT(dot(motion, motion));
     pzs_real part = 0;
     for (int i = 0; i < MOTION_STEPS && part < 1; i++) {
-        const pzs_real at[3] = {x[0] - part * d[0], x[1] - part * d[1], x[2] - part * d[2]};
+        const pzs_real at[3] = {position[0] - part * motion[0], position[1] - part * motion[1],
+                                position[2] - part * motion[2]};
         pzs_real normal[3];
         const pzs_real left = gap_at(contact, at, normal) - near;
-        if (left > 0 && dot(normal, d) <= 0)
+        if (left > 0 && dot(normal, motion) <= 0)
             return 1;
         if (!(left > near / 16))
             break;
@@ -476,17 +488,18 @@ pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *
     const pzs_contact_face *face = contact->state.face;
     const pzs_real moved = body_motion(contact, solver, value) -
                            body_motion(contact, solver, solver->state.converged_input_value);
-    const pzs_real d[3] = {moved * face->motion[0], moved * face->motion[1],
-                           moved * face->motion[2]};
-    const pzs_real length = PZS_SQRT(dot(d, d)),
-                   z = pzs_face_height(solver->state.model->state.structure, face->face);
+    const pzs_real motion[3] = {moved * face->motion[0], moved * face->motion[1],
+                                moved * face->motion[2]};
+    const pzs_real length = PZS_SQRT(dot(motion, motion)),
+                   height = pzs_face_height(solver->state.model->state.structure, face->face);
     pzs_real part = 1, radius = face->size;
-    for (uint16_t n = 0; length > 0 && n < solver->state.model->state.structure->nodes; n++) {
-        pzs_real x[1][3];
-        node_positions(contact, solver, &n, 1, z, solver->state.converged_displacement,
-                       solver->state.converged_input_value, x);
-        const body_point at = find_body_point(contact, x[0]);
-        const pzs_real most = free_motion(contact, x[0], d, contact->state.reach);
+    for (uint16_t node = 0; length > 0 && node < solver->state.model->state.structure->nodes;
+         node++) {
+        pzs_real position[1][3];
+        node_positions(contact, solver, &node, 1, height, solver->state.converged_displacement,
+                       solver->state.converged_input_value, position);
+        const body_point at = find_body_point(contact, position[0]);
+        const pzs_real most = free_motion(contact, position[0], motion, contact->state.reach);
         part = most < part ? most : part;
         radius = at.radius > 0 && at.radius < radius ? at.radius : radius;
     }

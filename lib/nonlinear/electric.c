@@ -33,12 +33,12 @@ static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables
     const uint16_t input = tables->input[electrode];
     pzs_real charge = 0;
     for (uint32_t i = given->start[input]; i < given->start[input + 1]; i++) {
-        pzs_real u[SHELL_MAX], e[SHELL_MODES][SHELL_STRAINS];
+        pzs_real displacement[SHELL_MAX], strain[SHELL_MODES][SHELL_STRAINS];
         pzs_model_gather(solver->state.model, structure->element[given->element[i]], SHELL_NODES,
-                         solver->state.displacement, u);
+                         solver->state.displacement, displacement);
         pzs_shell_strains_at(&structure->type[structure->element_type[given->element[i]]],
-                             structure->dof_per_node, u, e);
-        charge -= pzs_linalg_inner(given->value[given->which[i]], e[0], SHELL_STRAINS);
+                             structure->dof_per_node, displacement, strain);
+        charge -= pzs_linalg_inner(given->value[given->which[i]], strain[0], SHELL_STRAINS);
     }
     for (uint32_t i = tables->direct.start[electrode]; i < tables->direct.start[electrode + 1]; i++)
         charge += tables->direct.value[i] * solver->state.input_value[tables->direct.dof[i]];
@@ -54,39 +54,40 @@ pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables
     return PZS_OK;
 }
 
-/* Force of one volt on open electrode a.  f [free_dof] out */
-static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t a,
-                               pzs_real *f)
+/* Force of one volt on open electrode a.  force [free_dof] out */
+static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t open,
+                               pzs_real *force)
 {
-    memset(f, 0, solver->state.model->state.structure->free_dof * sizeof *f);
-    pzs_nonlinear_unit_force(solver, pzs_electrode_open_input(circuit->state.tables, a), f);
+    memset(force, 0, solver->state.model->state.structure->free_dof * sizeof *force);
+    pzs_nonlinear_unit_force(solver, pzs_electrode_open_input(circuit->state.tables, open), force);
 }
 
-/* z [free_dof] = K^-1 z, with the dof of the prescribed motion held. */
-static void solve_free(pzs_solver *solver, pzs_real *z)
+/* vector [free_dof] = K^-1 z, with the dof of the prescribed motion held. */
+static void solve_free(pzs_solver *solver, pzs_real *vector)
 {
-    pzs_nonlinear_clear_prescribed(solver, z);
-    pzs_model_backsolve(solver->state.model, z, z);
+    pzs_nonlinear_clear_prescribed(solver, vector);
+    pzs_model_backsolve(solver->state.model, vector, vector);
 }
 
 /*
  * Assemble and factor the charge per volt between open electrodes at the present displacement. f, z
  * [free_dof] are work. Returns false if the matrix is singular.
  */
-static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *f, pzs_real *z)
+static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *force,
+                        pzs_real *response)
 {
     const uint32_t dof = solver->state.model->state.structure->free_dof;
     pzs_linalg_clear(&circuit->state.open);
-    for (uint32_t a = 0; a < circuit->state.open.n; a++) {
-        const uint32_t k = pzs_electrode_open(circuit->state.tables, a);
-        unit_voltage_force(circuit, solver, a, z);
-        solve_free(solver, z);
-        for (uint32_t b = 0; b <= a; b++) {
-            unit_voltage_force(circuit, solver, b, f);
-            *pzs_linalg_entry(&circuit->state.open, a, b) =
-                pzs_linalg_inner(f, z, dof) +
+    for (uint32_t open = 0; open < circuit->state.open.n; open++) {
+        const uint32_t k = pzs_electrode_open(circuit->state.tables, open);
+        unit_voltage_force(circuit, solver, open, response);
+        solve_free(solver, response);
+        for (uint32_t other = 0; other <= open; other++) {
+            unit_voltage_force(circuit, solver, other, force);
+            *pzs_linalg_entry(&circuit->state.open, open, other) =
+                pzs_linalg_inner(force, response, dof) +
                 pzs_electrode_direct(circuit->state.tables, k,
-                                     pzs_electrode_open_input(circuit->state.tables, b));
+                                     pzs_electrode_open_input(circuit->state.tables, other));
         }
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
@@ -115,25 +116,25 @@ static bool condense(pzs_solver_option *option, pzs_solver *solver, uint32_t inp
 {
     pzs_circuit *circuit = circuit_of(option);
     const uint32_t dof = solver->state.model->state.structure->free_dof;
-    pzs_real *z = solver->state.model->state.work + 2 * (size_t)dof, *f = z + dof;
-    if (input == NEWTON && !factor_open(circuit, solver, f, z))
+    pzs_real *response = solver->state.model->state.work + 2 * (size_t)dof, *force = response + dof;
+    if (input == NEWTON && !factor_open(circuit, solver, force, response))
         return false;
-    for (uint32_t a = 0; a < circuit->state.open.n; a++) {
-        const uint32_t k = pzs_electrode_open(circuit->state.tables, a);
-        unit_voltage_force(circuit, solver, a, f);
+    for (uint32_t open = 0; open < circuit->state.open.n; open++) {
+        const uint32_t k = pzs_electrode_open(circuit->state.tables, open);
+        unit_voltage_force(circuit, solver, open, force);
         const pzs_real charge = charge_to_add(circuit, solver, k, input);
-        circuit->state.voltage_change[a] = charge - pzs_linalg_inner(f, du, dof);
+        circuit->state.voltage_change[open] = charge - pzs_linalg_inner(force, du, dof);
     }
     pzs_linalg_solve(&circuit->state.open, circuit->state.voltage_change);
-    memset(z, 0, dof * sizeof *z);
-    for (uint32_t a = 0; a < circuit->state.open.n; a++) {
-        unit_voltage_force(circuit, solver, a, f);
+    memset(response, 0, dof * sizeof *response);
+    for (uint32_t open = 0; open < circuit->state.open.n; open++) {
+        unit_voltage_force(circuit, solver, open, force);
         for (uint32_t i = 0; i < dof; i++)
-            z[i] += circuit->state.voltage_change[a] * f[i];
+            response[i] += circuit->state.voltage_change[open] * force[i];
     }
-    solve_free(solver, z);
+    solve_free(solver, response);
     for (uint32_t i = 0; i < dof; i++)
-        du[i] += z[i];
+        du[i] += response[i];
     return true;
 }
 
@@ -143,9 +144,9 @@ static bool condense(pzs_solver_option *option, pzs_solver *solver, uint32_t inp
  */
 static void set_voltages(const pzs_circuit *circuit, pzs_solver *solver)
 {
-    for (uint32_t a = 0; a < circuit->state.open.n; a++)
-        solver->state.input_value[pzs_electrode_open_input(circuit->state.tables, a)] =
-            circuit->state.voltage[a];
+    for (uint32_t open = 0; open < circuit->state.open.n; open++)
+        solver->state.input_value[pzs_electrode_open_input(circuit->state.tables, open)] =
+            circuit->state.voltage[open];
     pzs_nonlinear_set_prescribed(solver);
 }
 
@@ -160,8 +161,8 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 {
     pzs_circuit *circuit = circuit_of(option);
     (void)du;
-    for (uint32_t a = 0; a < circuit->state.open.n; a++)
-        circuit->state.voltage[a] += circuit->state.voltage_change[a];
+    for (uint32_t open = 0; open < circuit->state.open.n; open++)
+        circuit->state.voltage[open] += circuit->state.voltage_change[open];
     set_voltages(circuit, solver);
 }
 

@@ -16,32 +16,32 @@
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face);
 
 /*
- * Displacement w [count][3] (m) of the face at height z at `count` nodes.  p [free_dof] in,
- * displacement
+ * Displacement displacement [count][3] (m) of the face at height z at `count` nodes.  vector
+ * [free_dof] in, displacement
  */
-void pzs_face_gather(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real z,
-                     const pzs_real *p, pzs_real (*w)[3]);
+void pzs_face_gather(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real height,
+                     const pzs_real *vector, pzs_real (*displacement)[3]);
 
-/* f [free_dof] += force [count][3] (N) that acts on the face at height z. */
-void pzs_face_scatter(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real z,
-                      const pzs_real (*force)[3], pzs_real *f);
+/* vector [free_dof] += force [count][3] (N) that acts on the face at height z. */
+void pzs_face_scatter(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real height,
+                      const pzs_real (*force)[3], pzs_real *vector);
 
 /*
  * Base vectors G_a = g_a + lam_a of the deformed face at corner r, in the frame of the corner.
- *   w [4][3] in  displacement of the face at the corners (m)
+ *   displacement [4][3] in  displacement of the face at the corners (m)
  */
-void pzs_face_base(const pzs_element_type *type, pzs_real z, const pzs_real (*w)[3], unsigned r,
-                   pzs_real g[2][3]);
+void pzs_face_base(const pzs_element_type *type, pzs_real height, const pzs_real (*displacement)[3],
+                   unsigned corner, pzs_real base[2][3]);
 
 /*
  * Normal eta = G_1 x G_2 of the deformed face at corner r. Its length is the deformed area over the
  * reference area.
- *   w [4][3] in  displacement of the face at the corners (m)
+ *   displacement [4][3] in  displacement of the face at the corners (m)
  */
-void pzs_face_normal(const pzs_element_type *type, pzs_real z, const pzs_real (*w)[3], unsigned r,
-                     pzs_real eta[3]);
+void pzs_face_normal(const pzs_element_type *type, pzs_real height,
+                     const pzs_real (*displacement)[3], unsigned corner, pzs_real eta[3]);
 
 /* Vector product c = a x b. */
-void pzs_face_cross(const pzs_real a[3], const pzs_real b[3], pzs_real c[3]);
+void pzs_face_cross(const pzs_real left[3], const pzs_real right[3], pzs_real product[3]);
 
 #endif

@@ -38,73 +38,77 @@ enum { CORNER_DOF = 6, FACE_DOF = 24 };
 static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)
 {
-    pzs_real c[3], d[3];
-    pzs_face_cross(left->v, right->v, c);
+    pzs_real left_part[3], right_part[3];
+    pzs_face_cross(left->v, right->v, left_part);
     for (int i = 0; i < 3; i++)
-        sum->v[i] += factor * c[i];
+        sum->v[i] += factor * left_part[i];
     for (int j = 0; j < VARIABLES; j++) {
         const pzs_real dx[3] = {left->slope[0][j], left->slope[1][j], left->slope[2][j]};
         const pzs_real dy[3] = {right->slope[0][j], right->slope[1][j], right->slope[2][j]};
-        pzs_face_cross(dx, right->v, c);
-        pzs_face_cross(left->v, dy, d);
+        pzs_face_cross(dx, right->v, left_part);
+        pzs_face_cross(left->v, dy, right_part);
         for (int i = 0; i < 3; i++)
-            sum->slope[i][j] += factor * (c[i] + d[i]);
+            sum->slope[i][j] += factor * (left_part[i] + right_part[i]);
     }
 }
 
 /* x / |n| with its derivative; size = |n|. */
-static void normalise(const vector_slope *n, pzs_real size, vector_slope *vector)
+static void normalise(const vector_slope *normal, pzs_real size, vector_slope *vector)
 {
     const pzs_real inverse = size > 0 ? 1 / size : 0;
     for (int i = 0; i < 3; i++)
         vector->v[i] *= inverse;
     for (int j = 0; j < VARIABLES; j++) {
-        const pzs_real relative = inverse * (n->v[0] * n->slope[0][j] + n->v[1] * n->slope[1][j] +
-                                             n->v[2] * n->slope[2][j]);
+        const pzs_real relative =
+            inverse * (normal->v[0] * normal->slope[0][j] + normal->v[1] * normal->slope[1][j] +
+                       normal->v[2] * normal->slope[2][j]);
         for (int i = 0; i < 3; i++)
             vector->slope[i][j] = inverse * (vector->slope[i][j] - relative * vector->v[i]);
     }
 }
 
 /* Base vector U_a at corner r with its derivative. */
-static void set_base(const pzs_element_type *type, pzs_real z, unsigned r, unsigned a,
-                     const pzs_real g[3], const vector_slope *director, vector_slope *base)
+static void set_base(const pzs_element_type *type, pzs_real height, unsigned corner,
+                     unsigned direction, const pzs_real face_base[3], const vector_slope *director,
+                     vector_slope *base)
 {
-    const unsigned neighbour = a == 0 ? r ^ 1u : 3u - r;
-    const pzs_real lean = type->g_mean[r][a][2] + z * type->g_diff[r][a][2];
+    const unsigned neighbour = direction == 0 ? corner ^ 1u : 3u - corner;
+    const pzs_real lean =
+        type->g_mean[corner][direction][2] + height * type->g_diff[corner][direction][2];
     memset(base, 0, sizeof *base);
     for (unsigned i = 0; i < 3; i++) {
-        base->v[i] = g[i] - lean * director->v[i];
+        base->v[i] = face_base[i] - lean * director->v[i];
         base->slope[i][BY_DIRECTOR + i] = -lean;
         for (unsigned j = 0; j < 3; j++) {
-            base->slope[i][3 * r + j] = type->s[r][a][i][j];
-            base->slope[i][3 * neighbour + j] = type->t[r][a][i][j];
+            base->slope[i][3 * corner + j] = type->s[corner][direction][i][j];
+            base->slope[i][3 * neighbour + j] = type->t[corner][direction][i][j];
         }
     }
 }
 
 /*
- * Vectors n and side at corner r of an element type, per reference area.  w [4][3] displacement of
- * the face, t [3] director
+ * Vectors n and side at corner r of an element type, per reference area.  displacement [4][3]
+ * displacement of the face, t [3] director
  */
 static void pressure_force(const pzs_follower *load, const pzs_structure *structure, uint16_t type,
-                           const pzs_real (*w)[3], const pzs_real t[3], unsigned r,
-                           vector_slope *normal, vector_slope *side)
+                           const pzs_real (*displacement)[3], const pzs_real director_at[3],
+                           unsigned corner, vector_slope *normal, vector_slope *side)
 {
-    const pzs_real z = pzs_face_height(structure, load->normal_face);
-    pzs_real g[2][3];
-    vector_slope director = {{t[0], t[1], t[2]}, {{0}}}, base[2];
-    pzs_face_base(&structure->type[type], z, w, r, g);
+    const pzs_real height = pzs_face_height(structure, load->normal_face);
+    pzs_real face_base[2][3];
+    vector_slope director = {{director_at[0], director_at[1], director_at[2]}, {{0}}}, base[2];
+    pzs_face_base(&structure->type[type], height, displacement, corner, face_base);
     for (unsigned i = 0; i < 3; i++)
         director.slope[i][BY_DIRECTOR + i] = 1;
-    for (unsigned a = 0; a < 2; a++)
-        set_base(&structure->type[type], z, r, a, g[a], &director, &base[a]);
+    for (unsigned direction = 0; direction < 2; direction++)
+        set_base(&structure->type[type], height, corner, direction, face_base[direction], &director,
+                 &base[direction]);
     memset(normal, 0, sizeof *normal);
     memset(side, 0, sizeof *side);
     add_cross(1, &base[0], &base[1], normal);
     if (load->lean) {
-        add_cross(load->lean[type][r][0], &director, &base[1], side);
-        add_cross(load->lean[type][r][1], &base[0], &director, side);
+        add_cross(load->lean[type][corner][0], &director, &base[1], side);
+        add_cross(load->lean[type][corner][1], &base[0], &director, side);
     }
     if (!load->true_area) {
         const vector_slope unscaled = *normal;
@@ -119,31 +123,31 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
  * Add to the force on corner r the factor `part` of vector x at another corner, and add its
  * derivative to slope [24][24]; slope may be NULL.
  */
-static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load, pzs_real z,
-                             unsigned corner, unsigned r, pzs_real *force,
-                             pzs_real (*slope)[FACE_DOF])
+static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
+                             pzs_real height, unsigned corner, unsigned loaded_corner,
+                             pzs_real *force, pzs_real (*slope)[FACE_DOF])
 {
     for (unsigned i = 0; i < 6; i++) {
         const pzs_real factor = i < 3 ? part : part * z_load;
-        force[CORNER_DOF * r + i] += factor * vector->v[i % 3];
+        force[CORNER_DOF * loaded_corner + i] += factor * vector->v[i % 3];
         for (unsigned j = 0; slope && factor != 0 && j < VARIABLES; j++) {
             const unsigned column = j < BY_DIRECTOR ? CORNER_DOF * (j / 3) + j % 3
                                                     : CORNER_DOF * corner + j - BY_DIRECTOR + 3;
             const pzs_real change = factor * vector->slope[i % 3][j];
-            slope[CORNER_DOF * r + i][column] += change;
+            slope[CORNER_DOF * loaded_corner + i][column] += change;
             if (j < BY_DIRECTOR)
-                slope[CORNER_DOF * r + i][column + 3] += z * change;
+                slope[CORNER_DOF * loaded_corner + i][column + 3] += height * change;
         }
     }
 }
 
 /* Row of pzs_follower.share for the pressure of `corner` carried by corner r: 0 the corner itself,
  * 1 a neighbour, 2 the opposite corner. */
-static unsigned share_index(unsigned r, unsigned corner)
+static unsigned share_index(unsigned loaded_corner, unsigned corner)
 {
-    if (r == corner)
+    if (loaded_corner == corner)
         return 0;
-    return (r ^ corner) == 2 ? 2 : 1;
+    return (loaded_corner ^ corner) == 2 ? 2 : 1;
 }
 
 /*
@@ -152,31 +156,34 @@ static unsigned share_index(unsigned r, unsigned corner)
  *   force [24]     out
  *   slope [24][24] out derivative S of the forces; NULL: not computed
  */
-static void element_forces(const pzs_follower *load, const pzs_solver *solver, uint32_t e,
+static void element_forces(const pzs_follower *load, const pzs_solver *solver, uint32_t element,
                            pzs_real load_value, pzs_real *force, pzs_real (*slope)[FACE_DOF])
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const uint16_t *node = structure->element[e], type = structure->element_type[e];
-    const pzs_real z = pzs_face_height(structure, load->normal_face),
+    const uint16_t *node = structure->element[element], type = structure->element_type[element];
+    const pzs_real height = pzs_face_height(structure, load->normal_face),
                    z_load = pzs_face_height(structure, load->load_face);
-    pzs_real u[SHELL_MAX], w[SHELL_NODES][3];
-    pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement, u);
-    pzs_face_gather(solver->state.model, node, SHELL_NODES, z, solver->state.displacement, w);
+    pzs_real gathered[SHELL_MAX], displacement[SHELL_NODES][3];
+    pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement, gathered);
+    pzs_face_gather(solver->state.model, node, SHELL_NODES, height, solver->state.displacement,
+                    displacement);
     memset(force, 0, FACE_DOF * sizeof *force);
     if (slope)
         memset(slope, 0, FACE_DOF * sizeof *slope);
     for (unsigned corner = 0; corner < SHELL_NODES; corner++) {
         const pzs_real size = load_value * load->pressure[node[corner]] * load->area[type][corner],
-                       *d = u + corner * structure->dof_per_node + 3;
-        const pzs_real t[3] = {d[0], d[1], 1 + d[2]};
+                       *difference = gathered + corner * structure->dof_per_node + 3;
+        const pzs_real director[3] = {difference[0], difference[1], 1 + difference[2]};
         vector_slope normal, side;
-        pressure_force(load, structure, type, (const pzs_real(*)[3])w, t, corner, &normal, &side);
-        for (unsigned r = 0; r < SHELL_NODES; r++) {
-            const pzs_real part = size * load->share[share_index(r, corner)];
+        pressure_force(load, structure, type, (const pzs_real(*)[3])displacement, director, corner,
+                       &normal, &side);
+        for (unsigned loaded_corner = 0; loaded_corner < SHELL_NODES; loaded_corner++) {
+            const pzs_real part = size * load->share[share_index(loaded_corner, corner)];
             if (part != 0)
-                add_corner_force(&normal, part, z_load, z, corner, r, force, slope);
+                add_corner_force(&normal, part, z_load, height, corner, loaded_corner, force,
+                                 slope);
             if (part != 0 && load->lean)
-                add_corner_force(&side, part, 0, z, corner, r, force, slope);
+                add_corner_force(&side, part, 0, height, corner, loaded_corner, force, slope);
         }
     }
 }
@@ -193,9 +200,9 @@ static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
                                          : FACE_DOF;
 }
 
-/* f [free_dof] += factor times the forces [24] of an element */
-static void scatter_forces(const pzs_solver *solver, uint32_t e, pzs_real factor,
-                           const pzs_real *force, pzs_real *f)
+/* vector [free_dof] += factor times the forces [24] of an element */
+static void scatter_forces(const pzs_solver *solver, uint32_t element, pzs_real factor,
+                           const pzs_real *force, pzs_real *vector)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
     pzs_real all[SHELL_MAX];
@@ -203,7 +210,8 @@ static void scatter_forces(const pzs_solver *solver, uint32_t e, pzs_real factor
         all[i] = face_dof_of(i, structure->dof_per_node) < FACE_DOF
                      ? force[face_dof_of(i, structure->dof_per_node)]
                      : 0;
-    pzs_model_scatter(solver->state.model, structure->element[e], SHELL_NODES, factor, all, f);
+    pzs_model_scatter(solver->state.model, structure->element[element], SHELL_NODES, factor, all,
+                      vector);
 }
 
 /* k [packed lower triangle] = -(S + S')/2 */
@@ -226,12 +234,12 @@ static void add_forces(pzs_solver_option *option, pzs_solver *solver, pzs_real *
     const pzs_follower *tables = ((pzs_follower_load *)option)->state.tables;
     const pzs_structure *structure = solver->state.model->state.structure;
     const pzs_real load_value = solver->state.input_value[tables->input];
-    for (uint32_t e = 0; load_value != 0 && e < structure->elements; e++) {
+    for (uint32_t element = 0; load_value != 0 && element < structure->elements; element++) {
         pzs_real force[FACE_DOF], slope[FACE_DOF][FACE_DOF], k[SHELL_PACKED(SHELL_MAX)];
-        element_forces(tables, solver, e, load_value, force, slope);
-        scatter_forces(solver, e, 1, force, load);
+        element_forces(tables, solver, element, load_value, force, slope);
+        scatter_forces(solver, element, 1, force, load);
         symmetric_tangent(slope, structure->dof_per_node, k);
-        pzs_model_add_matrix(solver->state.model, structure->element[e], SHELL_NODES, 1, k);
+        pzs_model_add_matrix(solver->state.model, structure->element[element], SHELL_NODES, 1, k);
     }
 }
 
@@ -239,11 +247,12 @@ static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32
                            pzs_real *out)
 {
     const pzs_follower *tables = ((pzs_follower_load *)option)->state.tables;
-    for (uint32_t e = 0;
-         input == tables->input && e < solver->state.model->state.structure->elements; e++) {
+    for (uint32_t element = 0;
+         input == tables->input && element < solver->state.model->state.structure->elements;
+         element++) {
         pzs_real force[FACE_DOF];
-        element_forces(tables, solver, e, 1, force, NULL);
-        scatter_forces(solver, e, 1, force, out);
+        element_forces(tables, solver, element, 1, force, NULL);
+        scatter_forces(solver, element, 1, force, out);
     }
 }
 
@@ -254,18 +263,19 @@ static void add_skew(pzs_solver_option *option, pzs_solver *solver, const pzs_re
     const pzs_follower *tables = ((pzs_follower_load *)option)->state.tables;
     const pzs_structure *structure = solver->state.model->state.structure;
     const pzs_real load_value = solver->state.input_value[tables->input];
-    for (uint32_t e = 0; load_value != 0 && e < structure->elements; e++) {
-        pzs_real force[FACE_DOF], slope[FACE_DOF][FACE_DOF], u[SHELL_MAX], x_face[FACE_DOF];
-        element_forces(tables, solver, e, load_value, force, slope);
-        pzs_model_gather(solver->state.model, structure->element[e], SHELL_NODES, x, u);
+    for (uint32_t element = 0; load_value != 0 && element < structure->elements; element++) {
+        pzs_real force[FACE_DOF], slope[FACE_DOF][FACE_DOF], gathered[SHELL_MAX], x_face[FACE_DOF];
+        element_forces(tables, solver, element, load_value, force, slope);
+        pzs_model_gather(solver->state.model, structure->element[element], SHELL_NODES, x,
+                         gathered);
         for (unsigned i = 0; i < FACE_DOF; i++) {
-            x_face[i] = u[i / CORNER_DOF * structure->dof_per_node + i % CORNER_DOF];
+            x_face[i] = gathered[i / CORNER_DOF * structure->dof_per_node + i % CORNER_DOF];
             force[i] = 0;
         }
         for (unsigned i = 0; i < FACE_DOF; i++)
             for (unsigned j = 0; j < FACE_DOF; j++)
                 force[i] += (slope[i][j] - slope[j][i]) * x_face[j];
-        scatter_forces(solver, e, factor / 2, force, y);
+        scatter_forces(solver, element, factor / 2, force, y);
     }
 }
 

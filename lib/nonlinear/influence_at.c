@@ -40,13 +40,13 @@ static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
     solver->state.model->state.stage = STAGE_AT_SHAPE;
 }
 
-/* Add the outputs of u [free_dof] to the column of one input in the influence matrix. */
-static void add_outputs(const pzs_structure *structure, const pzs_real *u, uint32_t input,
-                        pzs_real *influence)
+/* Add the outputs of displacement [free_dof] to the column of one input in the influence matrix. */
+static void add_outputs(const pzs_structure *structure, const pzs_real *displacement,
+                        uint32_t input, pzs_real *influence)
 {
     for (uint32_t i = 0; i < structure->output.count; i++)
         influence[(size_t)i * structure->input.count + input] +=
-            pzs_model_observe_row(structure, u, i);
+            pzs_model_observe_row(structure, displacement, i);
 }
 
 /* Whether an option leaves a skew-symmetric part out of the tangent. */
@@ -126,22 +126,22 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence)
         return fail(solver, PZS_E_STAGE, -1);
     const pzs_structure *structure = solver->state.model->state.structure;
     const pzs_prescribed_motion *motion = &solver->state.tables->prescribed;
-    pzs_real *u = solver->state.model->state.work;
+    pzs_real *displacement = solver->state.model->state.work;
     for (uint32_t j = 0; j < structure->input.count; j++) {
-        memset(u, 0, structure->free_dof * sizeof *u);
-        pzs_nonlinear_unit_force(solver, j, u);
-        pzs_nonlinear_clear_prescribed(solver, u);
+        memset(displacement, 0, structure->free_dof * sizeof *displacement);
+        pzs_nonlinear_unit_force(solver, j, displacement);
+        pzs_nonlinear_clear_prescribed(solver, displacement);
         if (motion->count > 0 && j == motion->input)
-            prescribed_motion_force(solver, u);
-        pzs_model_backsolve(solver->state.model, u, u);
-        if (!pzs_nonlinear_condense(solver, j, u) ||
-            pzs_guard_nonfinite(u, structure->free_dof) >= 0)
+            prescribed_motion_force(solver, displacement);
+        pzs_model_backsolve(solver->state.model, displacement, displacement);
+        if (!pzs_nonlinear_condense(solver, j, displacement) ||
+            pzs_guard_nonfinite(displacement, structure->free_dof) >= 0)
             return fail(solver, PZS_E_NONFINITE, (int32_t)j);
         for (uint32_t i = 0; i < structure->output.count; i++)
             influence[(size_t)i * structure->input.count + j] = 0;
-        add_outputs(structure, u, j, influence);
+        add_outputs(structure, displacement, j, influence);
         const pzs_status status =
-            has_skew_part(solver) ? correct_column(solver, j, u, influence) : PZS_OK;
+            has_skew_part(solver) ? correct_column(solver, j, displacement, influence) : PZS_OK;
         if (status != PZS_OK)
             return fail(solver, status, (int32_t)j);
     }

@@ -198,12 +198,13 @@ void pzs_nonlinear_set_prescribed(pzs_solver *solver)
     const pzs_prescribed_resultants *given = &solver->state.tables->given;
     memset(solver->state.prescribed, 0, structure->elements * sizeof *solver->state.prescribed);
     for (uint32_t j = 0; given->start && j < structure->input.count; j++)
-        for (uint32_t t = given->start[j];
-             solver->state.input_value[j] != 0 && t < given->start[j + 1]; t++) {
-            const pzs_real factor = pzs_model_type_factor(solver->state.model, given->element[t]);
+        for (uint32_t entry = given->start[j];
+             solver->state.input_value[j] != 0 && entry < given->start[j + 1]; entry++) {
+            const pzs_real factor =
+                pzs_model_type_factor(solver->state.model, given->element[entry]);
             for (int i = 0; factor > 0 && i < SHELL_STRAINS; i++)
-                solver->state.prescribed[given->element[t]][i] +=
-                    solver->state.input_value[j] / factor * given->value[given->which[t]][i];
+                solver->state.prescribed[given->element[entry]][i] +=
+                    solver->state.input_value[j] / factor * given->value[given->which[entry]][i];
         }
 }
 
@@ -220,15 +221,17 @@ void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *forc
     const bool is_actuation = has_prescribed_resultants(solver, input);
     if (!is_actuation)
         pzs_model_add_input(solver->state.model, input, 1, force);
-    for (uint32_t t = is_actuation ? given->start[input] : 0;
-         is_actuation && t < given->start[input + 1]; t++) {
-        const uint16_t *node = structure->element[given->element[t]];
-        pzs_real u[SHELL_MAX], f[SHELL_MAX], resultant[SHELL_RESULTANTS] = {0};
-        memcpy(resultant, given->value[given->which[t]], SHELL_STRAINS * sizeof *resultant);
-        pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement, u);
-        pzs_shell_force_at(&structure->type[structure->element_type[given->element[t]]],
-                           structure->dof_per_node, u, resultant, f);
-        pzs_model_scatter(solver->state.model, node, SHELL_NODES, -1, f, force);
+    for (uint32_t entry = is_actuation ? given->start[input] : 0;
+         is_actuation && entry < given->start[input + 1]; entry++) {
+        const uint16_t *node = structure->element[given->element[entry]];
+        pzs_real displacement[SHELL_MAX], internal_force[SHELL_MAX],
+            resultant[SHELL_RESULTANTS] = {0};
+        memcpy(resultant, given->value[given->which[entry]], SHELL_STRAINS * sizeof *resultant);
+        pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement,
+                         displacement);
+        pzs_shell_force_at(&structure->type[structure->element_type[given->element[entry]]],
+                           structure->dof_per_node, displacement, resultant, internal_force);
+        pzs_model_scatter(solver->state.model, node, SHELL_NODES, -1, internal_force, force);
     }
     for (pzs_solver_option *option = solver->state.option; option; option = option->next)
         if (option->call->add_unit_force)
@@ -245,15 +248,19 @@ void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real
     model->state.stage = STAGE_READY;
     memset(solver->state.load, 0, structure->free_dof * sizeof *solver->state.load);
     memset(imbalance, 0, structure->free_dof * sizeof *imbalance);
-    for (uint32_t e = 0; e < structure->elements; e++) {
-        const pzs_real factor = pzs_model_type_factor(model, e);
-        pzs_real u[SHELL_MAX], f[SHELL_MAX], k[SHELL_PACKED(SHELL_MAX)];
-        pzs_model_gather(model, structure->element[e], SHELL_NODES, solver->state.displacement, u);
-        pzs_shell_system(&structure->type[structure->element_type[e]], structure->dof_per_node, u,
-                         solver->state.prescribed[e],
-                         uses_true_resultants ? NULL : solver->state.resultant[e], f, k);
-        pzs_model_add_matrix(model, structure->element[e], SHELL_NODES, factor, k);
-        pzs_model_scatter(model, structure->element[e], SHELL_NODES, -factor, f, imbalance);
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        const pzs_real factor = pzs_model_type_factor(model, element);
+        pzs_real displacement[SHELL_MAX], internal_force[SHELL_MAX],
+            tangent[SHELL_PACKED(SHELL_MAX)];
+        pzs_model_gather(model, structure->element[element], SHELL_NODES,
+                         solver->state.displacement, displacement);
+        pzs_shell_system(&structure->type[structure->element_type[element]],
+                         structure->dof_per_node, displacement, solver->state.prescribed[element],
+                         uses_true_resultants ? NULL : solver->state.resultant[element],
+                         internal_force, tangent);
+        pzs_model_add_matrix(model, structure->element[element], SHELL_NODES, factor, tangent);
+        pzs_model_scatter(model, structure->element[element], SHELL_NODES, -factor, internal_force,
+                          imbalance);
     }
     for (uint32_t i = 0; model->state.constrained && i < structure->free_dof; i++)
         if (model->state.constrained[i])
@@ -268,47 +275,48 @@ void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real
         imbalance[i] += solver->state.load[i];
 }
 
-void pzs_nonlinear_prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b)
+void pzs_nonlinear_prescribe(pzs_envelope *matrix, uint32_t dof, pzs_real value,
+                             pzs_real *right_side)
 {
-    for (uint32_t i = 0; i < k->n; i++) {
-        const uint32_t row = i > p ? i : p;
-        const uint32_t column = i > p ? p : i;
-        if (i == p || k->first[row] > column)
+    for (uint32_t i = 0; i < matrix->n; i++) {
+        const uint32_t row = i > dof ? i : dof;
+        const uint32_t column = i > dof ? dof : i;
+        if (i == dof || matrix->first[row] > column)
             continue;
-        pzs_real *entry = pzs_linalg_entry(k, row, column);
-        b[i] -= *entry * value;
+        pzs_real *entry = pzs_linalg_entry(matrix, row, column);
+        right_side[i] -= *entry * value;
         *entry = 0;
     }
-    pzs_real *d = pzs_linalg_entry(k, p, p);
-    *d = *d > 0 ? *d : 1;
-    b[p] = *d * value;
+    pzs_real *diagonal = pzs_linalg_entry(matrix, dof, dof);
+    *diagonal = *diagonal > 0 ? *diagonal : 1;
+    right_side[dof] = *diagonal * value;
 }
 
-void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *f)
+void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal_force)
 {
     const pzs_prescribed_motion *motion = &solver->state.tables->prescribed;
     for (uint32_t i = 0; i < motion->count; i++)
-        f[motion->dof[i]] = 0;
+        internal_force[motion->dof[i]] = 0;
 }
 
 /*
- * Apply the prescribed motion to the right-hand side b [free_dof] and to the tangent. Returns the
- * squared norm of the reaction forces, in scaled rows.
+ * Apply the prescribed motion to the right-hand side right_side [free_dof] and to the tangent.
+ * Returns the squared norm of the reaction forces, in scaled rows.
  */
-static pzs_real prescribe_all(pzs_solver *solver, pzs_real *b)
+static pzs_real prescribe_all(pzs_solver *solver, pzs_real *right_side)
 {
     const pzs_prescribed_motion *motion = &solver->state.tables->prescribed;
     pzs_real reaction = 0;
     for (uint32_t i = 0; i < motion->count; i++) {
         const pzs_real scaled =
-            solver->state.model->state.scale[motion->dof[i]] * b[motion->dof[i]];
+            solver->state.model->state.scale[motion->dof[i]] * right_side[motion->dof[i]];
         reaction += scaled * scaled;
     }
     for (uint32_t i = 0; i < motion->count; i++)
         pzs_nonlinear_prescribe(&solver->state.model->state.stiffness, motion->dof[i],
                                 solver->state.input_value[motion->input] * motion->value[i] -
                                     solver->state.displacement[motion->dof[i]],
-                                b);
+                                right_side);
     return reaction;
 }
 
@@ -321,17 +329,18 @@ bool pzs_nonlinear_factor(pzs_solver *solver)
     return inertia.zero < 0;
 }
 
-pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *x, const pzs_real *y)
+pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *vector,
+                             const pzs_real *other)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_real h = structure->type[0].thickness;
+    const pzs_real thickness = structure->type[0].thickness;
     pzs_real sum = 0;
     for (uint32_t i = 0; i < (uint32_t)structure->nodes * structure->dof_per_node; i++) {
         const uint16_t dof = structure->node_dof[i];
         if (dof == PZS_CONSTRAINED)
             continue;
-        const pzs_real difference = x[dof] - (y ? y[dof] : 0);
-        const pzs_real size = difference * (i % structure->dof_per_node < 3 ? 1 : h);
+        const pzs_real difference = vector[dof] - (other ? other[dof] : 0);
+        const pzs_real size = difference * (i % structure->dof_per_node < 3 ? 1 : thickness);
         sum += size * size;
     }
     return sum;
@@ -340,15 +349,16 @@ pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *x, const 
 static void extrapolate(pzs_solver *solver, const pzs_real *du)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    for (uint32_t e = 0; e < structure->elements; e++) {
-        pzs_real u[SHELL_MAX], d[SHELL_MAX];
-        pzs_model_gather(solver->state.model, structure->element[e], SHELL_NODES,
-                         solver->state.displacement, u);
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        pzs_real displacement[SHELL_MAX], increment[SHELL_MAX];
+        pzs_model_gather(solver->state.model, structure->element[element], SHELL_NODES,
+                         solver->state.displacement, displacement);
         if (du)
-            pzs_model_gather(solver->state.model, structure->element[e], SHELL_NODES, du, d);
-        pzs_shell_resultants(&structure->type[structure->element_type[e]], structure->dof_per_node,
-                             u, du ? d : NULL, solver->state.prescribed[e],
-                             solver->state.resultant[e]);
+            pzs_model_gather(solver->state.model, structure->element[element], SHELL_NODES, du,
+                             increment);
+        pzs_shell_resultants(&structure->type[structure->element_type[element]],
+                             structure->dof_per_node, displacement, du ? increment : NULL,
+                             solver->state.prescribed[element], solver->state.resultant[element]);
     }
 }
 
@@ -366,7 +376,7 @@ bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du)
  */
 static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_real *du)
 {
-    const uint32_t n = solver->state.model->state.structure->free_dof;
+    const uint32_t free_dof = solver->state.model->state.structure->free_dof;
     for (pzs_solver_option *option = solver->state.option; option; option = option->next)
         if (option->call->prepare_solve && !option->call->prepare_solve(option, solver))
             return false;
@@ -376,13 +386,13 @@ static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_
         return false;
     pzs_model_backsolve(solver->state.model, du, du);
     solver->info.linear_solves++;
-    if (!pzs_nonlinear_condense(solver, NEWTON, du) || pzs_guard_nonfinite(du, n) >= 0)
+    if (!pzs_nonlinear_condense(solver, NEWTON, du) || pzs_guard_nonfinite(du, free_dof) >= 0)
         return false;
     for (pzs_solver_option *option = solver->state.option; option; option = option->next)
         if (option->call->after_solve)
             option->call->after_solve(option, solver, du);
     extrapolate(solver, du);
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = 0; i < free_dof; i++)
         solver->state.displacement[i] += du[i];
     return true;
 }
@@ -399,19 +409,20 @@ static pzs_status unconverged_option(pzs_solver *solver)
     return open;
 }
 
-/* Add the force of actuation at the present displacement to f [free_dof]. */
-static void add_actuation(const pzs_solver *solver, pzs_real *f)
+/* Add the force of actuation at the present displacement to vector [free_dof]. */
+static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    for (uint32_t e = 0; e < structure->elements; e++) {
-        pzs_real u[SHELL_MAX], force[SHELL_MAX], resultant[SHELL_RESULTANTS] = {0};
-        memcpy(resultant, solver->state.prescribed[e], sizeof solver->state.prescribed[e]);
-        pzs_model_gather(solver->state.model, structure->element[e], SHELL_NODES,
-                         solver->state.displacement, u);
-        pzs_shell_force_at(&structure->type[structure->element_type[e]], structure->dof_per_node, u,
-                           resultant, force);
-        pzs_model_scatter(solver->state.model, structure->element[e], SHELL_NODES,
-                          -pzs_model_type_factor(solver->state.model, e), force, f);
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        pzs_real displacement[SHELL_MAX], force[SHELL_MAX], resultant[SHELL_RESULTANTS] = {0};
+        memcpy(resultant, solver->state.prescribed[element],
+               sizeof solver->state.prescribed[element]);
+        pzs_model_gather(solver->state.model, structure->element[element], SHELL_NODES,
+                         solver->state.displacement, displacement);
+        pzs_shell_force_at(&structure->type[structure->element_type[element]],
+                           structure->dof_per_node, displacement, resultant, force);
+        pzs_model_scatter(solver->state.model, structure->element[element], SHELL_NODES,
+                          -pzs_model_type_factor(solver->state.model, element), force, vector);
     }
 }
 
@@ -427,10 +438,10 @@ static void add_actuation(const pzs_solver *solver, pzs_real *f)
 static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
 {
     pzs_model *model = solver->state.model;
-    const uint32_t n = model->state.structure->free_dof;
-    pzs_real *applied = model->state.work + n;
+    const uint32_t free_dof = model->state.structure->free_dof;
+    pzs_real *applied = model->state.work + free_dof;
     pzs_nonlinear_build(solver, true, next);
-    memcpy(applied, solver->state.load, n * sizeof *applied);
+    memcpy(applied, solver->state.load, free_dof * sizeof *applied);
     add_actuation(solver, applied);
     const pzs_real load2 = pzs_model_scaled_norm2(model, applied),
                    reaction2 = prescribe_all(solver, next);
@@ -445,7 +456,8 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
     if (!pzs_nonlinear_factor(solver))
         return false;
     pzs_model_backsolve(model, next, next);
-    return pzs_nonlinear_condense(solver, NEWTON, next) && pzs_guard_nonfinite(next, n) < 0 &&
+    return pzs_nonlinear_condense(solver, NEWTON, next) &&
+           pzs_guard_nonfinite(next, free_dof) < 0 &&
            pzs_guard_nonfinite(&solver->info.residual, 1) < 0;
 }
 

@@ -137,10 +137,11 @@ void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real
  * Prescribe x_p = value in the linear equations K x = b: row p becomes d x_p = d value, with d the
  * diagonal entry.
  */
-void pzs_nonlinear_prescribe(pzs_envelope *k, uint32_t p, pzs_real value, pzs_real *b);
+void pzs_nonlinear_prescribe(pzs_envelope *matrix, uint32_t dof, pzs_real value,
+                             pzs_real *right_side);
 
-/* Set the entries of f [free_dof] at the dof of the prescribed motion to zero. */
-void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *f);
+/* Set the entries of internal_force [free_dof] at the dof of the prescribed motion to zero. */
+void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal_force);
 
 /*
  * Scale and factor the tangent; set info.negative_pivots and info.where. Returns false if it is
@@ -158,7 +159,8 @@ bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du);
  * Squared norm of a displacement x, or of x - y, in units of length: mean u, h times difference/h,
  * h times (u3M - mean u3)/h.
  */
-pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *x, const pzs_real *y);
+pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *vector,
+                             const pzs_real *other);
 
 #endif
 #endif

@@ -82,10 +82,10 @@ static const uint8_t stress_row[4][ROWS] = {
 /* ---- nodal strains ---------------------------------------------------- */
 
 /* y = M^T x */
-static void transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3])
+static void transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
-        y[j] = m[0][j] * x[0] + m[1][j] * x[1] + m[2][j] * x[2];
+        y[j] = matrix[0][j] * x[0] + matrix[1][j] * x[1] + matrix[2][j] * x[2];
 }
 
 /*
@@ -93,24 +93,25 @@ static void transposed(pzs_real y[3], const pzs_real m[3][3], const pzs_real x[3
  * tangent vector lam_a has the factor `own` at node p and the factor `other` at its neighbour in
  * direction a.
  */
-static void transpose_derivative(const pzs_element_type *type, int p, int a, const pzs_real own[3],
-                                 const pzs_real other[3], pzs_real y[3])
+static void transpose_derivative(const pzs_element_type *type, int node, int direction,
+                                 const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
 {
-    pzs_real t[3];
-    transposed(y, type->s[p][a], own);
-    transposed(t, type->t[neighbour[p][a]][a], other);
+    pzs_real from_other[3];
+    transposed(row, type->s[node][direction], own);
+    transposed(from_other, type->t[neighbour[node][direction]][direction], other);
     for (int i = 0; i < 3; i++)
-        y[i] += t[i];
+        row[i] += from_other[i];
 }
 
 /*
  * Rows of a mean strain and of its difference at one node, from the derivatives of the mean and
  * difference vectors.
  */
-static void write_mean_and_difference(pzs_real h, const pzs_real mean[3], const pzs_real diff[3],
-                                      pzs_real *row_mean, pzs_real *row_diff)
+static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3],
+                                      const pzs_real diff[3], pzs_real *row_mean,
+                                      pzs_real *row_diff)
 {
-    const pzs_real quarter = (pzs_real)0.25, h4 = h / 4, hh16 = h * h / 16;
+    const pzs_real quarter = (pzs_real)0.25, h4 = thickness / 4, hh16 = thickness * thickness / 16;
     for (int i = 0; i < 3; i++) {
         row_mean[i] = quarter * mean[i];
         row_mean[i + 3] = hh16 * diff[i];
@@ -120,57 +121,61 @@ static void write_mean_and_difference(pzs_real h, const pzs_real mean[3], const 
 }
 
 /* In-plane strains of node p: 11 and 22 along one direction each, 12 along both. */
-static void in_plane(const pzs_element_type *type, const shell_corner shape[4], int p,
-                     pzs_real a[ROWS][COLUMNS])
+static void in_plane(const pzs_element_type *type, const shell_corner shape[4], int node,
+                     pzs_real nodal[ROWS][COLUMNS])
 {
-    const shell_corner *own = &shape[p];
+    const shell_corner *own = &shape[node];
     pzs_real mean[3], diff[3], more[3];
-    for (int d = 0; d < 2; d++) {
-        const shell_corner *other = &shape[neighbour[p][d]];
-        transpose_derivative(type, p, d, own->mean[d], other->mean[d], mean);
-        transpose_derivative(type, p, d, own->diff[d], other->diff[d], diff);
-        write_mean_and_difference(type->thickness, mean, diff, a[A11M + 2 * d] + NODE_DOF * p,
-                                  a[A11D + 2 * d] + NODE_DOF * p);
+    for (int direction = 0; direction < 2; direction++) {
+        const shell_corner *other = &shape[neighbour[node][direction]];
+        transpose_derivative(type, node, direction, own->mean[direction], other->mean[direction],
+                             mean);
+        transpose_derivative(type, node, direction, own->diff[direction], other->diff[direction],
+                             diff);
+        write_mean_and_difference(type->thickness, mean, diff,
+                                  nodal[A11M + 2 * direction] + NODE_DOF * node,
+                                  nodal[A11D + 2 * direction] + NODE_DOF * node);
     }
-    const shell_corner *along1 = &shape[neighbour[p][0]], *along2 = &shape[neighbour[p][1]];
-    transpose_derivative(type, p, 0, own->mean[1], along1->mean[1], mean);
-    transpose_derivative(type, p, 1, own->mean[0], along2->mean[0], more);
+    const shell_corner *along1 = &shape[neighbour[node][0]], *along2 = &shape[neighbour[node][1]];
+    transpose_derivative(type, node, 0, own->mean[1], along1->mean[1], mean);
+    transpose_derivative(type, node, 1, own->mean[0], along2->mean[0], more);
     for (int i = 0; i < 3; i++)
         mean[i] += more[i];
-    transpose_derivative(type, p, 0, own->diff[1], along1->diff[1], diff);
-    transpose_derivative(type, p, 1, own->diff[0], along2->diff[0], more);
+    transpose_derivative(type, node, 0, own->diff[1], along1->diff[1], diff);
+    transpose_derivative(type, node, 1, own->diff[0], along2->diff[0], more);
     for (int i = 0; i < 3; i++)
         diff[i] += more[i];
-    write_mean_and_difference(type->thickness, mean, diff, a[A12M] + NODE_DOF * p,
-                              a[A12D] + NODE_DOF * p);
+    write_mean_and_difference(type->thickness, mean, diff, nodal[A12M] + NODE_DOF * node,
+                              nodal[A12D] + NODE_DOF * node);
 }
 
 /* Transverse strains 33, 13 and 23 of node p. */
-static void transverse(const pzs_element_type *type, const shell_corner shape[4], int p,
-                       pzs_real a[ROWS][COLUMNS])
+static void transverse(const pzs_element_type *type, const shell_corner shape[4], int node,
+                       pzs_real nodal[ROWS][COLUMNS])
 {
-    const shell_corner *own = &shape[p];
+    const shell_corner *own = &shape[node];
     const pzs_real quarter = (pzs_real)0.25, h2 = type->thickness / 2;
-    for (int d = 0; d < 2; d++) {
-        const int n = neighbour[p][d];
-        pzs_real *row = a[A13 + d] + NODE_DOF * p, y[3];
-        transpose_derivative(type, p, d, own->beta, shape[n].beta, y);
+    for (int direction = 0; direction < 2; direction++) {
+        const int other = neighbour[node][direction];
+        pzs_real *row = nodal[A13 + direction] + NODE_DOF * node, with_beta[3];
+        transpose_derivative(type, node, direction, own->beta, shape[other].beta, with_beta);
         for (int i = 0; i < 3; i++) {
-            row[i] = quarter * y[i];
-            row[i + 3] = quarter * own->mean[d][i] -
-                         h2 * (own->q * type->s[p][d][2][i] + shape[n].q * type->t[n][d][2][i]);
+            row[i] = quarter * with_beta[i];
+            row[i + 3] = quarter * own->mean[direction][i] -
+                         h2 * (own->q * type->s[node][direction][2][i] +
+                               shape[other].q * type->t[other][direction][2][i]);
         }
-        a[A13 + d][FIRST_Q + p] = -h2 * own->diff[d][2];
+        nodal[A13 + direction][FIRST_Q + node] = -h2 * own->diff[direction][2];
     }
     for (int i = 0; i < 3; i++) {
-        a[A33M][NODE_DOF * p + i] = 0;
-        a[A33D][NODE_DOF * p + i] = 0;
-        a[A33D][NODE_DOF * p + 3 + i] = 0;
-        a[A33M][NODE_DOF * p + 3 + i] = quarter * own->beta[i];
+        nodal[A33M][NODE_DOF * node + i] = 0;
+        nodal[A33D][NODE_DOF * node + i] = 0;
+        nodal[A33D][NODE_DOF * node + 3 + i] = 0;
+        nodal[A33M][NODE_DOF * node + 3 + i] = quarter * own->beta[i];
     }
-    a[A33D][NODE_DOF * p + 5] = -2 * own->q;
-    a[A33M][FIRST_Q + p] = 4 * own->q;
-    a[A33D][FIRST_Q + p] = -2 * own->beta[2];
+    nodal[A33D][NODE_DOF * node + 5] = -2 * own->q;
+    nodal[A33M][FIRST_Q + node] = 4 * own->q;
+    nodal[A33D][FIRST_Q + node] = -2 * own->beta[2];
 }
 
 /*
@@ -178,24 +183,25 @@ static void transverse(const pzs_element_type *type, const shell_corner shape[4]
  * of the mean strain 12 at node p. Some of them depend on the signs of the modes 01 and 10 at the
  * node p. They can be included in the row, because the mean strain 12 is used in mode 00 only.
  */
-static void add_warp(const pzs_element_type *type, int p, pzs_real a[ROWS][COLUMNS])
+static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
-    const pzs_real *w = type->warp, xi2 = mode_sign[1][p], xi1 = mode_sign[2][p];
+    const pzs_real *w = type->warp, xi2 = mode_sign[1][node], xi1 = mode_sign[2][node];
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
-    for (int i = NODE_DOF * p; i < NODE_DOF * (p + 1); i++)
-        a[A12M][i] += w[0] * a[A12D][i] + of_13 * a[A13][i] + of_23 * a[A23][i] +
-                      of_11 * a[A11D][i] + of_22 * a[A22D][i];
-    a[A12M][FIRST_Q + p] = of_13 * a[A13][FIRST_Q + p] + of_23 * a[A23][FIRST_Q + p];
+    for (int i = NODE_DOF * node; i < NODE_DOF * (node + 1); i++)
+        nodal[A12M][i] += w[0] * nodal[A12D][i] + of_13 * nodal[A13][i] + of_23 * nodal[A23][i] +
+                          of_11 * nodal[A11D][i] + of_22 * nodal[A22D][i];
+    nodal[A12M][FIRST_Q + node] =
+        of_13 * nodal[A13][FIRST_Q + node] + of_23 * nodal[A23][FIRST_Q + node];
 }
 
 static void nodal_strains(const pzs_element_type *type, const shell_corner shape[4],
-                          pzs_real a[ROWS][COLUMNS])
+                          pzs_real nodal[ROWS][COLUMNS])
 {
-    for (int p = 0; p < SHELL_NODES; p++) {
-        in_plane(type, shape, p, a);
-        transverse(type, shape, p, a);
-        add_warp(type, p, a);
+    for (int node = 0; node < SHELL_NODES; node++) {
+        in_plane(type, shape, node, nodal);
+        transverse(type, shape, node, nodal);
+        add_warp(type, node, nodal);
     }
 }
 
@@ -216,10 +222,10 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
         sum[i] = *factor * first[i];
     for (row++, factor += stride; *row; row++, factor += stride) {
         const pzs_real *from = *row + column;
-        const pzs_real f = *factor;
+        const pzs_real multiplier = *factor;
         UNROLLED
         for (int i = 0; i < HALF; i++)
-            sum[i] += f * from[i];
+            sum[i] += multiplier * from[i];
     }
     UNROLLED
     for (int i = 0; i < HALF; i++)
@@ -234,41 +240,41 @@ static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, in
                       const pzs_real *const *row, int count)
 {
     const int leading = count < WITH_Q ? count : WITH_Q - 1;
-    for (int p = 0; p < SHELL_NODES; p++) {
-        to[p] = factor[0] * row[0][FIRST_Q + p];
-        for (int t = 1; t < leading; t++)
-            to[p] += factor[t * stride] * row[t][FIRST_Q + p];
+    for (int node = 0; node < SHELL_NODES; node++) {
+        to[node] = factor[0] * row[0][FIRST_Q + node];
+        for (int index = 1; index < leading; index++)
+            to[node] += factor[index * stride] * row[index][FIRST_Q + node];
         if (count == WITH_Q)
-            to[p] += factor[A12M * stride] * row[A12M][FIRST_Q + p];
+            to[node] += factor[A12M * stride] * row[A12M][FIRST_Q + node];
     }
 }
 
 /* Whether row s in the list of a mode contains q. */
-static bool has_q(const mode_rows *mode, int s)
+static bool has_q(const mode_rows *mode, int row)
 {
-    return mode->with_q == WITH_Q ? s <= A23 || s == A12M : s < mode->with_q;
+    return mode->with_q == WITH_Q ? row <= A23 || row == A12M : row < mode->with_q;
 }
 
-/* Compute y [22][columns], the products D_m A of all modes. */
+/* Compute stress_row_of [22][columns], the products D_m A of all modes. */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
-                        pzs_real a[ROWS][COLUMNS], pzs_real y[22][COLUMNS])
+                        pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
 {
-    for (int m = 0; m < SHELL_MODES; m++) {
-        const mode_rows *mode = &rows_of_mode[m];
+    for (int number = 0; number < SHELL_MODES; number++) {
+        const mode_rows *mode = &rows_of_mode[number];
         const pzs_real *row[ROWS + 1];
-        for (int t = 0; t < mode->count; t++)
-            row[t] = a[mode->strain[t]];
+        for (int index = 0; index < mode->count; index++)
+            row[index] = nodal[mode->strain[index]];
         row[mode->count] = NULL;
-        for (int s = 0; s < mode->count; s++) {
-            const int i = in_d[mode->strain[s]];
-            pzs_real factor[ROWS], *to = y[mode->start + s];
-            for (int t = 0; t < mode->count; t++) {
-                const int j = in_d[mode->strain[t]];
-                factor[t] = type->d[m][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+        for (int stress = 0; stress < mode->count; stress++) {
+            const int i = in_d[mode->strain[stress]];
+            pzs_real factor[ROWS], *to = stress_row_of[mode->start + stress];
+            for (int index = 0; index < mode->count; index++) {
+                const int j = in_d[mode->strain[index]];
+                factor[index] = type->d[number][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
             }
             combine(to, factor, 1, row, 0);
             combine(to + HALF, factor, 1, row, HALF);
-            if (dof_per_node == 7 && has_q(mode, s))
+            if (dof_per_node == 7 && has_q(mode, stress))
                 combine_q(to + FIRST_Q, factor, 1, row, mode->with_q);
         }
     }
@@ -278,36 +284,39 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
  * Strains of the modes in one column of A, of node p. Rows without q have no entry in the columns
  * of q.
  */
-static void gather_column(pzs_real a[ROWS][COLUMNS], int column, int p, pzs_real e[4][10])
+static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
+                          pzs_real strains[4][10])
 {
-    for (int m = 0; m < SHELL_MODES; m++)
-        for (int s = 0; s < rows_of_mode[m].count; s++) {
-            const int strain = rows_of_mode[m].strain[s];
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        for (int row = 0; row < rows_of_mode[mode].count; row++) {
+            const int strain = rows_of_mode[mode].strain[row];
             const bool is_empty = column >= FIRST_Q && !has_q(&rows_of_mode[0], strain);
-            e[m][in_d[strain]] = is_empty ? 0 : mode_sign[m][p] * a[strain][column];
+            strains[mode][in_d[strain]] =
+                is_empty ? 0 : mode_sign[mode][node] * nodal[strain][column];
         }
 }
 
 /* Write the resultants of one column as entries of the stress rows, without the signs of node p. */
-static void scatter_column(pzs_real e[4][10], int column, int p, pzs_real y[22][COLUMNS])
+static void scatter_column(pzs_real resultant[4][10], int column, int node,
+                           pzs_real stress_row_of[22][COLUMNS])
 {
-    for (int m = 0; m < SHELL_MODES; m++)
-        for (int s = 0; s < rows_of_mode[m].count; s++)
-            y[rows_of_mode[m].start + s][column] =
-                mode_sign[m][p] * e[m][in_d[rows_of_mode[m].strain[s]]];
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        for (int row = 0; row < rows_of_mode[mode].count; row++)
+            stress_row_of[rows_of_mode[mode].start + row][column] =
+                mode_sign[mode][node] * resultant[mode][in_d[rows_of_mode[mode].strain[row]]];
 }
 
 /* The rows of stress_rows for a skewed element, whose modes are coupled, column by column. */
 static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
-                               pzs_real a[ROWS][COLUMNS], pzs_real y[22][COLUMNS])
+                               pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
 {
     const int columns = dof_per_node == 7 ? COLUMNS : FIRST_Q;
     for (int column = 0; column < columns; column++) {
-        const int p = column < FIRST_Q ? column / NODE_DOF : column - FIRST_Q;
-        pzs_real e[4][10];
-        gather_column(a, column, p, e);
-        pzs_shell_skewed_resultants(type, e);
-        scatter_column(e, column, p, y);
+        const int node = column < FIRST_Q ? column / NODE_DOF : column - FIRST_Q;
+        pzs_real strains[4][10];
+        gather_column(nodal, column, node, strains);
+        pzs_shell_skewed_resultants(type, strains);
+        scatter_column(strains, column, node, stress_row_of);
     }
 }
 
@@ -315,25 +324,29 @@ static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_no
  * Replace x and y by their sum and their difference in `count` columns. The sum is stored in x if
  * sum_in_x, else in y.
  */
-static void sum_and_difference(pzs_real *restrict x, pzs_real *restrict y, int sum_in_x, int count)
+static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second, int sum_in_x,
+                               int count)
 {
     for (int i = 0; i < count; i++) {
-        const pzs_real sum = x[i] + y[i], difference = x[i] - y[i];
-        x[i] = sum_in_x ? sum : difference;
-        y[i] = sum_in_x ? difference : sum;
+        const pzs_real sum = first[i] + second[i], difference = first[i] - second[i];
+        first[i] = sum_in_x ? sum : difference;
+        second[i] = sum_in_x ? difference : sum;
     }
 }
 
 /* Combine the stress rows of the modes into the stress rows of the nodes, in place. */
-static void modes_to_nodes(unsigned dof_per_node, pzs_real y[22][COLUMNS])
+static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
     for (int i = 0; i < PAIRS; i++) {
-        pzs_real *first = y[row_pairs[i].first], *second = y[row_pairs[i].second];
+        pzs_real *first = stress_row_of[row_pairs[i].first],
+                 *second = stress_row_of[row_pairs[i].second];
         const pzs_real *sign = mode_sign[row_pairs[i].mode];
-        for (int p = 0; p < SHELL_NODES; p++) {
-            sum_and_difference(first + NODE_DOF * p, second + NODE_DOF * p, sign[p] < 0, NODE_DOF);
+        for (int node = 0; node < SHELL_NODES; node++) {
+            sum_and_difference(first + NODE_DOF * node, second + NODE_DOF * node, sign[node] < 0,
+                               NODE_DOF);
             if (dof_per_node == 7 && i < PAIRS_WITH_Q)
-                sum_and_difference(first + FIRST_Q + p, second + FIRST_Q + p, sign[p] < 0, 1);
+                sum_and_difference(first + FIRST_Q + node, second + FIRST_Q + node, sign[node] < 0,
+                                   1);
         }
     }
 }
@@ -350,76 +363,80 @@ typedef struct block {
 } block;
 
 /* Index of the pair of nodes p >= other. */
-static int pair_of(int p, int other)
+static int pair_of(int node, int other)
 {
-    return p * (p + 1) / 2 + other;
+    return node * (node + 1) / 2 + other;
 }
 
 /* z += L' R, times a mean stress and times a stress difference. */
-static void add_product(block *restrict z, const pzs_real *restrict l, const pzs_real *restrict r,
-                        pzs_real mean, pzs_real cross)
+static void add_product(block *restrict pair, const pzs_real *restrict left_map,
+                        const pzs_real *restrict right_map, pzs_real mean, pzs_real cross)
 {
     UNROLLED
     for (int i = 0; i < 9; i++) {
-        const pzs_real *left = l + i / 3, *right = r + i % 3;
+        const pzs_real *left = left_map + i / 3, *right = right_map + i % 3;
         const pzs_real product = left[0] * right[0] + left[3] * right[3] + left[6] * right[6];
-        z->mean[i] += mean * product;
-        z->cross[i] += cross * product;
+        pair->mean[i] += mean * product;
+        pair->cross[i] += cross * product;
     }
 }
 
 /*
  * Contribution of corner r: sum over a and b of t_ab lam_a . lam_b, with lam_a = S_a u_r + T_a
- * u_r'.  t [10] stresses at the corner
+ * u_r'.  stress [10] stresses at the corner
  */
-static void add_in_plane(const pzs_element_type *type, int r, const pzs_real t[10], block pair[10])
+static void add_in_plane(const pzs_element_type *type, int corner, const pzs_real stress[10],
+                         block pair[10])
 {
-    const pzs_real *const map[4] = {type->s[r][0][0], type->s[r][1][0], type->t[r][0][0],
-                                    type->t[r][1][0]};
-    const int node[4] = {r, r, neighbour[r][0], neighbour[r][1]};
-    const pzs_real h = type->thickness;
-    const pzs_real mean[3] = {t[E11M], t[E12M], t[E22M]},
-                   cross[3] = {h * t[E11D], h * t[E12D], h * t[E22D]};
-    for (int x = 0; x < 4; x++)
-        for (int y = 0; y < 4; y++)
-            if (node[x] >= node[y])
-                add_product(&pair[pair_of(node[x], node[y])], map[x], map[y], mean[x % 2 + y % 2],
-                            cross[x % 2 + y % 2]);
+    const pzs_real *const map[4] = {type->s[corner][0][0], type->s[corner][1][0],
+                                    type->t[corner][0][0], type->t[corner][1][0]};
+    const int node[4] = {corner, corner, neighbour[corner][0], neighbour[corner][1]};
+    const pzs_real thickness = type->thickness;
+    const pzs_real mean[3] = {stress[E11M], stress[E12M], stress[E22M]},
+                   cross[3] = {thickness * stress[E11D], thickness * stress[E12D],
+                               thickness * stress[E22D]};
+    for (int row = 0; row < 4; row++)
+        for (int column = 0; column < 4; column++)
+            if (node[row] >= node[column])
+                add_product(&pair[pair_of(node[row], node[column])], map[row], map[column],
+                            mean[row % 2 + column % 2], cross[row % 2 + column % 2]);
 }
 
 /* Entry of a packed lower triangle, for a row and a column on either side of the diagonal. */
-static pzs_real *entry(pzs_real *k, unsigned row, unsigned column)
+static pzs_real *entry(pzs_real *stiffness, unsigned row, unsigned column)
 {
-    return row >= column ? k + row * (row + 1) / 2 + column : k + column * (column + 1) / 2 + row;
+    return row >= column ? stiffness + row * (row + 1) / 2 + column
+                         : stiffness + column * (column + 1) / 2 + row;
 }
 
 /*
  * Contribution of the transverse stresses at corner r: products of beta and q with the other
  * derivatives.
  */
-static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int r,
-                           const pzs_real t[10], pzs_real *k)
+static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
+                           const pzs_real stress[10], pzs_real *stiffness)
 {
-    const unsigned beta = (unsigned)r * dof_per_node + 3, q = beta + 3;
-    for (int a = 0; a < 2; a++) {
-        const pzs_real shear = t[E13 + a], h2 = -2 * type->thickness * shear;
-        const unsigned own = (unsigned)r * dof_per_node, other = neighbour[r][a] * dof_per_node;
+    const unsigned beta = (unsigned)corner * dof_per_node + 3, q = beta + 3;
+    for (int direction = 0; direction < 2; direction++) {
+        const pzs_real shear = stress[E13 + direction], h2 = -2 * type->thickness * shear;
+        const unsigned own = (unsigned)corner * dof_per_node,
+                       other = neighbour[corner][direction] * dof_per_node;
         for (unsigned j = 0; j < 3; j++) {
             for (unsigned i = 0; i < 3; i++) {
-                *entry(k, beta + i, own + j) += shear * type->s[r][a][i][j];
-                *entry(k, beta + i, other + j) += shear * type->t[r][a][i][j];
+                *entry(stiffness, beta + i, own + j) += shear * type->s[corner][direction][i][j];
+                *entry(stiffness, beta + i, other + j) += shear * type->t[corner][direction][i][j];
             }
             if (dof_per_node == 7) {
-                *entry(k, q, own + 3 + j) += h2 * type->s[r][a][2][j];
-                *entry(k, q, other + 3 + j) += h2 * type->t[r][a][2][j];
+                *entry(stiffness, q, own + 3 + j) += h2 * type->s[corner][direction][2][j];
+                *entry(stiffness, q, other + 3 + j) += h2 * type->t[corner][direction][2][j];
             }
         }
     }
     for (unsigned i = 0; i < 3; i++)
-        *entry(k, beta + i, beta + i) += t[E33M];
+        *entry(stiffness, beta + i, beta + i) += stress[E33M];
     if (dof_per_node == 7) {
-        *entry(k, q, beta + 2) -= 8 * t[E33D];
-        *entry(k, q, q) += 16 * t[E33M];
+        *entry(stiffness, q, beta + 2) -= 8 * stress[E33D];
+        *entry(stiffness, q, q) += 16 * stress[E33M];
     }
 }
 
@@ -430,20 +447,20 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
  * stiffness.
  */
 static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
-                      unsigned dof_per_node, int p, int i, pzs_real *restrict k)
+                      unsigned dof_per_node, int node, int i, pzs_real *restrict stiffness)
 {
-    const unsigned row = (unsigned)p * dof_per_node + (unsigned)i;
-    k += row * (row + 1) / 2;
-    for (int other = 0; other <= p; other++, k += dof_per_node, sum += NODE_DOF) {
-        const block *z = &pair[pair_of(p, other)];
-        const pzs_real *with_mean = (i < 3 ? z->mean : z->cross) + i % 3 * 3;
-        const pzs_real *with_diff = (i < 3 ? z->cross : z->mean) + i % 3 * 3;
+    const unsigned row = (unsigned)node * dof_per_node + (unsigned)i;
+    stiffness += row * (row + 1) / 2;
+    for (int other = 0; other <= node; other++, stiffness += dof_per_node, sum += NODE_DOF) {
+        const block *between = &pair[pair_of(node, other)];
+        const pzs_real *with_mean = (i < 3 ? between->mean : between->cross) + i % 3 * 3;
+        const pzs_real *with_diff = (i < 3 ? between->cross : between->mean) + i % 3 * 3;
         const pzs_real factor = i < 3 ? 1 : hh4;
-        const int last = other < p ? NODE_DOF : i + 1;
+        const int last = other < node ? NODE_DOF : i + 1;
         for (int j = 0; j < 3 && j < last; j++)
-            k[j] = sum[j] + with_mean[j];
+            stiffness[j] = sum[j] + with_mean[j];
         for (int j = 3; j < last; j++)
-            k[j] = sum[j] + factor * with_diff[j - 3];
+            stiffness[j] = sum[j] + factor * with_diff[j - 3];
     }
 }
 
@@ -451,82 +468,84 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
  * Write the rows of node p except that of q.  stress [11] stress rows of the node, the last one
  * NULL
  */
-static void write_node(const pzs_element_type *type, unsigned dof_per_node, int p,
-                       pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress,
-                       const block pair[10], pzs_real *k)
+static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
+                       pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
+                       const block pair[10], pzs_real *stiffness)
 {
     const pzs_real hh4 = type->thickness * type->thickness / 4;
     for (int i = 0; i < NODE_DOF; i++) {
         pzs_real sum[2 * HALF];
         const int first = i < 3 ? WITHOUT_MEAN : 0;
-        combine(sum, &a[first][NODE_DOF * p + i], COLUMNS, stress + first, 0);
-        if (p >= 2)
-            combine(sum + HALF, &a[first][NODE_DOF * p + i], COLUMNS, stress + first, HALF);
-        write_row(sum, pair, hh4, dof_per_node, p, i, k);
+        combine(sum, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, 0);
+        if (node >= 2)
+            combine(sum + HALF, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, HALF);
+        write_row(sum, pair, hh4, dof_per_node, node, i, stiffness);
     }
 }
 
 /* Write row and column of the dof q of node p. */
-static void write_q(int p, pzs_real a[ROWS][COLUMNS], const pzs_real *const *stress, pzs_real *k)
+static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
+                    pzs_real *stiffness)
 {
     const pzs_real *row[WITH_Q + 1];
-    const unsigned q = 7 * (unsigned)p + 6;
+    const unsigned row_of_q = 7 * (unsigned)node + 6;
     pzs_real sum[COLUMNS], factor[WITH_Q];
-    for (int t = 0; t < WITH_Q; t++) {
-        row[t] = stress[q_row[t]];
-        factor[t] = a[q_row[t]][FIRST_Q + p];
+    for (int index = 0; index < WITH_Q; index++) {
+        row[index] = stress[q_row[index]];
+        factor[index] = nodal[q_row[index]][FIRST_Q + node];
     }
     row[WITH_Q] = NULL;
     combine(sum, factor, 1, row, 0);
     combine(sum + HALF, factor, 1, row, HALF);
-    combine_q(sum + FIRST_Q, &a[0][FIRST_Q + p], COLUMNS, stress, WITH_Q);
+    combine_q(sum + FIRST_Q, &nodal[0][FIRST_Q + node], COLUMNS, stress, WITH_Q);
     for (unsigned other = 0; other < SHELL_NODES; other++) {
         for (unsigned j = 0; j < NODE_DOF; j++)
-            *entry(k, q, 7 * other + j) = sum[NODE_DOF * other + j];
-        *entry(k, q, 7 * other + 6) = sum[FIRST_Q + other];
+            *entry(stiffness, row_of_q, 7 * other + j) = sum[NODE_DOF * other + j];
+        *entry(stiffness, row_of_q, 7 * other + 6) = sum[FIRST_Q + other];
     }
 }
 
-/* k from the deformed corners and the stresses t [4][10] at them. */
+/* k from the deformed corners and the stresses corner_stress [4][10] at them. */
 static void tangent(const pzs_element_type *type, unsigned dof_per_node,
-                    const shell_corner shape[4], pzs_real t[4][10], pzs_real *k)
+                    const shell_corner shape[4], pzs_real corner_stress[4][10], pzs_real *stiffness)
 {
-    pzs_real a[ROWS][COLUMNS], y[22][COLUMNS];
+    pzs_real nodal[ROWS][COLUMNS], stress_row_of[22][COLUMNS];
     block pair[10];
-    nodal_strains(type, shape, a);
+    nodal_strains(type, shape, nodal);
     if (shell_is_skewed(type))
-        skewed_stress_rows(type, dof_per_node, a, y);
+        skewed_stress_rows(type, dof_per_node, nodal, stress_row_of);
     else
-        stress_rows(type, dof_per_node, a, y);
-    modes_to_nodes(dof_per_node, y);
+        stress_rows(type, dof_per_node, nodal, stress_row_of);
+    modes_to_nodes(dof_per_node, stress_row_of);
     memset(pair, 0, sizeof pair);
-    for (int r = 0; r < SHELL_NODES; r++)
-        add_in_plane(type, r, t[r], pair);
-    for (int p = 0; p < SHELL_NODES; p++) {
+    for (int corner = 0; corner < SHELL_NODES; corner++)
+        add_in_plane(type, corner, corner_stress[corner], pair);
+    for (int node = 0; node < SHELL_NODES; node++) {
         const pzs_real *stress[ROWS + 1];
-        for (int s = 0; s < ROWS; s++)
-            stress[s] = y[stress_row[p][s]];
+        for (int index = 0; index < ROWS; index++)
+            stress[index] = stress_row_of[stress_row[node][index]];
         stress[ROWS] = NULL;
-        write_node(type, dof_per_node, p, a, stress, pair, k);
+        write_node(type, dof_per_node, node, nodal, stress, pair, stiffness);
         if (dof_per_node == 7)
-            write_q(p, a, stress, k);
+            write_q(node, nodal, stress, stiffness);
     }
-    for (int r = 0; r < SHELL_NODES; r++)
-        add_transverse(type, dof_per_node, r, t[r], k);
+    for (int corner = 0; corner < SHELL_NODES; corner++)
+        add_transverse(type, dof_per_node, corner, corner_stress[corner], stiffness);
 }
 
-void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node, const pzs_real *u,
-                      const pzs_real *given, const pzs_real *resultant, pzs_real *f, pzs_real *k)
+void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
+                      const pzs_real *displacement, const pzs_real *given,
+                      const pzs_real *resultant, pzs_real *force, pzs_real *stiffness)
 {
-    pzs_real own[SHELL_RESULTANTS], t[4][10];
+    pzs_real own[SHELL_RESULTANTS], stress[4][10];
     shell_corner shape[4];
-    pzs_shell_resultants(type, dof_per_node, u, NULL, given, own);
-    pzs_shell_corners(type, dof_per_node, u, shape);
-    pzs_shell_stresses(type, own, t);
-    pzs_shell_corner_force(type, dof_per_node, shape, t, f);
+    pzs_shell_resultants(type, dof_per_node, displacement, NULL, given, own);
+    pzs_shell_corners(type, dof_per_node, displacement, shape);
+    pzs_shell_stresses(type, own, stress);
+    pzs_shell_corner_force(type, dof_per_node, shape, stress, force);
     if (resultant)
-        pzs_shell_stresses(type, resultant, t);
-    tangent(type, dof_per_node, shape, t, k);
+        pzs_shell_stresses(type, resultant, stress);
+    tangent(type, dof_per_node, shape, stress, stiffness);
 }
 
 #endif

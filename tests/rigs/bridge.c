@@ -16,137 +16,140 @@ typedef struct inside {
 
 static bridge_rows rows_of(const pzs_rows *rows)
 {
-    const bridge_rows r = {rows->count, rows->start, rows->dof, rows->value};
-    return r;
+    const bridge_rows result = {rows->count, rows->start, rows->dof, rows->value};
+    return result;
 }
 
-static void fill_path(bridge *b, const equilibrium *equilibrium)
+static void fill_path(bridge *tables, const equilibrium *equilibrium)
 {
-    const pzs_prescribed_resultants *g = &equilibrium->tables.given;
-    b->full = equilibrium->full_input;
-    b->given_values = g->values;
-    b->given_start = g->start;
-    b->given_element = g->element;
-    b->given_which = g->which;
-    b->given_value = (const double *)g->value;
-    b->change = equilibrium->solver.settings.tolerance;
-    b->systems = equilibrium->solver.info.linear_solves;
+    const pzs_prescribed_resultants *resultants = &equilibrium->tables.given;
+    tables->full = equilibrium->full_input;
+    tables->given_values = resultants->values;
+    tables->given_start = resultants->start;
+    tables->given_element = resultants->element;
+    tables->given_which = resultants->which;
+    tables->given_value = (const double *)resultants->value;
+    tables->change = equilibrium->solver.settings.tolerance;
+    tables->systems = equilibrium->solver.info.linear_solves;
 }
 
-static int fill(bridge *b, inside *in, char *error)
+static int fill(bridge *tables, inside *in, char *error)
 {
     const design *design = &in->analysis.design;
     const mesh *mesh = &design->mesh;
-    b->nodes = mesh->nodes;
-    b->elements = mesh->elements;
-    b->kinds = mesh->types;
-    b->unknowns = (int)mesh->dof_per_node;
-    b->dof = mesh->free_dof;
-    b->element = mesh->element[0];
-    b->element_kind = mesh->element_type;
-    b->node_dof = mesh->node_dof;
-    b->first = mesh->first_column;
-    b->stiffness = mesh->stiffness;
-    b->kind = (const double *)mesh->type;
-    b->kind_reals = sizeof *mesh->type / sizeof(double);
-    b->input = rows_of(&design->structure.input);
-    b->output = rows_of(&design->structure.output);
-    b->electrodes = design->electrodes.count;
-    b->electrode_input = design->electrodes.input;
-    b->pzs_electrode_open = design->electrodes.open;
-    b->direct = rows_of(&design->electrodes.direct);
-    b->amount = in->analysis.input_value;
-    b->amplifiers = design->amplifiers;
-    b->targets = design->targets;
-    b->u = calloc((size_t)mesh->free_dof, sizeof *b->u);
-    if (!b->u || analysis_solve(&in->analysis, b->u, error) < 0)
+    tables->nodes = mesh->nodes;
+    tables->elements = mesh->elements;
+    tables->kinds = mesh->types;
+    tables->unknowns = (int)mesh->dof_per_node;
+    tables->dof = mesh->free_dof;
+    tables->element = mesh->element[0];
+    tables->element_kind = mesh->element_type;
+    tables->node_dof = mesh->node_dof;
+    tables->first = mesh->first_column;
+    tables->stiffness = mesh->stiffness;
+    tables->kind = (const double *)mesh->type;
+    tables->kind_reals = sizeof *mesh->type / sizeof(double);
+    tables->input = rows_of(&design->structure.input);
+    tables->output = rows_of(&design->structure.output);
+    tables->electrodes = design->electrodes.count;
+    tables->electrode_input = design->electrodes.input;
+    tables->pzs_electrode_open = design->electrodes.open;
+    tables->direct = rows_of(&design->electrodes.direct);
+    tables->amount = in->analysis.input_value;
+    tables->amplifiers = design->amplifiers;
+    tables->targets = design->targets;
+    tables->u = calloc((size_t)mesh->free_dof, sizeof *tables->u);
+    if (!tables->u || analysis_solve(&in->analysis, tables->u, error) < 0)
         return -1;
-    fill_path(b, &in->analysis.equilibrium);
-    b->condition = in->analysis.model.info.condition;
-    b->error = in->analysis.model.info.error_estimate;
+    fill_path(tables, &in->analysis.equilibrium);
+    tables->condition = in->analysis.model.info.condition;
+    tables->error = in->analysis.model.info.error_estimate;
     if (design->targets && analysis_influence(&in->analysis, error) < 0)
         return -1;
-    b->influence = in->analysis.influence;
-    b->target = design->target;
+    tables->influence = in->analysis.influence;
+    tables->target = design->target;
     return 0;
 }
 
-int bridge_open(bridge *b, const char *scene_name, const char *const *set, int sets, char *error)
+int bridge_open(bridge *tables, const char *scene_name, const char *const *set, int sets,
+                char *error)
 {
     char path[4096];
     inside *in = calloc(1, sizeof *in);
-    memset(b, 0, sizeof *b);
+    memset(tables, 0, sizeof *tables);
     snprintf(path, sizeof path, strchr(scene_name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml",
              scene_name);
     if (!in || scene_read(&in->scene, path, set, sets, error) < 0) {
         free(in);
         return -1;
     }
-    b->inside = in;
-    if (analysis_prepare(&in->analysis, &in->scene, error) == 0 && fill(b, in, error) == 0)
+    tables->inside = in;
+    if (analysis_prepare(&in->analysis, &in->scene, error) == 0 && fill(tables, in, error) == 0)
         return 0;
-    bridge_close(b);
+    bridge_close(tables);
     return -1;
 }
 
-void bridge_close(bridge *b)
+void bridge_close(bridge *tables)
 {
-    inside *in = b->inside;
+    inside *in = tables->inside;
     if (in) {
         analysis_free(&in->analysis);
         scene_free(&in->scene);
     }
     free(in);
-    free(b->u);
-    memset(b, 0, sizeof *b);
+    free(tables->u);
+    memset(tables, 0, sizeof *tables);
 }
 
-static void fill_modes(bridge_modes *m, const bridge *b, const vibration *vibration)
+static void fill_modes(bridge_modes *modes, const bridge *tables, const vibration *vibration)
 {
-    const inside *in = b->inside;
+    const inside *in = tables->inside;
     const design *design = &in->analysis.design;
     const size_t inputs = design->structure.input.count;
-    double *column = calloc((size_t)b->targets, sizeof *column);
-    for (int k = 0; k < m->modes && column; k++) {
-        design_shape(design, vibration->shape + (size_t)k * (size_t)b->dof, column);
-        m->frequency[k] = sqrt(vibration->square[k]);
-        for (int i = 0; i < b->targets; i++)
-            m->shape[i * m->modes + k] = column[i];
-        for (int j = 0; j < b->amplifiers; j++)
-            m->modal[k * b->amplifiers + j] = vibration_static(vibration, design, k, j);
-        m->load[k] = design->loads ? vibration_static(vibration, design, k, b->amplifiers) : 0;
+    double *column = calloc((size_t)tables->targets, sizeof *column);
+    for (int k = 0; k < modes->modes && column; k++) {
+        design_shape(design, vibration->shape + (size_t)k * (size_t)tables->dof, column);
+        modes->frequency[k] = sqrt(vibration->square[k]);
+        for (int i = 0; i < tables->targets; i++)
+            modes->shape[i * modes->modes + k] = column[i];
+        for (int j = 0; j < tables->amplifiers; j++)
+            modes->modal[k * tables->amplifiers + j] = vibration_static(vibration, design, k, j);
+        modes->load[k] =
+            design->loads ? vibration_static(vibration, design, k, tables->amplifiers) : 0;
     }
-    for (int i = 0; i < b->targets && design->loads; i++)
-        m->load_shape[i] = b->influence[(size_t)i * inputs + (size_t)b->amplifiers];
+    for (int i = 0; i < tables->targets && design->loads; i++)
+        modes->load_shape[i] = tables->influence[(size_t)i * inputs + (size_t)tables->amplifiers];
     free(column);
 }
 
-int bridge_modes_open(bridge_modes *m, const bridge *b, int modes, char *error)
+int bridge_modes_open(bridge_modes *mode_tables, const bridge *tables, int modes, char *error)
 {
-    const inside *in = b->inside;
+    const inside *in = tables->inside;
     vibration vibration;
-    memset(m, 0, sizeof *m);
+    memset(mode_tables, 0, sizeof *mode_tables);
     if (vibration_solve(&vibration, &in->analysis.design, modes, MASS_LUMPED, error) < 0)
         return -1;
-    m->modes = vibration.count;
-    const size_t n = (size_t)m->modes, targets = (size_t)b->targets;
-    m->frequency = calloc(n, sizeof *m->frequency);
-    m->shape = calloc(n * targets, sizeof *m->shape);
-    m->modal = calloc(n * (size_t)b->amplifiers, sizeof *m->modal);
-    m->load = calloc(n, sizeof *m->load);
-    m->load_shape = calloc(targets, sizeof *m->load_shape);
-    if (m->frequency && m->shape && m->modal && m->load && m->load_shape)
-        fill_modes(m, b, &vibration);
+    mode_tables->modes = vibration.count;
+    const size_t nodes = (size_t)mode_tables->modes, targets = (size_t)tables->targets;
+    mode_tables->frequency = calloc(nodes, sizeof *mode_tables->frequency);
+    mode_tables->shape = calloc(nodes * targets, sizeof *mode_tables->shape);
+    mode_tables->modal = calloc(nodes * (size_t)tables->amplifiers, sizeof *mode_tables->modal);
+    mode_tables->load = calloc(nodes, sizeof *mode_tables->load);
+    mode_tables->load_shape = calloc(targets, sizeof *mode_tables->load_shape);
+    if (mode_tables->frequency && mode_tables->shape && mode_tables->modal && mode_tables->load &&
+        mode_tables->load_shape)
+        fill_modes(mode_tables, tables, &vibration);
     vibration_free(&vibration);
     return 0;
 }
 
-void bridge_modes_close(bridge_modes *m)
+void bridge_modes_close(bridge_modes *modes)
 {
-    free(m->frequency);
-    free(m->shape);
-    free(m->modal);
-    free(m->load);
-    free(m->load_shape);
-    memset(m, 0, sizeof *m);
+    free(modes->frequency);
+    free(modes->shape);
+    free(modes->modal);
+    free(modes->load);
+    free(modes->load_shape);
+    memset(modes, 0, sizeof *modes);
 }

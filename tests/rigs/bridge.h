@@ -46,8 +46,8 @@ typedef struct bridge {
 } bridge;
 
 /* scene is the name of a shipped scene or a path. Returns 0, or -1 with error [400] filled. */
-int bridge_open(bridge *b, const char *scene, const char *const *set, int sets, char *error);
-void bridge_close(bridge *b);
+int bridge_open(bridge *tables, const char *scene, const char *const *set, int sets, char *error);
+void bridge_close(bridge *tables);
 
 /* Modal model of a scene: shapes of the target nodes and static responses, for modes of mass 1. */
 typedef struct bridge_modes {
@@ -60,7 +60,7 @@ typedef struct bridge_modes {
 } bridge_modes;
 
 /* Of an open bridge whose scene has densities. Returns 0, or -1 with error [400] filled. */
-int bridge_modes_open(bridge_modes *m, const bridge *b, int modes, char *error);
-void bridge_modes_close(bridge_modes *m);
+int bridge_modes_open(bridge_modes *mode_tables, const bridge *tables, int modes, char *error);
+void bridge_modes_close(bridge_modes *modes);
 
 #endif

@@ -27,15 +27,15 @@ typedef struct modal_structure {
 } modal_structure;
 
 /* All arrays zero. */
-void structure_open(modal_structure *s, size_t modes, size_t outputs, size_t inputs);
-void structure_close(modal_structure *s);
+void structure_open(modal_structure *structure, size_t modes, size_t outputs, size_t inputs);
+void structure_close(modal_structure *structure);
 
 /* Scale modes to an RMS shape of 1, and the influence so that the goal is of the order of what the
  * limits reach: shapes and modal keep their product. */
-void structure_scale(modal_structure *s);
+void structure_scale(modal_structure *structure);
 
 /* The plate of the demonstration with `modes` modes and damping ratio .005; from a scene. */
-void structure_of_plate(modal_structure *s, size_t modes);
+void structure_of_plate(modal_structure *structure, size_t modes);
 
 /* Simply supported plate, length times 1, with columns x rows of patches and points for outputs. */
 typedef struct supported_plate {
@@ -43,7 +43,7 @@ typedef struct supported_plate {
     size_t modes, columns, rows, points_x, points_y;
     double ratio;
 } supported_plate;
-void structure_of_supported_plate(modal_structure *s, const supported_plate *p);
+void structure_of_supported_plate(modal_structure *structure, const supported_plate *plate);
 
 /* How the plant differs from the model. */
 typedef struct plant_error {
@@ -96,31 +96,31 @@ typedef struct damped_loop {
  *   delay     in  age of the readings that the damper believes (ticks)
  *   sensor    in  [sensors] outputs that are sensors, or NULL
  */
-void damped_loop_open(damped_loop *d, const modal_structure *s, double interval, double slew,
-                      int delay, const size_t *sensor, size_t sensors,
+void damped_loop_open(damped_loop *loop, const modal_structure *structure, double interval,
+                      double slew, int delay, const size_t *sensor, size_t sensors,
                       const damper_settings *settings);
-void damped_loop_close(damped_loop *d);
+void damped_loop_close(damped_loop *loop);
 
 /* Put plant and loop to rest, with another plant. */
-void damped_loop_reset(damped_loop *d, plant_error error);
+void damped_loop_reset(damped_loop *loop, plant_error error);
 
 /*
  * One tick: readings, controller, plant. Returns the status. Every voltage must be inside its limit
  * and its step limit, to the last bit. wanted [outputs] in
  */
-pzs_status damped_loop_tick(damped_loop *d, const double *wanted);
+pzs_status damped_loop_tick(damped_loop *loop, const double *wanted);
 
 /* Plant alone under the present voltages; keep its shape as a reading and count the tick. */
-void damped_loop_move_plant(damped_loop *d);
-void damped_loop_keep(damped_loop *d);
+void damped_loop_move_plant(damped_loop *loop);
+void damped_loop_keep(damped_loop *loop);
 
 /*
  * Shape of the bounded optimum of the plant for a target: coordinate descent in double.
  *   shape [outputs] out
  */
-void damped_loop_optimum(const damped_loop *d, const double *wanted, double *shape);
+void damped_loop_optimum(const damped_loop *loop, const double *wanted, double *shape);
 
 /* |shape of the plant - y| / |goal| */
-double damped_loop_distance(const damped_loop *d, const double *y);
+double damped_loop_distance(const damped_loop *loop, const double *shape);
 
 #endif

@@ -24,8 +24,8 @@ static void shuffle(int64_t *label, int count, unsigned *state)
     }
 }
 
-void grid_fill(grid_mesh *grid, int n1, int n2, void (*point)(double u, double v, double x[3]),
-               unsigned order)
+void grid_fill(grid_mesh *grid, int n1, int n2,
+               void (*point)(double along, double across, double position[3]), unsigned order)
 {
     unsigned state = order;
     memset(grid, 0, sizeof *grid);
@@ -39,11 +39,11 @@ void grid_fill(grid_mesh *grid, int n1, int n2, void (*point)(double u, double v
             point((double)i / n1, (double)j / n2, grid->x[node]);
             grid->node_label[node] = order ? 7 * node + 3 : node + 1;
         }
-    for (int e = 0; e < grid->elements; e++) {
-        const int i = e / n2, j = e % n2, first = i * (n2 + 1) + j;
+    for (int element = 0; element < grid->elements; element++) {
+        const int i = element / n2, j = element % n2, first = i * (n2 + 1) + j;
         const int node[4] = {first, first + n2 + 1, first + n2 + 2, first + 1};
-        memcpy(grid->node[e], node, sizeof node);
-        grid->element_label[e] = order ? 5 * e + 1000 : e + 1;
+        memcpy(grid->node[element], node, sizeof node);
+        grid->element_label[element] = order ? 5 * element + 1000 : element + 1;
     }
     if (order)
         shuffle(grid->node_label, grid->nodes, &state);
@@ -51,12 +51,12 @@ void grid_fill(grid_mesh *grid, int n1, int n2, void (*point)(double u, double v
 
 void grid_flip(grid_mesh *grid, unsigned seed)
 {
-    for (int e = 0; e < grid->elements; e++) {
-        const int second = grid->node[e][1];
+    for (int element = 0; element < grid->elements; element++) {
+        const int second = grid->node[element][1];
         if (next_random(&seed) % 2)
             continue;
-        grid->node[e][1] = grid->node[e][3];
-        grid->node[e][3] = second;
+        grid->node[element][1] = grid->node[element][3];
+        grid->node[element][3] = second;
     }
 }
 
@@ -78,9 +78,9 @@ static int side_count(const grid_mesh *grid, int k)
 
 static void side_nodes(const grid_mesh *grid, int k, int i, int node[2])
 {
-    for (int a = 0; a < 2; a++) {
-        const int across = k % 2 ? grid->n[k / 2] : 0, along = i + a;
-        node[a] = k < 2 ? across * (grid->n[1] + 1) + along : along * (grid->n[1] + 1) + across;
+    for (int at = 0; at < 2; at++) {
+        const int across = k % 2 ? grid->n[k / 2] : 0, along = i + at;
+        node[at] = k < 2 ? across * (grid->n[1] + 1) + along : along * (grid->n[1] + 1) + across;
     }
 }
 
@@ -102,225 +102,227 @@ typedef struct out {
     bool is_binary;
 } out;
 
-static void put_int(const out *o, int64_t value)
+static void put_int(const out *file, int64_t value)
 {
     const int narrow = (int)value;
-    if (o->is_binary)
-        fwrite(&narrow, sizeof narrow, 1, o->file);
+    if (file->is_binary)
+        fwrite(&narrow, sizeof narrow, 1, file->file);
     else
-        fprintf(o->file, "%d ", narrow);
+        fprintf(file->file, "%d ", narrow);
 }
 
-static void put_size(const out *o, int64_t value)
+static void put_size(const out *file, int64_t value)
 {
     const uint64_t wide = (uint64_t)value;
-    if (o->is_binary)
-        fwrite(&wide, sizeof wide, 1, o->file);
+    if (file->is_binary)
+        fwrite(&wide, sizeof wide, 1, file->file);
     else
-        fprintf(o->file, "%lld ", (long long)value);
+        fprintf(file->file, "%lld ", (long long)value);
 }
 
-static void put_real(const out *o, double value)
+static void put_real(const out *file, double value)
 {
-    if (o->is_binary)
-        fwrite(&value, sizeof value, 1, o->file);
+    if (file->is_binary)
+        fwrite(&value, sizeof value, 1, file->file);
     else
-        fprintf(o->file, "%.17g ", value);
+        fprintf(file->file, "%.17g ", value);
 }
 
-static void end_line(const out *o)
+static void end_line(const out *file)
 {
-    if (!o->is_binary)
-        fputc('\n', o->file);
+    if (!file->is_binary)
+        fputc('\n', file->file);
 }
 
-static void put_head(const out *o, const char *version)
+static void put_head(const out *file, const char *version)
 {
     const int one = 1;
-    fprintf(o->file, "$MeshFormat\n%s %d 8\n", version, o->is_binary);
-    if (o->is_binary)
-        fwrite(&one, sizeof one, 1, o->file);
-    fprintf(o->file, "%s$EndMeshFormat\n$PhysicalNames\n%d\n", o->is_binary ? "\n" : "", GROUPS);
+    fprintf(file->file, "$MeshFormat\n%s %d 8\n", version, file->is_binary);
+    if (file->is_binary)
+        fwrite(&one, sizeof one, 1, file->file);
+    fprintf(file->file, "%s$EndMeshFormat\n$PhysicalNames\n%d\n", file->is_binary ? "\n" : "",
+            GROUPS);
     for (int k = 0; k < GROUPS; k++)
-        fprintf(o->file, "%d %d \"%s\"\n", groups[k].dimension, groups[k].tag, groups[k].name);
-    fputs("$EndPhysicalNames\n", o->file);
+        fprintf(file->file, "%d %d \"%s\"\n", groups[k].dimension, groups[k].tag, groups[k].name);
+    fputs("$EndPhysicalNames\n", file->file);
 }
 
 /* ---- version 2.2 ------------------------------------------------------- */
 
 /* One element: in text its type stands in its line, in binary in a block of its own. */
-static void put_cell_2(const out *o, int64_t label, int type, int physical)
+static void put_cell_2(const out *file, int64_t label, int type, int physical)
 {
-    if (o->is_binary) {
-        put_int(o, type);
-        put_int(o, 1);
-        put_int(o, 2);
-        put_int(o, label);
+    if (file->is_binary) {
+        put_int(file, type);
+        put_int(file, 1);
+        put_int(file, 2);
+        put_int(file, label);
     } else {
-        put_int(o, label);
-        put_int(o, type);
-        put_int(o, 2);
+        put_int(file, label);
+        put_int(file, type);
+        put_int(file, 2);
     }
-    put_int(o, physical);
-    put_int(o, 1);
+    put_int(file, physical);
+    put_int(file, 1);
 }
 
-static void put_quad_2(const grid_mesh *grid, const out *o, int e, int64_t label, int physical)
+static void put_quad_2(const grid_mesh *grid, const out *file, int element, int64_t label,
+                       int physical)
 {
-    put_cell_2(o, label, 3, physical);
-    for (int r = 0; r < 4; r++)
-        put_int(o, grid->node_label[grid->node[e][r]]);
-    end_line(o);
+    put_cell_2(file, label, 3, physical);
+    for (int corner = 0; corner < 4; corner++)
+        put_int(file, grid->node_label[grid->node[element][corner]]);
+    end_line(file);
 }
 
-static void write_2(const grid_mesh *grid, const out *o)
+static void write_2(const grid_mesh *grid, const out *file)
 {
-    put_head(o, "2.2");
-    fprintf(o->file, "$Nodes\n%d\n", grid->nodes);
+    put_head(file, "2.2");
+    fprintf(file->file, "$Nodes\n%d\n", grid->nodes);
     for (int n = 0; n < grid->nodes; n++) {
-        put_int(o, grid->node_label[n]);
+        put_int(file, grid->node_label[n]);
         for (int i = 0; i < 3; i++)
-            put_real(o, grid->x[n][i]);
-        end_line(o);
+            put_real(file, grid->x[n][i]);
+        end_line(file);
     }
-    fprintf(o->file, "%s$EndNodes\n$Elements\n%d\n", o->is_binary ? "\n" : "",
+    fprintf(file->file, "%s$EndNodes\n$Elements\n%d\n", file->is_binary ? "\n" : "",
             total_cells(grid, true));
-    put_cell_2(o, 2000000, 15, 1);
-    put_int(o, grid->node_label[0]);
-    end_line(o);
+    put_cell_2(file, 2000000, 15, 1);
+    put_int(file, grid->node_label[0]);
+    end_line(file);
     for (int k = 0; k < 4; k++)
         for (int i = 0; i < side_count(grid, k); i++) {
             int node[2];
             side_nodes(grid, k, i, node);
-            put_cell_2(o, line_label(k, i), 1, k + 1);
-            put_int(o, grid->node_label[node[0]]);
-            put_int(o, grid->node_label[node[1]]);
-            end_line(o);
+            put_cell_2(file, line_label(k, i), 1, k + 1);
+            put_int(file, grid->node_label[node[0]]);
+            put_int(file, grid->node_label[node[1]]);
+            end_line(file);
         }
-    for (int e = 0; e < grid->elements; e++) {
-        put_quad_2(grid, o, e, grid->element_label[e], 1);
-        put_quad_2(grid, o, e, 3000000 + e, 2 * e < grid->elements ? 2 : 3);
+    for (int element = 0; element < grid->elements; element++) {
+        put_quad_2(grid, file, element, grid->element_label[element], 1);
+        put_quad_2(grid, file, element, 3000000 + element, 2 * element < grid->elements ? 2 : 3);
     }
-    fprintf(o->file, "%s$EndElements\n", o->is_binary ? "\n" : "");
+    fprintf(file->file, "%s$EndElements\n", file->is_binary ? "\n" : "");
 }
 
 /* ---- version 4.1 ------------------------------------------------------- */
 
 /* Entities: a point, four curves, and two surfaces, each in "all" and in one half. */
-static void put_entities(const out *o)
+static void put_entities(const out *file)
 {
-    fputs("$Entities\n", o->file);
-    put_size(o, 1);
-    put_size(o, 4);
-    put_size(o, 2);
-    put_size(o, 0);
-    end_line(o);
-    put_int(o, 1);
+    fputs("$Entities\n", file->file);
+    put_size(file, 1);
+    put_size(file, 4);
+    put_size(file, 2);
+    put_size(file, 0);
+    end_line(file);
+    put_int(file, 1);
     for (int i = 0; i < 3; i++)
-        put_real(o, 0);
-    put_size(o, 1);
-    put_int(o, 1);
-    end_line(o);
+        put_real(file, 0);
+    put_size(file, 1);
+    put_int(file, 1);
+    end_line(file);
     for (int k = 0; k < 6; k++) {
         const int surface = k - 4;
-        put_int(o, k < 4 ? k + 1 : surface + 1);
+        put_int(file, k < 4 ? k + 1 : surface + 1);
         for (int i = 0; i < 6; i++)
-            put_real(o, i);
-        put_size(o, k < 4 ? 1 : 2);
-        put_int(o, k < 4 ? k + 1 : 1);
+            put_real(file, i);
+        put_size(file, k < 4 ? 1 : 2);
+        put_int(file, k < 4 ? k + 1 : 1);
         if (k >= 4)
-            put_int(o, -(surface + 2)); /* a reversed group */
-        put_size(o, 2);
-        put_int(o, 1);
-        put_int(o, -2);
-        end_line(o);
+            put_int(file, -(surface + 2)); /* a reversed group */
+        put_size(file, 2);
+        put_int(file, 1);
+        put_int(file, -2);
+        end_line(file);
     }
-    fprintf(o->file, "%s$EndEntities\n", o->is_binary ? "\n" : "");
+    fprintf(file->file, "%s$EndEntities\n", file->is_binary ? "\n" : "");
 }
 
 /* Nodes in two blocks, the second with a parameter. */
-static void put_nodes_4(const grid_mesh *grid, const out *o)
+static void put_nodes_4(const grid_mesh *grid, const out *file)
 {
     const int first[3] = {0, grid->nodes / 3, grid->nodes};
-    fputs("$Nodes\n", o->file);
-    put_size(o, 2);
-    put_size(o, grid->nodes);
-    put_size(o, 1);
-    put_size(o, 1);
-    end_line(o);
-    for (int b = 0; b < 2; b++) {
-        put_int(o, b + 1);
-        put_int(o, 1);
-        put_int(o, b == 1);
-        put_size(o, first[b + 1] - first[b]);
-        end_line(o);
-        for (int n = first[b]; n < first[b + 1]; n++) {
-            put_size(o, grid->node_label[n]);
-            end_line(o);
+    fputs("$Nodes\n", file->file);
+    put_size(file, 2);
+    put_size(file, grid->nodes);
+    put_size(file, 1);
+    put_size(file, 1);
+    end_line(file);
+    for (int block = 0; block < 2; block++) {
+        put_int(file, block + 1);
+        put_int(file, 1);
+        put_int(file, block == 1);
+        put_size(file, first[block + 1] - first[block]);
+        end_line(file);
+        for (int node = first[block]; node < first[block + 1]; node++) {
+            put_size(file, grid->node_label[node]);
+            end_line(file);
         }
-        for (int n = first[b]; n < first[b + 1]; n++) {
+        for (int node = first[block]; node < first[block + 1]; node++) {
             for (int i = 0; i < 3; i++)
-                put_real(o, grid->x[n][i]);
-            for (int i = 0; b == 1 && i < 2; i++)
-                put_real(o, 0.5);
-            end_line(o);
+                put_real(file, grid->x[node][i]);
+            for (int i = 0; block == 1 && i < 2; i++)
+                put_real(file, 0.5);
+            end_line(file);
         }
     }
-    fprintf(o->file, "%s$EndNodes\n", o->is_binary ? "\n" : "");
+    fprintf(file->file, "%s$EndNodes\n", file->is_binary ? "\n" : "");
 }
 
-static void put_block_4(const out *o, int dimension, int tag, int type, int count)
+static void put_block_4(const out *file, int dimension, int tag, int type, int count)
 {
-    put_int(o, dimension);
-    put_int(o, tag);
-    put_int(o, type);
-    put_size(o, count);
-    end_line(o);
+    put_int(file, dimension);
+    put_int(file, tag);
+    put_int(file, type);
+    put_size(file, count);
+    end_line(file);
 }
 
-static void put_elements_4(const grid_mesh *grid, const out *o)
+static void put_elements_4(const grid_mesh *grid, const out *file)
 {
     const int half = (grid->elements + 1) / 2;
-    fputs("$Elements\n", o->file);
-    put_size(o, 7);
-    put_size(o, total_cells(grid, false));
-    put_size(o, 1);
-    put_size(o, 1);
-    end_line(o);
-    put_block_4(o, 0, 1, 15, 1);
-    put_size(o, 2000000);
-    put_size(o, grid->node_label[0]);
-    end_line(o);
+    fputs("$Elements\n", file->file);
+    put_size(file, 7);
+    put_size(file, total_cells(grid, false));
+    put_size(file, 1);
+    put_size(file, 1);
+    end_line(file);
+    put_block_4(file, 0, 1, 15, 1);
+    put_size(file, 2000000);
+    put_size(file, grid->node_label[0]);
+    end_line(file);
     for (int k = 0; k < 4; k++) {
-        put_block_4(o, 1, k + 1, 1, side_count(grid, k));
+        put_block_4(file, 1, k + 1, 1, side_count(grid, k));
         for (int i = 0; i < side_count(grid, k); i++) {
             int node[2];
             side_nodes(grid, k, i, node);
-            put_size(o, line_label(k, i));
-            put_size(o, grid->node_label[node[0]]);
-            put_size(o, grid->node_label[node[1]]);
-            end_line(o);
+            put_size(file, line_label(k, i));
+            put_size(file, grid->node_label[node[0]]);
+            put_size(file, grid->node_label[node[1]]);
+            end_line(file);
         }
     }
-    for (int b = 0; b < 2; b++) {
-        put_block_4(o, 2, b + 1, 3, b ? grid->elements - half : half);
-        for (int e = b ? half : 0; e < (b ? grid->elements : half); e++) {
-            put_size(o, grid->element_label[e]);
-            for (int r = 0; r < 4; r++)
-                put_size(o, grid->node_label[grid->node[e][r]]);
-            end_line(o);
+    for (int block = 0; block < 2; block++) {
+        put_block_4(file, 2, block + 1, 3, block ? grid->elements - half : half);
+        for (int element = block ? half : 0; element < (block ? grid->elements : half); element++) {
+            put_size(file, grid->element_label[element]);
+            for (int corner = 0; corner < 4; corner++)
+                put_size(file, grid->node_label[grid->node[element][corner]]);
+            end_line(file);
         }
     }
-    fprintf(o->file, "%s$EndElements\n", o->is_binary ? "\n" : "");
+    fprintf(file->file, "%s$EndElements\n", file->is_binary ? "\n" : "");
 }
 
-static void write_4(const grid_mesh *grid, const out *o)
+static void write_4(const grid_mesh *grid, const out *file)
 {
-    put_head(o, "4.1");
-    fputs("$Comment\nskipped $Nodes $EndComments\n$EndComment\n", o->file);
-    put_entities(o);
-    put_nodes_4(grid, o);
-    put_elements_4(grid, o);
+    put_head(file, "4.1");
+    fputs("$Comment\nskipped $Nodes $EndComments\n$EndComment\n", file->file);
+    put_entities(file);
+    put_nodes_4(grid, file);
+    put_elements_4(grid, file);
 }
 
 /* ---- INP --------------------------------------------------------------- */
@@ -343,14 +345,14 @@ static void write_inp(const grid_mesh *grid, FILE *file)
         }
     }
     fputs("*Element, type = S4R , elset=first\n", file);
-    for (int e = 0; e < grid->elements; e++) {
-        if (e == half)
+    for (int element = 0; element < grid->elements; element++) {
+        if (element == half)
             fputs("*Element, type=S4, elset=\"second\"\n", file);
-        fprintf(file, "%lld, %lld,\n%lld, %lld, %lld\n", (long long)grid->element_label[e],
-                (long long)grid->node_label[grid->node[e][0]],
-                (long long)grid->node_label[grid->node[e][1]],
-                (long long)grid->node_label[grid->node[e][2]],
-                (long long)grid->node_label[grid->node[e][3]]);
+        fprintf(file, "%lld, %lld,\n%lld, %lld, %lld\n", (long long)grid->element_label[element],
+                (long long)grid->node_label[grid->node[element][0]],
+                (long long)grid->node_label[grid->node[element][1]],
+                (long long)grid->node_label[grid->node[element][2]],
+                (long long)grid->node_label[grid->node[element][3]]);
     }
     fprintf(file, "*NSET, NSET=origin\n%lld,\n*elset, elset=all\nFIRST, second\n",
             (long long)grid->node_label[0]);

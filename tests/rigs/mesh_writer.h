@@ -37,8 +37,8 @@ typedef struct grid_mesh {
  * Fill a grid over u, v in [0, 1] with the points of a function.
  *   order  in  0: ascending labels; else the seed of sparse labels in random order
  */
-void grid_fill(grid_mesh *grid, int n1, int n2, void (*point)(double u, double v, double x[3]),
-               unsigned order);
+void grid_fill(grid_mesh *grid, int n1, int n2,
+               void (*point)(double along, double across, double position[3]), unsigned order);
 
 /* Reverse the orientation of about half of the elements. */
 void grid_flip(grid_mesh *grid, unsigned seed);

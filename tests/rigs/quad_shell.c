@@ -42,16 +42,17 @@ void quad_shell_init(quad_shell *shell, double thickness, double young, double p
 /* ---- mesh ---------------------------------------------------------------- */
 
 /* Node at a position, added if there is none. */
-static uint32_t add_node(quad_mesh *quads, const double x[3], const double d[3])
+static uint32_t add_node(quad_mesh *quads, const double position[3], const double director[3])
 {
-    for (size_t n = 0; n < quads->nodes; n++) {
-        const double step[3] = {x[0] - quads->position[n][0], x[1] - quads->position[n][1],
-                                x[2] - quads->position[n][2]};
+    for (size_t node = 0; node < quads->nodes; node++) {
+        const double step[3] = {position[0] - quads->position[node][0],
+                                position[1] - quads->position[node][1],
+                                position[2] - quads->position[node][2]};
         if (vector_length(step) < 1e-9) {
             for (int i = 0; i < 3; i++)
-                quads->director[n][i] += d[i];
-            vector_normalise(quads->director[n]);
-            return (uint32_t)n;
+                quads->director[node][i] += director[i];
+            vector_normalise(quads->director[node]);
+            return (uint32_t)node;
         }
     }
     const size_t room = quads->nodes + 1;
@@ -59,8 +60,8 @@ static uint32_t add_node(quad_mesh *quads, const double x[3], const double d[3])
     quads->director = grow(quads->director, room, sizeof *quads->director);
     quads->axis = grow(quads->axis, room, sizeof *quads->axis);
     quads->constrained = grow(quads->constrained, room, 1);
-    memcpy(quads->position[quads->nodes], x, sizeof *quads->position);
-    memcpy(quads->director[quads->nodes], d, sizeof *quads->director);
+    memcpy(quads->position[quads->nodes], position, sizeof *quads->position);
+    memcpy(quads->director[quads->nodes], director, sizeof *quads->director);
     memset(quads->axis[quads->nodes], 0, sizeof *quads->axis);
     quads->constrained[quads->nodes] = 0;
     return (uint32_t)quads->nodes++;
@@ -81,10 +82,10 @@ void quad_shell_block(quad_shell *shell, int n1, int n2, quad_map *map, const vo
         for (int j = 0; j <= n2; j++) {
             const int inner = i > 0 && i < n1 && j > 0 && j < n2;
             const double shift[2] = {random_part(&seed), random_part(&seed)};
-            double x[3], d[3];
+            double position[3], director[3];
             map(data, (i + inner * distortion * shift[0]) / n1,
-                (j + inner * distortion * shift[1]) / n2, x, d);
-            node[i * (n2 + 1) + j] = add_node(quads, x, d);
+                (j + inner * distortion * shift[1]) / n2, position, director);
+            node[i * (n2 + 1) + j] = add_node(quads, position, director);
         }
     const size_t elements = (size_t)n1 * (size_t)n2;
     quads->element = grow(quads->element, quads->elements + elements, sizeof *quads->element);
@@ -114,27 +115,28 @@ void quad_shell_hold(quad_shell *shell, const double point[3], const double norm
                      const double *axis, unsigned dof)
 {
     quad_mesh *quads = &shell->quads;
-    for (size_t n = 0; n < quads->nodes; n++) {
-        const double *x = quads->position[n];
-        const double step[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]};
+    for (size_t node = 0; node < quads->nodes; node++) {
+        const double *position = quads->position[node];
+        const double step[3] = {position[0] - point[0], position[1] - point[1],
+                                position[2] - point[2]};
         if (fabs(vector_dot(step, normal)) > 1e-9)
             continue;
-        if (axis && vector_length(quads->axis[n]) > 0 &&
-            fabs(vector_dot(axis, quads->axis[n])) < 0.99)
-            quads->constrained[n] = 0;
-        quads->constrained[n] |= (uint8_t)dof;
+        if (axis && vector_length(quads->axis[node]) > 0 &&
+            fabs(vector_dot(axis, quads->axis[node])) < 0.99)
+            quads->constrained[node] = 0;
+        quads->constrained[node] |= (uint8_t)dof;
         if (axis)
-            memcpy(quads->axis[n], axis, sizeof *quads->axis);
+            memcpy(quads->axis[node], axis, sizeof *quads->axis);
     }
 }
 
 void quad_shell_symmetry(quad_shell *shell, int i)
 {
     const double origin[3] = {0, 0, 0}, normal[3] = {i == 0, i == 1, i == 2};
-    for (size_t n = 0; n < shell->quads.nodes; n++)
-        if (fabs(shell->quads.position[n][i]) < 1e-9) {
-            shell->quads.director[n][i] = 0;
-            vector_normalise(shell->quads.director[n]);
+    for (size_t node = 0; node < shell->quads.nodes; node++)
+        if (fabs(shell->quads.position[node][i]) < 1e-9) {
+            shell->quads.director[node][i] = 0;
+            vector_normalise(shell->quads.director[node]);
         }
     quad_shell_hold(shell, origin, normal, normal, 1u << 0 | 1u << 3);
 }
@@ -143,11 +145,12 @@ int quad_shell_nearest(const quad_shell *shell, double x, double y, double z)
 {
     int best = 0;
     double least = HUGE_VAL;
-    for (size_t n = 0; n < shell->quads.nodes; n++) {
-        const double *p = shell->quads.position[n], step[3] = {p[0] - x, p[1] - y, p[2] - z};
+    for (size_t node = 0; node < shell->quads.nodes; node++) {
+        const double *position = shell->quads.position[node],
+                     step[3] = {position[0] - x, position[1] - y, position[2] - z};
         if (vector_length(step) < least) {
             least = vector_length(step);
-            best = (int)n;
+            best = (int)node;
         }
     }
     return best;
@@ -155,18 +158,18 @@ int quad_shell_nearest(const quad_shell *shell, double x, double y, double z)
 
 /* Make the axis of a node a unit vector normal to its director; the global axis along which the
  * director is least where none was chosen. */
-static void finish_axis(quad_mesh *quads, size_t n)
+static void finish_axis(quad_mesh *quads, size_t node)
 {
-    double *axis = quads->axis[n], *d = quads->director[n];
+    double *axis = quads->axis[node], *director = quads->director[node];
     if (vector_length(axis) < 0.5)
         for (int i = 0, least = 0; i < 3; i++) {
-            least = fabs(d[i]) < fabs(d[least]) - 1e-6 ? i : least;
+            least = fabs(director[i]) < fabs(director[least]) - 1e-6 ? i : least;
             if (i == 2)
                 axis[least] = 1;
         }
-    const double along = vector_dot(axis, d);
+    const double along = vector_dot(axis, director);
     for (int i = 0; i < 3; i++)
-        axis[i] -= along * d[i];
+        axis[i] -= along * director[i];
     vector_normalise(axis);
 }
 
@@ -188,13 +191,13 @@ int quad_shell_build(quad_shell *shell, const double sweep[3])
     quad_mesh *quads = &shell->quads;
     swept_node *swept = grow(NULL, quads->nodes, sizeof *swept);
     quads->order = grow(quads->order, quads->nodes, sizeof *quads->order);
-    for (size_t n = 0; n < quads->nodes; n++) {
-        finish_axis(quads, n);
-        swept[n] = (swept_node){vector_dot(quads->position[n], sweep), (uint32_t)n};
+    for (size_t node = 0; node < quads->nodes; node++) {
+        finish_axis(quads, node);
+        swept[node] = (swept_node){vector_dot(quads->position[node], sweep), (uint32_t)node};
     }
     qsort(swept, quads->nodes, sizeof *swept, compare_swept);
-    for (size_t n = 0; n < quads->nodes; n++)
-        quads->order[n] = swept[n].node;
+    for (size_t node = 0; node < quads->nodes; node++)
+        quads->order[node] = swept[node].node;
     free(swept);
     shell->force = calloc(quads->nodes, sizeof *shell->force);
     shell->u = calloc(quads->nodes, sizeof *shell->u);
@@ -207,37 +210,38 @@ int quad_shell_build(quad_shell *shell, const double sweep[3])
 
 void quad_shell_force(quad_shell *shell, int node, const double force[3])
 {
-    for (int a = 0; a < 3; a++)
-        shell->force[node][a] += vector_dot(shell->mesh.point[node].e[a], force);
+    for (int axis = 0; axis < 3; axis++)
+        shell->force[node][axis] += vector_dot(shell->mesh.point[node].e[axis], force);
 }
 
 void quad_shell_couple(quad_shell *shell, int node, const double couple[3])
 {
     double turned[3];
     vector_cross(couple, shell->mesh.point[node].e[2], turned);
-    for (int a = 0; a < 3; a++)
-        shell->force[node][3 + a] += vector_dot(shell->mesh.point[node].e[a], turned);
+    for (int axis = 0; axis < 3; axis++)
+        shell->force[node][3 + axis] += vector_dot(shell->mesh.point[node].e[axis], turned);
 }
 
 /* Integral of N_r N_s over an element. */
-static double pair_weight(const laminate_place *place, int r, int s)
+static double pair_weight(const laminate_place *place, int corner, int other)
 {
     const double plain[3] = {4 / 36.0, 2 / 36.0, 1 / 36.0};
-    const int is_opposite = (r ^ s) == 2, steps = is_opposite ? 2 : r != s;
-    return place->area * (plain[steps] + corner_pair_excess(place, r, s));
+    const int is_opposite = (corner ^ other) == 2, steps = is_opposite ? 2 : corner != other;
+    return place->area * (plain[steps] + corner_pair_excess(place, corner, other));
 }
 
 /* Add the force of a traction given at all nodes. traction [nodes][3] */
 static void add_traction(quad_shell *shell, const double (*traction)[3])
 {
-    for (int e = 0; e < shell->mesh.elements; e++) {
-        const laminate_place *place = &shell->mesh.place[shell->mesh.element_type[e]];
-        for (int r = 0; r < 4; r++)
-            for (int s = 0; s < 4; s++) {
-                const double weight = pair_weight(place, r, s);
-                const double *p = traction[shell->mesh.element[e][s]],
-                             part[3] = {weight * p[0], weight * p[1], weight * p[2]};
-                quad_shell_force(shell, shell->mesh.element[e][r], part);
+    for (int element = 0; element < shell->mesh.elements; element++) {
+        const laminate_place *place = &shell->mesh.place[shell->mesh.element_type[element]];
+        for (int corner = 0; corner < 4; corner++)
+            for (int other = 0; other < 4; other++) {
+                const double weight = pair_weight(place, corner, other);
+                const double *position = traction[shell->mesh.element[element][other]],
+                             part[3] = {weight * position[0], weight * position[1],
+                                        weight * position[2]};
+                quad_shell_force(shell, shell->mesh.element[element][corner], part);
             }
     }
 }
@@ -245,18 +249,18 @@ static void add_traction(quad_shell *shell, const double (*traction)[3])
 void quad_shell_traction(quad_shell *shell, const double traction[3])
 {
     double(*all)[3] = calloc(shell->quads.nodes, sizeof *all);
-    for (size_t n = 0; n < shell->quads.nodes; n++)
-        memcpy(all[n], traction, sizeof *all);
+    for (size_t node = 0; node < shell->quads.nodes; node++)
+        memcpy(all[node], traction, sizeof *all);
     add_traction(shell, (const double(*)[3])all);
     free(all);
 }
 
-void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double x[3]))
+void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double position[3]))
 {
     double(*all)[3] = calloc(shell->quads.nodes, sizeof *all);
-    for (size_t n = 0; n < shell->quads.nodes; n++)
+    for (size_t node = 0; node < shell->quads.nodes; node++)
         for (int i = 0; i < 3; i++)
-            all[n][i] = pressure(shell->quads.position[n]) * shell->quads.director[n][i];
+            all[node][i] = pressure(shell->quads.position[node]) * shell->quads.director[node][i];
     add_traction(shell, (const double(*)[3])all);
     free(all);
 }
@@ -277,13 +281,13 @@ static pzs_status load_shell(const quad_shell *shell, loaded_shell *loaded)
     memset(loaded, 0, sizeof *loaded);
     loaded->index = calloc((size_t)mesh->free_dof, sizeof *loaded->index);
     loaded->value = calloc((size_t)mesh->free_dof, sizeof *loaded->value);
-    for (int n = 0; n < mesh->nodes; n++)
+    for (int node = 0; node < mesh->nodes; node++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-            const uint16_t d = mesh->node_dof[(unsigned)n * mesh->dof_per_node + i];
-            if (d == PZS_CONSTRAINED || !(fabs(shell->force[n][i]) > 0))
+            const uint16_t dof = mesh->node_dof[(unsigned)node * mesh->dof_per_node + i];
+            if (dof == PZS_CONSTRAINED || !(fabs(shell->force[node][i]) > 0))
                 continue;
-            loaded->index[loaded->start[1]] = d;
-            loaded->value[loaded->start[1]++] = shell->force[n][i];
+            loaded->index[loaded->start[1]] = dof;
+            loaded->value[loaded->start[1]++] = shell->force[node][i];
         }
     const pzs_structure structure = {.format = PZS_TABLE_FORMAT,
                                      .nodes = (uint16_t)mesh->nodes,
@@ -309,13 +313,13 @@ static void unload_shell(loaded_shell *loaded)
     free(loaded->value);
 }
 
-static void keep_displacement(quad_shell *shell, const double *u)
+static void keep_displacement(quad_shell *shell, const double *displacement)
 {
     const mesh *mesh = &shell->mesh;
-    for (int n = 0; n < mesh->nodes; n++)
+    for (int node = 0; node < mesh->nodes; node++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-            const uint16_t d = mesh->node_dof[(unsigned)n * mesh->dof_per_node + i];
-            shell->u[n][i] = d == PZS_CONSTRAINED ? 0 : u[d];
+            const uint16_t dof = mesh->node_dof[(unsigned)node * mesh->dof_per_node + i];
+            shell->u[node][i] = dof == PZS_CONSTRAINED ? 0 : displacement[dof];
         }
 }
 
@@ -327,7 +331,7 @@ static size_t model_bytes(const mesh *mesh)
 
 pzs_status quad_shell_solve(quad_shell *shell)
 {
-    double *u = calloc((size_t)shell->mesh.free_dof, sizeof *u), one = 1;
+    double *displacement = calloc((size_t)shell->mesh.free_dof, sizeof *displacement), one = 1;
     const size_t bytes = model_bytes(&shell->mesh);
     void *work = malloc(bytes);
     loaded_shell loaded;
@@ -340,11 +344,11 @@ pzs_status quad_shell_solve(quad_shell *shell)
     if (!PZS_IS_ERROR(status))
         status = pzs_factor(&model);
     if (!PZS_IS_ERROR(status))
-        status = pzs_solve(&model, &one, u);
-    keep_displacement(shell, u);
+        status = pzs_solve(&model, &one, displacement);
+    keep_displacement(shell, displacement);
     unload_shell(&loaded);
     free(work);
-    free(u);
+    free(displacement);
     return status;
 }
 
@@ -375,21 +379,21 @@ pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves)
     return status;
 }
 
-void quad_shell_displacement(const quad_shell *shell, int node, double u[3])
+void quad_shell_displacement(const quad_shell *shell, int node, double displacement[3])
 {
     for (int i = 0; i < 3; i++) {
-        u[i] = 0;
-        for (int a = 0; a < 3; a++)
-            u[i] += shell->mesh.point[node].e[a][i] * shell->u[node][a];
+        displacement[i] = 0;
+        for (int axis = 0; axis < 3; axis++)
+            displacement[i] += shell->mesh.point[node].e[axis][i] * shell->u[node][axis];
     }
 }
 
 double quad_shell_work(const quad_shell *shell)
 {
     double work = 0;
-    for (int n = 0; n < shell->mesh.nodes; n++)
+    for (int node = 0; node < shell->mesh.nodes; node++)
         for (unsigned i = 0; i < 7; i++)
-            work += shell->force[n][i] * shell->u[n][i];
+            work += shell->force[node][i] * shell->u[node][i];
     return work;
 }
 

@@ -64,7 +64,7 @@ void quad_shell_couple(quad_shell *shell, int node, const double couple[3]);
 void quad_shell_traction(quad_shell *shell, const double traction[3]);
 
 /* Traction p(x) d along the directors, p given at the nodes. */
-void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double x[3]));
+void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double position[3]));
 
 /* Solve K u = force. Returns a pzs_status. */
 pzs_status quad_shell_solve(quad_shell *shell);
@@ -73,7 +73,7 @@ pzs_status quad_shell_solve(quad_shell *shell);
 pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves);
 
 /* Cartesian displacement of the reference surface at a node. */
-void quad_shell_displacement(const quad_shell *shell, int node, double u[3]);
+void quad_shell_displacement(const quad_shell *shell, int node, double displacement[3]);
 
 /* Sum of force times displacement over all dof. */
 double quad_shell_work(const quad_shell *shell);

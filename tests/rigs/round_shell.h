@@ -11,6 +11,6 @@
  * diaphragms `length` apart under the pressure cos(pi x/length) cos(n theta2), x from the middle:
  * a straight director and plane stress, exact through the thickness h. n >= 1
  */
-double round_shell_crest(int harmonic, double length, double h);
+double round_shell_crest(int harmonic, double length, double thickness);
 
 #endif

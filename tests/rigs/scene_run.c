@@ -11,47 +11,48 @@
 
 enum { MOST_CHANGES = 24 };
 
-int scene_run_open(scene_run *r, const char *name, const char *changes)
+int scene_run_open(scene_run *run, const char *name, const char *changes)
 {
     char path[512], text[4096];
     const char *set[MOST_CHANGES];
     int sets = 0;
-    memset(r, 0, sizeof *r);
+    memset(run, 0, sizeof *run);
     snprintf(path, sizeof path, strchr(name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml", name);
     snprintf(text, sizeof text, "%s", changes);
     for (char *part = strtok(text, ";"); part && sets < MOST_CHANGES; part = strtok(NULL, ";"))
         set[sets++] = part;
-    if (scene_read(&r->scene, path, set, sets, r->error) < 0 ||
-        analysis_prepare(&r->analysis, &r->scene, r->error) < 0)
+    if (scene_read(&run->scene, path, set, sets, run->error) < 0 ||
+        analysis_prepare(&run->analysis, &run->scene, run->error) < 0)
         return -1;
-    r->u = calloc((size_t)r->analysis.design.mesh.free_dof, sizeof *r->u);
-    r->output = calloc((size_t)r->analysis.design.structure.output.count + 1, sizeof *r->output);
-    snprintf(r->error, sizeof r->error, "out of memory");
-    return r->u && r->output ? 0 : -1;
+    run->u = calloc((size_t)run->analysis.design.mesh.free_dof, sizeof *run->u);
+    run->output =
+        calloc((size_t)run->analysis.design.structure.output.count + 1, sizeof *run->output);
+    snprintf(run->error, sizeof run->error, "out of memory");
+    return run->u && run->output ? 0 : -1;
 }
 
-int scene_run_solve(scene_run *r)
+int scene_run_solve(scene_run *run)
 {
-    const int status = analysis_solve(&r->analysis, r->u, r->error);
-    scene_run_observe(r, r->u);
+    const int status = analysis_solve(&run->analysis, run->u, run->error);
+    scene_run_observe(run, run->u);
     return status;
 }
 
-void scene_run_observe(scene_run *r, const double *u)
+void scene_run_observe(scene_run *run, const double *displacement)
 {
-    pzs_observe(&r->analysis.design.structure, u, r->output);
+    pzs_observe(&run->analysis.design.structure, displacement, run->output);
 }
 
-double scene_run_value(const scene_run *r, int k)
+double scene_run_value(const scene_run *run, int k)
 {
-    return analysis_output(&r->analysis, k, 0, r->output);
+    return analysis_output(&run->analysis, k, 0, run->output);
 }
 
-void scene_run_close(scene_run *r)
+void scene_run_close(scene_run *run)
 {
-    analysis_free(&r->analysis);
-    scene_free(&r->scene);
-    free(r->u);
-    free(r->output);
-    memset(r, 0, sizeof *r);
+    analysis_free(&run->analysis);
+    scene_free(&run->scene);
+    free(run->u);
+    free(run->output);
+    memset(run, 0, sizeof *run);
 }

@@ -22,19 +22,19 @@ typedef struct scene_run {
  *   changes in  "key=value;key=value", as the command line's --set
  * Returns 0, or -1 with error filled; close it in either case.
  */
-int scene_run_open(scene_run *r, const char *name, const char *changes);
+int scene_run_open(scene_run *run, const char *name, const char *changes);
 
 /* Displacement under the scene's loads and volts, from rest; u and output hold what was reached.
  * Returns 0, or -1 with error filled. */
-int scene_run_solve(scene_run *r);
+int scene_run_solve(scene_run *run);
 
-/* Put a displacement's output rows into output. u [dof] in */
-void scene_run_observe(scene_run *r, const double *u);
+/* Put a displacement's output rows into output. displacement [dof] in */
+void scene_run_observe(scene_run *run, const double *displacement);
 
 /* First value of the scene's k-th output. */
-double scene_run_value(const scene_run *r, int k);
+double scene_run_value(const scene_run *run, int k);
 
-void scene_run_close(scene_run *r);
+void scene_run_close(scene_run *run);
 
 /*
  * Common voltage limits: none, those of the scene, or from -most to most; an infinite `most` is

@@ -24,12 +24,12 @@ typedef struct testdata {
 
 /* Read the next case. Returns 1, or 0 at the end of the file; faults of the format abort the test
  * program. */
-int testdata_next(FILE *file, testdata *d);
-void testdata_free(testdata *d);
+int testdata_next(FILE *file, testdata *data);
+void testdata_free(testdata *data);
 
 /* Numbers under a key; NULL if the case has none. */
-const testdata_array *testdata_find(const testdata *d, const char *key);
-const double *testdata_values(const testdata *d, const char *key);
-const char *testdata_word(const testdata *d, const char *key);
+const testdata_array *testdata_find(const testdata *data, const char *key);
+const double *testdata_values(const testdata *data, const char *key);
+const char *testdata_word(const testdata *data, const char *key);
 
 #endif
