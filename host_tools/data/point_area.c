@@ -24,10 +24,10 @@ static double turn(const point *a, const point *b, const point *c)
 
 static int left_first(const void *left, const void *right)
 {
-    const point *a = left, *b = right;
-    if (a->x != b->x)
-        return a->x < b->x ? -1 : 1;
-    return (a->y > b->y) - (a->y < b->y);
+    const point *first = left, *second = right;
+    if (first->x != second->x)
+        return first->x < second->x ? -1 : 1;
+    return (first->y > second->y) - (first->y < second->y);
 }
 
 /*
@@ -55,8 +55,9 @@ static double area_of(const polygon *shape)
 {
     double sum = 0;
     for (size_t i = 0; i < shape->corners; i++) {
-        const double *a = shape->corner[i], *b = shape->corner[(i + 1) % shape->corners];
-        sum += a[0] * b[1] - a[1] * b[0];
+        const double *from_corner = shape->corner[i],
+                     *to_corner = shape->corner[(i + 1) % shape->corners];
+        sum += from_corner[0] * to_corner[1] - from_corner[1] * to_corner[0];
     }
     return sum / 2;
 }
@@ -69,25 +70,26 @@ static void cut(const polygon *from, const double normal[2], double limit, polyg
 {
     to->corners = 0;
     for (size_t i = 0; i < from->corners; i++) {
-        const double *a = from->corner[i], *b = from->corner[(i + 1) % from->corners];
-        const double at_a = normal[0] * a[0] + normal[1] * a[1] - limit,
-                     at_b = normal[0] * b[0] + normal[1] * b[1] - limit;
+        const double *from_corner = from->corner[i],
+                     *to_corner = from->corner[(i + 1) % from->corners];
+        const double at_a = normal[0] * from_corner[0] + normal[1] * from_corner[1] - limit,
+                     at_b = normal[0] * to_corner[0] + normal[1] * to_corner[1] - limit;
         if (at_a <= 0)
-            memcpy(to->corner[to->corners++], a, sizeof *to->corner);
+            memcpy(to->corner[to->corners++], from_corner, sizeof *to->corner);
         if ((at_a < 0 && at_b > 0) || (at_a > 0 && at_b < 0)) {
             const double share = at_a / (at_a - at_b);
-            to->corner[to->corners][0] = a[0] + share * (b[0] - a[0]);
-            to->corner[to->corners++][1] = a[1] + share * (b[1] - a[1]);
+            to->corner[to->corners][0] = from_corner[0] + share * (to_corner[0] - from_corner[0]);
+            to->corner[to->corners++][1] = from_corner[1] + share * (to_corner[1] - from_corner[1]);
         }
     }
 }
 
 /* Largest distance of a corner of a polygon from a point. */
-static double reach_of(const polygon *shape, const point *p)
+static double reach_of(const polygon *shape, const point *centre)
 {
     double most = 0;
     for (size_t i = 0; i < shape->corners; i++)
-        most = fmax(most, hypot(shape->corner[i][0] - p->x, shape->corner[i][1] - p->y));
+        most = fmax(most, hypot(shape->corner[i][0] - centre->x, shape->corner[i][1] - centre->y));
     return most;
 }
 
@@ -96,28 +98,29 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
                         polygon *cell, polygon *other)
 {
     double sharing = 1;
-    const point *p = &points[own];
+    const point *centre = &points[own];
     cell->corners = hull->corners;
     memcpy(cell->corner, hull->corner, hull->corners * sizeof *hull->corner);
-    double reach = reach_of(cell, p);
+    double reach = reach_of(cell, centre);
     /* Points in the order of x: those beyond twice the reach do not cut the cell. */
     for (size_t step = 1; step < count; step++) {
         int is_near = 0;
         for (int side = 0; side < 2; side++) {
             if (side ? step > own : own + step >= count)
                 continue;
-            const point *q = side ? &points[own - step] : &points[own + step];
-            const double normal[2] = {q->x - p->x, q->y - p->y};
+            const point *neighbour = side ? &points[own - step] : &points[own + step];
+            const double normal[2] = {neighbour->x - centre->x, neighbour->y - centre->y};
             is_near |= fabs(normal[0]) <= 2 * reach;
             if (normal[0] == 0 && normal[1] == 0)
                 sharing++;
             else if (hypot(normal[0], normal[1]) <= 2 * reach) {
-                const double middle[2] = {(p->x + q->x) / 2, (p->y + q->y) / 2};
+                const double middle[2] = {(centre->x + neighbour->x) / 2,
+                                          (centre->y + neighbour->y) / 2};
                 const polygon swap = *cell;
                 cut(cell, normal, normal[0] * middle[0] + normal[1] * middle[1], other);
                 *cell = *other;
                 *other = swap;
-                reach = reach_of(cell, p);
+                reach = reach_of(cell, centre);
             }
         }
         if (!is_near)

@@ -39,9 +39,9 @@ static int sort_axis;
 
 static int compare(const void *left, const void *right)
 {
-    const double x = sort_point[*(const size_t *)left * SCATTER_AXES + (size_t)sort_axis];
-    const double y = sort_point[*(const size_t *)right * SCATTER_AXES + (size_t)sort_axis];
-    return (x > y) - (x < y);
+    const double first = sort_point[*(const size_t *)left * SCATTER_AXES + (size_t)sort_axis];
+    const double second = sort_point[*(const size_t *)right * SCATTER_AXES + (size_t)sort_axis];
+    return (first > second) - (first < second);
 }
 
 /* Arrange `source` as a tree over the given points. */
@@ -123,11 +123,11 @@ static void offer(neighbours *found, size_t index, double square)
     found->index[k] = index;
 }
 
-static double square_distance(const double *x, const double *y)
+static double square_distance(const double *first, const double *second)
 {
     double sum = 0;
-    for (int a = 0; a < SCATTER_AXES; a++)
-        sum += (x[a] - y[a]) * (x[a] - y[a]);
+    for (int axis = 0; axis < SCATTER_AXES; axis++)
+        sum += (first[axis] - second[axis]) * (first[axis] - second[axis]);
     return sum;
 }
 
@@ -170,52 +170,54 @@ typedef struct moments {
 
 static moments moments_of(const scatter *scatter, const neighbours *found)
 {
-    moments m;
+    moments moments;
     double sum = 0, weight[NEAREST];
-    memset(&m, 0, sizeof m);
+    memset(&moments, 0, sizeof moments);
     for (size_t k = 0; k < found->count; k++) {
         weight[k] = found->square[0] / found->square[k]; /* the nearest point has weight 1 */
         sum += weight[k];
     }
     for (size_t k = 0; k < found->count; k++) {
-        const double *x = scatter->point + found->index[k] * SCATTER_AXES;
+        const double *place = scatter->point + found->index[k] * SCATTER_AXES;
         weight[k] /= sum;
-        m.value += weight[k] * scatter->value[found->index[k]];
-        for (int a = 0; a < SCATTER_AXES; a++)
-            m.centre[a] += weight[k] * x[a];
+        moments.value += weight[k] * scatter->value[found->index[k]];
+        for (int row = 0; row < SCATTER_AXES; row++)
+            moments.centre[row] += weight[k] * place[row];
     }
     for (size_t k = 0; k < found->count; k++) {
-        const double *x = scatter->point + found->index[k] * SCATTER_AXES;
-        const double value = scatter->value[found->index[k]] - m.value;
-        for (int a = 0; a < SCATTER_AXES; a++) {
-            m.cross[a] += weight[k] * (x[a] - m.centre[a]) * value;
-            for (int b = 0; b < SCATTER_AXES; b++)
-                m.spread[a][b] += weight[k] * (x[a] - m.centre[a]) * (x[b] - m.centre[b]);
+        const double *place = scatter->point + found->index[k] * SCATTER_AXES;
+        const double value = scatter->value[found->index[k]] - moments.value;
+        for (int row = 0; row < SCATTER_AXES; row++) {
+            moments.cross[row] += weight[k] * (place[row] - moments.centre[row]) * value;
+            for (int column = 0; column < SCATTER_AXES; column++)
+                moments.spread[row][column] += weight[k] * (place[row] - moments.centre[row]) *
+                                               (place[column] - moments.centre[column]);
         }
     }
-    return m;
+    return moments;
 }
 
 /* One Jacobi rotation of a symmetric matrix that makes s[a][b] zero; v collects the rotations. */
-static void rotate(double s[SCATTER_AXES][SCATTER_AXES], double v[SCATTER_AXES][SCATTER_AXES],
-                   int a, int b)
+static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
+                   double vectors[SCATTER_AXES][SCATTER_AXES], int row, int column)
 {
-    if (s[a][b] == 0)
+    if (matrix[row][column] == 0)
         return;
-    const double ratio = (s[b][b] - s[a][a]) / (2 * s[a][b]);
-    const double t = copysign(1, ratio) / (fabs(ratio) + hypot(1, ratio));
-    const double c = 1 / hypot(1, t), d = t * c;
+    const double ratio = (matrix[column][column] - matrix[row][row]) / (2 * matrix[row][column]);
+    const double tangent = copysign(1, ratio) / (fabs(ratio) + hypot(1, ratio));
+    const double cosine = 1 / hypot(1, tangent), sine = tangent * cosine;
     for (int i = 0; i < SCATTER_AXES; i++) {
-        const double x = s[i][a], y = s[i][b];
-        s[i][a] = c * x - d * y;
-        s[i][b] = d * x + c * y;
+        const double left = matrix[i][row], right = matrix[i][column];
+        matrix[i][row] = cosine * left - sine * right;
+        matrix[i][column] = sine * left + cosine * right;
     }
     for (int i = 0; i < SCATTER_AXES; i++) {
-        const double x = s[a][i], y = s[b][i], p = v[i][a], q = v[i][b];
-        s[a][i] = c * x - d * y;
-        s[b][i] = d * x + c * y;
-        v[i][a] = c * p - d * q;
-        v[i][b] = d * p + c * q;
+        const double left = matrix[row][i], right = matrix[column][i],
+                     left_vector = vectors[i][row], right_vector = vectors[i][column];
+        matrix[row][i] = cosine * left - sine * right;
+        matrix[column][i] = sine * left + cosine * right;
+        vectors[i][row] = cosine * left_vector - sine * right_vector;
+        vectors[i][column] = sine * left_vector + cosine * right_vector;
     }
 }
 
@@ -223,25 +225,25 @@ static void rotate(double s[SCATTER_AXES][SCATTER_AXES], double v[SCATTER_AXES][
  * Value of the fitted linear function at a place. Directions in which the points spread less than
  * 1e-4 of the widest have no slope: there the function is constant.
  */
-static double linear_value(moments *m, const double place[SCATTER_AXES])
+static double linear_value(moments *moments, const double place[SCATTER_AXES])
 {
     static const double narrow = 1e-8; /* of squared widths */
-    double v[SCATTER_AXES][SCATTER_AXES] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    double widest = 0, value = m->value;
+    double vectors[SCATTER_AXES][SCATTER_AXES] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double widest = 0, value = moments->value;
     for (int sweep = 0; sweep < 12; sweep++)
-        for (int a = 0; a < SCATTER_AXES; a++)
-            for (int b = a + 1; b < SCATTER_AXES; b++)
-                rotate(m->spread, v, a, b);
+        for (int axis = 0; axis < SCATTER_AXES; axis++)
+            for (int other = axis + 1; other < SCATTER_AXES; other++)
+                rotate(moments->spread, vectors, axis, other);
     for (int k = 0; k < SCATTER_AXES; k++)
-        widest = fmax(widest, m->spread[k][k]);
+        widest = fmax(widest, moments->spread[k][k]);
     for (int k = 0; k < SCATTER_AXES; k++) {
         double slope = 0, along = 0;
-        for (int a = 0; a < SCATTER_AXES; a++) {
-            slope += v[a][k] * m->cross[a];
-            along += v[a][k] * (place[a] - m->centre[a]);
+        for (int axis = 0; axis < SCATTER_AXES; axis++) {
+            slope += vectors[axis][k] * moments->cross[axis];
+            along += vectors[axis][k] * (place[axis] - moments->centre[axis]);
         }
-        if (m->spread[k][k] > narrow * widest)
-            value += slope / m->spread[k][k] * along;
+        if (moments->spread[k][k] > narrow * widest)
+            value += slope / moments->spread[k][k] * along;
     }
     return value;
 }
@@ -260,14 +262,14 @@ double scatter_value(const scatter *scatter, const double *place, double *distan
     const double farthest = found.square[found.count - 1];
     if (found.square[0] <= 1e-24 * farthest || found.square[0] < DBL_MIN)
         return scatter->value[found.index[0]];
-    moments m = moments_of(scatter, &found);
-    return linear_value(&m, at);
+    moments moments = moments_of(scatter, &found);
+    return linear_value(&moments, at);
 }
 
 static int ascending(const void *left, const void *right)
 {
-    const double x = *(const double *)left, y = *(const double *)right;
-    return (x > y) - (x < y);
+    const double first = *(const double *)left, second = *(const double *)right;
+    return (first > second) - (first < second);
 }
 
 double scatter_spacing(const scatter *scatter)

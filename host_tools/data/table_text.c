@@ -31,9 +31,9 @@ static int fault(const text_reader *reader, const char *message)
     return -1;
 }
 
-static bool is_blank(char c)
+static bool is_blank(char character)
 {
-    return c == ' ' || c == '\t' || c == '\r';
+    return character == ' ' || character == '\t' || character == '\r';
 }
 
 /* ---- cells ------------------------------------------------------------ */

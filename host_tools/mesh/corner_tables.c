@@ -19,44 +19,46 @@ typedef struct corner_pair {
  * Corner tables of local kinematics: components are interpolated in the triad that turns with the
  * surface; derivatives use A, k and B of the corner.
  */
-static void local_tables(const corner_pair *c, double s[3][3], double t[3][3], double g_mean[3],
-                         double g_diff[3])
+static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
+                         double g_mean[3], double g_diff[3])
 {
-    const double slope = c->sign / (c->own->a[c->a] * c->range), k = c->own->k[c->a];
-    const double turn = c->a == 0 ? c->own->b[1] : c->own->b[0];
-    const int a = c->a, b = 1 - a;
+    const double slope = pair->sign / (pair->own->a[pair->a] * pair->range),
+                 k = pair->own->k[pair->a];
+    const double turn = pair->a == 0 ? pair->own->b[1] : pair->own->b[0];
+    const int along = pair->a, across = 1 - along;
     for (int i = 0; i < 3; i++) {
-        t[i][i] = slope;
-        s[i][i] = -slope;
+        other[i][i] = slope;
+        own[i][i] = -slope;
     }
-    s[a][b] += turn;
-    s[b][a] -= turn;
-    s[a][2] += k;
-    s[2][a] -= k;
-    g_mean[a] = 1 + k * c->middle;
-    g_diff[a] = k;
+    own[along][across] += turn;
+    own[across][along] -= turn;
+    own[along][2] += k;
+    own[2][along] -= k;
+    g_mean[along] = 1 + k * pair->middle;
+    g_diff[along] = k;
 }
 
 /*
  * Corner tables of Cartesian kinematics: differences of vectors between the corners, in the
  * corner's own triad, divided by the length of the chord or of the element.
  */
-static void cartesian_tables(const corner_pair *c, double s[3][3], double t[3][3], double g_mean[3],
-                             double g_diff[3])
+static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
+                             double g_mean[3], double g_diff[3])
 {
-    const double length = c->length > 0 ? c->length : vector_distance(c->own->x, c->other->x);
-    const double slope = c->sign / length;
+    const double length =
+        pair->length > 0 ? pair->length : vector_distance(pair->own->x, pair->other->x);
+    const double slope = pair->sign / length;
     double step[3], turn[3];
     for (int i = 0; i < 3; i++) {
-        turn[i] = c->other->e[2][i] - c->own->e[2][i];
-        step[i] = c->other->x[i] - c->own->x[i] + c->middle * turn[i];
+        turn[i] = pair->other->e[2][i] - pair->own->e[2][i];
+        step[i] = pair->other->x[i] - pair->own->x[i] + pair->middle * turn[i];
     }
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
-            t[i][j] = slope * vector_dot(c->own->e[i], c->other->e[j]);
-        s[i][i] = -slope;
-        g_mean[i] = slope * vector_dot(c->own->e[i], step);
-        g_diff[i] = slope * vector_dot(c->own->e[i], turn);
+            other[i][j] = slope * vector_dot(pair->own->e[i], pair->other->e[j]);
+        own[i][i] = -slope;
+        g_mean[i] = slope * vector_dot(pair->own->e[i], step);
+        g_diff[i] = slope * vector_dot(pair->own->e[i], turn);
     }
 }
 
@@ -68,16 +70,17 @@ void corner_tables_fill(const corner_data *data, pzs_element_type *type)
     memset(type->t, 0, sizeof type->t);
     memset(type->g_mean, 0, sizeof type->g_mean);
     memset(type->g_diff, 0, sizeof type->g_diff);
-    for (int r = 0; r < 4; r++)
-        for (int a = 0; a < 2; a++) {
-            const corner_pair pair = {data->point[r],
-                                      data->point[neighbour[r][a]],
-                                      a,
-                                      sign[r][a],
-                                      data->range[a],
-                                      data->length[a],
+    for (int corner = 0; corner < 4; corner++)
+        for (int direction = 0; direction < 2; direction++) {
+            const corner_pair pair = {data->point[corner],
+                                      data->point[neighbour[corner][direction]],
+                                      direction,
+                                      sign[corner][direction],
+                                      data->range[direction],
+                                      data->length[direction],
                                       data->middle};
             (data->is_cartesian ? cartesian_tables : local_tables)(
-                &pair, type->s[r][a], type->t[r][a], type->g_mean[r][a], type->g_diff[r][a]);
+                &pair, type->s[corner][direction], type->t[corner][direction],
+                type->g_mean[corner][direction], type->g_diff[corner][direction]);
         }
 }

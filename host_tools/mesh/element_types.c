@@ -14,35 +14,38 @@ static const double computed = 1e-12, in_file = 1e-9;
  * Whether two arrays are equal up to the rounding of node positions: within `near` of their largest
  * entry, or of `scale` where all entries are smaller.
  */
-static int alike(double near, const double *x, const double *y, size_t n, double scale)
+static int alike(double near, const double *first, const double *second, size_t count, double scale)
 {
     double largest = scale, difference = 0;
-    for (size_t i = 0; i < n; i++) {
-        largest = fmax(largest, fabs(x[i]));
-        difference = fmax(difference, fabs(x[i] - y[i]));
+    for (size_t i = 0; i < count; i++) {
+        largest = fmax(largest, fabs(first[i]));
+        difference = fmax(difference, fabs(first[i] - second[i]));
     }
     return difference <= near * largest;
 }
 
-static int same_place(double near, const laminate_place *x, const laminate_place *y)
+static int same_place(double near, const laminate_place *first, const laminate_place *second)
 {
-    const double flat = 1 / x->chord[0];
-    return alike(near, &x->area, &y->area, 1, 0) && x->present_plies == y->present_plies &&
-           alike(near, x->chord, y->chord, 2, 0) && alike(near, x->k, y->k, 2, flat) &&
-           alike(near, &x->bubble_share, &y->bubble_share, 1, 0) &&
-           alike(near, x->skew, y->skew, 2, 1) &&
-           alike(near, &x->natural.base[0][0], &y->natural.base[0][0], 9, 1) &&
-           alike(near, &x->natural.slope[0][0], &y->natural.slope[0][0], 9, flat);
+    const double flat = 1 / first->chord[0];
+    return alike(near, &first->area, &second->area, 1, 0) &&
+           first->present_plies == second->present_plies &&
+           alike(near, first->chord, second->chord, 2, 0) &&
+           alike(near, first->k, second->k, 2, flat) &&
+           alike(near, &first->bubble_share, &second->bubble_share, 1, 0) &&
+           alike(near, first->skew, second->skew, 2, 1) &&
+           alike(near, &first->natural.base[0][0], &second->natural.base[0][0], 9, 1) &&
+           alike(near, &first->natural.slope[0][0], &second->natural.slope[0][0], 9, flat);
 }
 
-static int same_type(double near, const pzs_element_type *x, const laminate_place *at_x,
-                     const pzs_element_type *y, const laminate_place *at_y)
+static int same_type(double near, const pzs_element_type *first, const laminate_place *first_place,
+                     const pzs_element_type *second, const laminate_place *second_place)
 {
-    return same_place(near, at_x, at_y) &&
-           alike(near, &x->s[0][0][0][0], &y->s[0][0][0][0], 72, 0) &&
-           alike(near, &x->t[0][0][0][0], &y->t[0][0][0][0], 72, 0) &&
-           alike(near, &x->g_mean[0][0][0], &y->g_mean[0][0][0], 24, 0) &&
-           alike(near, &x->g_diff[0][0][0], &y->g_diff[0][0][0], 24, 1 / at_x->chord[0]);
+    return same_place(near, first_place, second_place) &&
+           alike(near, &first->s[0][0][0][0], &second->s[0][0][0][0], 72, 0) &&
+           alike(near, &first->t[0][0][0][0], &second->t[0][0][0][0], 72, 0) &&
+           alike(near, &first->g_mean[0][0][0], &second->g_mean[0][0][0], 24, 0) &&
+           alike(near, &first->g_diff[0][0][0], &second->g_diff[0][0][0], 24,
+                 1 / first_place->chord[0]);
 }
 
 static int find_type(const type_list *list, const pzs_element_type *type,

@@ -3,22 +3,22 @@
 #include "invert.h"
 #include <math.h>
 
-int invert(double *a, int n, int stride)
+int invert(double *matrix, int rows, int stride)
 {
-    for (int p = 0; p < n; p++) {
-        const double pivot = a[p * stride + p];
+    for (int step = 0; step < rows; step++) {
+        const double pivot = matrix[step * stride + step];
         if (!(pivot > 0) || !isfinite(pivot))
             return -1;
-        a[p * stride + p] = 1;
-        for (int j = 0; j < n; j++)
-            a[p * stride + j] /= pivot;
-        for (int i = 0; i < n; i++) {
-            const double factor = a[i * stride + p];
-            if (i == p)
+        matrix[step * stride + step] = 1;
+        for (int j = 0; j < rows; j++)
+            matrix[step * stride + j] /= pivot;
+        for (int i = 0; i < rows; i++) {
+            const double factor = matrix[i * stride + step];
+            if (i == step)
                 continue;
-            a[i * stride + p] = 0;
-            for (int j = 0; j < n; j++)
-                a[i * stride + j] -= factor * a[p * stride + j];
+            matrix[i * stride + step] = 0;
+            for (int j = 0; j < rows; j++)
+                matrix[i * stride + j] -= factor * matrix[step * stride + j];
         }
     }
     return 0;

@@ -7,6 +7,6 @@
  * Invert a positive definite matrix a [n][stride] in place by Gauss-Jordan elimination. Returns 0,
  * or -1 at a pivot that is not positive.
  */
-int invert(double *a, int n, int stride);
+int invert(double *matrix, int rows, int stride);
 
 #endif

@@ -15,45 +15,45 @@ static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
 /* ---- plies ------------------------------------------------------------ */
 
 /* Stiffness of a ply in its own axes, from the engineering constants of its material. */
-static int ply_stiffness(const scene_material *material, double c[6][6])
+static int ply_stiffness(const scene_material *material, double stiffness[6][6])
 {
-    memset(c, 0, 36 * sizeof(double));
+    memset(stiffness, 0, 36 * sizeof(double));
     for (int i = 0; i < 3; i++)
-        c[i][i] = 1 / material->e[i];
-    c[0][1] = c[1][0] = -material->nu12 / material->e[0];
-    c[0][2] = c[2][0] = -material->nu13 / material->e[0];
-    c[1][2] = c[2][1] = -material->nu23 / material->e[1];
-    c[3][3] = material->g23;
-    c[4][4] = material->g13;
-    c[5][5] = material->g12;
-    return invert(&c[0][0], 3, 6);
+        stiffness[i][i] = 1 / material->e[i];
+    stiffness[0][1] = stiffness[1][0] = -material->nu12 / material->e[0];
+    stiffness[0][2] = stiffness[2][0] = -material->nu13 / material->e[0];
+    stiffness[1][2] = stiffness[2][1] = -material->nu23 / material->e[1];
+    stiffness[3][3] = material->g23;
+    stiffness[4][4] = material->g13;
+    stiffness[5][5] = material->g12;
+    return invert(&stiffness[0][0], 3, 6);
 }
 
 /*
  * Transformation t of engineering strains to axes turned by an angle about e3: ply strain = t shell
  * strain.
  */
-static void turn(double degrees, double t[6][6])
+static void turn(double degrees, double transform[6][6])
 {
-    const double angle = degrees * 0.017453292519943295, c = cos(angle), s = sin(angle);
+    const double angle = degrees * 0.017453292519943295, cosine = cos(angle), sine = sin(angle);
     const double turned[6][6] = {
-        {c * c, s * s, 0, 0, 0, c * s},
-        {s * s, c * c, 0, 0, 0, -c * s},
+        {cosine * cosine, sine * sine, 0, 0, 0, cosine * sine},
+        {sine * sine, cosine * cosine, 0, 0, 0, -cosine * sine},
         {0, 0, 1, 0, 0, 0},
-        {0, 0, 0, c, -s, 0},
-        {0, 0, 0, s, c, 0},
-        {-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s},
+        {0, 0, 0, cosine, -sine, 0},
+        {0, 0, 0, sine, cosine, 0},
+        {-2 * cosine * sine, 2 * cosine * sine, 0, 0, 0, cosine * cosine - sine * sine},
     };
-    memcpy(t, turned, sizeof turned);
+    memcpy(transform, turned, sizeof turned);
 }
 
 /* y = t' x: stress of the ply in the axes of the shell. */
-static void turn_back(double t[6][6], const double x[6], double y[6])
+static void turn_back(double transform[6][6], const double stress[6], double turned[6])
 {
     for (int i = 0; i < 6; i++) {
-        y[i] = 0;
+        turned[i] = 0;
         for (int j = 0; j < 6; j++)
-            y[i] += t[j][i] * x[j];
+            turned[i] += transform[j][i] * stress[j];
     }
 }
 
@@ -61,45 +61,46 @@ static void turn_back(double t[6][6], const double x[6], double y[6])
  * Stress in the ply's axes, per unit of electric field along its poling, of a ply whose strains are
  * zero: C d or e.
  */
-static void field_stress(const scene_material *material, double c[6][6], double stress[6])
+static void field_stress(const scene_material *material, double stiffness[6][6], double stress[6])
 {
     const double strain[3] = {material->d31, material->d32, material->d33};
     memset(stress, 0, 6 * sizeof *stress);
     for (int i = 0; i < 3; i++) {
         stress[i] = material->has_e ? material->piezo_e[i] : 0;
         for (int j = 0; material->has_d && j < 3; j++)
-            stress[i] += c[i][j] * strain[j];
+            stress[i] += stiffness[i][j] * strain[j];
     }
 }
 
 static int build_ply(const scene_material *material, const scene_layer *layer, laminate_ply *ply)
 {
-    double c[6][6], t[6][6], half[6][6], stress[6];
-    if (ply_stiffness(material, c) < 0)
+    double stiffness[6][6], transform[6][6], half[6][6], stress[6];
+    if (ply_stiffness(material, stiffness) < 0)
         return -1;
-    turn(layer->angle, t);
+    turn(layer->angle, transform);
     for (int i = 0; i < 6; i++)
-        turn_back(t, c[i], half[i]); /* half = C t, formed by rows because C is symmetric */
+        turn_back(transform, stiffness[i], half[i]); /* half = C t, formed by rows because C is
+                                                        symmetric */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
             for (int k = 0; k < 6; k++)
-                ply->c[i][j] += t[k][i] * half[k][j];
+                ply->c[i][j] += transform[k][i] * half[k][j];
         }
     /*
      * A volt across the ply is the field -1/h along e3; the free strain d E causes the prescribed
      * stress -C d E.
      */
-    field_stress(material, c, stress);
+    field_stress(material, stiffness, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
-    turn_back(t, stress, ply->stress_per_voltage);
+    turn_back(transform, stress, ply->stress_per_voltage);
     for (int i = 0; i < 6; i++) {
         stress[i] = 0;
         for (int j = 0; j < 3; j++)
-            stress[i] -= c[i][j] * material->alpha[j];
+            stress[i] -= stiffness[i][j] * material->alpha[j];
     }
-    turn_back(t, stress, ply->stress_per_kelvin);
+    turn_back(transform, stress, ply->stress_per_kelvin);
     /*
      * D3 = e strain + permittivity E3 + p temperature, along the poling; the upper electrode
      * carries the charge -D3 per area.
@@ -173,24 +174,24 @@ double laminate_area_ratio(const scene_element *element, const laminate_place *p
  * curvature it is the ply's own, and the shares of metric_at are applied to it.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
-                              const laminate_ply *ply, double z, double c[6][6])
+                              const laminate_ply *ply, double z, double stiffness[6][6])
 {
-    double t[6][6], half[6][6];
-    memcpy(c, ply->c, 36 * sizeof(double));
+    double transform[6][6], half[6][6];
+    memcpy(stiffness, ply->c, 36 * sizeof(double));
     if (!place->is_general)
         return;
-    natural_strain_map(&place->natural, element->metric ? z : 0, t);
+    natural_strain_map(&place->natural, element->metric ? z : 0, transform);
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             half[i][j] = 0;
             for (int k = 0; k < 6; k++)
-                half[i][j] += ply->c[i][k] * t[k][j];
+                half[i][j] += ply->c[i][k] * transform[k][j];
         }
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
-            c[i][j] = 0;
+            stiffness[i][j] = 0;
             for (int k = 0; k < 6; k++)
-                c[i][j] += t[k][i] * half[k][j];
+                stiffness[i][j] += transform[k][i] * half[k][j];
         }
 }
 
@@ -198,12 +199,12 @@ static void natural_stiffness(const scene_element *element, const laminate_place
 static void natural_stress(const scene_element *element, const laminate_place *place, double z,
                            const double stress[6], double natural[6])
 {
-    double t[6][6];
+    double transform[6][6];
     memcpy(natural, stress, 6 * sizeof *natural);
     if (!place->is_general)
         return;
-    natural_strain_map(&place->natural, element->metric ? z : 0, t);
-    turn_back(t, stress, natural);
+    natural_strain_map(&place->natural, element->metric ? z : 0, transform);
+    turn_back(transform, stress, natural);
 }
 
 /*
@@ -211,23 +212,24 @@ static void natural_stress(const scene_element *element, const laminate_place *p
  * and height over thickness for a difference.
  */
 static void integrate_stiffness(const laminate *laminate, const scene_element *element,
-                                const laminate_place *place, double d[N][N])
+                                const laminate_place *place, double stiffness[N][N])
 {
     const double middle = (laminate->z[0] + laminate->z[1]) / 2;
-    memset(d, 0, N * N * sizeof(double));
-    for (int p = 0; p < laminate->plies; p++) {
-        const laminate_ply *ply = &laminate->ply[p];
+    memset(stiffness, 0, N * N * sizeof(double));
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        const laminate_ply *ply = &laminate->ply[layer];
         const double half = (ply->z[1] - ply->z[0]) / 2;
-        for (int g = 0; g < POINTS && place->present_plies >> p & 1u; g++) {
-            const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
-            double share[6], c[6][6];
-            const double weight = half * gauss_w[g] * metric_at(element, place, z, share);
+        for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
+            const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
+            double share[6], natural[6][6];
+            const double weight = half * gauss_w[point] * metric_at(element, place, z, share);
             const double function[2] = {1, (z - middle) / laminate->thickness};
-            natural_stiffness(element, place, ply, z, c);
+            natural_stiffness(element, place, ply, z, natural);
             for (int i = 0; i < N; i++)
                 for (int j = 0; j < N; j++)
-                    d[i][j] += weight * function[is_difference[i]] * function[is_difference[j]] *
-                               c[voigt[i]][voigt[j]] / (share[voigt[i]] * share[voigt[j]]);
+                    stiffness[i][j] += weight * function[is_difference[i]] *
+                                       function[is_difference[j]] * natural[voigt[i]][voigt[j]] /
+                                       (share[voigt[i]] * share[voigt[j]]);
         }
     }
 }
@@ -237,10 +239,10 @@ static int shear_of_plies(const laminate *laminate, const laminate_place *place,
 {
     shear_ply ply[LAMINATE_LAYERS];
     int plies = 0;
-    for (int p = 0; p < laminate->plies; p++)
-        if (place->present_plies >> p & 1u) {
-            memcpy(ply[plies].z, laminate->ply[p].z, sizeof ply[plies].z);
-            ply[plies++].c = laminate->ply[p].c;
+    for (int layer = 0; layer < laminate->plies; layer++)
+        if (place->present_plies >> layer & 1u) {
+            memcpy(ply[plies].z, laminate->ply[layer].z, sizeof ply[plies].z);
+            ply[plies++].c = laminate->ply[layer].c;
         }
     return laminate_shear(ply, plies, k);
 }
@@ -249,33 +251,33 @@ static int shear_of_plies(const laminate *laminate, const laminate_place *place,
  * Element option shear: equilibrium. The block of the transverse shears in d becomes A' K A, where
  * A turns the shears of the element's directions into those of the material axes.
  */
-static int set_shear(const laminate *laminate, const laminate_place *place, double d[N][N])
+static int set_shear(const laminate *laminate, const laminate_place *place, double stiffness[N][N])
 {
     const double(*j)[3] = (const double(*)[3])place->natural.base;
-    double k[2][2], a[2][2] = {{1, 0}, {0, 1}};
+    double k[2][2], turn[2][2] = {{1, 0}, {0, 1}};
     if (shear_of_plies(laminate, place, k) < 0)
         return -1;
     if (place->is_general) {
         const double size = j[0][0] * j[1][1] - j[0][1] * j[1][0];
         const double inverse[2][2] = {{j[1][1] / size, -j[1][0] / size},
                                       {-j[0][1] / size, j[0][0] / size}};
-        memcpy(a, inverse, sizeof a);
+        memcpy(turn, inverse, sizeof turn);
     }
     for (int i = 0; i < 4; i++) {
         double sum = 0;
-        for (int m = 0; m < 4; m++)
-            sum += a[m / 2][i / 2] * k[m / 2][m % 2] * a[m % 2][i % 2];
-        d[SHEAR + i / 2][SHEAR + i % 2] = sum;
+        for (int entry = 0; entry < 4; entry++)
+            sum += turn[entry / 2][i / 2] * k[entry / 2][entry % 2] * turn[entry % 2][i % 2];
+        stiffness[SHEAR + i / 2][SHEAR + i % 2] = sum;
     }
     return 0;
 }
 
 /* Stiffness D of the package before the options of the modes. Returns 0, or -1 as set_shear. */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
-                             const laminate_place *place, double d[N][N])
+                             const laminate_place *place, double stiffness[N][N])
 {
-    integrate_stiffness(laminate, element, place, d);
-    return element->equilibrium_shear ? set_shear(laminate, place, d) : 0;
+    integrate_stiffness(laminate, element, place, stiffness);
+    return element->equilibrium_shear ? set_shear(laminate, place, stiffness) : 0;
 }
 
 /*
@@ -291,23 +293,24 @@ static double field_at(const laminate *laminate, const scene_element *element,
         return field->temperature[0] + (field->temperature[1] - field->temperature[0]) *
                                            (z - laminate->z[0]) / laminate->thickness;
     const double *face = laminate->ply[field->ply].z;
-    for (int g = 0; g < POINTS; g++)
-        mean += gauss_w[g] / 2 /
+    for (int point = 0; point < POINTS; point++)
+        mean += gauss_w[point] / 2 /
                 metric_at(element, place,
-                          (face[0] + face[1] + (face[1] - face[0]) * gauss_x[g]) / 2, share);
+                          (face[0] + face[1] + (face[1] - face[0]) * gauss_x[point]) / 2, share);
     return 1 / (metric_at(element, place, z, share) * mean);
 }
 
 /* Stress per unit of the field in ply p. */
-static const double *field_stress_of(const laminate *laminate, const laminate_field *field, int p)
+static const double *field_stress_of(const laminate *laminate, const laminate_field *field,
+                                     int layer)
 {
-    return field->ply >= 0 ? laminate->ply[p].stress_per_voltage
-                           : laminate->ply[p].stress_per_kelvin;
+    return field->ply >= 0 ? laminate->ply[layer].stress_per_voltage
+                           : laminate->ply[layer].stress_per_kelvin;
 }
 
-static int field_acts(const laminate_place *place, const laminate_field *field, int p)
+static int field_acts(const laminate_place *place, const laminate_field *field, int layer)
 {
-    return (field->ply < 0 || field->ply == p) && place->present_plies >> p & 1u;
+    return (field->ply < 0 || field->ply == layer) && place->present_plies >> layer & 1u;
 }
 
 /* h0 += integral of N stress field c1 c2/s dz over a ply */
@@ -316,10 +319,10 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
                              const laminate_field *field, const double stress[6], double h0[N])
 {
     const double half = (ply->z[1] - ply->z[0]) / 2, middle = (laminate->z[0] + laminate->z[1]) / 2;
-    for (int g = 0; g < POINTS; g++) {
-        const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[g];
+    for (int point = 0; point < POINTS; point++) {
+        const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
         double share[6], natural[6];
-        const double weight = half * gauss_w[g] * metric_at(element, place, z, share) *
+        const double weight = half * gauss_w[point] * metric_at(element, place, z, share) *
                               field_at(laminate, element, place, field, z);
         natural_stress(element, place, z, stress, natural);
         for (int i = 0; i < N; i++)
@@ -330,9 +333,9 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
 
 /* ---- formulation ------------------------------------------------------ */
 
-static int inverse_of(double a[N][N], double inverse[N][N])
+static int inverse_of(double matrix[N][N], double inverse[N][N])
 {
-    memcpy(inverse, a, N * N * sizeof(double));
+    memcpy(inverse, matrix, N * N * sizeof(double));
     return invert(&inverse[0][0], N, N);
 }
 
@@ -342,19 +345,20 @@ static int inverse_of(double a[N][N], double inverse[N][N])
  *   h0 [N] in/out  prescribed resultants, relaxed alike: h0_o -= D_od h0_d / D_dd, h0_d = 0; or
  * NULL
  */
-static int relax_e33(double d[N][N], double *h0)
+static int relax_e33(double stiffness[N][N], double *h0)
 {
     double inverse[N][N], row[N];
-    if (inverse_of(d, inverse) < 0)
+    if (inverse_of(stiffness, inverse) < 0)
         return -1;
-    memcpy(row, d[D33], sizeof row);
+    memcpy(row, stiffness[D33], sizeof row);
     const double prescribed = h0 ? h0[D33] / row[D33] : 0;
     for (int i = 0; i < N && h0; i++)
         h0[i] -= row[i] * prescribed;
     for (int i = 0; i < N; i++)
         for (int j = 0; j < N; j++)
-            d[i][j] = i == D33 || j == D33 ? 0 : d[i][j] - row[i] * row[j] / row[D33];
-    d[D33][D33] = 1 / inverse[D33][D33];
+            stiffness[i][j] =
+                i == D33 || j == D33 ? 0 : stiffness[i][j] - row[i] * row[j] / row[D33];
+    stiffness[D33][D33] = 1 / inverse[D33][D33];
     return 0;
 }
 
@@ -363,10 +367,10 @@ static int relax_e33(double d[N][N], double *h0)
  * smaller of the two directions' difference compliances over h^2, with in-plane strains free of
  * stress along 33.
  */
-static double bending_flexibility(double inverse[N][N], double h)
+static double bending_flexibility(double inverse[N][N], double thickness)
 {
     const double f1 = inverse[1][1], f2 = inverse[3][3];
-    return (f1 < f2 ? f1 : f2) / (h * h);
+    return (f1 < f2 ? f1 : f2) / (thickness * thickness);
 }
 
 /*
@@ -383,21 +387,22 @@ static int kept(int mode, int strain)
  * Matrix of a mode: Q' D Q, or [Q' D^-1 Q]^-1 for the Hellinger-Reissner variant (hr); zero outside
  * the strains of the mode.
  */
-static int mode_matrix(double d[N][N], double inverse[N][N], int mode, int hr, double out[N][N])
+static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, int hr,
+                       double out[N][N])
 {
-    int index[N], n = 0;
+    int index[N], count = 0;
     double block[N][N];
     for (int i = 0; i < N; i++)
         if (kept(mode, i))
-            index[n++] = i;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            block[i][j] = (hr && mode ? inverse : d)[index[i]][index[j]];
-    if (hr && mode && invert(&block[0][0], n, N) < 0)
+            index[count++] = i;
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
+            block[i][j] = (hr && mode ? inverse : stiffness)[index[i]][index[j]];
+    if (hr && mode && invert(&block[0][0], count, N) < 0)
         return -1;
     memset(out, 0, N * N * sizeof(double));
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
             out[index[i]][index[j]] = block[i][j];
     return 0;
 }
@@ -409,11 +414,13 @@ static int mode_matrix(double d[N][N], double inverse[N][N], int mode, int hr, d
  * Poisson's ratio 0.3 the exact share of the bubble is 0.784, and this formula gives 0.813. It
  * bounds the torsion of a strip of any length: too soft by at most the factor 1 + 0.96 rho/c.
  */
-static double bubble_share(double inverse[N][N], double h, const laminate_place *place, int a)
+static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
+                           int direction)
 {
-    const double twist_flexibility = inverse[7][7] / (h * h);
-    const double ratio = place->chord[a] / place->chord[1 - a];
-    return 1 / (1 + 0.6 * bending_flexibility(inverse, h) / twist_flexibility * ratio * ratio);
+    const double twist_flexibility = inverse[7][7] / (thickness * thickness);
+    const double ratio = place->chord[direction] / place->chord[1 - direction];
+    return 1 /
+           (1 + 0.6 * bending_flexibility(inverse, thickness) / twist_flexibility * ratio * ratio);
 }
 
 /*
@@ -425,12 +432,12 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
                               double flexibility[2])
 {
     const double rho = element->rho * place->bubble_share;
-    const double f = rho * bending_flexibility(inverse, laminate->thickness) / 12;
-    for (int a = 0; a < 2; a++)
-        flexibility[a] = f * place->chord[a] * place->chord[a];
-    for (int a = 0; a < 2 && element->rho > 0; a++)
-        if (mode == 1 + a)
-            flexibility[a] *= bubble_share(inverse, laminate->thickness, place, a);
+    const double bending = rho * bending_flexibility(inverse, laminate->thickness) / 12;
+    for (int direction = 0; direction < 2; direction++)
+        flexibility[direction] = bending * place->chord[direction] * place->chord[direction];
+    for (int direction = 0; direction < 2 && element->rho > 0; direction++)
+        if (mode == 1 + direction)
+            flexibility[direction] *= bubble_share(inverse, laminate->thickness, place, direction);
 }
 
 /*
@@ -438,41 +445,41 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
  * Plies are turned about e3 alone, so they are the shears themselves, unless the director of the
  * element is not normal to it. Returns their number.
  */
-static int shear_block(double m[N][N], int mode, int index[N])
+static int shear_block(double modal[N][N], int mode, int index[N])
 {
-    int n = 0, is_coupled = 0;
+    int count = 0, is_coupled = 0;
     for (int i = 0; i < SHEAR; i++)
-        is_coupled |= m[i][SHEAR] != 0 || m[i][SHEAR + 1] != 0;
+        is_coupled |= modal[i][SHEAR] != 0 || modal[i][SHEAR + 1] != 0;
     for (int i = is_coupled ? 0 : SHEAR; i < N; i++)
         if (kept(mode, i))
-            index[n++] = i;
-    return n;
+            index[count++] = i;
+    return count;
 }
 
 /*
  * Add flexibility[a] to the transverse shear compliance of a mode, for the shears that the mode
  * contains.
  */
-static int soften_shear(double m[N][N], int mode, const double flexibility[2])
+static int soften_shear(double modal[N][N], int mode, const double flexibility[2])
 {
-    double s[N][N];
+    double compliance[N][N];
     int index[N];
-    const int n = shear_block(m, mode, index);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            s[i][j] = m[index[i]][index[j]];
+    const int count = shear_block(modal, mode, index);
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
+            compliance[i][j] = modal[index[i]][index[j]];
     if (!kept(mode, SHEAR) && !kept(mode, SHEAR + 1))
         return 0;
-    if (invert(&s[0][0], n, N) < 0)
+    if (invert(&compliance[0][0], count, N) < 0)
         return -1;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < count; i++)
         if (index[i] >= SHEAR)
-            s[i][i] += flexibility[index[i] - SHEAR];
-    if (invert(&s[0][0], n, N) < 0)
+            compliance[i][i] += flexibility[index[i] - SHEAR];
+    if (invert(&compliance[0][0], count, N) < 0)
         return -1;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            m[index[i]][index[j]] = s[i][j];
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
+            modal[index[i]][index[j]] = compliance[i][j];
     return 0;
 }
 
@@ -480,10 +487,10 @@ static int soften_shear(double m[N][N], int mode, const double flexibility[2])
  * Compliance [N][N] of the in-plane strains with 33 free of stress and the transverse shears held
  * at 0: the inverse of d without its coupling with the shears.
  */
-static int plane_compliance(double d[N][N], double compliance[N][N])
+static int plane_compliance(double stiffness[N][N], double compliance[N][N])
 {
     double uncoupled[N][N];
-    memcpy(uncoupled, d, sizeof uncoupled);
+    memcpy(uncoupled, stiffness, sizeof uncoupled);
     for (int i = 0; i < SHEAR; i++)
         for (int j = SHEAR; j < N; j++)
             uncoupled[i][j] = uncoupled[j][i] = 0;
@@ -496,22 +503,22 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
     const double *skew = place->skew;
     const double mode_weight[4] = {1, 1 / (3 - skew[0] * skew[0]), 1 / (3 - skew[1] * skew[1]),
                                    1 / 9.0};
-    double d[N][N], inverse[N][N], plane[N][N], m[N][N], flexibility[2];
-    if (package_stiffness(laminate, element, place, d) < 0)
+    double stiffness[N][N], inverse[N][N], plane[N][N], modal[N][N], flexibility[2];
+    if (package_stiffness(laminate, element, place, stiffness) < 0)
         return -1;
-    if (element->lin33 && relax_e33(d, NULL) < 0)
+    if (element->lin33 && relax_e33(stiffness, NULL) < 0)
         return -1;
-    if (inverse_of(d, inverse) < 0 || plane_compliance(d, plane) < 0)
+    if (inverse_of(stiffness, inverse) < 0 || plane_compliance(stiffness, plane) < 0)
         return -1;
     for (int mode = 0; mode < 4; mode++) {
         shear_flexibility(laminate, element, place, plane, mode, flexibility);
-        if (mode_matrix(d, inverse, mode, element->hr, m) < 0 ||
-            soften_shear(m, mode, flexibility) < 0)
+        if (mode_matrix(stiffness, inverse, mode, element->hr, modal) < 0 ||
+            soften_shear(modal, mode, flexibility) < 0)
             return -1;
         double *entry = packed[mode];
         for (int i = 0; i < N; i++)
             for (int j = 0; j <= i; j++)
-                *entry++ = m[i][j] * place->area * mode_weight[mode];
+                *entry++ = modal[i][j] * place->area * mode_weight[mode];
     }
     return 0;
 }
@@ -537,15 +544,15 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
                               const laminate_field *field)
 {
     double thickening = 0;
-    for (int p = 0; p < laminate->plies; p++) {
-        const laminate_ply *ply = &laminate->ply[p];
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        const laminate_ply *ply = &laminate->ply[layer];
         const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->thickness;
         const double mean =
             field->ply >= 0
                 ? 1
                 : field->temperature[0] + (field->temperature[1] - field->temperature[0]) * share;
-        if (field_acts(place, field, p))
-            thickening += field_stress_of(laminate, field, p)[2] / ply->c[2][2] * mean *
+        if (field_acts(place, field, layer))
+            thickening += field_stress_of(laminate, field, layer)[2] / ply->c[2][2] * mean *
                           (ply->z[1] - ply->z[0]) / laminate->thickness;
     }
     return place->is_general ? thickening * place->natural.base[2][2] * place->natural.base[2][2]
@@ -557,9 +564,10 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
  * h0 [N] alike; h0 may be NULL.
  */
 static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
-                             const laminate_place *place, double d[N][N], double *h0)
+                             const laminate_place *place, double stiffness[N][N], double *h0)
 {
-    return package_stiffness(laminate, element, place, d) < 0 ? -1 : relax_e33(d, h0);
+    return package_stiffness(laminate, element, place, stiffness) < 0 ? -1
+                                                                      : relax_e33(stiffness, h0);
 }
 
 /*
@@ -570,18 +578,19 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double h0[N])
 {
     const double thickening = element->lin33 ? free_thickening(laminate, place, field) : 0;
-    double d[N][N];
+    double stiffness[N][N];
     memset(h0, 0, N * sizeof *h0);
-    for (int p = 0; p < laminate->plies; p++) {
+    for (int layer = 0; layer < laminate->plies; layer++) {
         double stress[6];
-        if (!field_acts(place, field, p))
+        if (!field_acts(place, field, layer))
             continue;
-        ply_stress(&laminate->ply[p], element, field_stress_of(laminate, field, p), stress);
-        integrate_stress(laminate, element, place, &laminate->ply[p], field, stress, h0);
+        ply_stress(&laminate->ply[layer], element, field_stress_of(laminate, field, layer), stress);
+        integrate_stress(laminate, element, place, &laminate->ply[layer], field, stress, h0);
     }
-    const int thickens = element->lin33 && relaxed_stiffness(laminate, element, place, d, h0) == 0;
+    const int thickens =
+        element->lin33 && relaxed_stiffness(laminate, element, place, stiffness, h0) == 0;
     for (int i = 0; i < N; i++)
-        h0[i] = (h0[i] + (thickens ? d[i][M33] * thickening : 0)) * place->area;
+        h0[i] = (h0[i] + (thickens ? stiffness[i][M33] * thickening : 0)) * place->area;
 }
 
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
@@ -608,17 +617,17 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
         element->lin33
             ? own->stress_per_voltage[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2]
             : 0;
-    double d[N][N], share[6], charge = 0;
-    for (int g = 0; g < POINTS && field_acts(place, field, ply); g++) {
-        const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[g];
-        charge += half * gauss_w[g] * metric_at(element, place, z, share) *
+    double stiffness[N][N], share[6], charge = 0;
+    for (int point = 0; point < POINTS && field_acts(place, field, ply); point++) {
+        const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[point];
+        charge += half * gauss_w[point] * metric_at(element, place, z, share) *
                   (direct / (2 * half) + thickening) *
                   field_at(laminate, element, place, &voltage, z) *
                   field_at(laminate, element, place, field, z);
     }
     if (element->lin33 && place->present_plies >> ply & 1u &&
-        relaxed_stiffness(laminate, element, place, d, NULL) == 0)
+        relaxed_stiffness(laminate, element, place, stiffness, NULL) == 0)
         charge -= free_thickening(laminate, place, &voltage) *
-                  free_thickening(laminate, place, field) * d[M33][M33];
+                  free_thickening(laminate, place, field) * stiffness[M33][M33];
     return charge * place->area;
 }

@@ -70,7 +70,7 @@ double laminate_area_ratio(const scene_element *element, const laminate_place *p
  * packed lower triangles. d [4][55] out. Returns 0, or -1 where no ply is present.
  */
 int laminate_modes(const laminate *laminate, const scene_element *element,
-                   const laminate_place *place, double d[4][LAMINATE_PACKED]);
+                   const laminate_place *place, double packed[4][LAMINATE_PACKED]);
 
 /*
  * A prescribed field: one volt across a ply, or where ply < 0 a temperature that is linear between

@@ -18,16 +18,16 @@ static void add_plies(const laminate *laminate, laminate_bending *bending)
 {
     double largest = 0, faces = 0;
     int has_core = 0;
-    for (int p = 0; p < laminate->plies; p++)
-        largest = fmax(largest, laminate->ply[p].c[4][4]);
-    for (int p = 0; p < laminate->plies; p++) {
-        const laminate_ply *ply = &laminate->ply[p];
-        const double h = ply->z[1] - ply->z[0];
+    for (int layer = 0; layer < laminate->plies; layer++)
+        largest = fmax(largest, laminate->ply[layer].c[4][4]);
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        const laminate_ply *ply = &laminate->ply[layer];
+        const double thickness = ply->z[1] - ply->z[0];
         const int is_soft = ply->c[4][4] < soft_part * largest;
-        bending->constant += ply->c[4][4] * h;
+        bending->constant += ply->c[4][4] * thickness;
         has_core |= is_soft;
         if (!is_soft)
-            faces += plane_modulus(ply) * h * h * h / 12;
+            faces += plane_modulus(ply) * thickness * thickness * thickness / 12;
     }
     bending->faces = has_core ? faces : 0;
 }
@@ -37,9 +37,9 @@ int laminate_bending_fill(const laminate *laminate, laminate_bending *bending)
     shear_ply ply[LAMINATE_LAYERS];
     double k[2][2], flex[6][6];
     memset(bending, 0, sizeof *bending);
-    for (int p = 0; p < laminate->plies; p++) {
-        memcpy(ply[p].z, laminate->ply[p].z, sizeof ply[p].z);
-        ply[p].c = laminate->ply[p].c;
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        memcpy(ply[layer].z, laminate->ply[layer].z, sizeof ply[layer].z);
+        ply[layer].c = laminate->ply[layer].c;
     }
     if (laminate_flexure(ply, laminate->plies, flex) < 0 ||
         laminate_shear(ply, laminate->plies, k) < 0)

@@ -32,17 +32,17 @@ int mesh_node(const mesh *mesh, int i, int j)
 
 expr_point mesh_place(const mesh *mesh, int node)
 {
-    const double *x = mesh->point[node].x, *theta = mesh->theta[node];
-    const expr_point place = {x[0], x[1], x[2], theta[0], theta[1]};
+    const double *position = mesh->point[node].x, *theta = mesh->theta[node];
+    const expr_point place = {position[0], position[1], position[2], theta[0], theta[1]};
     return place;
 }
 
 /* Text of a place on a mesh from a file. label  in  number in the file, or 0 */
-static mesh_text place_text(const double x[3], const char *what, long long label)
+static mesh_text place_text(const double position[3], const char *what, long long label)
 {
     mesh_text place;
-    const int length =
-        snprintf(place.text, sizeof place.text, "x = %g, y = %g, z = %g", x[0], x[1], x[2]);
+    const int length = snprintf(place.text, sizeof place.text, "x = %g, y = %g, z = %g",
+                                position[0], position[1], position[2]);
     if (label != 0)
         snprintf(place.text + length, sizeof place.text - (size_t)length, " (%s %lld)", what,
                  label);
@@ -62,12 +62,12 @@ mesh_text mesh_node_text(const mesh *mesh, int node)
 
 mesh_text mesh_element_text(const mesh *mesh, int element)
 {
-    double x[3] = {0, 0, 0}, theta[2][2];
+    double position[3] = {0, 0, 0}, theta[2][2];
     mesh_text place;
     if (mesh->quads) {
         for (int i = 0; i < 12; i++)
-            x[i % 3] += mesh->point[mesh->element[element][i / 3]].x[i % 3] / 4;
-        return place_text(x, "element",
+            position[i % 3] += mesh->point[mesh->element[element][i / 3]].x[i % 3] / 4;
+        return place_text(position, "element",
                           mesh->quads->element_label ? mesh->quads->element_label[element] : 0);
     }
     mesh_cell(mesh, element, theta[0], theta[1]);
@@ -83,12 +83,12 @@ static void cell_lines(const mesh *mesh, int element, int *i, int *j)
 }
 
 /* Smallest range of a parameter that contains the nodes of an element. */
-static void node_range(const mesh *mesh, int element, int a, double range[2])
+static void node_range(const mesh *mesh, int element, int direction, double range[2])
 {
     range[0] = HUGE_VAL;
     range[1] = -HUGE_VAL;
-    for (int r = 0; r < 4; r++) {
-        const double theta = mesh->theta[mesh->element[element][r]][a];
+    for (int corner = 0; corner < 4; corner++) {
+        const double theta = mesh->theta[mesh->element[element][corner]][direction];
         range[0] = fmin(range[0], theta);
         range[1] = fmax(range[1], theta);
     }
@@ -113,19 +113,19 @@ void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]
 static void place_quads(mesh *mesh)
 {
     const quad_mesh *quads = mesh->quads;
-    for (int n = 0; n < mesh->nodes; n++) {
-        surface_point *point = &mesh->point[n];
+    for (int node = 0; node < mesh->nodes; node++) {
+        surface_point *point = &mesh->point[node];
         memset(point, 0, sizeof *point);
-        memcpy(point->x, quads->position[n], sizeof point->x);
-        memcpy(point->e[0], quads->axis[n], sizeof point->e[0]);
-        memcpy(point->e[2], quads->director[n], sizeof point->e[2]);
+        memcpy(point->x, quads->position[node], sizeof point->x);
+        memcpy(point->e[0], quads->axis[node], sizeof point->e[0]);
+        memcpy(point->e[2], quads->director[node], sizeof point->e[2]);
         vector_cross(point->e[2], point->e[0], point->e[1]);
         point->a[0] = point->a[1] = 1;
-        memcpy(mesh->theta[n], point->x, sizeof mesh->theta[n]);
+        memcpy(mesh->theta[node], point->x, sizeof mesh->theta[node]);
     }
-    for (int e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++)
-            mesh->element[e][r] = (uint16_t)quads->element[e][r];
+    for (int element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++)
+            mesh->element[element][corner] = (uint16_t)quads->element[element][corner];
 }
 
 /* Whether mesh line i of theta1 is an edge along theta2. */
@@ -139,21 +139,21 @@ static void place_nodes(mesh *mesh)
     const int is_general = surface_is_general(&mesh->scene->surface);
     for (int i = 0; i < mesh->lines[0]; i++)
         for (int j = 0; j < mesh->lines[1]; j++) {
-            const int n = mesh_node(mesh, i, j);
-            mesh->theta[n][0] = mesh->scene->line[0].point[i];
-            mesh->theta[n][1] = mesh->scene->line[1].point[j];
-            mesh->point[n] =
-                surface_at(&mesh->scene->surface, mesh->theta[n][0], mesh->theta[n][1]);
+            const int node = mesh_node(mesh, i, j);
+            mesh->theta[node][0] = mesh->scene->line[0].point[i];
+            mesh->theta[node][1] = mesh->scene->line[1].point[j];
+            mesh->point[node] =
+                surface_at(&mesh->scene->surface, mesh->theta[node][0], mesh->theta[node][1]);
             if (is_general && is_edge_of_theta1(mesh, i))
-                surface_formula_turn(&mesh->scene->surface, mesh->theta[n], &mesh->point[n]);
+                surface_formula_turn(&mesh->scene->surface, mesh->theta[node], &mesh->point[node]);
         }
-    for (int e = 0; e < mesh->elements; e++) {
+    for (int element = 0; element < mesh->elements; element++) {
         int i, j;
-        cell_lines(mesh, e, &i, &j);
-        mesh->element[e][0] = (uint16_t)mesh_node(mesh, i, j);
-        mesh->element[e][1] = (uint16_t)mesh_node(mesh, i + 1, j);
-        mesh->element[e][2] = (uint16_t)mesh_node(mesh, i + 1, j + 1);
-        mesh->element[e][3] = (uint16_t)mesh_node(mesh, i, j + 1);
+        cell_lines(mesh, element, &i, &j);
+        mesh->element[element][0] = (uint16_t)mesh_node(mesh, i, j);
+        mesh->element[element][1] = (uint16_t)mesh_node(mesh, i + 1, j);
+        mesh->element[element][2] = (uint16_t)mesh_node(mesh, i + 1, j + 1);
+        mesh->element[element][3] = (uint16_t)mesh_node(mesh, i, j + 1);
     }
 }
 
@@ -186,9 +186,9 @@ static int select_marked(const mesh *mesh, const scene_where *where, int *node)
     int count = 0;
     if (in_set)
         scene_mark_nodes(mesh->scene, where, in_set);
-    for (int n = 0; in_set && n < mesh->nodes; n++)
-        if (in_set[n])
-            node[count++] = n;
+    for (int candidate = 0; in_set && candidate < mesh->nodes; candidate++)
+        if (in_set[candidate])
+            node[count++] = candidate;
     free(in_set);
     return count;
 }
@@ -241,10 +241,10 @@ static void corner_tables(const mesh *mesh, int element, pzs_element_type *type)
                         .middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2};
     double range[2][2];
     mesh_cell(mesh, element, range[0], range[1]);
-    for (int a = 0; a < 2; a++)
-        data.range[a] = range[a][1] - range[a][0];
-    for (int r = 0; r < 4; r++)
-        data.point[r] = &mesh->point[mesh->element[element][r]];
+    for (int direction = 0; direction < 2; direction++)
+        data.range[direction] = range[direction][1] - range[direction][0];
+    for (int corner = 0; corner < 4; corner++)
+        data.point[corner] = &mesh->point[mesh->element[element][corner]];
     corner_tables_fill(&data, type);
 }
 
@@ -252,13 +252,17 @@ static void corner_tables(const mesh *mesh, int element, pzs_element_type *type)
 static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord[2])
 {
     static const int high[2][2] = {{1, 2}, {2, 3}}, low[2][2] = {{0, 3}, {0, 1}};
-    for (int a = 0; a < 2; a++) {
-        double x[2][3];
+    for (int direction = 0; direction < 2; direction++) {
+        double middle[2][3];
         for (int i = 0; i < 3; i++) {
-            x[0][i] = (mesh->point[node[low[a][0]]].x[i] + mesh->point[node[low[a][1]]].x[i]) / 2;
-            x[1][i] = (mesh->point[node[high[a][0]]].x[i] + mesh->point[node[high[a][1]]].x[i]) / 2;
+            middle[0][i] = (mesh->point[node[low[direction][0]]].x[i] +
+                            mesh->point[node[low[direction][1]]].x[i]) /
+                           2;
+            middle[1][i] = (mesh->point[node[high[direction][0]]].x[i] +
+                            mesh->point[node[high[direction][1]]].x[i]) /
+                           2;
         }
-        chord[a] = vector_distance(x[0], x[1]);
+        chord[direction] = vector_distance(middle[0], middle[1]);
     }
 }
 
@@ -270,8 +274,8 @@ static uint32_t present_plies(const mesh *mesh, const double middle[2])
     for (int i = 0; i < scene->layers; i++)
         if (!scene->layer[i].patched)
             present |= 1u << i;
-    for (int p = 0; p < scene->patch_grids; p++) {
-        const scene_patches *patches = &scene->patches[p];
+    for (int grid = 0; grid < scene->patch_grids; grid++) {
+        const scene_patches *patches = &scene->patches[grid];
         if (middle[0] > patches->theta1[0] && middle[0] < patches->theta1[1] &&
             middle[1] > patches->theta2[0] && middle[1] < patches->theta2[1])
             present |= 1u << patches->layer;
@@ -283,20 +287,21 @@ static uint32_t present_plies(const mesh *mesh, const double middle[2])
 static laminate_place element_place(const mesh *mesh, int element)
 {
     const scene *scene = mesh->scene;
-    double t[2][2], middle[2];
+    double range[2][2], middle[2];
     laminate_place place;
     memset(&place, 0, sizeof place);
-    mesh_cell(mesh, element, t[0], t[1]);
-    for (int a = 0; a < 2; a++)
-        middle[a] = (t[a][0] + t[a][1]) / 2;
+    mesh_cell(mesh, element, range[0], range[1]);
+    for (int direction = 0; direction < 2; direction++)
+        middle[direction] = (range[direction][0] + range[direction][1]) / 2;
     const surface_point centre = surface_at(&scene->surface, middle[0], middle[1]);
-    for (int a = 0; a < 2; a++)
-        place.k[a] = centre.k[a];
+    for (int direction = 0; direction < 2; direction++)
+        place.k[direction] = centre.k[direction];
     centre_chords(mesh, mesh->element[element], place.chord);
     place.bubble_share = 1;
-    place.area = scene->element.exact_area
-                     ? surface_area(&scene->surface, t[0], t[1])
-                     : centre.a[0] * centre.a[1] * (t[0][1] - t[0][0]) * (t[1][1] - t[1][0]);
+    place.area =
+        scene->element.exact_area
+            ? surface_area(&scene->surface, range[0], range[1])
+            : centre.a[0] * centre.a[1] * (range[0][1] - range[0][0]) * (range[1][1] - range[1][0]);
     place.present_plies = present_plies(mesh, middle);
     return place;
 }
@@ -305,24 +310,24 @@ static laminate_place element_place(const mesh *mesh, int element)
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
     double sum = 0;
-    for (int a = 0; a < 2; a++)
-        sum += place->chord[a] * place->chord[a] * place->k[a];
+    for (int direction = 0; direction < 2; direction++)
+        sum += place->chord[direction] * place->chord[direction] * place->k[direction];
     return mesh->scene->element.tau * sum / (12 * mesh->laminate.thickness);
 }
 
 static int build_types(mesh *mesh, type_list *list, char *error)
 {
-    for (int e = 0; e < mesh->elements; e++) {
+    for (int element = 0; element < mesh->elements; element++) {
         pzs_element_type type;
         memset(&type, 0, sizeof type);
-        corner_tables(mesh, e, &type);
-        const laminate_place place = element_place(mesh, e);
+        corner_tables(mesh, element, &type);
+        const laminate_place place = element_place(mesh, element);
         type.thickness = mesh->laminate.thickness;
         type.skew[2] = place.chord[1] / place.chord[0];
         const int k = type_list_add(list, &type, &place, warp_share(mesh, &place), error);
         if (k < 0)
             return -1;
-        mesh->element_type[e] = (uint16_t)k;
+        mesh->element_type[element] = (uint16_t)k;
     }
     return 0;
 }
@@ -331,13 +336,14 @@ static int build_types(mesh *mesh, type_list *list, char *error)
 static void set_node_curvatures(mesh *mesh)
 {
     int *elements_at = calloc((size_t)mesh->nodes, sizeof *elements_at);
-    for (int e = 0; e < mesh->elements && elements_at; e++)
-        for (int r = 0; r < 4; r++) {
-            const int n = mesh->element[e][r];
-            const double *k = mesh->place[mesh->element_type[e]].k;
-            elements_at[n]++;
-            for (int a = 0; a < 2; a++)
-                mesh->point[n].k[a] += (k[a] - mesh->point[n].k[a]) / elements_at[n];
+    for (int element = 0; element < mesh->elements && elements_at; element++)
+        for (int corner = 0; corner < 4; corner++) {
+            const int node = mesh->element[element][corner];
+            const double *k = mesh->place[mesh->element_type[element]].k;
+            elements_at[node]++;
+            for (int direction = 0; direction < 2; direction++)
+                mesh->point[node].k[direction] +=
+                    (k[direction] - mesh->point[node].k[direction]) / elements_at[node];
         }
     free(elements_at);
 }
@@ -345,13 +351,13 @@ static void set_node_curvatures(mesh *mesh)
 /* Exact area and plies of every element between coordinate lines. */
 static void measure_elements(const mesh *mesh, double *area, uint32_t *present)
 {
-    for (int e = 0; e < mesh->elements; e++) {
-        double t[2][2], middle[2];
-        mesh_cell(mesh, e, t[0], t[1]);
-        for (int a = 0; a < 2; a++)
-            middle[a] = (t[a][0] + t[a][1]) / 2;
-        area[e] = surface_area(&mesh->scene->surface, t[0], t[1]);
-        present[e] = present_plies(mesh, middle);
+    for (int element = 0; element < mesh->elements; element++) {
+        double range[2][2], middle[2];
+        mesh_cell(mesh, element, range[0], range[1]);
+        for (int direction = 0; direction < 2; direction++)
+            middle[direction] = (range[direction][0] + range[direction][1]) / 2;
+        area[element] = surface_area(&mesh->scene->surface, range[0], range[1]);
+        present[element] = present_plies(mesh, middle);
     }
 }
 
@@ -441,9 +447,9 @@ static int check_corners(const scene *scene, char *error)
 /* ---- numbering -------------------------------------------------------- */
 
 /* Line at position p of a folded closed direction of n lines: 0, n-1, 1, n-2, ... */
-static int folded(int p, int n)
+static int folded(int position, int lines)
 {
-    return p % 2 ? n - 1 - p / 2 : p / 2;
+    return position % 2 ? lines - 1 - position / 2 : position / 2;
 }
 
 /* Apply a support to the dof of one node; `values` as in apply_supports. */
@@ -458,10 +464,10 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
             "the value of the support is not a finite number at %s; correct its formula",
             mesh_node_text(mesh, node).text);
     for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-        const size_t u = (size_t)node * mesh->dof_per_node + i;
+        const size_t dof = (size_t)node * mesh->dof_per_node + i;
         const int moved = (support->move >> i & 1u) != 0,
-                  fixed = mesh->node_dof[u] == PZS_CONSTRAINED;
-        const double before = fixed ? 0 : values[u];
+                  fixed = mesh->node_dof[dof] == PZS_CONSTRAINED;
+        const double before = fixed ? 0 : values[dof];
         const double wanted = moved ? value : 0;
         if (!(support->fix >> i & 1u))
             continue;
@@ -470,9 +476,9 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
                                "at %s another support prescribes %g and this one %g; remove one",
                                mesh_node_text(mesh, node).text, before, wanted);
         if (moved && !fixed)
-            values[u] = value;
+            values[dof] = value;
         else
-            mesh->node_dof[u] = PZS_CONSTRAINED;
+            mesh->node_dof[dof] = PZS_CONSTRAINED;
     }
     return 0;
 }
@@ -490,8 +496,8 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
         if (mesh->scene->quads && !support->value)
             continue; /* held already by the general mesh itself */
         const int count = mesh_select(mesh, &support->where, node);
-        for (int c = 0; c < count; c++)
-            if (apply_support(mesh, support, node[c], values, error) < 0)
+        for (int member = 0; member < count; member++)
+            if (apply_support(mesh, support, node[member], values, error) < 0)
                 return -1;
     }
     return 0;
@@ -505,9 +511,9 @@ static int list_prescribed(mesh *mesh, const double *values)
     mesh->prescribed_dof = calloc((size_t)mesh->free_dof, sizeof *mesh->prescribed_dof);
     mesh->prescribed_value = calloc((size_t)mesh->free_dof, sizeof *mesh->prescribed_value);
     if (of_dof && mesh->prescribed_dof && mesh->prescribed_value) {
-        for (size_t u = 0; u < all; u++)
-            if (mesh->node_dof[u] != PZS_CONSTRAINED)
-                of_dof[mesh->node_dof[u]] = values[u];
+        for (size_t dof = 0; dof < all; dof++)
+            if (mesh->node_dof[dof] != PZS_CONSTRAINED)
+                of_dof[mesh->node_dof[dof]] = values[dof];
         for (int i = 0; i < mesh->free_dof; i++)
             if (!isnan(of_dof[i])) {
                 mesh->prescribed_dof[mesh->prescribed_count] = (uint16_t)i;
@@ -529,17 +535,17 @@ static void number_node(mesh *mesh, int node)
 
 static void number_quads(mesh *mesh)
 {
-    for (int n = 0; n < mesh->nodes; n++)
-        number_node(mesh, mesh->quads->order ? (int)mesh->quads->order[n] : n);
+    for (int node = 0; node < mesh->nodes; node++)
+        number_node(mesh, mesh->quads->order ? (int)mesh->quads->order[node] : node);
 }
 
 /* Mark the dof that the general mesh itself holds at 0. */
 static void constrain_quads(mesh *mesh)
 {
-    for (int n = 0; n < mesh->nodes && mesh->quads->constrained; n++)
+    for (int node = 0; node < mesh->nodes && mesh->quads->constrained; node++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++)
-            if ((unsigned)mesh->quads->constrained[n] >> i & 1u)
-                mesh->node_dof[(size_t)n * mesh->dof_per_node + i] = PZS_CONSTRAINED;
+            if ((unsigned)mesh->quads->constrained[node] >> i & 1u)
+                mesh->node_dof[(size_t)node * mesh->dof_per_node + i] = PZS_CONSTRAINED;
 }
 
 static void number_lines(mesh *mesh)
@@ -548,10 +554,11 @@ static void number_lines(mesh *mesh)
     const int width_2_fast = mesh->lines[1] * (1 + closed[0]),
               width_1_fast = mesh->lines[0] * (1 + closed[1]);
     const int fast = width_2_fast <= width_1_fast ? 1 : 0, slow = 1 - fast;
-    for (int p = 0; p < mesh->lines[slow]; p++)
-        for (int q = 0; q < mesh->lines[fast]; q++) {
-            const int line = closed[slow] ? folded(p, mesh->lines[slow]) : p;
-            number_node(mesh, fast == 1 ? mesh_node(mesh, line, q) : mesh_node(mesh, q, line));
+    for (int outer = 0; outer < mesh->lines[slow]; outer++)
+        for (int inner = 0; inner < mesh->lines[fast]; inner++) {
+            const int line = closed[slow] ? folded(outer, mesh->lines[slow]) : outer;
+            number_node(mesh,
+                        fast == 1 ? mesh_node(mesh, line, inner) : mesh_node(mesh, inner, line));
         }
 }
 
@@ -565,13 +572,13 @@ static void find_envelope(mesh *mesh)
 {
     for (int i = 0; i < mesh->free_dof; i++)
         mesh->first_column[i] = (uint16_t)i;
-    for (int e = 0; e < mesh->elements; e++) {
+    for (int element = 0; element < mesh->elements; element++) {
         uint16_t least = PZS_CONSTRAINED;
         for (int pass = 0; pass < 2; pass++)
-            for (int r = 0; r < 4; r++)
+            for (int corner = 0; corner < 4; corner++)
                 for (unsigned i = 0; i < mesh->dof_per_node; i++) {
                     const uint16_t dof =
-                        mesh->node_dof[mesh->element[e][r] * mesh->dof_per_node + i];
+                        mesh->node_dof[mesh->element[element][corner] * mesh->dof_per_node + i];
                     if (dof == PZS_CONSTRAINED)
                         continue;
                     if (pass == 0 && dof < least)
@@ -659,12 +666,12 @@ static int build_numbers(mesh *mesh, char *error)
 /* Refuse a closed direction with too few elements around it. */
 static int check_lines(const scene *scene, char *error)
 {
-    for (int a = 0; a < 2; a++)
-        if (is_closed(scene, a) && scene->line[a].elements < 3)
+    for (int direction = 0; direction < 2; direction++)
+        if (is_closed(scene, direction) && scene->line[direction].elements < 3)
             return scene_fault(
-                scene, scene->line[a].at, error,
+                scene, scene->line[direction].at, error,
                 "%d elements around a closed direction are too few; use at least 3, better 12",
-                scene->line[a].elements);
+                scene->line[direction].elements);
     return 0;
 }
 
@@ -700,8 +707,9 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
         return -1;
     mesh->scene = scene;
     mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
-    for (int a = 0; a < 2; a++)
-        mesh->lines[a] = scene->line[a].elements + (is_closed(scene, a) ? 0 : 1);
+    for (int direction = 0; direction < 2; direction++)
+        mesh->lines[direction] =
+            scene->line[direction].elements + (is_closed(scene, direction) ? 0 : 1);
     mesh->nodes = mesh->lines[0] * mesh->lines[1];
     mesh->elements = scene->line[0].elements * scene->line[1].elements;
     if (fill(mesh, error) == 0)

@@ -8,15 +8,15 @@
 static void fill(mesh *mesh)
 {
     const scene_influence *influence = &mesh->scene->influence;
-    for (int n = 0; n < mesh->nodes; n++) {
-        mesh->theta[n][0] = mesh->theta[n][1] = (double)NAN;
-        mesh->node_dof[n] = (uint16_t)n;
-        for (int a = 0; a < 3; a++) {
-            mesh->point[n].x[a] = influence->place ? influence->place[n][a] : 0;
-            mesh->point[n].e[a][(a + 2) % 3] = 1; /* the one dof, along e1, is along z */
+    for (int node = 0; node < mesh->nodes; node++) {
+        mesh->theta[node][0] = mesh->theta[node][1] = (double)NAN;
+        mesh->node_dof[node] = (uint16_t)node;
+        for (int axis = 0; axis < 3; axis++) {
+            mesh->point[node].x[axis] = influence->place ? influence->place[node][axis] : 0;
+            mesh->point[node].e[axis][(axis + 2) % 3] = 1; /* the one dof, along e1, is along z */
         }
         if (!influence->place)
-            mesh->point[n].x[0] = n;
+            mesh->point[node].x[0] = node;
     }
 }
 

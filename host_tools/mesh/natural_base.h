@@ -19,6 +19,6 @@ double natural_area_ratio(const natural_base *natural, double z);
  * Strains in material axes from strains in the base vectors at height z: t [6][6], Voigt order 11
  * 22 33 23 13 12, engineering shears. With b the inverse of the base, e_ij = sum_ab b_ai b_bj E_ab.
  */
-void natural_strain_map(const natural_base *natural, double z, double t[6][6]);
+void natural_strain_map(const natural_base *natural, double z, double map[6][6]);
 
 #endif

@@ -8,13 +8,14 @@
 static const double xi[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
 
 /* Sum over the corners of xi_1^p xi_2^q times the vectors, divided by 4. */
-static void corner_sum(const double (*vector)[3], const uint32_t node[4], int p, int q,
+static void corner_sum(const double (*vector)[3], const uint32_t node[4], int has_xi1, int has_xi2,
                        double sum[3])
 {
     for (int i = 0; i < 3; i++) {
         sum[i] = 0;
-        for (int r = 0; r < 4; r++)
-            sum[i] += (p ? xi[0][r] : 1) * (q ? xi[1][r] : 1) * vector[node[r]][i] / 4;
+        for (int corner = 0; corner < 4; corner++)
+            sum[i] += (has_xi1 ? xi[0][corner] : 1) * (has_xi2 ? xi[1][corner] : 1) *
+                      vector[node[corner]][i] / 4;
     }
 }
 
@@ -31,21 +32,24 @@ static double fill_skew(const double base[2][3], const double hourglass[3], doub
 }
 
 /* Curvatures along the element's directions, and the principal ones. size: of fill_skew */
-static void fill_curvature(quad_geometry *g, double size)
+static void fill_curvature(quad_geometry *geometry, double size)
 {
-    const double a11 = vector_dot(g->base[0], g->base[0]), a22 = vector_dot(g->base[1], g->base[1]);
-    const double a12 = vector_dot(g->base[0], g->base[1]);
-    const double b11 = vector_dot(g->base[0], g->turn[0]), b22 = vector_dot(g->base[1], g->turn[1]);
-    const double b12 =
-        (vector_dot(g->base[0], g->turn[1]) + vector_dot(g->base[1], g->turn[0])) / 2;
+    const double a11 = vector_dot(geometry->base[0], geometry->base[0]),
+                 a22 = vector_dot(geometry->base[1], geometry->base[1]);
+    const double a12 = vector_dot(geometry->base[0], geometry->base[1]);
+    const double b11 = vector_dot(geometry->base[0], geometry->turn[0]),
+                 b22 = vector_dot(geometry->base[1], geometry->turn[1]);
+    const double b12 = (vector_dot(geometry->base[0], geometry->turn[1]) +
+                        vector_dot(geometry->base[1], geometry->turn[0])) /
+                       2;
     const double mean = (a22 * b11 + a11 * b22 - 2 * a12 * b12) / (2 * size);
     const double gauss = (b11 * b22 - b12 * b12) / size;
     const double half_difference = sqrt(fmax(0, mean * mean - gauss));
-    g->curvature[0] = 4 * b11 / (g->length[0] * g->length[0]);
-    g->curvature[1] = 4 * b22 / (g->length[1] * g->length[1]);
-    g->curvature[2] = 4 * b12 / (g->length[0] * g->length[1]);
-    g->principal[0] = mean + half_difference;
-    g->principal[1] = mean - half_difference;
+    geometry->curvature[0] = 4 * b11 / (geometry->length[0] * geometry->length[0]);
+    geometry->curvature[1] = 4 * b22 / (geometry->length[1] * geometry->length[1]);
+    geometry->curvature[2] = 4 * b12 / (geometry->length[0] * geometry->length[1]);
+    geometry->principal[0] = mean + half_difference;
+    geometry->principal[1] = mean - half_difference;
 }
 
 /* ---- area -------------------------------------------------------------- */
@@ -54,25 +58,28 @@ static void fill_curvature(quad_geometry *g, double size)
  * Middle of side s of the curved element: the chord bent so that it is tangent to the surface at
  * both ends, (X_r + X_r')/2 + (t_r - t_r')/8, with t the chord projected on the tangent planes.
  */
-static void side_middle(const quad_mesh *mesh, const uint32_t node[4], int s, double middle[3])
+static void side_middle(const quad_mesh *mesh, const uint32_t node[4], int side, double middle[3])
 {
-    const uint32_t from = node[s], to = node[(s + 1) % 4];
-    const double *x = mesh->position[from], *y = mesh->position[to];
-    const double *d = mesh->director[from], *e = mesh->director[to];
-    const double chord[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
-    const double lean_from = vector_dot(chord, d), lean_to = vector_dot(chord, e);
+    const uint32_t from = node[side], to = node[(side + 1) % 4];
+    const double *position_from = mesh->position[from], *position_to = mesh->position[to];
+    const double *director_from = mesh->director[from], *director_to = mesh->director[to];
+    const double chord[3] = {position_to[0] - position_from[0], position_to[1] - position_from[1],
+                             position_to[2] - position_from[2]};
+    const double lean_from = vector_dot(chord, director_from),
+                 lean_to = vector_dot(chord, director_to);
     for (int i = 0; i < 3; i++)
-        middle[i] = (x[i] + y[i]) / 2 + (lean_to * e[i] - lean_from * d[i]) / 8;
+        middle[i] = (position_from[i] + position_to[i]) / 2 +
+                    (lean_to * director_to[i] - lean_from * director_from[i]) / 8;
 }
 
 /* Derivatives along xi1 and xi2 of the eight-node shape functions: four corners, then sides 0 to 3.
  */
 static void shape_slopes(double s, double t, double slope[2][8])
 {
-    for (int r = 0; r < 4; r++) {
-        const double a = xi[0][r], b = xi[1][r];
-        slope[0][r] = a * (1 + b * t) * (2 * a * s + b * t) / 4;
-        slope[1][r] = b * (1 + a * s) * (a * s + 2 * b * t) / 4;
+    for (int corner = 0; corner < 4; corner++) {
+        const double a = xi[0][corner], b = xi[1][corner];
+        slope[0][corner] = a * (1 + b * t) * (2 * a * s + b * t) / 4;
+        slope[1][corner] = b * (1 + a * s) * (a * s + 2 * b * t) / 4;
     }
     for (int side = 0; side < 4; side++) {
         const int along1 = side % 2 == 0;
@@ -87,18 +94,18 @@ static double curved_area(const quad_mesh *mesh, const uint32_t node[4])
 {
     static const double point[3] = {-0.7745966692414834, 0, 0.7745966692414834};
     static const double weight[3] = {5 / 9.0, 8 / 9.0, 5 / 9.0};
-    double x[8][3], area = 0;
-    for (int r = 0; r < 4; r++) {
-        memcpy(x[r], mesh->position[node[r]], sizeof x[r]);
-        side_middle(mesh, node, r, x[4 + r]);
+    double position[8][3], area = 0;
+    for (int corner = 0; corner < 4; corner++) {
+        memcpy(position[corner], mesh->position[node[corner]], sizeof position[corner]);
+        side_middle(mesh, node, corner, position[4 + corner]);
     }
     for (int k = 0; k < 9; k++) {
         double slope[2][8], tangent[2][3] = {{0}}, normal[3];
         shape_slopes(point[k / 3], point[k % 3], slope);
-        for (int a = 0; a < 2; a++)
-            for (int r = 0; r < 8; r++)
+        for (int direction = 0; direction < 2; direction++)
+            for (int corner = 0; corner < 8; corner++)
                 for (int i = 0; i < 3; i++)
-                    tangent[a][i] += slope[a][r] * x[r][i];
+                    tangent[direction][i] += slope[direction][corner] * position[corner][i];
         vector_cross(tangent[0], tangent[1], normal);
         area += weight[k / 3] * weight[k % 3] * vector_length(normal);
     }
@@ -107,32 +114,35 @@ static double curved_area(const quad_mesh *mesh, const uint32_t node[4])
 
 /* ---- geometry ---------------------------------------------------------- */
 
-int quad_geometry_fill(const quad_mesh *mesh, size_t element, quad_geometry *g)
+int quad_geometry_fill(const quad_mesh *mesh, size_t element, quad_geometry *geometry)
 {
     const uint32_t *node = mesh->element[element];
-    const double(*x)[3] = (const double(*)[3])mesh->position;
-    const double(*d)[3] = (const double(*)[3])mesh->director;
+    const double(*position)[3] = (const double(*)[3])mesh->position;
+    const double(*director)[3] = (const double(*)[3])mesh->director;
     double hourglass[3];
-    memset(g, 0, sizeof *g);
-    for (int a = 0; a < 2; a++) {
-        corner_sum(x, node, a == 0, a == 1, g->base[a]);
-        corner_sum(d, node, a == 0, a == 1, g->turn[a]);
-        g->length[a] = 2 * vector_length(g->base[a]);
+    memset(geometry, 0, sizeof *geometry);
+    for (int direction = 0; direction < 2; direction++) {
+        corner_sum(position, node, direction == 0, direction == 1, geometry->base[direction]);
+        corner_sum(director, node, direction == 0, direction == 1, geometry->turn[direction]);
+        geometry->length[direction] = 2 * vector_length(geometry->base[direction]);
     }
-    corner_sum(x, node, 1, 1, hourglass);
-    corner_sum(d, node, 0, 0, g->director);
-    vector_cross(g->base[0], g->base[1], g->normal);
-    const double size = fill_skew((const double(*)[3])g->base, hourglass, g->skew);
-    const double product = g->length[0] * g->length[1];
-    if (vector_normalise(g->director) == 0 || vector_normalise(g->normal) == 0 ||
+    corner_sum(position, node, 1, 1, hourglass);
+    corner_sum(director, node, 0, 0, geometry->director);
+    vector_cross(geometry->base[0], geometry->base[1], geometry->normal);
+    const double size = fill_skew((const double(*)[3])geometry->base, hourglass, geometry->skew);
+    const double product = geometry->length[0] * geometry->length[1];
+    if (vector_normalise(geometry->director) == 0 || vector_normalise(geometry->normal) == 0 ||
         !(size > 1e-20 * product * product))
         return -1;
-    fill_curvature(g, size);
-    g->area = mesh->area ? mesh->area[element] : curved_area(mesh, node);
-    g->jacobian = 1 - fabs(g->skew[0]) - fabs(g->skew[1]);
-    g->upright = 1;
-    for (int r = 0; r < 4; r++)
-        g->upright = fmin(g->upright, vector_dot(d[node[r]], g->normal));
-    return isfinite(g->area) && g->area > 0 && isfinite(g->jacobian) && isfinite(g->upright) ? 0
-                                                                                             : -1;
+    fill_curvature(geometry, size);
+    geometry->area = mesh->area ? mesh->area[element] : curved_area(mesh, node);
+    geometry->jacobian = 1 - fabs(geometry->skew[0]) - fabs(geometry->skew[1]);
+    geometry->upright = 1;
+    for (int corner = 0; corner < 4; corner++)
+        geometry->upright =
+            fmin(geometry->upright, vector_dot(director[node[corner]], geometry->normal));
+    return isfinite(geometry->area) && geometry->area > 0 && isfinite(geometry->jacobian) &&
+                   isfinite(geometry->upright)
+               ? 0
+               : -1;
 }

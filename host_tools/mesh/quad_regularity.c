@@ -40,13 +40,13 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
         add_edge(mesh, &side[k], count == 1, sum);
         k += count;
     }
-    for (size_t n = 0; n < mesh->nodes; n++) {
-        const double normal = vector_dot(sum[n].vector, mesh->director[n]);
+    for (size_t node = 0; node < mesh->nodes; node++) {
+        const double normal = vector_dot(sum[node].vector, mesh->director[node]);
         for (int i = 0; i < 3; i++)
-            sum[n].vector[i] -= normal * mesh->director[n][i];
-        irregularity[n] = 0;
-        if (!sum[n].is_border && sum[n].length > 0)
-            irregularity[n] = vector_length(sum[n].vector) / sum[n].length;
+            sum[node].vector[i] -= normal * mesh->director[node][i];
+        irregularity[node] = 0;
+        if (!sum[node].is_border && sum[node].length > 0)
+            irregularity[node] = vector_length(sum[node].vector) / sum[node].length;
     }
     free(sum);
     return 0;
@@ -58,27 +58,28 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
  * Gate of the asymptotic part: 1 where both directions of the element are asymptotic, 0 where
  * |B_11 B_22| reaches B_12^2/2, as on cylinders, spheres and along lines of curvature.
  */
-static double asymptotic_gate(const quad_geometry *g)
+static double asymptotic_gate(const quad_geometry *geometry)
 {
-    const double *b = g->curvature, square = b[2] * b[2];
-    if (!(square * g->length[0] * g->length[0] > 1e-12))
+    const double *curvature = geometry->curvature, square = curvature[2] * curvature[2];
+    if (!(square * geometry->length[0] * geometry->length[0] > 1e-12))
         return 0;
-    return fmax(0, 1 - 2 * fabs(b[0] * b[1]) / square);
+    return fmax(0, 1 - 2 * fabs(curvature[0] * curvature[1]) / square);
 }
 
-quad_rule quad_rule_of(const quad_geometry *g, double thickness, double irregularity)
+quad_rule quad_rule_of(const quad_geometry *geometry, double thickness, double irregularity)
 {
-    const double *b = g->curvature, *length = g->length;
-    const double bent[3] = {fabs(b[0]) * length[0] * length[0], fabs(b[1]) * length[1] * length[1],
-                            fabs(b[2]) * length[0] * length[1]};
+    const double *curvature = geometry->curvature, *length = geometry->length;
+    const double bent[3] = {fabs(curvature[0]) * length[0] * length[0],
+                            fabs(curvature[1]) * length[1] * length[1],
+                            fabs(curvature[2]) * length[0] * length[1]};
     quad_rule rule;
     rule.thinness = fmax(bent[0], fmax(bent[1], bent[2])) / thickness;
-    rule.irregularity = fmax(fabs(g->skew[0]) + fabs(g->skew[1]), irregularity);
+    rule.irregularity = fmax(fabs(geometry->skew[0]) + fabs(geometry->skew[1]), irregularity);
     const double rough = rule.irregularity * rule.thinness / 3;
     const double clipped = fmin(fmax((rule.irregularity - 0.2) / 0.1, 0), 1);
     const double lock = rule.thinness * clipped / 70, thin = rule.thinness / 16;
     rule.bubble_share = 1 / (1 + rough * rough);
     rule.lock = lock * lock;
-    rule.asymptotic = asymptotic_gate(g) * rule.bubble_share / (1 + thin * thin);
+    rule.asymptotic = asymptotic_gate(geometry) * rule.bubble_share / (1 + thin * thin);
     return rule;
 }

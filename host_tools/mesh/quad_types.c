@@ -69,44 +69,47 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error)
 /* ---- one element -------------------------------------------------------- */
 
 /* Unit vectors of the material axes as rows: the direction projected, its normal, the element's. */
-static void material_axes(const quad_geometry *g, const double direction[3], double axes[3][3])
+static void material_axes(const quad_geometry *geometry, const double direction[3],
+                          double axes[3][3])
 {
-    const double along = vector_dot(direction, g->normal);
+    const double along = vector_dot(direction, geometry->normal);
     for (int i = 0; i < 3; i++) {
-        axes[0][i] = direction[i] - along * g->normal[i];
-        axes[2][i] = g->normal[i];
+        axes[0][i] = direction[i] - along * geometry->normal[i];
+        axes[2][i] = geometry->normal[i];
     }
     if (!(vector_length(axes[0]) > 1e-6 * vector_length(direction)))
-        memcpy(axes[0], g->base[0], sizeof axes[0]);
+        memcpy(axes[0], geometry->base[0], sizeof axes[0]);
     vector_normalise(axes[0]);
     vector_cross(axes[2], axes[0], axes[1]);
 }
 
 /* alpha with what is rounding error of the node positions set to 0. */
-static void set_skew(const quad_geometry *g, double skew[2])
+static void set_skew(const quad_geometry *geometry, double skew[2])
 {
-    for (int a = 0; a < 2; a++)
-        skew[a] = fabs(g->skew[a]) > 1e-13 ? g->skew[a] : 0;
+    for (int direction = 0; direction < 2; direction++)
+        skew[direction] = fabs(geometry->skew[direction]) > 1e-13 ? geometry->skew[direction] : 0;
 }
 
-static laminate_place quad_place(const quad_geometry *g, const quad_region *region,
+static laminate_place quad_place(const quad_geometry *geometry, const quad_region *region,
                                  const quad_rule *rule)
 {
     laminate_place place = {.present_plies = region->present_plies,
-                            .area = g->area,
+                            .area = geometry->area,
                             .bubble_share = rule->bubble_share,
                             .is_general = true};
     double axes[3][3];
-    material_axes(g, region->direction, axes);
-    set_skew(g, place.skew);
-    memcpy(place.k, g->principal, sizeof place.k);
-    memcpy(place.chord, g->length, sizeof place.chord);
+    material_axes(geometry, region->direction, axes);
+    set_skew(geometry, place.skew);
+    memcpy(place.k, geometry->principal, sizeof place.k);
+    memcpy(place.chord, geometry->length, sizeof place.chord);
     for (int i = 0; i < 3; i++) {
-        for (int a = 0; a < 2; a++) {
-            place.natural.base[i][a] = 2 * vector_dot(axes[i], g->base[a]) / g->length[a];
-            place.natural.slope[i][a] = 2 * vector_dot(axes[i], g->turn[a]) / g->length[a];
+        for (int direction = 0; direction < 2; direction++) {
+            place.natural.base[i][direction] =
+                2 * vector_dot(axes[i], geometry->base[direction]) / geometry->length[direction];
+            place.natural.slope[i][direction] =
+                2 * vector_dot(axes[i], geometry->turn[direction]) / geometry->length[direction];
         }
-        place.natural.base[i][2] = vector_dot(axes[i], g->director);
+        place.natural.base[i][2] = vector_dot(axes[i], geometry->director);
     }
     return place;
 }
@@ -122,41 +125,43 @@ typedef struct quad_build {
 } quad_build;
 
 /* Corner tables, thickness and skew of an element. */
-static void start_type(const quad_build *build, int element, const quad_geometry *g,
+static void start_type(const quad_build *build, int element, const quad_geometry *geometry,
                        pzs_element_type *type)
 {
     const laminate *laminate = build->list->laminate;
     corner_data data = {.is_cartesian = true,
-                        .length = {g->length[0], g->length[1]},
+                        .length = {geometry->length[0], geometry->length[1]},
                         .middle = (laminate->z[0] + laminate->z[1]) / 2};
-    for (int r = 0; r < 4; r++)
-        data.point[r] = &build->point[build->quads->element[element][r]];
+    for (int corner = 0; corner < 4; corner++)
+        data.point[corner] = &build->point[build->quads->element[element][corner]];
     memset(type, 0, sizeof *type);
     corner_tables_fill(&data, type);
     type->thickness = laminate->thickness;
-    set_skew(g, type->skew);
-    type->skew[2] = g->length[1] / g->length[0];
+    set_skew(geometry, type->skew);
+    type->skew[2] = geometry->length[1] / geometry->length[0];
 }
 
-static int add_quad(quad_build *build, int element, const quad_geometry *g, const quad_rule *rule,
-                    char *error)
+static int add_quad(quad_build *build, int element, const quad_geometry *geometry,
+                    const quad_rule *rule, char *error)
 {
     const quad_mesh *quads = build->quads;
     const uint32_t region = quads->element_region ? quads->element_region[element] : 0;
-    const double tau = build->list->scene->element.tau, h = build->list->laminate->thickness;
-    const double *b = g->curvature, *length = g->length;
-    const laminate_place place = quad_place(g, &quads->region[region], rule);
-    const double sum = length[0] * length[0] * b[0] + length[1] * length[1] * b[1];
+    const double tau = build->list->scene->element.tau,
+                 thickness = build->list->laminate->thickness;
+    const double *curvature = geometry->curvature, *length = geometry->length;
+    const laminate_place place = quad_place(geometry, &quads->region[region], rule);
+    const double sum = length[0] * length[0] * curvature[0] + length[1] * length[1] * curvature[1];
     pzs_element_type type;
-    start_type(build, element, g, &type);
+    start_type(build, element, geometry, &type);
     const int before = build->list->count;
-    const int k = type_list_add(build->list, &type, &place, tau * sum / (12 * h), error);
+    const int k = type_list_add(build->list, &type, &place, tau * sum / (12 * thickness), error);
     if (k < 0)
         return -1;
     build->element_type[element] = (uint16_t)k;
-    for (int a = 0; a < 2 && k == before; a++)
-        build->list->type[k].warp[5 + 2 * a] +=
-            tau * rule->asymptotic * b[2] * length[a] * length[a] / (6 * h);
+    for (int direction = 0; direction < 2 && k == before; direction++)
+        build->list->type[k].warp[5 + 2 * direction] += tau * rule->asymptotic * curvature[2] *
+                                                        length[direction] * length[direction] /
+                                                        (6 * thickness);
     return 0;
 }
 
@@ -164,43 +169,44 @@ static int add_quad(quad_build *build, int element, const quad_geometry *g, cons
 
 enum { NAMED = 4 }; /* elements named in a message */
 
-static int check_shape(const scene *scene, int element, int status, const quad_geometry *g,
+static int check_shape(const scene *scene, int element, int status, const quad_geometry *geometry,
                        char *error)
 {
     if (status < 0)
         return scene_fault(scene, scene->at_surface, error,
                            "element %d has no extent, or a number in it is not finite", element);
-    if (g->jacobian < 0.1)
+    if (geometry->jacobian < 0.1)
         return scene_fault(scene, scene->at_surface, error,
                            "element %d is nearly a triangle: at a corner its area falls to %.3g of "
                            "that at its centre, at least 0.1 is needed; use other quadrilaterals",
-                           element, g->jacobian);
-    if (g->upright < 0.5)
+                           element, geometry->jacobian);
+    if (geometry->upright < 0.5)
         return scene_fault(scene, scene->at_surface, error,
                            "a director of element %d is %.0f degrees off its normal, at most 60 "
                            "are possible; use smaller elements, or orient the element like its "
                            "neighbours",
-                           element, acos(fmax(-1, g->upright)) * 57.29577951308232);
+                           element, acos(fmax(-1, geometry->upright)) * 57.29577951308232);
     return 0;
 }
 
 /* Whether an element is too coarse for its curvature: L^2 |B| > 8 h on a thin, irregular mesh. */
-static int is_coarse(const quad_rule *rule, const quad_geometry *g, double h)
+static int is_coarse(const quad_rule *rule, const quad_geometry *geometry, double thickness)
 {
-    return rule->thinness > 8 && h < 1e-3 * fmax(g->length[0], g->length[1]) &&
+    return rule->thinness > 8 &&
+           thickness < 1e-3 * fmax(geometry->length[0], geometry->length[1]) &&
            rule->irregularity > 0.1;
 }
 
-static void add_to_report(quad_report *report, const quad_rule *rule, const quad_geometry *g,
-                          double h)
+static void add_to_report(quad_report *report, const quad_rule *rule, const quad_geometry *geometry,
+                          double thickness)
 {
     const int locks = rule->lock > QUAD_LOCK;
-    const int coarse = !locks && (rule->bubble_share < 0.5 || is_coarse(rule, g, h));
+    const int coarse = !locks && (rule->bubble_share < 0.5 || is_coarse(rule, geometry, thickness));
     report->locking += locks;
     report->coarse += coarse;
     report->strips += rule->asymptotic > 0 && rule->thinness > 5 && rule->irregularity > 0.1;
-    report->narrow += g->jacobian < 0.3;
-    report->jacobian = fmin(report->jacobian, g->jacobian);
+    report->narrow += geometry->jacobian < 0.3;
+    report->jacobian = fmin(report->jacobian, geometry->jacobian);
     if (locks || coarse) {
         report->thinness = fmax(report->thinness, rule->thinness);
         report->irregularity = fmax(report->irregularity, rule->irregularity);
@@ -238,8 +244,8 @@ static int refuse_locking(const quad_build *build, const int *named, double lock
 static double of_nodes(const quad_build *build, int element)
 {
     double largest = 0;
-    for (int r = 0; r < 4; r++)
-        largest = fmax(largest, build->irregularity[build->quads->element[element][r]]);
+    for (int corner = 0; corner < 4; corner++)
+        largest = fmax(largest, build->irregularity[build->quads->element[element][corner]]);
     return largest;
 }
 
@@ -252,21 +258,22 @@ static int label_of(const quad_mesh *quads, int element)
 
 static int build_all(quad_build *build, bool accept_irregular, char *error)
 {
-    const double h = build->list->laminate->thickness;
+    const double thickness = build->list->laminate->thickness;
     quad_report *report = build->report;
     int named[NAMED];
     double lock = 0;
-    for (int e = 0; e < (int)build->quads->elements; e++) {
-        quad_geometry g;
-        const int status = quad_geometry_fill(build->quads, (size_t)e, &g);
-        if (check_shape(build->list->scene, label_of(build->quads, e), status, &g, error) < 0)
+    for (int element = 0; element < (int)build->quads->elements; element++) {
+        quad_geometry geometry;
+        const int status = quad_geometry_fill(build->quads, (size_t)element, &geometry);
+        if (check_shape(build->list->scene, label_of(build->quads, element), status, &geometry,
+                        error) < 0)
             return -1;
-        const quad_rule rule = quad_rule_of(&g, h, of_nodes(build, e));
+        const quad_rule rule = quad_rule_of(&geometry, thickness, of_nodes(build, element));
         if (rule.lock > QUAD_LOCK && report->locking < NAMED)
-            named[report->locking] = label_of(build->quads, e);
+            named[report->locking] = label_of(build->quads, element);
         lock = fmax(lock, rule.lock);
-        add_to_report(report, &rule, &g, h);
-        if (add_quad(build, e, &g, &rule, error) < 0)
+        add_to_report(report, &rule, &geometry, thickness);
+        if (add_quad(build, element, &geometry, &rule, error) < 0)
             return -1;
     }
     if (report->locking > 0 && !accept_irregular)

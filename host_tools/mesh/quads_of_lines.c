@@ -37,16 +37,16 @@ int quads_of_lines(const line_mesh *lines, quad_mesh *quads)
         quad_mesh_free(quads);
         return -1;
     }
-    for (size_t n = 0; n < lines->nodes; n++) {
-        memcpy(quads->position[n], lines->point[n].x, sizeof *quads->position);
-        memcpy(quads->axis[n], lines->point[n].e[0], sizeof *quads->axis);
-        memcpy(quads->director[n], lines->point[n].e[2], sizeof *quads->director);
+    for (size_t node = 0; node < lines->nodes; node++) {
+        memcpy(quads->position[node], lines->point[node].x, sizeof *quads->position);
+        memcpy(quads->axis[node], lines->point[node].e[0], sizeof *quads->axis);
+        memcpy(quads->director[node], lines->point[node].e[2], sizeof *quads->director);
     }
-    for (size_t e = 0; e < lines->elements; e++) {
-        for (int r = 0; r < 4; r++)
-            quads->element[e][r] = lines->element[e][r];
-        quads->area[e] = lines->area[e];
-        quads->element_region[e] = region_of(quads, lines->present_plies[e]);
+    for (size_t element = 0; element < lines->elements; element++) {
+        for (int corner = 0; corner < 4; corner++)
+            quads->element[element][corner] = lines->element[element][corner];
+        quads->area[element] = lines->area[element];
+        quads->element_region[element] = region_of(quads, lines->present_plies[element]);
     }
     return 0;
 }

@@ -28,12 +28,13 @@ static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
  * Derivative along direction a, at corner r, of a unit tilt along e_(j+1) of the director of node
  * p.
  */
-static void tilt_derivative(const pzs_element_type *type, int r, int a, int p, int j, double out[3])
+static void tilt_derivative(const pzs_element_type *type, int corner, int direction, int node,
+                            int j, double out[3])
 {
     for (int i = 0; i < 3; i++) {
-        out[i] = r == p ? type->s[r][a][i][j] : 0;
-        if (neighbour[r][a] == p)
-            out[i] += type->t[r][a][i][j];
+        out[i] = corner == node ? type->s[corner][direction][i][j] : 0;
+        if (neighbour[corner][direction] == node)
+            out[i] += type->t[corner][direction][i][j];
     }
 }
 
@@ -41,62 +42,65 @@ static void tilt_derivative(const pzs_element_type *type, int r, int a, int p, i
  * Add the strains at corner r under a tilt of node p along e_(j+1), with the weights of the modes
  * of the rows.
  */
-static void add_corner(const pzs_element_type *type, int r, int p, int j, double row[ROWS],
-                       double *y)
+static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
+                       double *shear)
 {
-    const double h = type->thickness, *g1 = type->g_mean[r][0], *g2 = type->g_mean[r][1];
+    const double thickness = type->thickness, *g1 = type->g_mean[corner][0],
+                 *g2 = type->g_mean[corner][1];
     double along1[3], along2[3];
-    tilt_derivative(type, r, 0, p, j, along1);
-    tilt_derivative(type, r, 1, p, j, along2);
-    const double e11 = h * vector_dot(g1, along1), e22 = h * vector_dot(g2, along2);
-    const double e13 = r == p ? g1[j] : 0;
-    const double e23 = r == p ? g2[j] : 0;
-    const double strain[ROWS] = {xi2[r] * e13, xi1[r] * e23, e13, e23,
-                                 e11,          xi2[r] * e11, e22, xi1[r] * e22};
+    tilt_derivative(type, corner, 0, node, j, along1);
+    tilt_derivative(type, corner, 1, node, j, along2);
+    const double e11 = thickness * vector_dot(g1, along1), e22 = thickness * vector_dot(g2, along2);
+    const double e13 = corner == node ? g1[j] : 0;
+    const double e23 = corner == node ? g2[j] : 0;
+    const double strain[ROWS] = {
+        xi2[corner] * e13, xi1[corner] * e23, e13, e23, e11, xi2[corner] * e11, e22,
+        xi1[corner] * e22};
     for (int k = 0; k < ROWS; k++)
         row[k] += strain[k] / 4;
-    *y += h * (vector_dot(g1, along2) + vector_dot(g2, along1)) / 4;
+    *shear += thickness * (vector_dot(g1, along2) + vector_dot(g2, along1)) / 4;
 }
 
-static void fill_system(const pzs_element_type *type, tilt_system *s)
+static void fill_system(const pzs_element_type *type, tilt_system *equations)
 {
-    memset(s, 0, sizeof *s);
-    for (int p = 0; p < 4; p++)
+    memset(equations, 0, sizeof *equations);
+    for (int node = 0; node < 4; node++)
         for (int j = 0; j < 2; j++)
-            for (int r = 0; r < 4; r++)
-                add_corner(type, r, p, j, s->a[2 * p + j], &s->y[2 * p + j]);
+            for (int corner = 0; corner < 4; corner++)
+                add_corner(type, corner, node, j, equations->a[2 * node + j],
+                           &equations->y[2 * node + j]);
 }
 
 /*
  * Divide every column by its largest entry, which is returned in `scale`: bending strains contain
  * the thickness, shears do not.
  */
-static void scale_columns(tilt_system *s, double scale[ROWS])
+static void scale_columns(tilt_system *equations, double scale[ROWS])
 {
     for (int k = 0; k < ROWS; k++) {
         scale[k] = 0;
         for (int i = 0; i < TILTS; i++)
-            scale[k] = fmax(scale[k], fabs(s->a[i][k]));
+            scale[k] = fmax(scale[k], fabs(equations->a[i][k]));
         for (int i = 0; i < TILTS && scale[k] > 0; i++)
-            s->a[i][k] /= scale[k];
+            equations->a[i][k] /= scale[k];
     }
 }
 
-static void swap(double *x, double *y)
+static void swap(double *first, double *second)
 {
-    const double kept = *x;
-    *x = *y;
-    *y = kept;
+    const double kept = *first;
+    *first = *second;
+    *second = kept;
 }
 
 /* Largest entry of the matrix from row and column `from` on. */
-static double find_pivot(const tilt_system *s, int from, int *row, int *column)
+static double find_pivot(const tilt_system *equations, int from, int *row, int *column)
 {
     double largest = -1;
     for (int i = from; i < TILTS; i++)
         for (int k = from; k < ROWS; k++)
-            if (fabs(s->a[i][k]) > largest) {
-                largest = fabs(s->a[i][k]);
+            if (fabs(equations->a[i][k]) > largest) {
+                largest = fabs(equations->a[i][k]);
                 *row = i;
                 *column = k;
             }
@@ -104,15 +108,15 @@ static double find_pivot(const tilt_system *s, int from, int *row, int *column)
 }
 
 /* Eliminate column `step` from all equations but its own. */
-static void eliminate(tilt_system *s, int step)
+static void eliminate(tilt_system *equations, int step)
 {
     for (int i = 0; i < TILTS; i++) {
-        const double factor = s->a[i][step] / s->a[step][step];
+        const double factor = equations->a[i][step] / equations->a[step][step];
         if (i == step)
             continue;
         for (int k = step; k < ROWS; k++)
-            s->a[i][k] -= factor * s->a[step][k];
-        s->y[i] -= factor * s->y[step];
+            equations->a[i][k] -= factor * equations->a[step][k];
+        equations->y[i] -= factor * equations->y[step];
     }
 }
 
@@ -120,23 +124,23 @@ static void eliminate(tilt_system *s, int step)
  * Gauss-Jordan elimination with complete pivoting. order [ROWS] out: the variable of each column.
  * Returns the rank.
  */
-static int reduce(tilt_system *s, int order[ROWS])
+static int reduce(tilt_system *equations, int order[ROWS])
 {
     for (int k = 0; k < ROWS; k++)
         order[k] = k;
     for (int step = 0; step < ROWS; step++) {
         int row = step, column = step;
-        if (!(find_pivot(s, step, &row, &column) > 1e-10))
+        if (!(find_pivot(equations, step, &row, &column) > 1e-10))
             return step;
         for (int k = 0; k < ROWS; k++)
-            swap(&s->a[step][k], &s->a[row][k]);
-        swap(&s->y[step], &s->y[row]);
+            swap(&equations->a[step][k], &equations->a[row][k]);
+        swap(&equations->y[step], &equations->y[row]);
         for (int i = 0; i < TILTS; i++)
-            swap(&s->a[i][step], &s->a[i][column]);
+            swap(&equations->a[i][step], &equations->a[i][column]);
         const int kept = order[step];
         order[step] = order[column];
         order[column] = kept;
-        eliminate(s, step);
+        eliminate(equations, step);
     }
     return ROWS;
 }
@@ -146,22 +150,22 @@ static int reduce(tilt_system *s, int order[ROWS])
  * relative to the scales of the columns, are set to 0. Returns -1 where an equation beyond the rank
  * is not satisfied or a number is not finite.
  */
-static int solve(tilt_system *s, double c[ROWS])
+static int solve(tilt_system *equations, double factors[ROWS])
 {
     double scale[ROWS], size = 0, value[ROWS] = {0};
     int order[ROWS];
-    scale_columns(s, scale);
+    scale_columns(equations, scale);
     for (int i = 0; i < TILTS; i++)
-        size = fmax(size, fabs(s->y[i]));
-    const int rank = reduce(s, order);
+        size = fmax(size, fabs(equations->y[i]));
+    const int rank = reduce(equations, order);
     for (int i = rank; i < TILTS; i++)
-        if (!(fabs(s->y[i]) <= 1e-8 * size))
+        if (!(fabs(equations->y[i]) <= 1e-8 * size))
             return -1;
     for (int k = 0; k < rank; k++)
-        value[order[k]] = s->y[k] / s->a[k][k];
+        value[order[k]] = equations->y[k] / equations->a[k][k];
     for (int k = 0; k < ROWS; k++) {
-        c[k] = fabs(value[k]) <= 1e-13 * size ? 0 : value[k] / scale[k];
-        if (!isfinite(c[k]) || !isfinite(size))
+        factors[k] = fabs(value[k]) <= 1e-13 * size ? 0 : value[k] / scale[k];
+        if (!isfinite(factors[k]) || !isfinite(size))
             return -1;
     }
     return 0;
@@ -170,15 +174,15 @@ static int solve(tilt_system *s, double c[ROWS])
 int warp_fill(pzs_element_type *type, double share)
 {
     tilt_system equations;
-    double c[ROWS];
+    double factors[ROWS];
     memset(type->warp, 0, sizeof type->warp);
     if (!(fabs(share) > 0))
         return 0;
     fill_system(type, &equations);
-    if (solve(&equations, c) < 0)
+    if (solve(&equations, factors) < 0)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * c[k]; /* avoids -0 */
+        type->warp[1 + k] = 0 - share * factors[k]; /* avoids -0 */
     return 0;
 }

@@ -15,12 +15,12 @@ typedef struct numbered {
     size_t index;
 } numbered;
 
-static int by_label(const void *x, const void *y)
+static int by_label(const void *left, const void *right)
 {
-    const numbered *a = x, *b = y;
-    if (a->label != b->label)
-        return a->label > b->label ? 1 : -1;
-    return (a->index > b->index) - (a->index < b->index);
+    const numbered *first = left, *second = right;
+    if (first->label != second->label)
+        return first->label > second->label ? 1 : -1;
+    return (first->index > second->index) - (first->index < second->index);
 }
 
 /* Tables of one collection. Nodes that no quadrilateral uses keep the number UNUSED. */
@@ -34,103 +34,104 @@ typedef struct collection {
     uint32_t *node_of, *element_of; /* [raw nodes], [raw cells] index in the mesh, or unused */
 } collection;
 
-static int refuse_memory(const collection *c)
+static int refuse_memory(const collection *collection)
 {
-    return quad_fault_at(c->file, 0, "the mesh does not fit into memory; use a coarser one");
+    return quad_fault_at(collection->file, 0,
+                         "the mesh does not fit into memory; use a coarser one");
 }
 
 /* ---- nodes ------------------------------------------------------------- */
 
-static int sort_nodes(collection *c)
+static int sort_nodes(collection *collection)
 {
-    const quad_raw *raw = c->raw;
+    const quad_raw *raw = collection->raw;
     for (size_t i = 0; i < raw->nodes; i++) {
-        c->node[i] = (numbered){raw->node[i].label, i};
-        c->node_of[i] = unused;
+        collection->node[i] = (numbered){raw->node[i].label, i};
+        collection->node_of[i] = unused;
     }
-    qsort(c->node, raw->nodes, sizeof *c->node, by_label);
+    qsort(collection->node, raw->nodes, sizeof *collection->node, by_label);
     for (size_t i = 1; i < raw->nodes; i++)
-        if (c->node[i].label == c->node[i - 1].label)
-            return quad_fault_at(c->file, raw->node[c->node[i].index].at,
+        if (collection->node[i].label == collection->node[i - 1].label)
+            return quad_fault_at(collection->file, raw->node[collection->node[i].index].at,
                                  "node %lld is defined twice; export the mesh again, or renumber "
                                  "its parts",
-                                 (long long)c->node[i].label);
+                                 (long long)collection->node[i].label);
     return 0;
 }
 
 /* Index of a node in the file's order, or `unused` where the file does not define it. */
-static size_t find_node(const collection *c, int64_t label)
+static size_t find_node(const collection *collection, int64_t label)
 {
-    size_t low = 0, high = c->raw->nodes;
+    size_t low = 0, high = collection->raw->nodes;
     while (low < high) {
         const size_t middle = (low + high) / 2;
-        if (c->node[middle].label < label)
+        if (collection->node[middle].label < label)
             low = middle + 1;
         else
             high = middle;
     }
-    const bool found = low < c->raw->nodes && c->node[low].label == label;
-    return found ? c->node[low].index : (size_t)unused;
+    const bool found = low < collection->raw->nodes && collection->node[low].label == label;
+    return found ? collection->node[low].index : (size_t)unused;
 }
 
 /* Mark the nodes of one cell as used, or refuse what it names. */
-static int mark_cell(collection *c, const quad_raw_cell *cell)
+static int mark_cell(collection *collection, const quad_raw_cell *cell)
 {
     for (int k = 0; k < cell->corners; k++) {
-        const size_t node = find_node(c, cell->node[k]);
+        const size_t node = find_node(collection, cell->node[k]);
         if (node == unused)
-            return quad_fault_at(c->file, cell->at,
+            return quad_fault_at(collection->file, cell->at,
                                  "element %lld has node %lld, which the file does not define; "
                                  "export the nodes too",
                                  (long long)cell->label, (long long)cell->node[k]);
         for (int j = 0; j < k && cell->corners > 1; j++)
             if (cell->node[j] == cell->node[k])
-                return quad_fault_at(c->file, cell->at,
+                return quad_fault_at(collection->file, cell->at,
                                      "element %lld has node %lld twice; a collapsed quadrilateral "
                                      "is a triangle: mesh with Mesh.SubdivisionAlgorithm = 1;",
                                      (long long)cell->label, (long long)cell->node[k]);
         if (cell->corners == 4)
-            c->node_of[node] = 0;
+            collection->node_of[node] = 0;
     }
     return 0;
 }
 
-static int check_place(const collection *c, const quad_raw_node *node)
+static int check_place(const collection *collection, const quad_raw_node *node)
 {
     for (int i = 0; i < 3; i++)
         if (!(fabs(node->x[i]) <= largest_place))
-            return quad_fault_at(c->file, node->at,
+            return quad_fault_at(collection->file, node->at,
                                  "node %lld has the coordinate %g; finite coordinates are needed",
                                  (long long)node->label, node->x[i]);
     return 0;
 }
 
 /* Number the used nodes in the order of the file and copy their places. */
-static int copy_nodes(collection *c, const quad_options *options)
+static int copy_nodes(collection *collection, const quad_options *options)
 {
-    quad_mesh *mesh = c->mesh;
-    for (size_t i = 0; i < c->raw->nodes; i++)
-        mesh->nodes += c->node_of[i] != unused;
+    quad_mesh *mesh = collection->mesh;
+    for (size_t i = 0; i < collection->raw->nodes; i++)
+        mesh->nodes += collection->node_of[i] != unused;
     if (mesh->nodes > options->most_nodes)
-        return quad_fault_at(c->file, 0,
+        return quad_fault_at(collection->file, 0,
                              "the mesh has %zu nodes; at most %zu are allowed, use "
                              "larger elements",
                              mesh->nodes, options->most_nodes);
     mesh->position = calloc(mesh->nodes, sizeof *mesh->position);
     mesh->node_label = calloc(mesh->nodes, sizeof *mesh->node_label);
     if (!mesh->position || !mesh->node_label)
-        return refuse_memory(c);
+        return refuse_memory(collection);
     uint32_t next = 0;
-    for (size_t i = 0; i < c->raw->nodes; i++) {
-        const quad_raw_node *node = &c->raw->node[i];
-        if (c->node_of[i] == unused)
+    for (size_t i = 0; i < collection->raw->nodes; i++) {
+        const quad_raw_node *node = &collection->raw->node[i];
+        if (collection->node_of[i] == unused)
             continue;
-        if (check_place(c, node) < 0)
+        if (check_place(collection, node) < 0)
             return -1;
         for (int k = 0; k < 3; k++)
             mesh->position[next][k] = options->unit * node->x[k];
         mesh->node_label[next] = node->label;
-        c->node_of[i] = next++;
+        collection->node_of[i] = next++;
     }
     return 0;
 }
@@ -143,32 +144,32 @@ typedef struct corners {
     size_t cell;
 } corners;
 
-static int by_corners(const void *x, const void *y)
+static int by_corners(const void *left, const void *right)
 {
-    const corners *a = x, *b = y;
+    const corners *first = left, *second = right;
     for (int k = 0; k < 4; k++)
-        if (a->node[k] != b->node[k])
-            return a->node[k] > b->node[k] ? 1 : -1;
-    return (a->cell > b->cell) - (a->cell < b->cell);
+        if (first->node[k] != second->node[k])
+            return first->node[k] > second->node[k] ? 1 : -1;
+    return (first->cell > second->cell) - (first->cell < second->cell);
 }
 
-static int by_number(const void *x, const void *y)
+static int by_number(const void *left, const void *right)
 {
-    const int64_t *a = x, *b = y;
-    return (*a > *b) - (*a < *b);
+    const int64_t *first = left, *second = right;
+    return (*first > *second) - (*first < *second);
 }
 
 /*
  * Version 2.2 of MSH lists an element once for each of its physical groups: such copies become one
  * element. first [cells] out: the first copy of each cell.
  */
-static int find_copies(const collection *c, corners *key, size_t *first)
+static int find_copies(const collection *collection, corners *key, size_t *first)
 {
     size_t count = 0;
-    for (size_t i = 0; i < c->raw->cells; i++) {
-        if (c->raw->cell[i].corners != 4)
+    for (size_t i = 0; i < collection->raw->cells; i++) {
+        if (collection->raw->cell[i].corners != 4)
             continue;
-        memcpy(key[count].node, c->raw->cell[i].node, sizeof key->node);
+        memcpy(key[count].node, collection->raw->cell[i].node, sizeof key->node);
         qsort(key[count].node, 4, sizeof *key->node, by_number);
         key[count++].cell = i;
     }
@@ -176,63 +177,64 @@ static int find_copies(const collection *c, corners *key, size_t *first)
     for (size_t i = 0; i < count; i++) {
         const bool is_copy = i > 0 && memcmp(key[i].node, key[i - 1].node, sizeof key->node) == 0;
         first[key[i].cell] = is_copy ? first[key[i - 1].cell] : key[i].cell;
-        const quad_raw_cell *own = &c->raw->cell[key[i].cell];
-        const quad_raw_cell *other = &c->raw->cell[first[key[i].cell]];
+        const quad_raw_cell *own = &collection->raw->cell[key[i].cell];
+        const quad_raw_cell *other = &collection->raw->cell[first[key[i].cell]];
         if (is_copy && (own->group < 0 || own->group == other->group))
-            return quad_fault_at(c->file, own->at,
+            return quad_fault_at(collection->file, own->at,
                                  "elements %lld and %lld have the same nodes; remove one",
                                  (long long)other->label, (long long)own->label);
     }
     return 0;
 }
 
-static void copy_elements(collection *c, const size_t *first)
+static void copy_elements(collection *collection, const size_t *first)
 {
-    quad_mesh *mesh = c->mesh;
-    for (size_t i = 0; i < c->raw->cells; i++) {
-        const quad_raw_cell *cell = &c->raw->cell[i];
-        c->element_of[i] = unused;
+    quad_mesh *mesh = collection->mesh;
+    for (size_t i = 0; i < collection->raw->cells; i++) {
+        const quad_raw_cell *cell = &collection->raw->cell[i];
+        collection->element_of[i] = unused;
         if (cell->corners != 4)
             continue;
         if (first[i] != i) {
-            c->element_of[i] = c->element_of[first[i]];
+            collection->element_of[i] = collection->element_of[first[i]];
             continue;
         }
         for (int k = 0; k < 4; k++)
-            mesh->element[mesh->elements][k] = c->node_of[find_node(c, cell->node[k])];
+            mesh->element[mesh->elements][k] =
+                collection->node_of[find_node(collection, cell->node[k])];
         mesh->element_label[mesh->elements] = cell->label;
-        c->origin->element_at[mesh->elements] = cell->at;
-        c->element_of[i] = (uint32_t)mesh->elements++;
+        collection->origin->element_at[mesh->elements] = cell->at;
+        collection->element_of[i] = (uint32_t)mesh->elements++;
     }
 }
 
 /* Allocate and copy the elements. key, first [cells + 1] work */
-static int collect_elements(collection *c, corners *key, size_t *first)
+static int collect_elements(collection *collection, corners *key, size_t *first)
 {
-    quad_mesh *mesh = c->mesh;
-    const size_t cells = c->raw->cells;
+    quad_mesh *mesh = collection->mesh;
+    const size_t cells = collection->raw->cells;
     mesh->element = calloc(cells + 1, sizeof *mesh->element);
     mesh->element_label = calloc(cells + 1, sizeof *mesh->element_label);
-    c->origin->element_at = calloc(cells + 1, sizeof *c->origin->element_at);
-    if (!key || !first || !mesh->element || !mesh->element_label || !c->origin->element_at)
-        return refuse_memory(c);
-    if (find_copies(c, key, first) < 0)
+    collection->origin->element_at = calloc(cells + 1, sizeof *collection->origin->element_at);
+    if (!key || !first || !mesh->element || !mesh->element_label || !collection->origin->element_at)
+        return refuse_memory(collection);
+    if (find_copies(collection, key, first) < 0)
         return -1;
-    copy_elements(c, first);
+    copy_elements(collection, first);
     return 0;
 }
 
 /* Labels of elements are unique. */
-static int check_labels(const collection *c, numbered *entry)
+static int check_labels(const collection *collection, numbered *entry)
 {
     if (!entry)
-        return refuse_memory(c);
-    for (size_t i = 0; i < c->mesh->elements; i++)
-        entry[i] = (numbered){c->mesh->element_label[i], i};
-    qsort(entry, c->mesh->elements, sizeof *entry, by_label);
-    for (size_t i = 1; i < c->mesh->elements; i++)
+        return refuse_memory(collection);
+    for (size_t i = 0; i < collection->mesh->elements; i++)
+        entry[i] = (numbered){collection->mesh->element_label[i], i};
+    qsort(entry, collection->mesh->elements, sizeof *entry, by_label);
+    for (size_t i = 1; i < collection->mesh->elements; i++)
         if (entry[i].label == entry[i - 1].label)
-            return quad_fault_at(c->file, c->origin->element_at[entry[i].index],
+            return quad_fault_at(collection->file, collection->origin->element_at[entry[i].index],
                                  "element %lld is defined twice with different nodes; renumber it",
                                  (long long)entry[i].label);
     return 0;
@@ -241,20 +243,20 @@ static int check_labels(const collection *c, numbered *entry)
 /* ---- sets -------------------------------------------------------------- */
 
 /* Copy a set: its items as indices of the mesh, ascending, without repetition. */
-static int copy_set(const collection *c, const quad_raw_set *from, quad_set *to)
+static int copy_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {
     to->name = malloc(strlen(from->name) + 1);
     to->index = calloc(from->count + 1, sizeof *to->index);
     if (!to->name || !to->index)
-        return refuse_memory(c);
+        return refuse_memory(collection);
     strcpy(to->name, from->name);
     for (size_t i = 0; i < from->count; i++) {
         uint32_t index;
         if (from->corners == 0) {
-            const size_t node = find_node(c, from->item[i]);
-            index = node == unused ? unused : c->node_of[node];
+            const size_t node = find_node(collection, from->item[i]);
+            index = node == unused ? unused : collection->node_of[node];
         } else {
-            index = c->element_of[from->item[i]];
+            index = collection->element_of[from->item[i]];
         }
         if (index != unused)
             to->index[to->count++] = index;
@@ -263,20 +265,20 @@ static int copy_set(const collection *c, const quad_raw_set *from, quad_set *to)
     return 0;
 }
 
-static int copy_sets(collection *c)
+static int copy_sets(collection *collection)
 {
-    quad_mesh *mesh = c->mesh;
-    mesh->node_set = calloc(c->raw->sets + 1, sizeof *mesh->node_set);
-    mesh->element_set = calloc(c->raw->sets + 1, sizeof *mesh->element_set);
+    quad_mesh *mesh = collection->mesh;
+    mesh->node_set = calloc(collection->raw->sets + 1, sizeof *mesh->node_set);
+    mesh->element_set = calloc(collection->raw->sets + 1, sizeof *mesh->element_set);
     if (!mesh->node_set || !mesh->element_set)
-        return refuse_memory(c);
-    for (size_t i = 0; i < c->raw->sets; i++) {
-        const quad_raw_set *from = &c->raw->set[i];
+        return refuse_memory(collection);
+    for (size_t i = 0; i < collection->raw->sets; i++) {
+        const quad_raw_set *from = &collection->raw->set[i];
         int status = 0;
         if (from->corners == 0)
-            status = copy_set(c, from, &mesh->node_set[mesh->node_sets++]);
+            status = copy_set(collection, from, &mesh->node_set[mesh->node_sets++]);
         else if (from->corners == 4)
-            status = copy_set(c, from, &mesh->element_set[mesh->element_sets++]);
+            status = copy_set(collection, from, &mesh->element_set[mesh->element_sets++]);
         if (status < 0)
             return -1;
     }
@@ -285,43 +287,43 @@ static int copy_sets(collection *c)
 
 /* ---- the whole --------------------------------------------------------- */
 
-static int collect_all(collection *c, const quad_options *options)
+static int collect_all(collection *collection, const quad_options *options)
 {
-    if (!c->node || !c->node_of || !c->element_of)
-        return refuse_memory(c);
-    if (sort_nodes(c) < 0)
+    if (!collection->node || !collection->node_of || !collection->element_of)
+        return refuse_memory(collection);
+    if (sort_nodes(collection) < 0)
         return -1;
-    for (size_t i = 0; i < c->raw->cells; i++)
-        if (mark_cell(c, &c->raw->cell[i]) < 0)
+    for (size_t i = 0; i < collection->raw->cells; i++)
+        if (mark_cell(collection, &collection->raw->cell[i]) < 0)
             return -1;
-    if (copy_nodes(c, options) < 0)
+    if (copy_nodes(collection, options) < 0)
         return -1;
-    if (c->mesh->nodes == 0)
-        return quad_fault_at(c->file, 0,
+    if (collection->mesh->nodes == 0)
+        return quad_fault_at(collection->file, 0,
                              "the file has no quadrilaterals; in Gmsh set "
                              "Mesh.RecombineAll = 1; and save the surfaces");
-    corners *key = calloc(c->raw->cells + 1, sizeof *key);
-    size_t *first = calloc(c->raw->cells + 1, sizeof *first);
-    int status = collect_elements(c, key, first);
+    corners *key = calloc(collection->raw->cells + 1, sizeof *key);
+    size_t *first = calloc(collection->raw->cells + 1, sizeof *first);
+    int status = collect_elements(collection, key, first);
     free(key);
     free(first);
-    numbered *entry = status == 0 ? calloc(c->mesh->elements + 1, sizeof *entry) : NULL;
+    numbered *entry = status == 0 ? calloc(collection->mesh->elements + 1, sizeof *entry) : NULL;
     if (status == 0)
-        status = check_labels(c, entry);
+        status = check_labels(collection, entry);
     free(entry);
-    return status == 0 ? copy_sets(c) : -1;
+    return status == 0 ? copy_sets(collection) : -1;
 }
 
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options)
 {
-    collection c = {.mesh = mesh, .origin = origin, .raw = raw, .file = origin->file};
-    c.node = calloc(raw->nodes + 1, sizeof *c.node);
-    c.node_of = calloc(raw->nodes + 1, sizeof *c.node_of);
-    c.element_of = calloc(raw->cells + 1, sizeof *c.element_of);
-    const int status = collect_all(&c, options);
-    free(c.node);
-    free(c.node_of);
-    free(c.element_of);
+    collection collection = {.mesh = mesh, .origin = origin, .raw = raw, .file = origin->file};
+    collection.node = calloc(raw->nodes + 1, sizeof *collection.node);
+    collection.node_of = calloc(raw->nodes + 1, sizeof *collection.node_of);
+    collection.element_of = calloc(raw->cells + 1, sizeof *collection.element_of);
+    const int status = collect_all(&collection, options);
+    free(collection.node);
+    free(collection.node_of);
+    free(collection.element_of);
     return status;
 }

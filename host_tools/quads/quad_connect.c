@@ -66,11 +66,12 @@ enum { NOT_SEEN, AS_IT_IS, TURNED };
 static int spread(const quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                   uint32_t element, unsigned char *state, uint32_t *queue, size_t *count)
 {
-    for (uint32_t s = 0; s < 4; s++) {
-        const uint32_t other = topology->neighbour[element][s];
+    for (uint32_t side = 0; side < 4; side++) {
+        const uint32_t other = topology->neighbour[element][side];
         if (other == QUAD_FREE)
             continue;
-        const bool turned = (state[element] == TURNED) != is_opposed(mesh, 4 * element + s, other);
+        const bool turned =
+            (state[element] == TURNED) != is_opposed(mesh, 4 * element + side, other);
         const unsigned char wanted = turned ? TURNED : AS_IT_IS;
         if (state[other / 4] == NOT_SEEN) {
             state[other / 4] = wanted;
@@ -102,14 +103,14 @@ static int refuse_parts(const quad_mesh *mesh, const quad_origin *origin,
 static void orient(quad_mesh *mesh, const unsigned char *state, bool is_flipped)
 {
     size_t turned = 0;
-    for (size_t e = 0; e < mesh->elements; e++)
-        turned += state[e] == TURNED;
+    for (size_t element = 0; element < mesh->elements; element++)
+        turned += state[element] == TURNED;
     const bool is_other = 2 * turned > mesh->elements;
-    for (size_t e = 0; e < mesh->elements; e++)
-        if (((state[e] == TURNED) != is_other) != is_flipped) {
-            const uint32_t second = mesh->element[e][1];
-            mesh->element[e][1] = mesh->element[e][3];
-            mesh->element[e][3] = second;
+    for (size_t element = 0; element < mesh->elements; element++)
+        if (((state[element] == TURNED) != is_other) != is_flipped) {
+            const uint32_t second = mesh->element[element][1];
+            mesh->element[element][1] = mesh->element[element][3];
+            mesh->element[element][3] = second;
         }
 }
 

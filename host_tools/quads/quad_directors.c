@@ -14,10 +14,10 @@ static const double degree = 0.017453292519943295;
 
 /* ---- vectors ----------------------------------------------------------- */
 
-static void minus(const double a[3], const double b[3], double out[3])
+static void minus(const double from[3], const double subtracted[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
-        out[i] = a[i] - b[i];
+        out[i] = from[i] - subtracted[i];
 }
 
 /* ---- normals of the elements ------------------------------------------- */
@@ -47,17 +47,17 @@ static double centre_normal(const quad_mesh *mesh, size_t element, double normal
 /* Refuse elements without area, measured against the square of their longer diagonal. */
 static int check_areas(const quad_mesh *mesh, const quad_origin *origin)
 {
-    for (size_t e = 0; e < mesh->elements; e++) {
-        const uint32_t *node = mesh->element[e];
+    for (size_t element = 0; element < mesh->elements; element++) {
+        const uint32_t *node = mesh->element[element];
         double normal[3], first[3], second[3];
-        const double area = centre_normal(mesh, e, normal);
+        const double area = centre_normal(mesh, element, normal);
         minus(mesh->position[node[2]], mesh->position[node[0]], first);
         minus(mesh->position[node[3]], mesh->position[node[1]], second);
         if (!(area > 1e-9 * fmax(vector_dot(first, first), vector_dot(second, second))))
-            return quad_fault_at(origin->file, origin->element_at[e],
+            return quad_fault_at(origin->file, origin->element_at[element],
                                  "element %lld has no area: its nodes lie on a line or on each "
                                  "other; repair the mesh there",
-                                 quad_element_label(mesh, e));
+                                 quad_element_label(mesh, element));
     }
     return 0;
 }
@@ -66,11 +66,11 @@ static int check_areas(const quad_mesh *mesh, const quad_origin *origin)
 
 static void add_corners(const quad_mesh *mesh)
 {
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++) {
+    for (size_t element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++) {
             double normal[3];
-            const double angle = corner_normal(mesh, e, r, normal);
-            double *director = mesh->director[mesh->element[e][r]];
+            const double angle = corner_normal(mesh, element, corner, normal);
+            double *director = mesh->director[mesh->element[element][corner]];
             if (vector_normalise(normal) > 0)
                 for (int i = 0; i < 3; i++)
                     director[i] += angle * normal[i];
@@ -80,12 +80,12 @@ static void add_corners(const quad_mesh *mesh)
 static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
 {
     add_corners(mesh);
-    for (size_t n = 0; n < mesh->nodes; n++)
-        if (!(vector_normalise(mesh->director[n]) > 1e-6))
+    for (size_t node = 0; node < mesh->nodes; node++)
+        if (!(vector_normalise(mesh->director[node]) > 1e-6))
             return quad_fault_at(origin->file, 0,
                                  "the elements at node %lld face opposite ways, so that it has no "
                                  "normal; repair the mesh there",
-                                 quad_node_label(mesh, n));
+                                 quad_node_label(mesh, node));
     return 0;
 }
 
@@ -95,11 +95,11 @@ static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
 typedef enum node_state { INSIDE, ON_FREE_EDGE, ON_SHARP_EDGE, CONTINUED } node_state;
 
 /* Mark both nodes of an edge; a sharp edge counts more than a free one. */
-static void mark_edge(const quad_mesh *mesh, size_t element, int s, node_state state,
+static void mark_edge(const quad_mesh *mesh, size_t element, int side, node_state state,
                       node_state *states)
 {
     for (int k = 0; k < 2; k++) {
-        node_state *own = &states[mesh->element[element][(s + k) % 4]];
+        node_state *own = &states[mesh->element[element][(side + k) % 4]];
         if (*own != ON_SHARP_EDGE)
             *own = state;
     }
@@ -109,25 +109,25 @@ static void mark_edge(const quad_mesh *mesh, size_t element, int s, node_state s
 static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, node_state *states,
                        quad_warnings *warnings)
 {
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int s = 0; s < 4; s++) {
-            const uint32_t other = topology->neighbour[e][s];
+    for (size_t element = 0; element < mesh->elements; element++)
+        for (int side = 0; side < 4; side++) {
+            const uint32_t other = topology->neighbour[element][side];
             double own[3], next[3], both[3];
             if (other == QUAD_FREE) {
-                mark_edge(mesh, e, s, ON_FREE_EDGE, states);
+                mark_edge(mesh, element, side, ON_FREE_EDGE, states);
                 continue;
             }
-            centre_normal(mesh, e, own);
+            centre_normal(mesh, element, own);
             centre_normal(mesh, other / 4, next);
             vector_cross(own, next, both);
             const double angle =
                 atan2(sqrt(vector_dot(both, both)), vector_dot(own, next)) / degree;
             if (angle <= sharp_angle)
                 continue;
-            mark_edge(mesh, e, s, ON_SHARP_EDGE, states);
+            mark_edge(mesh, element, side, ON_SHARP_EDGE, states);
             if (angle > warnings->sharp_angle) {
                 warnings->sharp_angle = angle;
-                warnings->sharp[0] = quad_element_label(mesh, e);
+                warnings->sharp[0] = quad_element_label(mesh, element);
                 warnings->sharp[1] = quad_element_label(mesh, other / 4);
             }
         }
@@ -171,11 +171,11 @@ static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, doub
 }
 
 /* Factor the packed matrix a = L L'. Returns whether the neighbours determine all coefficients. */
-static bool factor_quadric(double a[EQUATIONS])
+static bool factor_quadric(double factor[EQUATIONS])
 {
     for (int i = 0; i < COEFFICIENTS; i++)
         for (int j = 0; j <= i; j++) {
-            double *row = a + i * (i + 1) / 2, *column = a + j * (j + 1) / 2;
+            double *row = factor + i * (i + 1) / 2, *column = factor + j * (j + 1) / 2;
             const double before = row[j];
             for (int k = 0; k < j; k++)
                 row[j] -= row[k] * column[k];
@@ -190,17 +190,17 @@ static bool factor_quadric(double a[EQUATIONS])
 }
 
 /* Solve for the coefficients; b in: right-hand side, out: coefficients. */
-static void solve_quadric(const double a[EQUATIONS], double b[COEFFICIENTS])
+static void solve_quadric(const double factor[EQUATIONS], double solution[COEFFICIENTS])
 {
     for (int i = 0; i < COEFFICIENTS; i++) {
         for (int k = 0; k < i; k++)
-            b[i] -= a[i * (i + 1) / 2 + k] * b[k];
-        b[i] /= a[i * (i + 1) / 2 + i];
+            solution[i] -= factor[i * (i + 1) / 2 + k] * solution[k];
+        solution[i] /= factor[i * (i + 1) / 2 + i];
     }
     for (int i = COEFFICIENTS - 1; i >= 0; i--) {
         for (int k = i + 1; k < COEFFICIENTS; k++)
-            b[i] -= a[k * (k + 1) / 2 + i] * b[k];
-        b[i] /= a[i * (i + 1) / 2 + i];
+            solution[i] -= factor[k * (k + 1) / 2 + i] * solution[k];
+        solution[i] /= factor[i * (i + 1) / 2 + i];
     }
 }
 
@@ -217,28 +217,29 @@ static void turn_director(const quadric *sum, double director[3])
 static void fit_directors(const quad_mesh *mesh, const node_state *states, quadric *sums,
                           double *size)
 {
-    for (size_t n = 0; n < mesh->nodes; n++)
-        start_quadric(mesh->director[n], &sums[n]);
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++) {
+    for (size_t node = 0; node < mesh->nodes; node++)
+        start_quadric(mesh->director[node], &sums[node]);
+    for (size_t element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++) {
             double diagonal[3];
-            minus(mesh->position[mesh->element[e][(r + 2) % 4]],
-                  mesh->position[mesh->element[e][r]], diagonal);
-            size[mesh->element[e][r]] =
-                fmax(size[mesh->element[e][r]], sqrt(vector_dot(diagonal, diagonal)));
+            minus(mesh->position[mesh->element[element][(corner + 2) % 4]],
+                  mesh->position[mesh->element[element][corner]], diagonal);
+            size[mesh->element[element][corner]] =
+                fmax(size[mesh->element[element][corner]], sqrt(vector_dot(diagonal, diagonal)));
         }
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++)
+    for (size_t element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++)
             for (int k = 1; k < 3; k++) { /* inside, the third neighbour comes with the next element
                                            */
-                const uint32_t own = mesh->element[e][r], other = mesh->element[e][(r + k) % 4];
+                const uint32_t own = mesh->element[element][corner],
+                               other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
             }
-    for (size_t n = 0; n < mesh->nodes; n++)
-        if (states[n] == INSIDE && factor_quadric(sums[n].a)) {
-            solve_quadric(sums[n].a, sums[n].b);
-            if (hypot(sums[n].b[0], sums[n].b[1]) < 0.5)
-                turn_director(&sums[n], mesh->director[n]);
+    for (size_t node = 0; node < mesh->nodes; node++)
+        if (states[node] == INSIDE && factor_quadric(sums[node].a)) {
+            solve_quadric(sums[node].a, sums[node].b);
+            if (hypot(sums[node].b[0], sums[node].b[1]) < 0.5)
+                turn_director(&sums[node], mesh->director[node]);
         }
 }
 
@@ -276,26 +277,27 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
     const double determinant = sum->a[0] * sum->a[2] - sum->a[1] * sum->a[1];
     if (!(determinant > 0.01 * trace * trace))
         return false;
-    const double s = (sum->b[0] * sum->a[2] - sum->b[1] * sum->a[1]) / determinant;
-    const double r = (sum->b[1] * sum->a[0] - sum->b[0] * sum->a[1]) / determinant;
+    const double slope1 = (sum->b[0] * sum->a[2] - sum->b[1] * sum->a[1]) / determinant;
+    const double slope2 = (sum->b[1] * sum->a[0] - sum->b[0] * sum->a[1]) / determinant;
     for (int i = 0; i < 3; i++)
-        out[i] = director[i] + s * sum->t[0][i] + r * sum->t[1][i];
+        out[i] = director[i] + slope1 * sum->t[0][i] + slope2 * sum->t[1][i];
     vector_normalise(out);
-    return hypot(s, r) < 1;
+    return hypot(slope1, slope2) < 1;
 }
 
 /* Sum the chords of the nodes on free edges to neighbours whose directors are known. */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {
-    for (size_t n = 0; n < mesh->nodes; n++) {
-        memset(&sums[n], 0, sizeof *sums);
-        quad_default_axis(mesh->director[n], -1, sums[n].t[0]);
-        vector_cross(mesh->director[n], sums[n].t[0], sums[n].t[1]);
+    for (size_t node = 0; node < mesh->nodes; node++) {
+        memset(&sums[node], 0, sizeof *sums);
+        quad_default_axis(mesh->director[node], -1, sums[node].t[0]);
+        vector_cross(mesh->director[node], sums[node].t[0], sums[node].t[1]);
     }
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++)
+    for (size_t element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++)
             for (int k = 1; k < 4; k++) {
-                const uint32_t own = mesh->element[e][r], other = mesh->element[e][(r + k) % 4];
+                const uint32_t own = mesh->element[element][corner],
+                               other = mesh->element[element][(corner + k) % 4];
                 if (states[own] == ON_FREE_EDGE &&
                     (states[other] == INSIDE || states[other] == CONTINUED))
                     add_chord(mesh, own, other, &sums[own]);
@@ -313,12 +315,13 @@ static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *
     size_t changed = 0;
     for (int step = 1; step <= STEPS; step++) {
         sum_chords(mesh, states, sums);
-        for (size_t n = 0; n < mesh->nodes; n++) {
+        for (size_t node = 0; node < mesh->nodes; node++) {
             double found[3];
-            if (states[n] != ON_FREE_EDGE || !solve_slopes(&sums[n], mesh->director[n], found))
+            if (states[node] != ON_FREE_EDGE ||
+                !solve_slopes(&sums[node], mesh->director[node], found))
                 continue;
-            memcpy(mesh->director[n], found, sizeof found);
-            states[n] = step == STEPS ? CONTINUED : states[n];
+            memcpy(mesh->director[node], found, sizeof found);
+            states[node] = step == STEPS ? CONTINUED : states[node];
             changed += step == STEPS;
         }
     }
@@ -340,12 +343,12 @@ typedef struct placed {
     uint32_t node;
 } placed;
 
-static int by_place(const void *x, const void *y)
+static int by_place(const void *left, const void *right)
 {
-    const placed *a = x, *b = y;
-    if (a->x != b->x)
-        return a->x > b->x ? 1 : -1;
-    return (a->node > b->node) - (a->node < b->node);
+    const placed *first = left, *second = right;
+    if (first->x != second->x)
+        return first->x > second->x ? 1 : -1;
+    return (first->node > second->node) - (first->node < second->node);
 }
 
 /* Warn of two nodes of free edges at one place, which look joined and are not. */
@@ -356,9 +359,9 @@ static void find_slit(const quad_mesh *mesh, const node_state *states, placed *l
     size_t count = 0;
     minus(mesh->position[mesh->element[0][2]], mesh->position[mesh->element[0][0]], first);
     const double near = 1e-5 * vector_normalise(first);
-    for (size_t n = 0; n < mesh->nodes; n++)
-        if (states[n] != INSIDE)
-            list[count++] = (placed){mesh->position[n][0], (uint32_t)n};
+    for (size_t node = 0; node < mesh->nodes; node++)
+        if (states[node] != INSIDE)
+            list[count++] = (placed){mesh->position[node][0], (uint32_t)node};
     qsort(list, count, sizeof *list, by_place);
     for (size_t i = 0; i < count; i++)
         for (size_t j = i + 1; j < count && list[j].x - list[i].x <= near; j++) {
@@ -394,8 +397,8 @@ int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topolo
         fit_directors(mesh, states, fits, size);
         continue_directors(mesh, states, sums);
         const int common = quad_common_axis(mesh);
-        for (size_t n = 0; n < mesh->nodes; n++)
-            quad_default_axis(mesh->director[n], common, mesh->axis[n]);
+        for (size_t node = 0; node < mesh->nodes; node++)
+            quad_default_axis(mesh->director[node], common, mesh->axis[node]);
         status = 0;
     }
     free(states);

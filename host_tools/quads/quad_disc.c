@@ -52,11 +52,12 @@ static void block_point(double radius, double u, double v, double x[2])
 
 /* Node of the middle block at place j along its border, counterclockwise from the corner below
  * right. */
-static uint32_t border_node(int n, int j)
+static uint32_t border_node(int elements, int j)
 {
-    const int side = j / n, at = j % n;
-    const int column[4] = {n, n - at, 0, at}, row[4] = {at, n, n - at, 0};
-    return (uint32_t)(column[side] * (n + 1) + row[side]);
+    const int side = j / elements, at = j % elements;
+    const int column[4] = {elements, elements - at, 0, at},
+              row[4] = {at, elements, elements - at, 0};
+    return (uint32_t)(column[side] * (elements + 1) + row[side]);
 }
 
 /* Point at place j of layer i, i = 1 .. layers, outside the middle block. */
@@ -69,12 +70,12 @@ static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int 
     const double part = (double)(i - before) / plan->across[band];
     const double outer[2] = {plan->circle[band] * cos(angle), plan->circle[band] * sin(angle)};
     double inner[2];
-    for (int a = 0; a < 2; a++) {
+    for (int axis = 0; axis < 2; axis++) {
         if (band == 0)
-            inner[a] = mesh->position[border_node(plan->disc->elements, j)][a];
+            inner[axis] = mesh->position[border_node(plan->disc->elements, j)][axis];
         else
-            inner[a] = plan->circle[band - 1] * (a ? sin(angle) : cos(angle));
-        x[a] = inner[a] + part * (outer[a] - inner[a]);
+            inner[axis] = plan->circle[band - 1] * (axis ? sin(angle) : cos(angle));
+        x[axis] = inner[axis] + part * (outer[axis] - inner[axis]);
     }
 }
 
@@ -95,11 +96,12 @@ static void lift_node(const quad_disc *disc, double x[3], double director[3])
 
 static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)
 {
-    const int n = plan->disc->elements;
+    const int elements = plan->disc->elements;
     size_t node = 0;
-    for (int i = 0; i <= n; i++)
-        for (int j = 0; j <= n; j++)
-            block_point(plan->circle[0], 2.0 * i / n - 1, 2.0 * j / n - 1, mesh->position[node++]);
+    for (int i = 0; i <= elements; i++)
+        for (int j = 0; j <= elements; j++)
+            block_point(plan->circle[0], 2.0 * i / elements - 1, 2.0 * j / elements - 1,
+                        mesh->position[node++]);
     for (int i = 1; i <= plan->layers; i++)
         for (int j = 0; j < plan->around; j++)
             ring_point(plan, mesh, i, j, mesh->position[node++]);
@@ -118,26 +120,27 @@ static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)
 /* Node at place j of layer i; layer 0 is the border of the middle block. */
 static uint32_t layer_node(const disc_plan *plan, int i, int j)
 {
-    const int n = plan->disc->elements, at = j % plan->around;
-    return i == 0 ? border_node(n, at)
-                  : (uint32_t)((n + 1) * (n + 1) + (i - 1) * plan->around + at);
+    const int elements = plan->disc->elements, at = j % plan->around;
+    return i == 0 ? border_node(elements, at)
+                  : (uint32_t)((elements + 1) * (elements + 1) + (i - 1) * plan->around + at);
 }
 
 static void fill_elements(const disc_plan *plan, quad_mesh *mesh)
 {
-    const int n = plan->disc->elements;
-    size_t e = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++, e++) {
-            const uint32_t corner = (uint32_t)(i * (n + 1) + j), next = corner + (uint32_t)n + 1;
+    const int elements = plan->disc->elements;
+    size_t element = 0;
+    for (int i = 0; i < elements; i++)
+        for (int j = 0; j < elements; j++, element++) {
+            const uint32_t corner = (uint32_t)(i * (elements + 1) + j),
+                           next = corner + (uint32_t)elements + 1;
             const uint32_t node[4] = {corner, next, next + 1, corner + 1};
-            memcpy(mesh->element[e], node, sizeof node);
+            memcpy(mesh->element[element], node, sizeof node);
         }
     for (int i = 0; i < plan->layers; i++)
-        for (int j = 0; j < plan->around; j++, e++) {
+        for (int j = 0; j < plan->around; j++, element++) {
             const uint32_t node[4] = {layer_node(plan, i, j), layer_node(plan, i + 1, j),
                                       layer_node(plan, i + 1, j + 1), layer_node(plan, i, j + 1)};
-            memcpy(mesh->element[e], node, sizeof node);
+            memcpy(mesh->element[element], node, sizeof node);
         }
     for (size_t k = 0; k < mesh->elements; k++)
         mesh->element_label[k] = (int64_t)k + 1;
@@ -160,24 +163,24 @@ static int open_set(quad_set *set, const char *name, size_t most)
 static void add_sector(const disc_plan *plan, int first, int last, int sector, int sectors,
                        quad_set *set)
 {
-    const int n = plan->disc->elements, each = plan->around / sectors, turn = n / 2;
+    const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
         for (int j = 0; j < plan->around; j++) /* the x axis lies n/2 places after the first corner
                                                 */
             if ((j - turn + plan->around) % plan->around / each == sector)
-                set->index[set->count++] = (uint32_t)(n * n + i * plan->around + j);
+                set->index[set->count++] = (uint32_t)(elements * elements + i * plan->around + j);
 }
 
 static int fill_element_sets(const disc_plan *plan, quad_mesh *mesh)
 {
-    const int n = plan->disc->elements, sectors = plan->disc->sectors;
+    const int elements = plan->disc->elements, sectors = plan->disc->sectors;
     char name[40];
     int first = plan->across[0];
     quad_set *set = mesh->element_set;
     if (open_set(set, "ring1", mesh->elements) < 0)
         return -1;
-    for (int e = 0; e < n * n; e++)
-        set->index[set->count++] = (uint32_t)e;
+    for (int element = 0; element < elements * elements; element++)
+        set->index[set->count++] = (uint32_t)element;
     add_sector(plan, 0, first, 0, 1, set++);
     for (int k = 1; k < plan->bands; k++) {
         for (int sector = 0; sector < sectors; sector++, set++) {
@@ -195,13 +198,14 @@ static int fill_element_sets(const disc_plan *plan, quad_mesh *mesh)
 
 static int fill_sets(const disc_plan *plan, quad_mesh *mesh)
 {
-    const int n = plan->disc->elements;
+    const int elements = plan->disc->elements;
     if (fill_element_sets(plan, mesh) < 0 || open_set(mesh->node_set, "centre", 1) < 0 ||
         open_set(mesh->edge_set, "rim", (size_t)plan->around) < 0)
         return -1;
-    mesh->node_set[0].index[mesh->node_set[0].count++] = (uint32_t)(n / 2 * (n + 2));
+    mesh->node_set[0].index[mesh->node_set[0].count++] = (uint32_t)(elements / 2 * (elements + 2));
     for (int j = 0; j < plan->around; j++) { /* side 1 of an element of a ring lies outside */
-        const uint32_t element = (uint32_t)(n * n + (plan->layers - 1) * plan->around + j);
+        const uint32_t element =
+            (uint32_t)(elements * elements + (plan->layers - 1) * plan->around + j);
         mesh->edge_set[0].index[mesh->edge_set[0].count++] = 4 * element + 1;
     }
     return 0;
@@ -211,10 +215,10 @@ static int fill_sets(const disc_plan *plan, quad_mesh *mesh)
 
 static int allocate(const disc_plan *plan, quad_mesh *mesh)
 {
-    const size_t n = (size_t)plan->disc->elements,
+    const size_t elements = (size_t)plan->disc->elements,
                  rings = (size_t)plan->layers * (size_t)plan->around;
-    mesh->nodes = (n + 1) * (n + 1) + rings;
-    mesh->elements = n * n + rings;
+    mesh->nodes = (elements + 1) * (elements + 1) + rings;
+    mesh->elements = elements * elements + rings;
     mesh->regions = mesh->node_sets = mesh->edge_sets = 1;
     mesh->element_sets = 1 + (size_t)(plan->bands - 1) * (size_t)plan->disc->sectors;
     mesh->position = calloc(mesh->nodes, sizeof *mesh->position);

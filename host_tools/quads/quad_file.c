@@ -34,16 +34,16 @@ static const char *base_name(const char *path)
 
 static int write_fault(const quad_file *file, size_t at, const char *format, va_list list)
 {
-    int n;
+    int length;
     if (file->is_binary)
-        n = snprintf(file->error, QUAD_ERROR, "%.80s: byte %zu: ", base_name(file->path), at);
+        length = snprintf(file->error, QUAD_ERROR, "%.80s: byte %zu: ", base_name(file->path), at);
     else
-        n = snprintf(file->error, QUAD_ERROR, "%.80s:%ld: ", base_name(file->path),
-                     line_of(file, at));
-    vsnprintf(file->error + n, (size_t)(QUAD_ERROR - n), format, list);
-    for (char *c = file->error; *c; c++)
-        if ((unsigned char)*c < 32 || (unsigned char)*c > 126)
-            *c = '?';
+        length = snprintf(file->error, QUAD_ERROR, "%.80s:%ld: ", base_name(file->path),
+                          line_of(file, at));
+    vsnprintf(file->error + length, (size_t)(QUAD_ERROR - length), format, list);
+    for (char *character = file->error; *character; character++)
+        if ((unsigned char)*character < 32 || (unsigned char)*character > 126)
+            *character = '?';
     return -1;
 }
 
@@ -145,9 +145,9 @@ uint32_t quad_file_hash(const quad_file *file)
 
 /* ---- text -------------------------------------------------------------- */
 
-static bool is_blank(char c)
+static bool is_blank(char character)
 {
-    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+    return character == ' ' || character == '\t' || character == '\r' || character == '\n';
 }
 
 void quad_skip(quad_file *file)

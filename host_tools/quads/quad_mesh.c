@@ -33,10 +33,10 @@ void quad_mesh_free(quad_mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
-static int ascending(const void *x, const void *y)
+static int ascending(const void *left, const void *right)
 {
-    const uint32_t *a = x, *b = y;
-    return (*a > *b) - (*a < *b);
+    const uint32_t *first = left, *second = right;
+    return (*first > *second) - (*first < *second);
 }
 
 void quad_set_sort(quad_set *set)
@@ -75,9 +75,9 @@ int quad_common_axis(const quad_mesh *mesh)
     const double most_aligned = 0.95;
     double largest[3] = {0, 0, 0};
     int best = 0;
-    for (size_t n = 0; n < mesh->nodes; n++)
+    for (size_t node = 0; node < mesh->nodes; node++)
         for (int i = 0; i < 3; i++)
-            largest[i] = fmax(largest[i], fabs(mesh->director[n][i]));
+            largest[i] = fmax(largest[i], fabs(mesh->director[node][i]));
     for (int i = 1; i < 3; i++)
         if (largest[i] < largest[best] - 1e-9)
             best = i;

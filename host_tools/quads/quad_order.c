@@ -22,8 +22,8 @@ static int make_star(const quad_mesh *mesh, star *star)
         return -1;
     for (size_t i = 0; i < 4 * mesh->elements; i++)
         star->start[mesh->element[i / 4][i % 4] + 2]++;
-    for (size_t n = 0; n < mesh->nodes; n++)
-        star->start[n + 2] += star->start[n + 1];
+    for (size_t node = 0; node < mesh->nodes; node++)
+        star->start[node + 2] += star->start[node + 1];
     for (size_t i = 0; i < 4 * mesh->elements; i++)
         star->element[star->start[mesh->element[i / 4][i % 4] + 1]++] = (uint32_t)(i / 4);
     return 0;
@@ -54,16 +54,16 @@ static void sift(const star *star, uint32_t *list, size_t count)
 static uint32_t list_levels(const quad_mesh *mesh, const star *star, size_t count, uint32_t *order,
                             uint32_t *level)
 {
-    for (size_t n = 0; n < mesh->nodes; n++)
-        level[n] = UINT32_MAX;
+    for (size_t node = 0; node < mesh->nodes; node++)
+        level[node] = UINT32_MAX;
     for (size_t i = 0; i < count; i++)
         level[order[i]] = 0;
     for (size_t i = 0; i < count; i++) {
         const uint32_t own = order[i];
         const size_t first = count;
         for (uint32_t k = star->start[own]; k < star->start[own + 1]; k++)
-            for (int r = 0; r < 4; r++) {
-                const uint32_t other = mesh->element[star->element[k]][r];
+            for (int corner = 0; corner < 4; corner++) {
+                const uint32_t other = mesh->element[star->element[k]][corner];
                 if (level[other] != UINT32_MAX)
                     continue;
                 level[other] = level[own] + 1;
@@ -105,11 +105,11 @@ static double mean_side(const quad_mesh *mesh)
 {
     double sum = 0;
     for (size_t i = 0; i < 4 * mesh->elements; i++) {
-        const double *x = mesh->position[mesh->element[i / 4][i % 4]];
-        const double *y = mesh->position[mesh->element[i / 4][(i + 1) % 4]];
+        const double *from = mesh->position[mesh->element[i / 4][i % 4]];
+        const double *to = mesh->position[mesh->element[i / 4][(i + 1) % 4]];
         double square = 0;
         for (int k = 0; k < 3; k++)
-            square += (x[k] - y[k]) * (x[k] - y[k]);
+            square += (from[k] - to[k]) * (from[k] - to[k]);
         sum += sqrt(square);
     }
     return sum / (4 * (double)mesh->elements);
@@ -120,9 +120,9 @@ static void find_range(const quad_mesh *mesh, int axis, double range[2])
 {
     range[0] = HUGE_VAL;
     range[1] = -HUGE_VAL;
-    for (size_t n = 0; n < mesh->nodes; n++) {
-        range[0] = fmin(range[0], mesh->position[n][axis]);
-        range[1] = fmax(range[1], mesh->position[n][axis]);
+    for (size_t node = 0; node < mesh->nodes; node++) {
+        range[0] = fmin(range[0], mesh->position[node][axis]);
+        range[1] = fmax(range[1], mesh->position[node][axis]);
     }
 }
 
@@ -139,13 +139,13 @@ static void order_from_side(const quad_mesh *mesh, const star *star, int axis, u
     const int other = (axis + 2) % 3;
     if (range[other][1] - range[other][0] > range[along][1] - range[along][0])
         along = other;
-    for (uint32_t n = 0; n < mesh->nodes; n++) {
-        if (mesh->position[n][axis] > range[axis][0] + near)
+    for (uint32_t node = 0; node < mesh->nodes; node++) {
+        if (mesh->position[node][axis] > range[axis][0] + near)
             continue;
         size_t i = count++;
-        for (; i > 0 && mesh->position[order[i - 1]][along] > mesh->position[n][along]; i--)
+        for (; i > 0 && mesh->position[order[i - 1]][along] > mesh->position[node][along]; i--)
             order[i] = order[i - 1];
-        order[i] = n;
+        order[i] = node;
     }
     list_levels(mesh, star, count, order, level);
 }
@@ -157,14 +157,14 @@ static uint64_t profile(const quad_mesh *mesh, const star *star, const uint32_t 
     uint64_t sum = 0;
     for (uint32_t i = 0; i < mesh->nodes; i++)
         place[order[mesh->nodes - 1 - i]] = i;
-    for (uint32_t n = 0; n < mesh->nodes; n++) {
-        uint32_t first = place[n];
-        for (uint32_t k = star->start[n]; k < star->start[n + 1]; k++)
-            for (int r = 0; r < 4; r++) {
-                const uint32_t other = place[mesh->element[star->element[k]][r]];
+    for (uint32_t node = 0; node < mesh->nodes; node++) {
+        uint32_t first = place[node];
+        for (uint32_t k = star->start[node]; k < star->start[node + 1]; k++)
+            for (int corner = 0; corner < 4; corner++) {
+                const uint32_t other = place[mesh->element[star->element[k]][corner]];
                 first = other < first ? other : first;
             }
-        sum += place[n] - first;
+        sum += place[node] - first;
     }
     return sum;
 }

@@ -10,19 +10,19 @@ quad_side quad_side_between(uint32_t from, uint32_t to, uint32_t edge)
     return (quad_side){to, from, edge};
 }
 
-int quad_side_compare(const void *x, const void *y)
+int quad_side_compare(const void *left, const void *right)
 {
-    const quad_side *a = x, *b = y;
-    if (a->low != b->low)
-        return a->low > b->low ? 1 : -1;
-    if (a->high != b->high)
-        return a->high > b->high ? 1 : -1;
-    return (a->edge > b->edge) - (a->edge < b->edge);
+    const quad_side *first = left, *second = right;
+    if (first->low != second->low)
+        return first->low > second->low ? 1 : -1;
+    if (first->high != second->high)
+        return first->high > second->high ? 1 : -1;
+    return (first->edge > second->edge) - (first->edge < second->edge);
 }
 
-bool quad_side_is_same(const quad_side *a, const quad_side *b)
+bool quad_side_is_same(const quad_side *first, const quad_side *second)
 {
-    return a->low == b->low && a->high == b->high;
+    return first->low == second->low && first->high == second->high;
 }
 
 void quad_sides(const quad_mesh *mesh, quad_side *list)

@@ -14,10 +14,10 @@ typedef struct quad_side {
 quad_side quad_side_between(uint32_t from, uint32_t to, uint32_t edge);
 
 /* Order of two quad_side for qsort: by their nodes, then by `edge`. */
-int quad_side_compare(const void *x, const void *y);
+int quad_side_compare(const void *left, const void *right);
 
 /* Whether two sides have the same nodes. */
-bool quad_side_is_same(const quad_side *a, const quad_side *b);
+bool quad_side_is_same(const quad_side *first, const quad_side *second);
 
 /* List the sides of all elements in the order of quad_side_compare. list [4 elements] out */
 void quad_sides(const quad_mesh *mesh, quad_side *list);

@@ -12,8 +12,8 @@ static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
     double sum = 0;
     for (int i = 0; i < 3; i++) {
         double axis = 0;
-        for (int r = 0; r < 4; r++)
-            axis += mesh->axis[node[r]][i];
+        for (int corner = 0; corner < 4; corner++)
+            axis += mesh->axis[node[corner]][i];
         sum += axis * (mesh->position[node[(k + 1) % 4]][i] + mesh->position[node[(k + 2) % 4]][i] -
                        mesh->position[node[k]][i] - mesh->position[node[(k + 3) % 4]][i]);
     }
@@ -31,10 +31,10 @@ static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
     return best;
 }
 
-static int ascending(const void *x, const void *y)
+static int ascending(const void *left, const void *right)
 {
-    const uint32_t *a = x, *b = y;
-    return (*a > *b) - (*a < *b);
+    const uint32_t *first = left, *second = right;
+    return (*first > *second) - (*first < *second);
 }
 
 /* Rename the sides of an edge set after the elements were turned by first [elements]. */
@@ -52,12 +52,12 @@ int quad_turn(quad_mesh *mesh)
     uint32_t *first = calloc(mesh->elements, sizeof *first);
     if (!first)
         return -1;
-    for (size_t e = 0; e < mesh->elements; e++) {
+    for (size_t element = 0; element < mesh->elements; element++) {
         uint32_t node[4];
-        memcpy(node, mesh->element[e], sizeof node);
-        first[e] = first_corner(mesh, node);
-        for (uint32_t r = 0; r < 4; r++)
-            mesh->element[e][r] = node[(r + first[e]) % 4];
+        memcpy(node, mesh->element[element], sizeof node);
+        first[element] = first_corner(mesh, node);
+        for (uint32_t corner = 0; corner < 4; corner++)
+            mesh->element[element][corner] = node[(corner + first[element]) % 4];
     }
     for (size_t k = 0; k < mesh->edge_sets; k++)
         turn_set(&mesh->edge_set[k], first);

@@ -40,18 +40,18 @@ typedef struct inp {
 
 /* ---- words ------------------------------------------------------------- */
 
-static char upper(char c)
+static char upper(char character)
 {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+    return character >= 'a' && character <= 'z' ? (char)(character - 'a' + 'A') : character;
 }
 
 /* Whether two texts are equal without regard to case; the second is in capitals if it is a word. */
-static bool same_text(const char *x, size_t length, const char *y)
+static bool same_text(const char *first, size_t length, const char *second)
 {
-    if (strlen(y) != length)
+    if (strlen(second) != length)
         return false;
     for (size_t i = 0; i < length; i++)
-        if (upper(x[i]) != upper(y[i]))
+        if (upper(first[i]) != upper(second[i]))
             return false;
     return true;
 }
@@ -62,9 +62,9 @@ typedef struct piece {
     size_t length;
 } piece;
 
-static bool is_margin(char c)
+static bool is_margin(char character)
 {
-    return c == ' ' || c == '\t' || c == '\r' || c == '"';
+    return character == ' ' || character == '\t' || character == '\r' || character == '"';
 }
 
 static piece trimmed(const char *from, const char *to)
@@ -374,24 +374,25 @@ static int keyword_line(inp *in)
     const size_t at = in->file->at;
     piece word = {NULL, 0};
     next_piece(in->file, &word);
-    const options o = read_options(in);
+    const options options = read_options(in);
     in->mode = SKIP;
     if (same_text(word.text, word.length, "*NODE")) {
         in->mode = NODES;
-        return begin_set(in, o.nset, false, false, at);
+        return begin_set(in, options.nset, false, false, at);
     }
     if (same_text(word.text, word.length, "*ELEMENT")) {
         in->mode = ELEMENTS;
-        return begin_set(in, o.elset, true, false, at) < 0 ? -1 : read_type(in, o.type, at);
+        return begin_set(in, options.elset, true, false, at) < 0 ? -1
+                                                                 : read_type(in, options.type, at);
     }
-    in->generates = o.generates;
+    in->generates = options.generates;
     if (same_text(word.text, word.length, "*NSET")) {
         in->mode = SET_MEMBERS;
-        return begin_set(in, o.nset, false, true, at);
+        return begin_set(in, options.nset, false, true, at);
     }
     if (same_text(word.text, word.length, "*ELSET")) {
         in->mode = SET_MEMBERS;
-        return begin_set(in, o.elset, true, true, at);
+        return begin_set(in, options.elset, true, true, at);
     }
     if (same_text(word.text, word.length, "*INCLUDE"))
         return quad_fault_at(in->file, at, "*INCLUDE is not followed; paste the file in its place");
@@ -405,10 +406,10 @@ typedef struct numbered {
     int64_t label, index;
 } numbered;
 
-static int by_label(const void *x, const void *y)
+static int by_label(const void *left, const void *right)
 {
-    const numbered *a = x, *b = y;
-    return (a->label > b->label) - (a->label < b->label);
+    const numbered *first = left, *second = right;
+    return (first->label > second->label) - (first->label < second->label);
 }
 
 /* Index of the first entry whose number is at least `label`. */

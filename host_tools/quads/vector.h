@@ -10,36 +10,36 @@ static inline double vector_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static inline double vector_length(const double a[3])
+static inline double vector_length(const double vector[3])
 {
-    return sqrt(vector_dot(a, a));
+    return sqrt(vector_dot(vector, vector));
 }
 
 /* c = a x b */
-static inline void vector_cross(const double a[3], const double b[3], double c[3])
+static inline void vector_cross(const double a[3], const double b[3], double product[3])
 {
     for (int i = 0; i < 3; i++)
-        c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+        product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 /* Distance of two points. */
 static inline double vector_distance(const double a[3], const double b[3])
 {
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return vector_length(d);
+    const double difference[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return vector_length(difference);
 }
 
 /*
  * Scale a vector to length 1. Returns its former length; 0 where it has no direction, because its
  * length is 0 or not finite, and then it stays.
  */
-static inline double vector_normalise(double a[3])
+static inline double vector_normalise(double vector[3])
 {
-    const double length = vector_length(a);
+    const double length = vector_length(vector);
     if (!(length > 0) || !isfinite(length))
         return 0;
     for (int i = 0; i < 3; i++)
-        a[i] /= length;
+        vector[i] /= length;
     return length;
 }
 

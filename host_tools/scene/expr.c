@@ -159,43 +159,43 @@ static void skip_blanks(parser *parser)
 static int take_word(parser *parser)
 {
     const char *start = parser->at, *end = parser->at;
-    const word *w;
+    const word *found;
     while (isalnum((unsigned char)*end) || *end == '_')
         end++;
-    w = find_word(start, (size_t)(end - start));
-    if (!w)
+    found = find_word(start, (size_t)(end - start));
+    if (!found)
         return fault(parser, "unknown name; known are x y z theta1 theta2 pi and sin cos tan asin "
                              "acos atan sqrt exp log "
                              "abs min max atan2 pow hypot zernike");
     parser->at = end;
-    if (w->arguments == 0) {
-        if (w->op != OP_NUMBER)
+    if (found->arguments == 0) {
+        if (found->op != OP_NUMBER)
             parser->constant = 0;
         parser->want_value = 0;
-        return emit(parser, w->op, w->number);
+        return emit(parser, found->op, found->number);
     }
     skip_blanks(parser);
     if (*parser->at != '(')
         return fault(parser, "a function needs its argument in parentheses");
     parser->at++;
-    return push(parser, OP_OPEN, w);
+    return push(parser, OP_OPEN, found);
 }
 
 static int take_value(parser *parser)
 {
-    char c = *parser->at;
-    if (isdigit((unsigned char)c) || c == '.')
+    char character = *parser->at;
+    if (isdigit((unsigned char)character) || character == '.')
         return take_number(parser);
-    if (isalpha((unsigned char)c))
+    if (isalpha((unsigned char)character))
         return take_word(parser);
-    if (c == 0)
+    if (character == 0)
         return fault(parser, "the expression ends where a number is wanted");
-    if (c != '(' && c != '-' && c != '+')
+    if (character != '(' && character != '-' && character != '+')
         return fault(parser, "a number, a name or '(' is wanted here");
     parser->at++;
-    if (c == '(')
+    if (character == '(')
         return push(parser, OP_OPEN, NULL);
-    if (c == '-')
+    if (character == '-')
         return push(parser, OP_NEGATE, NULL);
     return 0;
 }
@@ -340,43 +340,43 @@ static double variable(operation op, const expr_point *at)
     }
 }
 
-static double apply1(operation op, double a)
+static double apply1(operation op, double argument)
 {
     switch (op) {
-    case OP_NEGATE: return -a;
-    case OP_SIN: return sin(a);
-    case OP_COS: return cos(a);
-    case OP_TAN: return tan(a);
-    case OP_ASIN: return asin(a);
-    case OP_ACOS: return acos(a);
-    case OP_ATAN: return atan(a);
-    case OP_SQRT: return sqrt(a);
-    case OP_EXP: return exp(a);
-    case OP_LOG: return log(a);
-    default: return fabs(a);
+    case OP_NEGATE: return -argument;
+    case OP_SIN: return sin(argument);
+    case OP_COS: return cos(argument);
+    case OP_TAN: return tan(argument);
+    case OP_ASIN: return asin(argument);
+    case OP_ACOS: return acos(argument);
+    case OP_ATAN: return atan(argument);
+    case OP_SQRT: return sqrt(argument);
+    case OP_EXP: return exp(argument);
+    case OP_LOG: return log(argument);
+    default: return fabs(argument);
     }
 }
 
-static double divide(double a, double b)
+static double divide(double left, double right)
 {
-    if (b != 0)
-        return a / b;
-    return a == 0 ? (double)NAN : copysign(HUGE_VAL, a);
+    if (right != 0)
+        return left / right;
+    return left == 0 ? (double)NAN : copysign(HUGE_VAL, left);
 }
 
-static double apply2(operation op, double a, double b)
+static double apply2(operation op, double left, double right)
 {
     switch (op) {
-    case OP_ADD: return a + b;
-    case OP_SUBTRACT: return a - b;
-    case OP_MULTIPLY: return a * b;
-    case OP_DIVIDE: return divide(a, b);
+    case OP_ADD: return left + right;
+    case OP_SUBTRACT: return left - right;
+    case OP_MULTIPLY: return left * right;
+    case OP_DIVIDE: return divide(left, right);
     case OP_POWER:
-    case OP_POW: return pow(a, b);
-    case OP_MIN: return a < b ? a : b;
-    case OP_MAX: return a > b ? a : b;
-    case OP_ATAN2: return atan2(a, b);
-    default: return hypot(a, b);
+    case OP_POW: return pow(left, right);
+    case OP_MIN: return left < right ? left : right;
+    case OP_MAX: return left > right ? left : right;
+    case OP_ATAN2: return atan2(left, right);
+    default: return hypot(left, right);
     }
 }
 
@@ -426,14 +426,14 @@ static double formula_value(const expr *expression, const expr_point *at)
     int i, top = 0;
     for (i = 0; i < expression->length; i++) {
         operation op = expression->code[i].op;
-        int n = expr_arity(op);
-        if (n == 3) {
+        int arity = expr_arity(op);
+        if (arity == 3) {
             stack[top - 3] = zernike(stack[top - 3], stack[top - 2], stack[top - 1]);
             top -= 2;
-        } else if (n == 2) {
+        } else if (arity == 2) {
             stack[top - 2] = apply2(op, stack[top - 2], stack[top - 1]);
             top--;
-        } else if (n == 1) {
+        } else if (arity == 1) {
             stack[top - 1] = apply1(op, stack[top - 1]);
         } else {
             stack[top++] = op == OP_NUMBER ? expression->code[i].number : variable(op, at);
@@ -446,14 +446,14 @@ static double formula_value(const expr *expression, const expr_point *at)
 static void place_of(const expr *expression, const expr_point *at, double *place)
 {
     const double all[EXPR_AXES] = {at->x, at->y, at->z, at->theta1, at->theta2};
-    for (int a = 0; a < expression->axes; a++)
-        place[a] = all[expression->axis[a]];
+    for (int axis = 0; axis < expression->axes; axis++)
+        place[axis] = all[expression->axis[axis]];
 }
 
 static int is_finite_place(const double *place, int axes)
 {
-    for (int a = 0; a < axes; a++)
-        if (!isfinite(place[a]))
+    for (int axis = 0; axis < axes; axis++)
+        if (!isfinite(place[axis]))
             return 0;
     return 1;
 }

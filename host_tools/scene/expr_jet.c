@@ -33,99 +33,103 @@ static expr_jet parameter(int index, double value)
 
 /* ---- chain rule ------------------------------------------------------- */
 
-static expr_jet chain1(slope1 f, expr_jet a)
+static expr_jet chain1(slope1 function, expr_jet a)
 {
     static const int pair[3][2] = {{0, 0}, {1, 1}, {0, 1}};
-    expr_jet jet = constant(f.value);
+    expr_jet jet = constant(function.value);
     for (int i = 0; i < 2; i++)
-        jet.first[i] = f.first * a.first[i];
+        jet.first[i] = function.first * a.first[i];
     for (int k = 0; k < 3; k++)
-        jet.second[k] =
-            f.first * a.second[k] + f.second * a.first[pair[k][0]] * a.first[pair[k][1]];
+        jet.second[k] = function.first * a.second[k] +
+                        function.second * a.first[pair[k][0]] * a.first[pair[k][1]];
     return jet;
 }
 
-static expr_jet chain2(slope2 f, expr_jet a, expr_jet b)
+static expr_jet chain2(slope2 function, expr_jet a, expr_jet b)
 {
     static const int pair[3][2] = {{0, 0}, {1, 1}, {0, 1}};
-    expr_jet jet = constant(f.value);
+    expr_jet jet = constant(function.value);
     for (int i = 0; i < 2; i++)
-        jet.first[i] = f.first[0] * a.first[i] + f.first[1] * b.first[i];
+        jet.first[i] = function.first[0] * a.first[i] + function.first[1] * b.first[i];
     for (int k = 0; k < 3; k++) {
         const int i = pair[k][0], j = pair[k][1];
-        jet.second[k] = f.first[0] * a.second[k] + f.first[1] * b.second[k] +
-                        f.second[0] * a.first[i] * a.first[j] +
-                        f.second[1] * b.first[i] * b.first[j] +
-                        f.second[2] * (a.first[i] * b.first[j] + a.first[j] * b.first[i]);
+        jet.second[k] = function.first[0] * a.second[k] + function.first[1] * b.second[k] +
+                        function.second[0] * a.first[i] * a.first[j] +
+                        function.second[1] * b.first[i] * b.first[j] +
+                        function.second[2] * (a.first[i] * b.first[j] + a.first[j] * b.first[i]);
     }
     return jet;
 }
 
 /* ---- functions of one value ------------------------------------------- */
 
-static slope1 trigonometric(operation op, double a)
+static slope1 trigonometric(operation op, double argument)
 {
-    const double s = sin(a), c = cos(a), t = s / c;
+    const double sine = sin(argument), cosine = cos(argument), tangent = sine / cosine;
     switch (op) {
-    case OP_SIN: return (slope1){s, c, -s};
-    case OP_COS: return (slope1){c, -s, -c};
-    default: return (slope1){t, 1 + t * t, 2 * t * (1 + t * t)};
+    case OP_SIN: return (slope1){sine, cosine, -sine};
+    case OP_COS: return (slope1){cosine, -sine, -cosine};
+    default: return (slope1){tangent, 1 + tangent * tangent, 2 * tangent * (1 + tangent * tangent)};
     }
 }
 
-static slope1 inverse_trigonometric(operation op, double a)
+static slope1 inverse_trigonometric(operation op, double argument)
 {
-    const double root = sqrt(1 - a * a), square = 1 + a * a;
+    const double root = sqrt(1 - argument * argument), square = 1 + argument * argument;
     switch (op) {
-    case OP_ASIN: return (slope1){asin(a), 1 / root, a / (root * root * root)};
-    case OP_ACOS: return (slope1){acos(a), -1 / root, -a / (root * root * root)};
-    default: return (slope1){atan(a), 1 / square, -2 * a / (square * square)};
+    case OP_ASIN: return (slope1){asin(argument), 1 / root, argument / (root * root * root)};
+    case OP_ACOS: return (slope1){acos(argument), -1 / root, -argument / (root * root * root)};
+    default: return (slope1){atan(argument), 1 / square, -2 * argument / (square * square)};
     }
 }
 
-static slope1 slope_of(operation op, double a)
+static slope1 slope_of(operation op, double argument)
 {
     switch (op) {
-    case OP_NEGATE: return (slope1){-a, -1, 0};
+    case OP_NEGATE: return (slope1){-argument, -1, 0};
     case OP_SIN:
     case OP_COS:
-    case OP_TAN: return trigonometric(op, a);
+    case OP_TAN: return trigonometric(op, argument);
     case OP_ASIN:
     case OP_ACOS:
-    case OP_ATAN: return inverse_trigonometric(op, a);
-    case OP_SQRT: return (slope1){sqrt(a), 0.5 / sqrt(a), -0.25 / (a * sqrt(a))};
-    case OP_EXP: return (slope1){exp(a), exp(a), exp(a)};
-    case OP_LOG: return (slope1){log(a), 1 / a, -1 / (a * a)};
-    default: return (slope1){fabs(a), a < 0 ? -1 : 1, 0};
+    case OP_ATAN: return inverse_trigonometric(op, argument);
+    case OP_SQRT:
+        return (slope1){sqrt(argument), 0.5 / sqrt(argument), -0.25 / (argument * sqrt(argument))};
+    case OP_EXP: return (slope1){exp(argument), exp(argument), exp(argument)};
+    case OP_LOG: return (slope1){log(argument), 1 / argument, -1 / (argument * argument)};
+    default: return (slope1){fabs(argument), argument < 0 ? -1 : 1, 0};
     }
 }
 
 /* Derivatives of a^n for a constant power, also where a is 0 and n is a small whole number. */
-static slope1 power_slope(double a, double n)
+static slope1 power_slope(double base, double exponent)
 {
-    const double first = n == 0 ? 0 : n * pow(a, n - 1);
-    const double second = n == 0 || n == 1 ? 0 : n * (n - 1) * pow(a, n - 2);
-    return (slope1){pow(a, n), first, second};
+    const double first = exponent == 0 ? 0 : exponent * pow(base, exponent - 1);
+    const double second =
+        exponent == 0 || exponent == 1 ? 0 : exponent * (exponent - 1) * pow(base, exponent - 2);
+    return (slope1){pow(base, exponent), first, second};
 }
 
 /* ---- functions of two values ------------------------------------------ */
 
-static int is_constant(expr_jet a)
+static int is_constant(expr_jet jet)
 {
-    return a.first[0] == 0 && a.first[1] == 0 && a.second[0] == 0 && a.second[1] == 0 &&
-           a.second[2] == 0;
+    return jet.first[0] == 0 && jet.first[1] == 0 && jet.second[0] == 0 && jet.second[1] == 0 &&
+           jet.second[2] == 0;
 }
 
-static expr_jet power(expr_jet a, expr_jet b)
+static expr_jet power(expr_jet base, expr_jet exponent)
 {
-    if (is_constant(b))
-        return chain1(power_slope(a.value, b.value), a);
-    const double value = pow(a.value, b.value), l = log(a.value), q = b.value / a.value;
-    const slope2 f = {
-        value,
-        {value * q, value * l},
-        {value * q * (b.value - 1) / a.value, value * l * l, value * (1 + b.value * l) / a.value}};
-    return chain2(f, a, b);
+    if (is_constant(exponent))
+        return chain1(power_slope(base.value, exponent.value), base);
+    const double value = pow(base.value, exponent.value), logarithm = log(base.value),
+                 quotient_of_values = exponent.value / base.value;
+    const slope2 slopes = {value,
+                           {value * quotient_of_values, value * logarithm},
+                           {value * quotient_of_values * (exponent.value - 1) / base.value,
+                            value * logarithm * logarithm,
+                            value * (1 + exponent.value * logarithm) / base.value}};
+    return chain2(slopes, base, exponent);
 }
 
 static slope2 quotient(double a, double b)
@@ -147,28 +151,30 @@ static slope2 radius(double a, double b)
     return (slope2){r, {a / r, b / r}, {b * b / r3, a * a / r3, -a * b / r3}};
 }
 
-static expr_jet combine(operation op, expr_jet a, expr_jet b)
+static expr_jet combine(operation op, expr_jet left, expr_jet right)
 {
     switch (op) {
-    case OP_ADD: return chain2((slope2){a.value + b.value, {1, 1}, {0, 0, 0}}, a, b);
-    case OP_SUBTRACT: return chain2((slope2){a.value - b.value, {1, -1}, {0, 0, 0}}, a, b);
+    case OP_ADD: return chain2((slope2){left.value + right.value, {1, 1}, {0, 0, 0}}, left, right);
+    case OP_SUBTRACT:
+        return chain2((slope2){left.value - right.value, {1, -1}, {0, 0, 0}}, left, right);
     case OP_MULTIPLY:
-        return chain2((slope2){a.value * b.value, {b.value, a.value}, {0, 0, 1}}, a, b);
-    case OP_DIVIDE: return chain2(quotient(a.value, b.value), a, b);
+        return chain2((slope2){left.value * right.value, {right.value, left.value}, {0, 0, 1}},
+                      left, right);
+    case OP_DIVIDE: return chain2(quotient(left.value, right.value), left, right);
     case OP_POWER:
-    case OP_POW: return power(a, b);
-    case OP_MIN: return a.value < b.value ? a : b;
-    case OP_MAX: return a.value > b.value ? a : b;
-    case OP_ATAN2: return chain2(angle(a.value, b.value), a, b);
-    default: return chain2(radius(a.value, b.value), a, b);
+    case OP_POW: return power(left, right);
+    case OP_MIN: return left.value < right.value ? left : right;
+    case OP_MAX: return left.value > right.value ? left : right;
+    case OP_ATAN2: return chain2(angle(left.value, right.value), left, right);
+    default: return chain2(radius(left.value, right.value), left, right);
     }
 }
 
 /* ---- Zernike polynomials ---------------------------------------------- */
 
-static expr_jet scaled(expr_jet a, double factor)
+static expr_jet scaled(expr_jet jet, double factor)
 {
-    return chain1((slope1){factor * a.value, factor, 0}, a);
+    return chain1((slope1){factor * jet.value, factor, 0}, jet);
 }
 
 static expr_jet zernike(expr_jet number, expr_jet rho, expr_jet phi)

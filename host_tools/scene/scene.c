@@ -134,11 +134,11 @@ static int find(const scene_actuator *actuator, int actuators, const char *name,
                 int *count)
 {
     for (; actuators > 0; actuators--, actuator++) {
-        size_t n = strlen(actuator->name);
-        if (strncmp(actuator->name, name, n) != 0)
+        size_t length = strlen(actuator->name);
+        if (strncmp(actuator->name, name, length) != 0)
             continue;
-        *first = name[n] ? from_suffix(actuator, name + n) : actuator->first;
-        *count = name[n] ? 1 : actuator->grid[0] * actuator->grid[1];
+        *first = name[length] ? from_suffix(actuator, name + length) : actuator->first;
+        *count = name[length] ? 1 : actuator->grid[0] * actuator->grid[1];
         if (*first >= 0)
             return 1;
     }

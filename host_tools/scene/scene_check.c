@@ -96,14 +96,15 @@ static int check_poles(const scene *scene, char *error)
     double largest = 0, least = HUGE_VAL, at = 0;
     int i;
     for (i = 0; i <= SAMPLES; i++) {
-        double t = sample(line, i), r;
+        double theta1 = sample(line, i), radius;
         if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* least radius between samples */
-            t = fmax(t, fmin(sample(line, i + 1), (2 * floor(t / full_turn) + 1) * full_turn / 2));
-        r = surface_at(&scene->surface, t, 0).a[1];
-        largest = fmax(largest, fabs(r));
-        if (r < least)
-            at = t;
-        least = fmin(least, r);
+            theta1 = fmax(theta1, fmin(sample(line, i + 1),
+                                       (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
+        radius = surface_at(&scene->surface, theta1, 0).a[1];
+        largest = fmax(largest, fabs(radius));
+        if (radius < least)
+            at = theta1;
+        least = fmin(least, radius);
     }
     if (least > 1e-12 * largest)
         return 0;
@@ -120,32 +121,32 @@ static int check_meridian(const scene *scene, char *error)
 {
     int i;
     for (i = 0; i <= SAMPLES && scene->surface.meridian; i++) {
-        const double t = sample(&scene->line[0], i);
-        if (surface_at(&scene->surface, t, 0).a[0] < 0.05)
+        const double theta1 = sample(&scene->line[0], i);
+        if (surface_at(&scene->surface, theta1, 0).a[0] < 0.05)
             return scene_fault(scene, scene->at_surface, error,
                                "the meridian turns back on itself near theta1 = %g; give more "
                                "points there, or smooth less",
-                               t);
+                               theta1);
     }
     return 0;
 }
 
 /* Check that the centres of curvature lie outside the layers: 1 + k z > 0 at both faces. */
-static int check_depth(const scene *scene, double h, char *error)
+static int check_depth(const scene *scene, double thickness, char *error)
 {
-    const double z[2] = {-scene->reference, h - scene->reference};
-    int i, a, face;
+    const double height[2] = {-scene->reference, thickness - scene->reference};
+    int i, direction, face;
     for (i = 0; i <= SAMPLES; i++) {
-        const surface_point p =
+        const surface_point point =
             surface_at(&scene->surface, sample(&scene->line[0], i), sample(&scene->line[1], i));
-        for (a = 0; a < 2; a++)
+        for (direction = 0; direction < 2; direction++)
             for (face = 0; face < 2; face++)
-                if (!(1 + p.k[a] * z[face] > on_line))
+                if (!(1 + point.k[direction] * height[face] > on_line))
                     return scene_fault(
                         scene, scene->at_layers, error,
                         "the layers reach %g %s the reference surface, past the "
                         "axis or centre of curvature at %g; use thinner layers or a larger radius",
-                        fabs(z[face]), face ? "above" : "below", fabs(1 / p.k[a]));
+                        fabs(height[face]), face ? "above" : "below", fabs(1 / point.k[direction]));
     }
     return 0;
 }
@@ -165,9 +166,10 @@ static int check_formula(const scene *scene, char *error)
     for (int i = 0; i <= SAMPLES && surface_is_general(&scene->surface); i += STRIDE)
         for (int j = 0; j <= SAMPLES; j += STRIDE) {
             const double theta1 = sample(&scene->line[0], i), theta2 = sample(&scene->line[1], j);
-            const surface_point p = surface_at(&scene->surface, theta1, theta2);
+            const surface_point point = surface_at(&scene->surface, theta1, theta2);
             const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);
-            if (!isfinite(p.x[0] + p.x[1] + p.x[2] + p.k[0] + p.k[1]) || isnan(cosine))
+            if (!isfinite(point.x[0] + point.x[1] + point.x[2] + point.k[0] + point.k[1]) ||
+                isnan(cosine))
                 return scene_fault(scene, scene->at_surface, error,
                                    "the formulas have no finite position, normal and curvature at "
                                    "theta1 = %g, theta2 = %g; correct them, or leave the point out "
@@ -197,14 +199,14 @@ static int check_turn(const scene *scene, int direction, char *error)
 
 static int check_surface(const scene *scene, char *error)
 {
-    double h = 0;
+    double thickness = 0;
     int i;
     for (i = 0; i < scene->layers; i++)
-        h += scene->layer[i].thickness;
+        thickness += scene->layer[i].thickness;
     if (surface_revolves(&scene->surface) && check_poles(scene, error) != 0)
         return -1;
     if (check_formula(scene, error) != 0 || check_meridian(scene, error) != 0 ||
-        check_depth(scene, h, error) != 0)
+        check_depth(scene, thickness, error) != 0)
         return -1;
     return check_turn(scene, 1, error) != 0 ? -1 : check_turn(scene, 2, error);
 }
@@ -297,15 +299,15 @@ static int check_places(scene *scene, char *error)
 
 static int check_layers(scene *scene, char *error)
 {
-    double h = 0;
-    int i, p, whole = 0;
+    double thickness = 0;
+    int i, grid, whole = 0;
     for (i = 0; i < scene->layers; i++) {
-        h += scene->layer[i].thickness;
+        thickness += scene->layer[i].thickness;
         whole += !scene->layer[i].patched;
-        for (p = 0; p < scene->patch_grids; p++)
-            if (scene->patches[p].layer == i)
+        for (grid = 0; grid < scene->patch_grids; grid++)
+            if (scene->patches[grid].layer == i)
                 break;
-        if (scene->layer[i].patched && p == scene->patch_grids)
+        if (scene->layer[i].patched && grid == scene->patch_grids)
             return scene_fault(scene, scene->layer[i].at, error,
                                "this layer is patched but no patches lie on it; add patches "
                                "or remove 'patched'");
@@ -314,13 +316,13 @@ static int check_layers(scene *scene, char *error)
         return scene_fault(scene, scene->at_layers, error,
                            "every layer is patched; at least one must cover the whole surface");
     if (scene->reference_is_middle)
-        scene->reference = h / 2;
-    if (scene->reference <= h * (1 + on_line))
+        scene->reference = thickness / 2;
+    if (scene->reference <= thickness * (1 + on_line))
         return 0;
     return scene_fault(scene, scene->at_layers, error,
                        "'reference: %g' lies above the outer face at %g; use middle or a "
                        "height within the layers",
-                       scene->reference, h);
+                       scene->reference, thickness);
 }
 
 static int check_edges(const scene *scene, const scene_patches *patches, int direction,
@@ -348,11 +350,11 @@ static int check_edges(const scene *scene, const scene_patches *patches, int dir
     return 0;
 }
 
-static int overlap(const scene_patches *patches, const scene_patches *q)
+static int overlap(const scene_patches *patches, const scene_patches *other)
 {
-    return patches->layer == q->layer && patches->theta1[0] < q->theta1[1] &&
-           q->theta1[0] < patches->theta1[1] && patches->theta2[0] < q->theta2[1] &&
-           q->theta2[0] < patches->theta2[1];
+    return patches->layer == other->layer && patches->theta1[0] < other->theta1[1] &&
+           other->theta1[0] < patches->theta1[1] && patches->theta2[0] < other->theta2[1] &&
+           other->theta2[0] < patches->theta2[1];
 }
 
 static int check_patches(scene *scene, char *error)

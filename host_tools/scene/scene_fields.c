@@ -29,18 +29,19 @@ static const char *const kind_names[] = {"a single value", "a list [...]",
  * Return the edit distance between two words; a word that is too long has a large distance from all
  * others.
  */
-static int distance(const char *a, const char *b)
+static int distance(const char *first, const char *second)
 {
-    int row[LONGEST + 1], i, j, m = (int)strlen(a), n = (int)strlen(b);
-    if (m > LONGEST || n > LONGEST)
+    int row[LONGEST + 1], i, j, first_length = (int)strlen(first),
+                                second_length = (int)strlen(second);
+    if (first_length > LONGEST || second_length > LONGEST)
         return INT_MAX;
-    for (j = 0; j <= n; j++)
+    for (j = 0; j <= second_length; j++)
         row[j] = j;
-    for (i = 1; i <= m; i++) {
+    for (i = 1; i <= first_length; i++) {
         int corner = row[0];
         row[0] = i;
-        for (j = 1; j <= n; j++) {
-            int best = corner + (a[i - 1] != b[j - 1]);
+        for (j = 1; j <= second_length; j++) {
+            int best = corner + (first[i - 1] != second[j - 1]);
             corner = row[j];
             if (row[j] + 1 < best)
                 best = row[j] + 1;
@@ -49,7 +50,7 @@ static int distance(const char *a, const char *b)
             row[j] = best;
         }
     }
-    return row[n];
+    return row[second_length];
 }
 
 /* Most letters by which a mistyped word of this length may differ from a known one. */
@@ -67,12 +68,12 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
 {
     const char *const *word;
     const char *nearest = NULL;
-    int least = most_mistakes((int)strlen(text)), n = 0;
+    int least = most_mistakes((int)strlen(text)), length = 0;
     for (word = first; *word;
          word = (const char *const *)(const void *)((const char *)word + stride)) {
-        int d = distance(text, *word);
-        if (d <= least) {
-            least = d - 1;
+        int mistakes = distance(text, *word);
+        if (mistakes <= least) {
+            least = mistakes - 1;
             nearest = *word;
         }
     }
@@ -80,49 +81,50 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
         snprintf(out, LIST_ROOM, "did you mean '%s'?", nearest);
         return;
     }
-    n = snprintf(out, LIST_ROOM, "known:");
-    for (word = first; *word && n < LIST_ROOM;
+    length = snprintf(out, LIST_ROOM, "known:");
+    for (word = first; *word && length < LIST_ROOM;
          word = (const char *const *)(const void *)((const char *)word + stride))
-        n += snprintf(out + n, (size_t)(LIST_ROOM - n), "%s %s", word == first ? "" : ",", *word);
+        length += snprintf(out + length, (size_t)(LIST_ROOM - length), "%s %s",
+                           word == first ? "" : ",", *word);
 }
 
 int require_kind(reader *reader, int node, tree_kind kind)
 {
-    const tree_node *n = &reader->t->node[node];
-    if (n->kind == kind)
+    const tree_node *found = &reader->t->node[node];
+    if (found->kind == kind)
         return 0;
-    return tree_fault(reader->t, node, "'%.60s' must be %s, not %s", tree_name(reader->t, node),
-                      kind_names[kind],
-                      n->kind == TREE_SCALAR && !*n->text ? "empty" : kind_names[n->kind]);
+    return tree_fault(
+        reader->t, node, "'%.60s' must be %s, not %s", tree_name(reader->t, node), kind_names[kind],
+        found->kind == TREE_SCALAR && !*found->text ? "empty" : kind_names[found->kind]);
 }
 
 /* Refuse a key that is not in the table of its mapping. */
 static int refuse_key(reader *reader, int node, const field *fields)
 {
     char cure[LIST_ROOM];
-    const tree_node *const n = &reader->t->node[node];
+    const tree_node *const refused = &reader->t->node[node];
     const retired *const row = retired_key(reader->t, node);
-    const char *const section = tree_name(reader->t, n->parent);
+    const char *const section = tree_name(reader->t, refused->parent);
     if (row)
-        return tree_fault_at(reader->t, n->key_at,
+        return tree_fault_at(reader->t, refused->key_at,
                              "'%s' in %.60s is now called '%s'%s; write the new name, or let pzs "
                              "migrate rewrite the file",
                              row->old_name, section, row->new_name, row->remark);
-    suggest(n->key, &fields->key, sizeof *fields, cure);
-    return tree_fault_at(reader->t, n->key_at, "unknown key '%.60s' in %.60s; %s", n->key, section,
-                         cure);
+    suggest(refused->key, &fields->key, sizeof *fields, cure);
+    return tree_fault_at(reader->t, refused->key_at, "unknown key '%.60s' in %.60s; %s",
+                         refused->key, section, cure);
 }
 
 static int check_keys(reader *reader, int node, const field *fields)
 {
-    const tree_node *n = reader->t->node;
-    const field *f;
+    const tree_node *nodes = reader->t->node;
+    const field *field;
     int i;
-    for (i = n[node].first; i; i = n[i].next) {
-        for (f = fields; f->key; f++)
-            if (strcmp(f->key, n[i].key) == 0)
+    for (i = nodes[node].first; i; i = nodes[i].next) {
+        for (field = fields; field->key; field++)
+            if (strcmp(field->key, nodes[i].key) == 0)
                 break;
-        if (!f->key)
+        if (!field->key)
             return refuse_key(reader, i, fields);
     }
     return 0;
@@ -145,15 +147,15 @@ static int read_child(reader *reader, int node, const field *field, void *to)
 
 int read_map(reader *reader, int node, const field *fields, void *to)
 {
-    const field *f;
+    const field *field;
     if (require_kind(reader, node, TREE_MAP) != 0 || check_keys(reader, node, fields) != 0)
         return -1;
-    for (f = fields; f->key; f++) {
-        int child = tree_find(reader->t, node, f->key);
-        if (!child && f->required)
-            return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", f->key,
+    for (field = fields; field->key; field++) {
+        int child = tree_find(reader->t, node, field->key);
+        if (!child && field->required)
+            return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", field->key,
                               tree_name(reader->t, node));
-        if (child && read_child(reader, child, f, to) != 0)
+        if (child && read_child(reader, child, field, to) != 0)
             return -1;
     }
     return 0;
@@ -185,20 +187,21 @@ static int compile(reader *reader, int node, expr **expression)
                       tree_name(reader->t, node), text, column, why);
 }
 
-static int check_range(reader *reader, int node, double v, const range *rule)
+static int check_range(reader *reader, int node, double value, const range *rule)
 {
     const char *name = tree_name(reader->t, node), *text = node_text(reader, node);
-    if (!isfinite(v))
+    if (!isfinite(value))
         return tree_fault(reader->t, node, "'%.60s: %.60s' is not finite; give a number", name,
                           text);
-    if (fabs(v) > largest || (v != 0 && fabs(v) < smallest))
+    if (fabs(value) > largest || (value != 0 && fabs(value) < smallest))
         return tree_fault(
             reader->t, node,
             "'%.60s: %.60s' is out of range; magnitudes run from %g to %g, choose other units",
             name, text, smallest, largest);
     if (!rule)
         return 0;
-    if (rule->strict ? v > rule->low && v < rule->high : v >= rule->low && v <= rule->high)
+    if (rule->strict ? value > rule->low && value < rule->high
+                     : value >= rule->low && value <= rule->high)
         return 0;
     return tree_fault(reader->t, node, "'%.60s: %.60s' %s", name, text, rule->must);
 }
@@ -207,32 +210,32 @@ int read_real(reader *reader, int node, void *to, const void *rule)
 {
     static const expr_point origin;
     expr *expression = NULL;
-    double v;
+    double value;
     int constant;
     if (compile(reader, node, &expression) != 0)
         return -1;
-    v = expr_value(expression, &origin);
+    value = expr_value(expression, &origin);
     constant = expr_is_constant(expression);
     expr_free(expression);
     if (!constant)
         return tree_fault(reader->t, node,
                           "'%.60s: %.60s' varies over the surface; a constant is wanted here",
                           tree_name(reader->t, node), node_text(reader, node));
-    if (check_range(reader, node, v, rule) != 0)
+    if (check_range(reader, node, value, rule) != 0)
         return -1;
-    *(double *)to = v;
+    *(double *)to = value;
     return 0;
 }
 
 int read_int(reader *reader, int node, void *to, const void *rule)
 {
-    double v = 0;
-    if (read_real(reader, node, &v, rule) != 0)
+    double value = 0;
+    if (read_real(reader, node, &value, rule) != 0)
         return -1;
-    if (v != floor(v) || fabs(v) > 1e9)
+    if (value != floor(value) || fabs(value) > 1e9)
         return tree_fault(reader->t, node, "'%.60s: %.60s' must be a whole number",
                           tree_name(reader->t, node), node_text(reader, node));
-    *(int *)to = (int)v;
+    *(int *)to = (int)value;
     return 0;
 }
 
@@ -347,19 +350,19 @@ int read_expr(reader *reader, int node, void *to, const void *rule)
 void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *count)
 {
     void *items;
-    int n;
+    int length;
     *count = 0;
     if (require_kind(reader, node, kind) != 0)
         return NULL;
-    n = reader->t->node[node].count;
-    if (n > MOST_ITEMS)
+    length = reader->t->node[node].count;
+    if (length > MOST_ITEMS)
         return tree_fault(reader->t, node, "'%.60s' has %d items; at most %d are read",
-                          tree_name(reader->t, node), n, MOST_ITEMS),
+                          tree_name(reader->t, node), length, MOST_ITEMS),
                NULL;
-    items = calloc((size_t)n + 1, size);
+    items = calloc((size_t)length + 1, size);
     if (!items)
         return tree_fault(reader->t, node, "out of memory"), NULL;
-    *count = n;
+    *count = length;
     return items;
 }
 
@@ -478,7 +481,7 @@ int check_type_case(reader *reader, int node, const form_case *cases, const char
 {
     const form_case *const one = case_of_type(cases, word);
     const char *keys = one->keys;
-    const tree_node *const n = reader->t->node;
+    const tree_node *const nodes = reader->t->node;
     case_item item;
     while (case_next(&keys, &item)) {
         char key[SCENE_NAME];
@@ -487,9 +490,9 @@ int check_type_case(reader *reader, int node, const form_case *cases, const char
             return tree_fault(reader->t, node, "'%s' is missing in %.60s; a %s needs it", key,
                               tree_name(reader->t, node), word);
     }
-    for (int i = n[node].first; i; i = n[i].next)
-        if (!case_has(one, n[i].key))
-            return tree_fault_at(reader->t, n[i].key_at, "'%s' has no meaning for a %s; remove it",
-                                 n[i].key, word);
+    for (int i = nodes[node].first; i; i = nodes[i].next)
+        if (!case_has(one, nodes[i].key))
+            return tree_fault_at(reader->t, nodes[i].key_at,
+                                 "'%s' has no meaning for a %s; remove it", nodes[i].key, word);
     return 0;
 }

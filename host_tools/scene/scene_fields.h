@@ -12,7 +12,7 @@
  * Function that reads the value of a node into *to. Returns 0, or -1 with the error of the tree
  * filled.
  */
-typedef int field_read(reader *r, int node, void *to, const void *rule);
+typedef int field_read(reader *reader, int node, void *to, const void *rule);
 
 /* Permitted range of a number, from low to high; strict excludes the two limits. */
 typedef struct range {

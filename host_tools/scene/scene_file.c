@@ -170,10 +170,10 @@ static int copy_columns(reader *reader, const function_text *text, const number_
 {
     for (size_t i = 0; i < table->rows; i++) {
         const double *row = table->value + i * table->columns;
-        for (int a = 0; a < columns->axes; a++) {
-            if (check_finite(reader, text->file, table, i, (size_t)columns->column[a]) != 0)
+        for (int axis = 0; axis < columns->axes; axis++) {
+            if (check_finite(reader, text->file, table, i, (size_t)columns->column[axis]) != 0)
                 return -1;
-            point[i * (size_t)columns->axes + (size_t)a] = row[columns->column[a]];
+            point[i * (size_t)columns->axes + (size_t)axis] = row[columns->column[axis]];
         }
         if (check_finite(reader, text->file, table, i, (size_t)columns->value) != 0)
             return -1;

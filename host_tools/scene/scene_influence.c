@@ -44,8 +44,8 @@ static int separate_columns(reader *reader, influence_text *text)
     text->column = calloc(table->columns + 1, sizeof *text->column);
     if (!text->column)
         return tree_fault(reader->t, text->file, "out of memory");
-    for (int a = 0; a < AXES; a++)
-        text->coordinate_column[a] = -1;
+    for (int coordinate = 0; coordinate < AXES; coordinate++)
+        text->coordinate_column[coordinate] = -1;
     for (int k = 0; k < (int)table->columns; k++) {
         int axis = -1;
         if (table->column_name && !text->rows_are_actuators)
@@ -271,17 +271,17 @@ static int copy_coordinates(reader *reader, int node, const number_table *table,
     if (!influence->place)
         return tree_fault(reader->t, node, "out of memory");
     for (int i = 0; i < influence->outputs; i++)
-        for (int a = 0; a < AXES; a++) {
+        for (int axis = 0; axis < AXES; axis++) {
             const size_t row = (size_t)influence->row[i];
             const double value =
-                column[a] < 0 ? 0 : table->value[row * table->columns + (size_t)column[a]];
-            influence->place[i][a] = value;
+                column[axis] < 0 ? 0 : table->value[row * table->columns + (size_t)column[axis]];
+            influence->place[i][axis] = value;
             if (isfinite(value))
                 continue;
-            number_table_place(table, row, (size_t)column[a], where);
+            number_table_place(table, row, (size_t)column[axis], where);
             return tree_fault(reader->t, node,
                               "the coordinate %s of an output is %g, at %s; write a finite number",
-                              axis_name[a], value, where);
+                              axis_name[axis], value, where);
         }
     return 0;
 }
@@ -295,8 +295,8 @@ static int find_columns(reader *reader, const coordinate_text *text, const numbe
                         int column[AXES])
 {
     int k = 0, found = 0;
-    for (int a = 0; a < AXES; a++)
-        column[a] = -1;
+    for (int axis = 0; axis < AXES; axis++)
+        column[axis] = -1;
     for (int i = text->columns ? reader->t->node[text->columns].first : 0; i;
          i = reader->t->node[i].next, k++) {
         if (require_kind(reader, i, TREE_SCALAR) != 0)
@@ -310,8 +310,8 @@ static int find_columns(reader *reader, const coordinate_text *text, const numbe
         if (axis >= 0 && axis < AXES)
             column[axis] = k;
     }
-    for (int a = 0; a < AXES; a++)
-        found += column[a] >= 0;
+    for (int axis = 0; axis < AXES; axis++)
+        found += column[axis] >= 0;
     if (found > 0)
         return 0;
     return tree_fault(reader->t, text->file,
@@ -331,14 +331,14 @@ static int list_points(reader *reader, int list, number_table *table)
     if (!table->value)
         return tree_fault(reader->t, list, "out of memory");
     for (int i = node[list].first; i; i = node[i].next, k++) {
-        size_t a = 0;
+        size_t axis = 0;
         if (require_kind(reader, i, TREE_LIST) != 0)
             return -1;
         if (node[i].count < 1 || node[i].count > AXES)
             return tree_fault(reader->t, i, "a point has 1 to 3 coordinates, not %d; write [x, y]",
                               node[i].count);
         for (int j = node[i].first; j; j = node[j].next)
-            if (read_real(reader, j, &table->value[k * AXES + a++], NULL) != 0)
+            if (read_real(reader, j, &table->value[k * AXES + axis++], NULL) != 0)
                 return -1;
     }
     return 0;
@@ -386,8 +386,8 @@ static int read_coordinates(reader *reader, const influence_text *text)
 static int take_coordinates(reader *reader, const influence_text *text)
 {
     int found = 0;
-    for (int a = 0; a < AXES; a++)
-        found |= text->coordinate_column[a] >= 0;
+    for (int axis = 0; axis < AXES; axis++)
+        found |= text->coordinate_column[axis] >= 0;
     if (found && text->coordinates)
         return tree_fault(reader->t, text->coordinates,
                           "the file of the matrix has columns x, y or z already; remove one of the "

@@ -26,121 +26,121 @@ typedef struct migration {
 
 /* ---- edits ------------------------------------------------------------ */
 
-static int out_of_memory(const migration *m)
+static int out_of_memory(const migration *migration)
 {
     const scene_at whole = {0, 0};
-    return tree_fault_at(&m->tree, whole, "out of memory");
+    return tree_fault_at(&migration->tree, whole, "out of memory");
 }
 
 /* Add an edit that inserts the first `insert_length` bytes of a text. */
-static int add_edit(migration *m, size_t from, size_t length, const char *insert,
+static int add_edit(migration *migration, size_t from, size_t length, const char *insert,
                     size_t insert_length)
 {
     char *const copy = malloc(insert_length + 1);
-    if (m->count == m->room) {
-        const int room = 2 * m->room + 16;
-        edit *const edits = realloc(m->edits, (size_t)room * sizeof *edits);
+    if (migration->count == migration->room) {
+        const int room = 2 * migration->room + 16;
+        edit *const edits = realloc(migration->edits, (size_t)room * sizeof *edits);
         if (edits) {
-            m->edits = edits;
-            m->room = room;
+            migration->edits = edits;
+            migration->room = room;
         }
     }
-    if (!copy || m->count == m->room) {
+    if (!copy || migration->count == migration->room) {
         free(copy);
-        return out_of_memory(m);
+        return out_of_memory(migration);
     }
     memcpy(copy, insert, insert_length);
     copy[insert_length] = 0;
     const edit added = {from, length, copy};
-    m->edits[m->count++] = added;
+    migration->edits[migration->count++] = added;
     return 0;
 }
 
-static int compare_edits(const void *a, const void *b)
+static int compare_edits(const void *left, const void *right)
 {
-    const edit *const p = a, *const q = b;
-    if (p->from != q->from)
-        return p->from < q->from ? -1 : 1;
-    return (p->length > q->length) - (p->length < q->length);
+    const edit *const first = left, *const second = right;
+    if (first->from != second->from)
+        return first->from < second->from ? -1 : 1;
+    return (first->length > second->length) - (first->length < second->length);
 }
 
 /* Write the text with all edits applied; an edit that repeats the previous one is skipped. */
-static void write_edited(const migration *m, char *to, size_t *bytes)
+static void write_edited(const migration *migration, char *to, size_t *bytes)
 {
-    size_t at = 0, n = 0;
-    for (int i = 0; i < m->count; i++) {
-        const edit *const e = &m->edits[i];
-        if (e->from < at) /* the place has been edited through another alias of the same node */
+    size_t at = 0, length = 0;
+    for (int i = 0; i < migration->count; i++) {
+        const edit *const edit = &migration->edits[i];
+        if (edit->from < at) /* the place has been edited through another alias of the same node */
             continue;
-        memcpy(to + n, m->text + at, e->from - at);
-        n += e->from - at;
-        memcpy(to + n, e->insert, strlen(e->insert));
-        n += strlen(e->insert);
-        at = e->from + e->length;
+        memcpy(to + length, migration->text + at, edit->from - at);
+        length += edit->from - at;
+        memcpy(to + length, edit->insert, strlen(edit->insert));
+        length += strlen(edit->insert);
+        at = edit->from + edit->length;
     }
-    memcpy(to + n, m->text + at, m->bytes - at);
-    *bytes = n + m->bytes - at;
+    memcpy(to + length, migration->text + at, migration->bytes - at);
+    *bytes = length + migration->bytes - at;
 }
 
-static int apply_edits(migration *m, char **text, size_t *bytes)
+static int apply_edits(migration *migration, char **text, size_t *bytes)
 {
-    size_t room = m->bytes + 1;
-    for (int i = 0; i < m->count; i++)
-        room += strlen(m->edits[i].insert);
-    if (m->count)
-        qsort(m->edits, (size_t)m->count, sizeof *m->edits, compare_edits);
+    size_t room = migration->bytes + 1;
+    for (int i = 0; i < migration->count; i++)
+        room += strlen(migration->edits[i].insert);
+    if (migration->count)
+        qsort(migration->edits, (size_t)migration->count, sizeof *migration->edits, compare_edits);
     *text = malloc(room);
     if (!*text)
-        return out_of_memory(m);
-    write_edited(m, *text, bytes);
+        return out_of_memory(migration);
+    write_edited(migration, *text, bytes);
     (*text)[*bytes] = 0;
     return 0;
 }
 
-static int open_migration(migration *m, const char *path, const char *text, size_t bytes,
+static int open_migration(migration *migration, const char *path, const char *text, size_t bytes,
                           char *error)
 {
-    memset(m, 0, sizeof *m);
-    m->text = text;
-    m->bytes = bytes;
-    return tree_read_text(&m->tree, path, text, bytes, error);
+    memset(migration, 0, sizeof *migration);
+    migration->text = text;
+    migration->bytes = bytes;
+    return tree_read_text(&migration->tree, path, text, bytes, error);
 }
 
-static void close_migration(migration *m)
+static void close_migration(migration *migration)
 {
-    for (int i = 0; i < m->count; i++)
-        free(m->edits[i].insert);
-    free(m->edits);
-    tree_free(&m->tree);
+    for (int i = 0; i < migration->count; i++)
+        free(migration->edits[i].insert);
+    free(migration->edits);
+    tree_free(&migration->tree);
 }
 
 /* ---- places in the text ----------------------------------------------- */
 
 /* Return the byte at which a line starts, behind a byte order mark; lines are counted from 1. */
-static size_t line_start(const migration *m, int line)
+static size_t line_start(const migration *migration, int line)
 {
-    size_t at = strncmp(m->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-    for (; line > 1 && at < m->bytes; at++)
-        line -= m->text[at] == '\n';
+    size_t at = strncmp(migration->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    for (; line > 1 && at < migration->bytes; at++)
+        line -= migration->text[at] == '\n';
     return at;
 }
 
 /* Return the byte behind the line that contains a byte. */
-static size_t line_end(const migration *m, size_t at)
+static size_t line_end(const migration *migration, size_t at)
 {
-    while (at < m->bytes && m->text[at] != '\n')
+    while (at < migration->bytes && migration->text[at] != '\n')
         at++;
-    return at < m->bytes ? at + 1 : at;
+    return at < migration->bytes ? at + 1 : at;
 }
 
 /* Return the byte of a position, whose column counts characters of UTF-8. */
-static size_t byte_of(const migration *m, scene_at place)
+static size_t byte_of(const migration *migration, scene_at place)
 {
-    size_t at = line_start(m, place.line);
-    for (int column = 1; column < place.column && at < m->bytes; column++)
+    size_t at = line_start(migration, place.line);
+    for (int column = 1; column < place.column && at < migration->bytes; column++)
         do
             at++;
-        while (at < m->bytes && ((unsigned char)m->text[at] & 0xC0) == 0x80);
+        while (at < migration->bytes && ((unsigned char)migration->text[at] & 0xC0) == 0x80);
     return at;
 }
 
@@ -148,106 +148,113 @@ static size_t byte_of(const migration *m, scene_at place)
  * Find the first byte of a name at a position of the text, behind a quotation mark if there is one.
  * Returns 0, or -1 with the error filled if the text there is written in another way.
  */
-static int locate(const migration *m, scene_at place, const char *name, size_t *at)
+static int locate(const migration *migration, scene_at place, const char *name, size_t *at)
 {
-    *at = byte_of(m, place);
-    if (*at < m->bytes && (m->text[*at] == '"' || m->text[*at] == '\''))
+    *at = byte_of(migration, place);
+    if (*at < migration->bytes && (migration->text[*at] == '"' || migration->text[*at] == '\''))
         ++*at;
-    if (m->bytes - *at >= strlen(name) && memcmp(m->text + *at, name, strlen(name)) == 0)
+    if (migration->bytes - *at >= strlen(name) &&
+        memcmp(migration->text + *at, name, strlen(name)) == 0)
         return 0;
-    return tree_fault_at(&m->tree, place,
+    return tree_fault_at(&migration->tree, place,
                          "'%.60s' is not written plainly here and cannot be replaced; change this "
                          "line by hand",
                          name);
 }
 
-static int replace_name(migration *m, scene_at place, const char *old_name, const char *new_name)
+static int replace_name(migration *migration, scene_at place, const char *old_name,
+                        const char *new_name)
 {
     size_t at;
-    if (locate(m, place, old_name, &at) != 0)
+    if (locate(migration, place, old_name, &at) != 0)
         return -1;
-    return add_edit(m, at, strlen(old_name), new_name, strlen(new_name));
+    return add_edit(migration, at, strlen(old_name), new_name, strlen(new_name));
 }
 
 /* ---- the tick rate: from `simulate` to `control` ---------------------- */
 
-static int refuse_move(const migration *m, int node)
+static int refuse_move(const migration *migration, int node)
 {
-    return tree_fault_at(&m->tree, m->tree.node[node].key_at,
+    return tree_fault_at(&migration->tree, migration->tree.node[node].key_at,
                          "'rate' cannot be moved by itself here; write it as control: {rate: ...}");
 }
 
 /* Return the byte behind the value of a node, including its quotation mark; 0 on an error. */
-static size_t value_end(const migration *m, int node)
+static size_t value_end(const migration *migration, int node)
 {
-    const tree_node *const n = &m->tree.node[node];
+    const tree_node *const value = &migration->tree.node[node];
     size_t at;
-    if (n->kind != TREE_SCALAR || locate(m, n->at, n->text, &at) != 0)
+    if (value->kind != TREE_SCALAR || locate(migration, value->at, value->text, &at) != 0)
         return 0;
-    const bool is_quoted = at > byte_of(m, n->at);
-    return at + strlen(n->text) + is_quoted;
+    const bool is_quoted = at > byte_of(migration, value->at);
+    return at + strlen(value->text) + is_quoted;
 }
 
 /* Return the byte of a key, including its quotation mark. */
-static size_t key_start(const migration *m, int node)
+static size_t key_start(const migration *migration, int node)
 {
-    return byte_of(m, m->tree.node[node].key_at);
+    return byte_of(migration, migration->tree.node[node].key_at);
 }
 
 /* Move an item of {ticks: 9, rate: 1000} in front of `simulate`. */
-static int move_flow_rate(migration *m, int node, int section)
+static int move_flow_rate(migration *migration, int node, int section)
 {
-    size_t from = key_start(m, node), end = value_end(m, node);
-    const bool is_flow = m->text[byte_of(m, m->tree.node[m->tree.root].at)] == '{';
+    size_t from = key_start(migration, node), end = value_end(migration, node);
+    const bool is_flow =
+        migration->text[byte_of(migration, migration->tree.node[migration->tree.root].at)] == '{';
     char item[200];
     const int length = snprintf(item, sizeof item, "control: {%.*s}%s", (int)(end - from),
-                                m->text + from, is_flow ? ", " : "\n");
+                                migration->text + from, is_flow ? ", " : "\n");
     if (length >= (int)sizeof item)
-        return refuse_move(m, node);
-    while (end < m->bytes && m->text[end] == ' ')
+        return refuse_move(migration, node);
+    while (end < migration->bytes && migration->text[end] == ' ')
         end++;
-    if (m->text[end] == ',') {
+    if (migration->text[end] == ',') {
         end++;
-        while (m->text[end] == ' ')
+        while (migration->text[end] == ' ')
             end++;
     } else {
-        while (from > 0 && strchr(" ,", m->text[from - 1]))
+        while (from > 0 && strchr(" ,", migration->text[from - 1]))
             from--;
     }
-    return add_edit(m, from, end - from, "", 0) == 0
-               ? add_edit(m, key_start(m, section), 0, item, (size_t)length)
+    return add_edit(migration, from, end - from, "", 0) == 0
+               ? add_edit(migration, key_start(migration, section), 0, item, (size_t)length)
                : -1;
 }
 
 /* Move a line of its own under a new key `control`, above the comment in front of `simulate`. */
-static int move_block_rate(migration *m, int node, int section)
+static int move_block_rate(migration *migration, int node, int section)
 {
-    const size_t from = line_start(m, m->tree.node[node].key_at.line), end = line_end(m, from);
-    int line = m->tree.node[section].key_at.line;
+    const size_t from = line_start(migration, migration->tree.node[node].key_at.line),
+                 end = line_end(migration, from);
+    int line = migration->tree.node[section].key_at.line;
     char item[400];
-    if (strspn(m->text + from, " ") != key_start(m, node) - from ||
-        m->tree.node[section].key_at.column != 1)
-        return refuse_move(m, node);
-    while (line > 1 && m->text[line_start(m, line - 1)] == '#')
+    if (strspn(migration->text + from, " ") != key_start(migration, node) - from ||
+        migration->tree.node[section].key_at.column != 1)
+        return refuse_move(migration, node);
+    while (line > 1 && migration->text[line_start(migration, line - 1)] == '#')
         line--;
-    const int length = snprintf(item, sizeof item, "control:\n%.*s%s", (int)(end - from),
-                                m->text + from, m->text[end - 1] == '\n' ? "" : "\n");
+    const int length =
+        snprintf(item, sizeof item, "control:\n%.*s%s", (int)(end - from), migration->text + from,
+                 migration->text[end - 1] == '\n' ? "" : "\n");
     if (length >= (int)sizeof item)
-        return refuse_move(m, node);
-    return add_edit(m, from, end - from, "", 0) == 0
-               ? add_edit(m, line_start(m, line), 0, item, (size_t)length)
+        return refuse_move(migration, node);
+    return add_edit(migration, from, end - from, "", 0) == 0
+               ? add_edit(migration, line_start(migration, line), 0, item, (size_t)length)
                : -1;
 }
 
-static int move_rate(migration *m, int node)
+static int move_rate(migration *migration, int node)
 {
-    const int section = m->tree.node[node].parent;
-    const char first = m->text[byte_of(m, m->tree.node[section].at)];
-    if (value_end(m, node) == 0 || tree_find(&m->tree, m->tree.root, "control"))
-        return refuse_move(m, node);
+    const int section = migration->tree.node[node].parent;
+    const char first = migration->text[byte_of(migration, migration->tree.node[section].at)];
+    if (value_end(migration, node) == 0 ||
+        tree_find(&migration->tree, migration->tree.root, "control"))
+        return refuse_move(migration, node);
     if (first == '{')
-        return move_flow_rate(m, node, section);
-    return first == '&' || first == '!' ? refuse_move(m, node) : move_block_rate(m, node, section);
+        return move_flow_rate(migration, node, section);
+    return first == '&' || first == '!' ? refuse_move(migration, node)
+                                        : move_block_rate(migration, node, section);
 }
 
 /* ---- the step limit as a rate limit ----------------------------------- */
@@ -266,35 +273,37 @@ static bool rate_limit_text(double step_limit, double rate, char text[32])
     return false;
 }
 
-static int edit_step_limit(migration *m, const scene *scene)
+static int edit_step_limit(migration *migration, const scene *scene)
 {
-    const int limits = tree_find(&m->tree, m->tree.root, "limits");
-    const int node = limits ? tree_find(&m->tree, limits, "step_limit") : 0;
-    const int control = tree_find(&m->tree, m->tree.root, "control");
+    const int limits = tree_find(&migration->tree, migration->tree.root, "limits");
+    const int node = limits ? tree_find(&migration->tree, limits, "step_limit") : 0;
+    const int control = tree_find(&migration->tree, migration->tree.root, "control");
     char text[32];
-    if (!node || !control || !tree_find(&m->tree, control, "rate") ||
+    if (!node || !control || !tree_find(&migration->tree, control, "rate") ||
         !rate_limit_text(scene->limits.step_limit, scene->control.rate, text))
         return 0;
-    const size_t end = value_end(m, node), from = byte_of(m, m->tree.node[node].at);
-    if (end == 0 || replace_name(m, m->tree.node[node].key_at, "step_limit", "rate_limit") != 0)
+    const size_t end = value_end(migration, node),
+                 from = byte_of(migration, migration->tree.node[node].at);
+    if (end == 0 ||
+        replace_name(migration, migration->tree.node[node].key_at, "step_limit", "rate_limit") != 0)
         return -1;
-    return add_edit(m, from, end - from, text, strlen(text));
+    return add_edit(migration, from, end - from, text, strlen(text));
 }
 
 /* Replace the step limit of a text by a rate limit if the scene gives a tick rate. */
 static int use_rate_limit(const char *path, char **text, size_t *bytes, char *error)
 {
     scene scene;
-    migration m;
+    migration migration;
     char *edited = NULL;
     if (scene_read_text(&scene, path, *text, *bytes, error) != 0)
         return -1;
-    int status = open_migration(&m, path, *text, *bytes, error);
+    int status = open_migration(&migration, path, *text, *bytes, error);
     if (status == 0)
-        status = edit_step_limit(&m, &scene);
+        status = edit_step_limit(&migration, &scene);
     if (status == 0)
-        status = apply_edits(&m, &edited, bytes);
-    close_migration(&m);
+        status = apply_edits(&migration, &edited, bytes);
+    close_migration(&migration);
     scene_free(&scene);
     if (status != 0)
         return -1;
@@ -305,33 +314,33 @@ static int use_rate_limit(const char *path, char **text, size_t *bytes, char *er
 
 /* ---- the whole -------------------------------------------------------- */
 
-static int edit_node(migration *m, int node, bool *has_slew)
+static int edit_node(migration *migration, int node, bool *has_slew)
 {
-    const tree_node *const n = &m->tree.node[node];
-    const retired *const key = n->key ? retired_key(&m->tree, node) : NULL;
-    const retired *const word = retired_word(&m->tree, node);
-    if (word && replace_name(m, n->at, word->old_name, word->new_name) != 0)
+    const tree_node *const edited = &migration->tree.node[node];
+    const retired *const key = edited->key ? retired_key(&migration->tree, node) : NULL;
+    const retired *const word = retired_word(&migration->tree, node);
+    if (word && replace_name(migration, edited->at, word->old_name, word->new_name) != 0)
         return -1;
     if (!key)
         return 0;
     *has_slew |= key->type == RETIRED_SLEW;
     if (key->type == RETIRED_RATE)
-        return move_rate(m, node);
-    return replace_name(m, n->key_at, key->old_name, key->new_name);
+        return move_rate(migration, node);
+    return replace_name(migration, edited->key_at, key->old_name, key->new_name);
 }
 
 /* Replace all retired names of a text; *text is the new text. */
 static int replace_retired(const char *path, char **text, size_t *bytes, bool *has_slew,
                            char *error)
 {
-    migration m;
+    migration migration;
     char *edited = NULL;
-    int status = open_migration(&m, path, *text, *bytes, error);
-    for (int node = 1; status == 0 && node <= m.tree.nodes; node++)
-        status = edit_node(&m, node, has_slew);
+    int status = open_migration(&migration, path, *text, *bytes, error);
+    for (int node = 1; status == 0 && node <= migration.tree.nodes; node++)
+        status = edit_node(&migration, node, has_slew);
     if (status == 0)
-        status = apply_edits(&m, &edited, bytes);
-    close_migration(&m);
+        status = apply_edits(&migration, &edited, bytes);
+    close_migration(&migration);
     if (status != 0)
         return -1;
     free(*text);

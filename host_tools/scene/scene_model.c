@@ -138,10 +138,10 @@ static int require(reader *reader, int node, const char *const *keys)
     return 0;
 }
 
-static void set_default(double *v, double value)
+static void set_default(double *member, double value)
 {
-    if (isnan(*v))
-        *v = value;
+    if (isnan(*member))
+        *member = value;
 }
 
 static int elastic_isotropic(reader *reader, int node, material_text *text)
@@ -219,31 +219,34 @@ static const form stiffness_form = {.type = FORM_MAP, .fields = stiffness_fields
 
 static int read_stiffness(reader *reader, int node, void *to, const void *rule)
 {
-    double *c = to;
+    double *stiffness = to;
     int i;
     (void)rule;
     for (i = 0; i < 9; i++)
-        c[i] = (double)NAN;
-    if (read_map(reader, node, stiffness_fields, c) != 0)
+        stiffness[i] = (double)NAN;
+    if (read_map(reader, node, stiffness_fields, stiffness) != 0)
         return -1;
-    set_default(&c[C22], c[C11]);
-    set_default(&c[C23], c[C13]);
-    set_default(&c[C55], c[C44]);
-    set_default(&c[C66], (c[C11] - c[C12]) / 2);
+    set_default(&stiffness[C22], stiffness[C11]);
+    set_default(&stiffness[C23], stiffness[C13]);
+    set_default(&stiffness[C55], stiffness[C44]);
+    set_default(&stiffness[C66], (stiffness[C11] - stiffness[C12]) / 2);
     return 0;
 }
 
 /* Compute the engineering constants from the inverse of a stiffness matrix. */
 static int elastic_stiffness(reader *reader, int node, material_text *text)
 {
-    const double *c = text->c;
+    const double *stiffness = text->c;
     scene_material *material = &text->m;
-    const double minor = c[C11] * c[C22] - c[C12] * c[C12], s33 = minor;
-    const double s11 = c[C22] * c[C33] - c[C23] * c[C23], s22 = c[C11] * c[C33] - c[C13] * c[C13];
-    const double s12 = c[C13] * c[C23] - c[C12] * c[C33], s13 = c[C12] * c[C23] - c[C13] * c[C22];
-    const double s23 = c[C12] * c[C13] - c[C23] * c[C11];
-    const double all = c[C11] * s11 + c[C12] * s12 + c[C13] * s13;
-    if (!(minor > 0 && all > 0 && s11 > 0 && s22 > 0 && c[C66] > 0))
+    const double minor = stiffness[C11] * stiffness[C22] - stiffness[C12] * stiffness[C12],
+                 s33 = minor;
+    const double s11 = stiffness[C22] * stiffness[C33] - stiffness[C23] * stiffness[C23],
+                 s22 = stiffness[C11] * stiffness[C33] - stiffness[C13] * stiffness[C13];
+    const double s12 = stiffness[C13] * stiffness[C23] - stiffness[C12] * stiffness[C33],
+                 s13 = stiffness[C12] * stiffness[C23] - stiffness[C13] * stiffness[C22];
+    const double s23 = stiffness[C12] * stiffness[C13] - stiffness[C23] * stiffness[C11];
+    const double all = stiffness[C11] * s11 + stiffness[C12] * s12 + stiffness[C13] * s13;
+    if (!(minor > 0 && all > 0 && s11 > 0 && s22 > 0 && stiffness[C66] > 0))
         return tree_fault(reader->t, node,
                           "the stiffness of %.60s is not positive definite; lower c12, c13 or c23",
                           tree_name(reader->t, node));
@@ -253,9 +256,9 @@ static int elastic_stiffness(reader *reader, int node, material_text *text)
     material->nu12 = -s12 / s11;
     material->nu13 = -s13 / s11;
     material->nu23 = -s23 / s22;
-    material->g23 = c[C44];
-    material->g13 = c[C55];
-    material->g12 = c[C66];
+    material->g23 = stiffness[C44];
+    material->g13 = stiffness[C55];
+    material->g12 = stiffness[C66];
     return 0;
 }
 

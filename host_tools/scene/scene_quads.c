@@ -15,7 +15,7 @@ enum { LIST = 200 };
 
 int read_vector(reader *reader, int node, void *to, const void *rule)
 {
-    double *v = to;
+    double *vector = to;
     int i;
     (void)rule;
     if (require_kind(reader, node, TREE_LIST) != 0)
@@ -24,23 +24,23 @@ int read_vector(reader *reader, int node, void *to, const void *rule)
         return tree_fault(reader->t, node, "'%.60s' has %d values; give three, [x, y, z]",
                           tree_name(reader->t, node), reader->t->node[node].count);
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_real(reader, i, v++, NULL) != 0)
+        if (read_real(reader, i, vector++, NULL) != 0)
             return -1;
     return 0;
 }
 
 int read_unit(reader *reader, int node, void *to, const void *rule)
 {
-    double *v = to, length;
+    double *vector = to, length;
     int i;
-    if (read_vector(reader, node, v, rule) != 0)
+    if (read_vector(reader, node, vector, rule) != 0)
         return -1;
-    length = hypot(hypot(v[0], v[1]), v[2]);
+    length = hypot(hypot(vector[0], vector[1]), vector[2]);
     if (length == 0)
         return tree_fault(reader->t, node, "'%.60s: [0, 0, 0]' has no direction; give one",
                           tree_name(reader->t, node));
     for (i = 0; i < 3; i++)
-        v[i] /= length;
+        vector[i] /= length;
     return 0;
 }
 
@@ -193,17 +193,18 @@ static bool fits(const char *pattern, const char *name)
 }
 
 /* Order of names in which numbers count by their value: patch 2 comes before patch 10. */
-static int by_name(const void *x, const void *y)
+static int by_name(const void *left, const void *right)
 {
-    const char *a = (*(const quad_set *const *)x)->name, *b = (*(const quad_set *const *)y)->name;
-    while (*a && *a == *b) {
-        a++;
-        b++;
+    const char *first = (*(const quad_set *const *)left)->name,
+               *second = (*(const quad_set *const *)right)->name;
+    while (*first && *first == *second) {
+        first++;
+        second++;
     }
-    const size_t own = strspn(a, "0123456789"), other = strspn(b, "0123456789");
+    const size_t own = strspn(first, "0123456789"), other = strspn(second, "0123456789");
     if (own != other && own > 0 && other > 0)
         return own < other ? -1 : 1;
-    return (unsigned char)*a - (unsigned char)*b;
+    return (unsigned char)*first - (unsigned char)*second;
 }
 
 /*
@@ -289,8 +290,8 @@ int read_patch_sets(reader *reader, int node, void *to, const void *rule)
     patches->patch = malloc(mesh->elements * sizeof *patches->patch);
     if (!found || !patches->patch)
         status = tree_fault(reader->t, node, "out of memory");
-    for (size_t e = 0; patches->patch && e < mesh->elements; e++)
-        patches->patch[e] = -1;
+    for (size_t element = 0; patches->patch && element < mesh->elements; element++)
+        patches->patch[element] = -1;
     patches->grid[0] = 0;
     for (int i = reader->t->node[node].first; i && status == 0; i = reader->t->node[i].next) {
         const int count = find_sets(reader, i, found);
@@ -306,11 +307,11 @@ int read_patch_sets(reader *reader, int node, void *to, const void *rule)
 
 /* ---- places ------------------------------------------------------------ */
 
-static double distance_to(const quad_mesh *mesh, size_t node, const double x[3])
+static double distance_to(const quad_mesh *mesh, size_t node, const double place[3])
 {
     double sum = 0;
     for (int i = 0; i < 3; i++)
-        sum += pow(mesh->position[node][i] - x[i], 2);
+        sum += pow(mesh->position[node][i] - place[i], 2);
     return sqrt(sum);
 }
 
@@ -318,11 +319,12 @@ static double distance_to(const quad_mesh *mesh, size_t node, const double x[3])
 static double size_at(const quad_mesh *mesh, uint32_t node)
 {
     double size = 0;
-    for (size_t e = 0; e < mesh->elements; e++)
-        for (int r = 0; r < 4; r++)
-            if (mesh->element[e][r] == node)
+    for (size_t element = 0; element < mesh->elements; element++)
+        for (int corner = 0; corner < 4; corner++)
+            if (mesh->element[element][corner] == node)
                 size = fmax(size,
-                            distance_to(mesh, node, mesh->position[mesh->element[e][(r + 2) % 4]]));
+                            distance_to(mesh, node,
+                                        mesh->position[mesh->element[element][(corner + 2) % 4]]));
     return size;
 }
 
@@ -342,9 +344,9 @@ int read_place(reader *reader, int node, scene_where *where)
         return -1;
     const quad_mesh *mesh = &reader->s->quads->mesh;
     uint32_t nearest = 0;
-    for (uint32_t n = 1; n < mesh->nodes; n++)
-        if (distance_to(mesh, n, where->x) < distance_to(mesh, nearest, where->x))
-            nearest = n;
+    for (uint32_t candidate = 1; candidate < mesh->nodes; candidate++)
+        if (distance_to(mesh, candidate, where->x) < distance_to(mesh, nearest, where->x))
+            nearest = candidate;
     const double *found = mesh->position[nearest];
     if (distance_to(mesh, nearest, where->x) > size_at(mesh, nearest))
         return tree_fault(reader->t, node,
@@ -387,7 +389,7 @@ size_t scene_mark_nodes(const scene *scene, const scene_where *where, unsigned c
         mark_set(mesh, edges, 2, in_set);
     else if (where->type == WHERE_SET && elements)
         mark_set(mesh, elements, 4, in_set);
-    for (size_t n = 0; n < mesh->nodes; n++)
-        count += in_set[n];
+    for (size_t node = 0; node < mesh->nodes; node++)
+        count += in_set[node];
     return count;
 }

@@ -11,13 +11,14 @@ static int check_overlaps(const scene *scene, char *error)
     for (int i = 0; i < scene->patch_grids; i++)
         for (int j = 0; j < i; j++) {
             const scene_patches *own = &scene->patches[i], *other = &scene->patches[j];
-            for (size_t e = 0; e < scene->quads->mesh.elements && own->layer == other->layer; e++)
-                if (own->patch[e] >= 0 && other->patch[e] >= 0)
+            for (size_t element = 0;
+                 element < scene->quads->mesh.elements && own->layer == other->layer; element++)
+                if (own->patch[element] >= 0 && other->patch[element] >= 0)
                     return scene_fault(scene, own->at, error,
                                        "patches '%s' and '%s' overlap on one layer, in element "
                                        "%lld; use other sets",
                                        other->name, own->name,
-                                       (long long)scene->quads->mesh.element_label[e]);
+                                       (long long)scene->quads->mesh.element_label[element]);
         }
     return 0;
 }
@@ -40,9 +41,9 @@ static uint32_t layers_in(const scene *scene, size_t element)
         if (!scene->layer[i].patched &&
             (!scene->layer[i].present || scene->layer[i].present[element]))
             layers |= 1u << i;
-    for (int p = 0; p < scene->patch_grids; p++)
-        if (scene->patches[p].patch[element] >= 0 && scene->patches[p].layer < 32)
-            layers |= 1u << scene->patches[p].layer;
+    for (int grid = 0; grid < scene->patch_grids; grid++)
+        if (scene->patches[grid].patch[element] >= 0 && scene->patches[grid].layer < 32)
+            layers |= 1u << scene->patches[grid].layer;
     return layers;
 }
 
@@ -69,7 +70,8 @@ int check_regions(scene *scene, char *error)
     mesh->element_region = calloc(mesh->elements, sizeof *mesh->element_region);
     if (!mesh->region || !mesh->element_region)
         return scene_fault(scene, scene->quads->at, error, "the mesh does not fit into memory");
-    for (size_t e = 0; e < mesh->elements; e++)
-        mesh->element_region[e] = region_of(mesh, layers_in(scene, e), scene->quads->direction);
+    for (size_t element = 0; element < mesh->elements; element++)
+        mesh->element_region[element] =
+            region_of(mesh, layers_in(scene, element), scene->quads->direction);
     return 0;
 }

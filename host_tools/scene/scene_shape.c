@@ -199,18 +199,18 @@ static int make_points(reader *reader, int node, scene_line *line, int elements)
 static int read_points(reader *reader, int node, scene_line *line)
 {
     int i, k = 0, list = tree_find(reader->t, node, "points");
-    const tree_node *n = &reader->t->node[list];
+    const tree_node *points = &reader->t->node[list];
     if (reader->t->node[node].count > 1)
         return tree_fault(reader->t, node, "'points' says all; remove the other keys");
-    if (n->kind != TREE_LIST || n->count < 2)
+    if (points->kind != TREE_LIST || points->count < 2)
         return tree_fault(reader->t, list,
                           "'points' must be a list of at least two, [0, 0.1, ...]");
-    if (n->count > SCENE_NODES)
-        return tree_fault(reader->t, list, "%d points; a mesh has at most %d nodes", n->count,
+    if (points->count > SCENE_NODES)
+        return tree_fault(reader->t, list, "%d points; a mesh has at most %d nodes", points->count,
                           SCENE_NODES);
-    if (make_points(reader, list, line, n->count - 1) != 0)
+    if (make_points(reader, list, line, points->count - 1) != 0)
         return -1;
-    for (i = n->first; i; i = reader->t->node[i].next, k++) {
+    for (i = points->first; i; i = reader->t->node[i].next, k++) {
         if (read_real(reader, i, &line->point[k], NULL) != 0)
             return -1;
         if (k > 0 && !(line->point[k] > line->point[k - 1]))

@@ -61,10 +61,10 @@ static int read_patches_of(reader *reader, int node, void *to, const void *rule)
 
 static const char *driven_by(const scene_actuator *actuator, int actuators, int patches)
 {
-    int d;
+    int drive;
     for (; actuators > 0; actuators--, actuator++)
-        for (d = 0; d < actuator->drives; d++)
-            if (actuator->drive[d].patches == patches)
+        for (drive = 0; drive < actuator->drives; drive++)
+            if (actuator->drive[drive].patches == patches)
                 return actuator->name;
     return NULL;
 }
@@ -121,11 +121,11 @@ static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least 
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
     scene_actuator *actuator = to;
-    int i, n;
-    actuator->drive = new_items(reader, node, TREE_LIST, sizeof *actuator->drive, &n);
+    int i, count;
+    actuator->drive = new_items(reader, node, TREE_LIST, sizeof *actuator->drive, &count);
     if (!actuator->drive)
         return -1;
-    if (n == 0)
+    if (count == 0)
         return tree_fault(reader->t, node,
                           "'drives' is empty; name the patches, as [{patches: up}]");
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, actuator->drives++) {
@@ -204,9 +204,9 @@ static int read_actuator(reader *reader, int node, scene_actuator *actuator)
 int read_actuators(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, n;
+    int i, count;
     (void)rule;
-    scene->actuator = new_items(reader, node, TREE_LIST, sizeof *scene->actuator, &n);
+    scene->actuator = new_items(reader, node, TREE_LIST, sizeof *scene->actuator, &count);
     if (!scene->actuator)
         return -1;
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
@@ -248,9 +248,9 @@ static int read_sensor(reader *reader, int node, scene_actuator *actuator)
 int read_sensors(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, n;
+    int i, count;
     (void)rule;
-    scene->sensor = new_items(reader, node, TREE_LIST, sizeof *scene->sensor, &n);
+    scene->sensor = new_items(reader, node, TREE_LIST, sizeof *scene->sensor, &count);
     if (!scene->sensor)
         return -1;
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
@@ -631,14 +631,15 @@ static int read_free_item(reader *reader, int node, scene_mode *to)
 static int read_free(reader *reader, int node, void *to, const void *rule)
 {
     scene_target *target = &reader->s->target;
-    int i, n;
+    int i, count;
     (void)to;
     (void)rule;
-    target->free = new_items(reader, node, TREE_LIST, sizeof *target->free, &n);
+    target->free = new_items(reader, node, TREE_LIST, sizeof *target->free, &count);
     if (!target->free)
         return -1;
-    if (n > SCENE_FREE)
-        return tree_fault(reader->t, node, "%d free functions; at most %d are read", n, SCENE_FREE);
+    if (count > SCENE_FREE)
+        return tree_fault(reader->t, node, "%d free functions; at most %d are read", count,
+                          SCENE_FREE);
     for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
         if (read_free_item(reader, i, &target->free[target->frees++]) != 0)
             return -1;

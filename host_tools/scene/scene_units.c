@@ -141,13 +141,13 @@ static dimension of_compare(const reader *reader, int node)
 /* Return the dimension of theta1 or theta2, whichever is the nearest key of a node. */
 static dimension of_coordinate(const reader *reader, int node)
 {
-    const tree_node *const n = reader->t->node;
+    const tree_node *const named = reader->t->node;
     int direction = 1;
-    for (; node; node = n[node].parent)
-        if (n[node].key && strncmp(n[node].key, "theta", 5) == 0)
+    for (; node; node = named[node].parent)
+        if (named[node].key && strncmp(named[node].key, "theta", 5) == 0)
             break;
     if (node)
-        direction = strcmp(n[node].key, "theta2") == 0 ? 2 : 1;
+        direction = strcmp(named[node].key, "theta2") == 0 ? 2 : 1;
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 

@@ -33,39 +33,39 @@ static double *entry(double *band, int i, int j)
  * Solve a banded linear system by Gaussian elimination with row exchanges.
  *   x  [rows][2] in: right-hand sides, out: solutions
  */
-static void solve_band(double *band, double (*x)[2], int rows)
+static void solve_band(double *band, double (*solution)[2], int rows)
 {
-    for (int c = 0; c < rows; c++) {
-        const int last = c + BAND < rows ? c + BAND : rows - 1;
-        const int right = c + 2 * BAND < rows ? c + 2 * BAND : rows - 1;
-        int pivot = c;
-        for (int i = c + 1; i <= last; i++)
-            if (fabs(*entry(band, i, c)) > fabs(*entry(band, pivot, c)))
+    for (int column = 0; column < rows; column++) {
+        const int last = column + BAND < rows ? column + BAND : rows - 1;
+        const int right = column + 2 * BAND < rows ? column + 2 * BAND : rows - 1;
+        int pivot = column;
+        for (int i = column + 1; i <= last; i++)
+            if (fabs(*entry(band, i, column)) > fabs(*entry(band, pivot, column)))
                 pivot = i;
-        for (int j = c; j <= right && pivot != c; j++) {
+        for (int j = column; j <= right && pivot != column; j++) {
             const double other = *entry(band, pivot, j);
-            *entry(band, pivot, j) = *entry(band, c, j);
-            *entry(band, c, j) = other;
+            *entry(band, pivot, j) = *entry(band, column, j);
+            *entry(band, column, j) = other;
         }
         for (int k = 0; k < 2; k++) {
-            const double other = x[pivot][k];
-            x[pivot][k] = x[c][k];
-            x[c][k] = other;
+            const double other = solution[pivot][k];
+            solution[pivot][k] = solution[column][k];
+            solution[column][k] = other;
         }
-        for (int i = c + 1; i <= last; i++) {
-            const double factor = *entry(band, i, c) / *entry(band, c, c);
-            for (int j = c; j <= right; j++)
-                *entry(band, i, j) -= factor * *entry(band, c, j);
+        for (int i = column + 1; i <= last; i++) {
+            const double factor = *entry(band, i, column) / *entry(band, column, column);
+            for (int j = column; j <= right; j++)
+                *entry(band, i, j) -= factor * *entry(band, column, j);
             for (int k = 0; k < 2; k++)
-                x[i][k] -= factor * x[c][k];
+                solution[i][k] -= factor * solution[column][k];
         }
     }
     for (int i = rows - 1; i >= 0; i--) {
         const int right = i + 2 * BAND < rows ? i + 2 * BAND : rows - 1;
         for (int k = 0; k < 2; k++) {
             for (int j = i + 1; j <= right; j++)
-                x[i][k] -= *entry(band, i, j) * x[j][k];
-            x[i][k] /= *entry(band, i, i);
+                solution[i][k] -= *entry(band, i, j) * solution[j][k];
+            solution[i][k] /= *entry(band, i, i);
         }
     }
 }
@@ -81,55 +81,57 @@ static void condition(double *band, int i, int j, int kind, double value)
  * Add the slope of piece i (from knot i to i + 1) at its end `at` (i or i + 1), multiplied by sign,
  * to the condition of knot c.
  */
-static void add_slope(double *band, const double *t, int c, int i, int at, double sign)
+static void add_slope(double *band, const double *length, int knot, int i, int at, double sign)
 {
-    const double h = t[i + 1] - t[i];
-    condition(band, c, i, VALUE, -sign / h);
-    condition(band, c, i + 1, VALUE, sign / h);
-    condition(band, c, i, SECOND, at == i ? -sign * h / 3 : sign * h / 6);
-    condition(band, c, i + 1, SECOND, at == i ? -sign * h / 6 : sign * h / 3);
+    const double piece_length = length[i + 1] - length[i];
+    condition(band, knot, i, VALUE, -sign / piece_length);
+    condition(band, knot, i + 1, VALUE, sign / piece_length);
+    condition(band, knot, i, SECOND, at == i ? -sign * piece_length / 3 : sign * piece_length / 6);
+    condition(band, knot, i + 1, SECOND,
+              at == i ? -sign * piece_length / 6 : sign * piece_length / 3);
 }
 
 /*
  * Add a not-a-knot condition: the third derivative is continuous at knot k, so that the two
  * adjacent pieces form one cubic.
  */
-static void add_not_a_knot(double *band, const double *t, int c, int k)
+static void add_not_a_knot(double *band, const double *length, int knot, int k)
 {
-    const double before = t[k] - t[k - 1], after = t[k + 1] - t[k];
-    condition(band, c, k - 1, SECOND, -after);
-    condition(band, c, k, SECOND, before + after);
-    condition(band, c, k + 1, SECOND, -before);
+    const double before = length[k] - length[k - 1], after = length[k + 1] - length[k];
+    condition(band, knot, k - 1, SECOND, -after);
+    condition(band, knot, k, SECOND, before + after);
+    condition(band, knot, k + 1, SECOND, -before);
 }
 
-static void fill_band(double *band, double (*x)[2], const spline *spline,
+static void fill_band(double *band, double (*solution)[2], const spline *spline,
                       const double (*tangent)[2], double smoothing)
 {
-    const int n = spline->n;
-    for (int i = 0; i < n; i++) {
+    const int knots = spline->n;
+    for (int i = 0; i < knots; i++) {
         *entry(band, 3 * i + VALUE, 3 * i + VALUE) = 1;
-        memcpy(x[3 * i + VALUE], spline->y[i], sizeof *x);
+        memcpy(solution[3 * i + VALUE], spline->y[i], sizeof *solution);
     }
-    for (int i = 0; i < n - 1; i++) {
-        const double h = smoothing * (spline->t[i + 1] - spline->t[i]);
-        *entry(band, 3 * i + SECOND, 3 * i + SECOND) += h / 3;
-        *entry(band, 3 * i + SECOND, 3 * i + 3 + SECOND) += h / 6;
-        *entry(band, 3 * i + 3 + SECOND, 3 * i + SECOND) += h / 6;
-        *entry(band, 3 * i + 3 + SECOND, 3 * i + 3 + SECOND) += h / 3;
+    for (int i = 0; i < knots - 1; i++) {
+        const double weight = smoothing * (spline->t[i + 1] - spline->t[i]);
+        *entry(band, 3 * i + SECOND, 3 * i + SECOND) += weight / 3;
+        *entry(band, 3 * i + SECOND, 3 * i + 3 + SECOND) += weight / 6;
+        *entry(band, 3 * i + 3 + SECOND, 3 * i + SECOND) += weight / 6;
+        *entry(band, 3 * i + 3 + SECOND, 3 * i + 3 + SECOND) += weight / 3;
     }
-    for (int i = 1; i < n - 1; i++) {
+    for (int i = 1; i < knots - 1; i++) {
         add_slope(band, spline->t, i, i - 1, i, -1);
         add_slope(band, spline->t, i, i, i, 1);
     }
     for (int end = 0; end < 2; end++) {
-        const int c = end ? n - 1 : 0;
+        const int knot = end ? knots - 1 : 0;
         if (!tangent) {
-            add_not_a_knot(band, spline->t, c, end ? n - 2 : 1);
+            add_not_a_knot(band, spline->t, knot, end ? knots - 2 : 1);
             continue;
         }
-        add_slope(band, spline->t, c, end ? n - 2 : 0, c, 1);
+        add_slope(band, spline->t, knot, end ? knots - 2 : 0, knot, 1);
         for (int k = 0; k < 2; k++)
-            x[3 * c + MULTIPLIER][k] = tangent[end][k] / hypot(tangent[end][0], tangent[end][1]);
+            solution[3 * knot + MULTIPLIER][k] =
+                tangent[end][k] / hypot(tangent[end][0], tangent[end][1]);
     }
 }
 
@@ -139,43 +141,43 @@ static void fill_band(double *band, double (*x)[2], const spline *spline,
  */
 static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 {
-    const int n = spline->n;
-    const double whole = spline->t[n - 1];
-    double *band = calloc((size_t)n * 3 * ROW, sizeof *band),
-           (*x)[2] = calloc((size_t)n * 3, sizeof *x), sum = 0;
-    if (band && x) {
-        for (int i = 0; i < n; i++) {
+    const int knots = spline->n;
+    const double whole = spline->t[knots - 1];
+    double *band = calloc((size_t)knots * 3 * ROW, sizeof *band),
+           (*solution)[2] = calloc((size_t)knots * 3, sizeof *solution), sum = 0;
+    if (band && solution) {
+        for (int i = 0; i < knots; i++) {
             spline->t[i] /= whole;
             for (int k = 0; k < 2; k++)
                 spline->y[i][k] /= whole;
         }
-        fill_band(band, x, spline, tangent, smoothing / whole / whole / whole);
-        solve_band(band, x, 3 * n);
-        for (int i = 0; i < n; i++) {
+        fill_band(band, solution, spline, tangent, smoothing / whole / whole / whole);
+        solve_band(band, solution, 3 * knots);
+        for (int i = 0; i < knots; i++) {
             spline->t[i] *= whole;
             for (int k = 0; k < 2; k++) {
-                spline->y[i][k] = whole * x[3 * i + VALUE][k];
-                spline->m[i][k] = x[3 * i + SECOND][k] / whole;
+                spline->y[i][k] = whole * solution[3 * i + VALUE][k];
+                spline->m[i][k] = solution[3 * i + SECOND][k] / whole;
                 sum += spline->y[i][k] + spline->m[i][k];
             }
         }
     }
-    const int good = band && x && isfinite(sum);
+    const int good = band && solution && isfinite(sum);
     free(band);
-    free(x);
+    free(solution);
     return good;
 }
 
-static int start(spline *spline, int n, const double (*point)[2])
+static int start(spline *spline, int knots, const double (*point)[2])
 {
-    spline->n = n;
-    spline->t = calloc((size_t)n, sizeof *spline->t);
-    spline->y = calloc((size_t)n, sizeof *spline->y);
-    spline->m = calloc((size_t)n, sizeof *spline->m);
+    spline->n = knots;
+    spline->t = calloc((size_t)knots, sizeof *spline->t);
+    spline->y = calloc((size_t)knots, sizeof *spline->y);
+    spline->m = calloc((size_t)knots, sizeof *spline->m);
     if (!spline->t || !spline->y || !spline->m)
         return 0;
-    memcpy(spline->y, point, (size_t)n * sizeof *spline->y);
-    for (int i = 1; i < n; i++) {
+    memcpy(spline->y, point, (size_t)knots * sizeof *spline->y);
+    for (int i = 1; i < knots; i++) {
         spline->t[i] =
             spline->t[i - 1] + hypot(point[i][0] - point[i - 1][0], point[i][1] - point[i - 1][1]);
         if (!(spline->t[i] > spline->t[i - 1]))
@@ -184,10 +186,11 @@ static int start(spline *spline, int n, const double (*point)[2])
     return 1;
 }
 
-spline *spline_fit(int n, const double (*point)[2], const double (*tangent)[2], double smoothing)
+spline *spline_fit(int knots, const double (*point)[2], const double (*tangent)[2],
+                   double smoothing)
 {
     spline *spline = calloc(1, sizeof *spline);
-    if (spline && start(spline, n, point) && fit(spline, tangent, smoothing))
+    if (spline && start(spline, knots, point) && fit(spline, tangent, smoothing))
         return spline;
     spline_free(spline);
     return NULL;
@@ -209,12 +212,12 @@ double spline_length(const spline *spline)
 }
 
 /* Return the index of the piece that contains the parameter t. */
-static int piece(const spline *spline, double t)
+static int piece(const spline *spline, double parameter)
 {
     int low = 0, high = spline->n - 1;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        if (spline->t[middle] <= t)
+        if (spline->t[middle] <= parameter)
             low = middle;
         else
             high = middle;
@@ -222,18 +225,19 @@ static int piece(const spline *spline, double t)
     return low;
 }
 
-double spline_next_knot(const spline *spline, double t)
+double spline_next_knot(const spline *spline, double parameter)
 {
-    if (t < spline->t[0])
+    if (parameter < spline->t[0])
         return spline->t[0];
-    const int low = piece(spline, t);
-    return t < spline->t[low + 1] ? spline->t[low + 1] : HUGE_VAL;
+    const int low = piece(spline, parameter);
+    return parameter < spline->t[low + 1] ? spline->t[low + 1] : HUGE_VAL;
 }
 
-void spline_at(const spline *spline, double t, double x[2], double d1[2], double d2[2])
+void spline_at(const spline *spline, double parameter, double x[2], double d1[2], double d2[2])
 {
-    const int low = piece(spline, t), high = low + 1;
-    const double h = spline->t[high] - spline->t[low], b = (t - spline->t[low]) / h, a = 1 - b;
+    const int low = piece(spline, parameter), high = low + 1;
+    const double h = spline->t[high] - spline->t[low], b = (parameter - spline->t[low]) / h,
+                 a = 1 - b;
     for (int k = 0; k < 2; k++) {
         const double y0 = spline->y[low][k], y1 = spline->y[high][k], m0 = spline->m[low][k],
                      m1 = spline->m[high][k];

@@ -15,7 +15,8 @@ typedef struct spline spline;
  * runs out, two neighbours coincide or the numbers leave the range of a double. spline_free
  * releases the result.
  */
-spline *spline_fit(int n, const double (*point)[2], const double (*tangent)[2], double smoothing);
+spline *spline_fit(int knots, const double (*point)[2], const double (*tangent)[2],
+                   double smoothing);
 void spline_free(spline *spline);
 
 /* Return the parameter of the last point of a spline; the parameter of the first point is 0. */
@@ -25,13 +26,13 @@ double spline_length(const spline *spline);
  * Return the first knot above the parameter t, at which the third derivative may be discontinuous,
  * or infinity after the last knot.
  */
-double spline_next_knot(const spline *spline, double t);
+double spline_next_knot(const spline *spline, double parameter);
 
 /*
  * Compute the position and the first and second derivatives at the parameter t. Outside [0, length]
  * the first and last pieces are extrapolated.
  *   x, d1, d2  [2] out
  */
-void spline_at(const spline *spline, double t, double x[2], double d1[2], double d2[2]);
+void spline_at(const spline *spline, double parameter, double x[2], double d1[2], double d2[2]);
 
 #endif

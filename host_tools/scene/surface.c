@@ -43,11 +43,11 @@ static double gauss(const scene_surface *surface, int direction, double from, do
     const double middle = (from + to) / 2, half = (to - from) / 2;
     double sum = 0;
     for (int i = 0; i < 8; i++) {
-        const double t = middle + (i & 1 ? half : -half) * point[i / 2];
-        const double theta1 = direction == 1 ? t : 0;
-        const double theta2 = direction == 2 ? t : 0;
-        const surface_point p = surface_at(surface, theta1, theta2);
-        sum += weight[i / 2] * p.a[0] * p.a[1];
+        const double theta = middle + (i & 1 ? half : -half) * point[i / 2];
+        const double theta1 = direction == 1 ? theta : 0;
+        const double theta2 = direction == 2 ? theta : 0;
+        const surface_point surface_place = surface_at(surface, theta1, theta2);
+        sum += weight[i / 2] * surface_place.a[0] * surface_place.a[1];
     }
     return half * sum;
 }
@@ -56,13 +56,14 @@ static double gauss(const scene_surface *surface, int direction, double from, do
  * Integrate A1 A2 over a range piece by piece, because a spline is smooth only between its knots;
  * long pieces are subdivided.
  */
-static double integral(const scene_surface *surface, int direction, const double t[2])
+static double integral(const scene_surface *surface, int direction, const double range[2])
 {
     enum { PIECES = 8 };
-    double sum = 0, from = t[0];
-    while (from < t[1]) {
-        const double knot = surface->meridian ? spline_next_knot(surface->meridian, from) : t[1];
-        const double to = knot < t[1] ? knot : t[1];
+    double sum = 0, from = range[0];
+    while (from < range[1]) {
+        const double knot =
+            surface->meridian ? spline_next_knot(surface->meridian, from) : range[1];
+        const double to = knot < range[1] ? knot : range[1];
         for (int i = 0; i < PIECES; i++)
             sum += gauss(surface, direction, from + (to - from) * i / PIECES,
                          from + (to - from) * (i + 1) / PIECES);

@@ -6,11 +6,11 @@
 
 static const double full_turn = 6.283185307179586;
 
-static void set(double v[3], double x, double y, double z)
+static void set(double vector[3], double x, double y, double z)
 {
-    v[0] = x;
-    v[1] = y;
-    v[2] = z;
+    vector[0] = x;
+    vector[1] = y;
+    vector[2] = z;
 }
 
 /*
@@ -18,28 +18,29 @@ static void set(double v[3], double x, double y, double z)
  * `rise` per radian. The coordinate along the axis is theta1 (axis along x; phi = 0 on top,
  * increasing towards +y) or theta2 (axis along z; phi = 0 on +x, increasing towards +y).
  */
-static surface_point round_at(int axis, double along, double phi, double r, double rise)
+static surface_point round_at(int axis, double along, double phi, double radius, double rise)
 {
-    surface_point p;
-    memset(&p, 0, sizeof p);
+    surface_point point;
+    memset(&point, 0, sizeof point);
     const int round = 1 - axis;
-    const double c = cos(phi), q = sin(phi), length = hypot(r, rise);
-    const double tangent[2] = {(rise * c - r * q) / length, (rise * q + r * c) / length};
+    const double cosine = cos(phi), sine = sin(phi), length = hypot(radius, rise);
+    const double tangent[2] = {(rise * cosine - radius * sine) / length,
+                               (rise * sine + radius * cosine) / length};
     if (axis == 0) {
-        set(p.x, along, r * q, r * c);
-        set(p.e[0], 1, 0, 0);
-        set(p.e[1], 0, tangent[1], tangent[0]);
-        set(p.e[2], 0, -tangent[0], tangent[1]);
+        set(point.x, along, radius * sine, radius * cosine);
+        set(point.e[0], 1, 0, 0);
+        set(point.e[1], 0, tangent[1], tangent[0]);
+        set(point.e[2], 0, -tangent[0], tangent[1]);
     } else {
-        set(p.x, r * c, r * q, along);
-        set(p.e[0], tangent[0], tangent[1], 0);
-        set(p.e[1], 0, 0, 1);
-        set(p.e[2], tangent[1], -tangent[0], 0);
+        set(point.x, radius * cosine, radius * sine, along);
+        set(point.e[0], tangent[0], tangent[1], 0);
+        set(point.e[1], 0, 0, 1);
+        set(point.e[2], tangent[1], -tangent[0], 0);
     }
-    p.a[axis] = 1;
-    p.a[round] = length;
-    p.k[round] = (r * r + 2 * rise * rise) / (length * length * length);
-    return p;
+    point.a[axis] = 1;
+    point.a[round] = length;
+    point.k[round] = (radius * radius + 2 * rise * rise) / (length * length * length);
+    return point;
 }
 
 surface_point cylinder_at(const scene_surface *surface, double theta1, double theta2)

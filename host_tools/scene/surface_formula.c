@@ -25,9 +25,9 @@ static place place_at(const scene_surface *surface, double theta1, double theta2
         const expr *formula = surface->formula[i];
         const expr_jet jet = formula ? expr_jet_at(formula, theta1, theta2) : usual[i];
         at.x[i] = jet.value;
-        for (int a = 0; a < 2; a++) {
-            at.first[a][i] = jet.first[a];
-            at.second[a][i] = jet.second[a];
+        for (int direction = 0; direction < 2; direction++) {
+            at.first[direction][i] = jet.first[direction];
+            at.second[direction][i] = jet.second[direction];
         }
     }
     return at;
@@ -50,9 +50,10 @@ surface_point formula_at(const scene_surface *surface, double theta1, double the
     vector_cross(at.first[0], at.first[1], point.e[2]);
     const double normal = vector_normalise(point.e[2]);
     vector_cross(point.e[2], point.e[0], point.e[1]);
-    for (int a = 0; a < 2; a++)
-        point.k[a] = normal > 0 ? -vector_dot(point.e[2], at.second[a]) / (point.a[a] * point.a[a])
-                                : (double)NAN; /* no normal */
+    for (int direction = 0; direction < 2; direction++)
+        point.k[direction] = normal > 0 ? -vector_dot(point.e[2], at.second[direction]) /
+                                              (point.a[direction] * point.a[direction])
+                                        : (double)NAN; /* no normal */
     return point;
 }
 

@@ -4,10 +4,10 @@
 
 surface_point plate_at(const scene_surface *surface, double theta1, double theta2)
 {
-    const surface_point p = {
+    const surface_point point = {
         {theta1, theta2, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {1, 1}, {0, 0}, {0, 0}};
     (void)surface;
-    return p;
+    return point;
 }
 
 double plate_area(const scene_surface *surface, const double t1[2], const double t2[2])

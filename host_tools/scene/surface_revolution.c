@@ -6,11 +6,11 @@
 
 static const double degree = 0.017453292519943295;
 
-static void set(double v[3], double x, double y, double z)
+static void set(double vector[3], double x, double y, double z)
 {
-    v[0] = x;
-    v[1] = y;
-    v[2] = z;
+    vector[0] = x;
+    vector[1] = y;
+    vector[2] = z;
 }
 
 /*
@@ -19,30 +19,31 @@ static void set(double v[3], double x, double y, double z)
  */
 surface_point revolution_at(const scene_surface *surface, double theta1, double theta2)
 {
-    const surface_meridian m = surface_type_of(surface)->meridian(surface, theta1);
-    const double c = cos(theta2), q = sin(theta2), length = hypot(m.d1[0], m.d1[1]);
-    const double dr = m.d1[0] / length, dz = m.d1[1] / length;
-    surface_point p;
-    memset(&p, 0, sizeof p);
-    set(p.x, m.x[0] * c, m.x[0] * q, m.x[1]);
-    set(p.e[0], dr * c, dr * q, dz);
-    set(p.e[1], -q, c, 0);
-    set(p.e[2], -dz * c, -dz * q, dr);
-    p.a[0] = length;
-    p.a[1] = m.x[0];
-    p.k[0] = (dz * m.d2[0] - dr * m.d2[1]) / (length * length);
-    p.k[1] = -dz / m.x[0];
-    p.b[0] = dr / m.x[0];
-    return p;
+    const surface_meridian meridian = surface_type_of(surface)->meridian(surface, theta1);
+    const double cosine = cos(theta2), sine = sin(theta2),
+                 length = hypot(meridian.d1[0], meridian.d1[1]);
+    const double dr = meridian.d1[0] / length, dz = meridian.d1[1] / length;
+    surface_point point;
+    memset(&point, 0, sizeof point);
+    set(point.x, meridian.x[0] * cosine, meridian.x[0] * sine, meridian.x[1]);
+    set(point.e[0], dr * cosine, dr * sine, dz);
+    set(point.e[1], -sine, cosine, 0);
+    set(point.e[2], -dz * cosine, -dz * sine, dr);
+    point.a[0] = length;
+    point.a[1] = meridian.x[0];
+    point.k[0] = (dz * meridian.d2[0] - dr * meridian.d2[1]) / (length * length);
+    point.k[1] = -dz / meridian.x[0];
+    point.b[0] = dr / meridian.x[0];
+    return point;
 }
 
 /* ---- polar coordinates of a plane ------------------------------------- */
 
-surface_meridian polar_meridian(const scene_surface *surface, double t)
+surface_meridian polar_meridian(const scene_surface *surface, double theta1)
 {
-    const surface_meridian m = {{t, 0}, {1, 0}, {0, 0}};
+    const surface_meridian meridian = {{theta1, 0}, {1, 0}, {0, 0}};
     (void)surface;
-    return m;
+    return meridian;
 }
 
 double polar_area(const scene_surface *surface, const double t1[2], const double t2[2])
@@ -53,12 +54,14 @@ double polar_area(const scene_surface *surface, const double t1[2], const double
 
 /* ---- cone ------------------------------------------------------------- */
 
-surface_meridian cone_meridian(const scene_surface *surface, double t)
+surface_meridian cone_meridian(const scene_surface *surface, double theta1)
 {
     const double slope = surface->angle * degree;
-    const surface_meridian m = {
-        {surface->radius + t * sin(slope), -t * cos(slope)}, {sin(slope), -cos(slope)}, {0, 0}};
-    return m;
+    const surface_meridian meridian = {
+        {surface->radius + theta1 * sin(slope), -theta1 * cos(slope)},
+        {sin(slope), -cos(slope)},
+        {0, 0}};
+    return meridian;
 }
 
 double cone_area(const scene_surface *surface, const double t1[2], const double t2[2])
@@ -70,11 +73,13 @@ double cone_area(const scene_surface *surface, const double t1[2], const double 
 
 /* ---- sphere ----------------------------------------------------------- */
 
-surface_meridian sphere_meridian(const scene_surface *surface, double t)
+surface_meridian sphere_meridian(const scene_surface *surface, double theta1)
 {
-    const double r = surface->radius, c = cos(t), q = sin(t);
-    const surface_meridian m = {{r * q, r * c}, {r * c, -r * q}, {-r * q, -r * c}};
-    return m;
+    const double radius = surface->radius, cosine = cos(theta1), sine = sin(theta1);
+    const surface_meridian meridian = {{radius * sine, radius * cosine},
+                                       {radius * cosine, -radius * sine},
+                                       {-radius * sine, -radius * cosine}};
+    return meridian;
 }
 
 double sphere_area(const scene_surface *surface, const double t1[2], const double t2[2])
@@ -85,23 +90,26 @@ double sphere_area(const scene_surface *surface, const double t1[2], const doubl
 
 /* ---- hyperboloid ------------------------------------------------------ */
 
-surface_meridian hyperboloid_meridian(const scene_surface *surface, double t)
+surface_meridian hyperboloid_meridian(const scene_surface *surface, double theta1)
 {
-    const double w = surface->waist, z = t / surface->height, root = sqrt(1 + z * z);
-    const surface_meridian m = {{w * root, -t},
-                                {w * z / (root * surface->height), -1},
-                                {w / (root * root * root * surface->height * surface->height), 0}};
-    return m;
+    const double waist = surface->waist, relative_height = theta1 / surface->height,
+                 root = sqrt(1 + relative_height * relative_height);
+    const surface_meridian meridian = {
+        {waist * root, -theta1},
+        {waist * relative_height / (root * surface->height), -1},
+        {waist / (root * root * root * surface->height * surface->height), 0}};
+    return meridian;
 }
 
 /* ---- torus ------------------------------------------------------------ */
 
-surface_meridian torus_meridian(const scene_surface *surface, double t)
+surface_meridian torus_meridian(const scene_surface *surface, double theta1)
 {
-    const double r = surface->tube, c = cos(t), q = sin(t);
-    const surface_meridian m = {
-        {surface->radius + r * c, -r * q}, {-r * q, -r * c}, {-r * c, r * q}};
-    return m;
+    const double radius = surface->tube, cosine = cos(theta1), sine = sin(theta1);
+    const surface_meridian meridian = {{surface->radius + radius * cosine, -radius * sine},
+                                       {-radius * sine, -radius * cosine},
+                                       {-radius * cosine, radius * sine}};
+    return meridian;
 }
 
 double torus_area(const scene_surface *surface, const double t1[2], const double t2[2])
@@ -113,9 +121,9 @@ double torus_area(const scene_surface *surface, const double t1[2], const double
 
 /* ---- meridian through points ------------------------------------------ */
 
-surface_meridian spline_meridian(const scene_surface *surface, double t)
+surface_meridian spline_meridian(const scene_surface *surface, double theta1)
 {
-    surface_meridian m;
-    spline_at(surface->meridian, t, m.x, m.d1, m.d2);
-    return m;
+    surface_meridian meridian;
+    spline_at(surface->meridian, theta1, meridian.x, meridian.d1, meridian.d2);
+    return meridian;
 }

@@ -208,9 +208,9 @@ int units_parse(const char *text, units_unit *unit, const char **why)
     return failed;
 }
 
-int units_alike(const units_unit *a, const units_unit *b)
+int units_alike(const units_unit *first, const units_unit *second)
 {
-    return memcmp(a->power, b->power, sizeof a->power) == 0;
+    return memcmp(first->power, second->power, sizeof first->power) == 0;
 }
 
 /* ---- numbers ---------------------------------------------------------- */

@@ -60,6 +60,6 @@ const char *units_suffix(const char *text, size_t *length);
 int units_shift(const char *number, size_t length, int ten, char text[UNITS_NUMBER]);
 
 /* Return whether two units have the same powers of the base units. */
-int units_alike(const units_unit *a, const units_unit *b);
+int units_alike(const units_unit *first, const units_unit *second);
 
 #endif

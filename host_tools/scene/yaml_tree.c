@@ -17,36 +17,36 @@
 
 static void make_one_line(char *text)
 {
-    size_t n = strlen(text);
-    char *c;
-    for (c = text; *c; c++)
-        if ((unsigned char)*c < 32 || *c == 127)
-            *c = '?';
-    if (n < SCENE_ERROR - 1)
+    size_t length = strlen(text);
+    char *character;
+    for (character = text; *character; character++)
+        if ((unsigned char)*character < 32 || *character == 127)
+            *character = '?';
+    if (length < SCENE_ERROR - 1)
         return;
-    while (n > 0 && ((unsigned char)text[n - 1] & 0xC0) == 0x80)
-        text[--n] = 0; /* a multi-byte character has been cut in two */
-    if (n > 0 && ((unsigned char)text[n - 1] & 0x80))
-        text[--n] = 0;
+    while (length > 0 && ((unsigned char)text[length - 1] & 0xC0) == 0x80)
+        text[--length] = 0; /* a multi-byte character has been cut in two */
+    if (length > 0 && ((unsigned char)text[length - 1] & 0x80))
+        text[--length] = 0;
 }
 
 int tree_message(char *error, const char *path, const char *const *set, scene_at at,
                  const char *format, va_list list)
 {
     size_t length = strlen(path);
-    int n;
+    int prefix;
     if (length > 200)
         path += length - 200;
     if (at.line < 0) {
         const char *change = set[-at.line - 1];
         const size_t name = strcspn(change, "=");
-        n = snprintf(error, SCENE_ERROR, "--set %.*s: ", name < 200 ? (int)name : 200, change);
+        prefix = snprintf(error, SCENE_ERROR, "--set %.*s: ", name < 200 ? (int)name : 200, change);
     } else if (at.line == 0) {
-        n = snprintf(error, SCENE_ERROR, "%s: ", path);
+        prefix = snprintf(error, SCENE_ERROR, "%s: ", path);
     } else {
-        n = snprintf(error, SCENE_ERROR, "%s:%d:%d: ", path, at.line, at.column);
+        prefix = snprintf(error, SCENE_ERROR, "%s:%d:%d: ", path, at.line, at.column);
     }
-    vsnprintf(error + n, (size_t)(SCENE_ERROR - n), format, list);
+    vsnprintf(error + prefix, (size_t)(SCENE_ERROR - prefix), format, list);
     make_one_line(error);
     return -1;
 }
@@ -111,13 +111,13 @@ static int new_scalar(tree *tree, const char *text, size_t length, scene_at at)
 
 static void append(tree *tree, int parent, int child)
 {
-    tree_node *p = &tree->node[parent];
-    if (p->last)
-        tree->node[p->last].next = child;
+    tree_node *owner = &tree->node[parent];
+    if (owner->last)
+        tree->node[owner->last].next = child;
     else
-        p->first = child;
-    p->last = child;
-    p->count++;
+        owner->first = child;
+    owner->last = child;
+    owner->count++;
     tree->node[child].parent = parent;
 }
 
@@ -207,16 +207,17 @@ static scene_at byte_at(const builder *builder, size_t offset)
 
 static int syntax_fault(builder *builder)
 {
-    const yaml_parser_t *y = &builder->yaml;
-    const char *problem = y->problem ? y->problem : "the text cannot be read";
-    if (y->error == YAML_MEMORY_ERROR)
+    const yaml_parser_t *parser = &builder->yaml;
+    const char *problem = parser->problem ? parser->problem : "the text cannot be read";
+    if (parser->error == YAML_MEMORY_ERROR)
         return tree_fault_at(builder->t, byte_at(builder, 0), "out of memory");
-    if (y->error == YAML_READER_ERROR)
-        return tree_fault_at(builder->t, byte_at(builder, y->problem_offset),
+    if (parser->error == YAML_READER_ERROR)
+        return tree_fault_at(builder->t, byte_at(builder, parser->problem_offset),
                              "not text (%s); save the scene as UTF-8", problem);
-    return tree_fault_at(builder->t, mark_at(builder, y->problem_mark),
+    return tree_fault_at(builder->t, mark_at(builder, parser->problem_mark),
                          "not YAML: %s%s%s; check brackets, quotes and indentation",
-                         y->context ? y->context : "", y->context ? ", " : "", problem);
+                         parser->context ? parser->context : "", parser->context ? ", " : "",
+                         problem);
 }
 
 static int copy_tree(tree *tree, int from);
@@ -240,9 +241,10 @@ static int copy_children(tree *tree, int from, int to)
 /* Copy a subtree; the depth is limited by TREE_DEPTH and the size by TREE_NODES. */
 static int copy_tree(tree *tree, int from)
 {
-    tree_node n = tree->node[from];
-    int to = n.kind == TREE_SCALAR ? new_scalar(tree, n.text, strlen(n.text), n.at)
-                                   : new_node(tree, n.kind, n.at);
+    tree_node copied = tree->node[from];
+    int to = copied.kind == TREE_SCALAR
+                 ? new_scalar(tree, copied.text, strlen(copied.text), copied.at)
+                 : new_node(tree, copied.kind, copied.at);
     if (!to || copy_children(tree, from, to) != 0)
         return 0;
     return to;
@@ -252,9 +254,9 @@ static int height(const tree *tree, int node)
 {
     int i, most = 0;
     for (i = tree->node[node].first; i; i = tree->node[i].next) {
-        int h = height(tree, i);
-        if (h > most)
-            most = h;
+        int tallest = height(tree, i);
+        if (tallest > most)
+            most = tallest;
     }
     return most + 1;
 }
@@ -292,29 +294,29 @@ static int take_alias(builder *builder, const char *name, scene_at at)
 
 static int keep_anchor(builder *builder, const yaml_char_t *name, int node, scene_at at)
 {
-    anchor *a = &builder->anchors[builder->anchor_count];
+    anchor *kept = &builder->anchors[builder->anchor_count];
     if (!name)
         return 0;
     if (builder->anchor_count == TREE_ANCHORS)
         return tree_fault_at(builder->t, at, "more than %d anchors; write the values out",
                              TREE_ANCHORS);
-    a->name = copy_text((const char *)name, strlen((const char *)name));
-    if (!a->name)
+    kept->name = copy_text((const char *)name, strlen((const char *)name));
+    if (!kept->name)
         return tree_fault_at(builder->t, at, "out of memory");
-    a->node = node;
+    kept->node = node;
     builder->anchor_count++;
     return 0;
 }
 
-static int take_key(builder *builder, const yaml_event_t *e, scene_at at)
+static int take_key(builder *builder, const yaml_event_t *event, scene_at at)
 {
     int top = builder->depth - 1, map = builder->open[top];
     const char *text;
     int twin;
-    if (e->type != YAML_SCALAR_EVENT)
+    if (event->type != YAML_SCALAR_EVENT)
         return tree_fault_at(builder->t, at, "a key must be a plain word");
-    text = (const char *)e->data.scalar.value;
-    if (strlen(text) != e->data.scalar.length)
+    text = (const char *)event->data.scalar.value;
+    if (strlen(text) != event->data.scalar.length)
         return tree_fault_at(builder->t, at, "a NUL character in a key; remove it");
     twin = tree_find(builder->t, map, text);
     if (twin)
@@ -349,32 +351,34 @@ static int place(builder *builder, int node)
     return status;
 }
 
-static int value_node(builder *builder, const yaml_event_t *e, scene_at at)
+static int value_node(builder *builder, const yaml_event_t *event, scene_at at)
 {
-    if (e->type == YAML_ALIAS_EVENT)
-        return take_alias(builder, (const char *)e->data.alias.anchor, at);
-    if (e->type != YAML_SCALAR_EVENT)
-        return new_node(builder->t, e->type == YAML_MAPPING_START_EVENT ? TREE_MAP : TREE_LIST, at);
-    if (memchr(e->data.scalar.value, 0, e->data.scalar.length))
+    if (event->type == YAML_ALIAS_EVENT)
+        return take_alias(builder, (const char *)event->data.alias.anchor, at);
+    if (event->type != YAML_SCALAR_EVENT)
+        return new_node(builder->t, event->type == YAML_MAPPING_START_EVENT ? TREE_MAP : TREE_LIST,
+                        at);
+    if (memchr(event->data.scalar.value, 0, event->data.scalar.length))
         return tree_fault_at(builder->t, at, "a NUL character; remove it"), 0;
-    return new_scalar(builder->t, (const char *)e->data.scalar.value, e->data.scalar.length, at);
+    return new_scalar(builder->t, (const char *)event->data.scalar.value, event->data.scalar.length,
+                      at);
 }
 
-static int take_value(builder *builder, const yaml_event_t *e, scene_at at)
+static int take_value(builder *builder, const yaml_event_t *event, scene_at at)
 {
     const yaml_char_t *name = NULL;
-    int node = value_node(builder, e, at);
+    int node = value_node(builder, event, at);
     if (!node || place(builder, node) != 0)
         return -1;
-    if (e->type == YAML_SCALAR_EVENT)
-        name = e->data.scalar.anchor;
-    if (e->type == YAML_SEQUENCE_START_EVENT)
-        name = e->data.sequence_start.anchor;
-    if (e->type == YAML_MAPPING_START_EVENT)
-        name = e->data.mapping_start.anchor;
+    if (event->type == YAML_SCALAR_EVENT)
+        name = event->data.scalar.anchor;
+    if (event->type == YAML_SEQUENCE_START_EVENT)
+        name = event->data.sequence_start.anchor;
+    if (event->type == YAML_MAPPING_START_EVENT)
+        name = event->data.mapping_start.anchor;
     if (keep_anchor(builder, name, node, at) != 0)
         return -1;
-    if (e->type != YAML_SEQUENCE_START_EVENT && e->type != YAML_MAPPING_START_EVENT)
+    if (event->type != YAML_SEQUENCE_START_EVENT && event->type != YAML_MAPPING_START_EVENT)
         return 0;
     if (builder->depth == TREE_DEPTH)
         return tree_fault_at(builder->t, at, "nested more than %d deep; a scene is flatter",
@@ -385,10 +389,10 @@ static int take_value(builder *builder, const yaml_event_t *e, scene_at at)
     return 0;
 }
 
-static int take_event(builder *builder, const yaml_event_t *e)
+static int take_event(builder *builder, const yaml_event_t *event)
 {
-    scene_at at = mark_at(builder, e->start_mark);
-    switch (e->type) {
+    scene_at at = mark_at(builder, event->start_mark);
+    switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
         if (builder->documents++)
             return tree_fault_at(builder->t, at,
@@ -404,8 +408,8 @@ static int take_event(builder *builder, const yaml_event_t *e)
     }
     if (builder->depth && builder->t->node[builder->open[builder->depth - 1]].kind == TREE_MAP &&
         !builder->key[builder->depth - 1])
-        return take_key(builder, e, at);
-    return take_value(builder, e, at);
+        return take_key(builder, event, at);
+    return take_value(builder, event, at);
 }
 
 static int take_events(builder *builder)
@@ -477,16 +481,16 @@ static int step(const tree *tree, int node, const char *path, size_t *used)
         return i;
     }
     for (i = tree->node[node].first; i; i = tree->node[i].next) {
-        size_t n;
-        for (n = dot; n <= left; n += 1 + strcspn(path + n + 1, ".")) {
-            int same = tree->node[i].key ? strlen(tree->node[i].key) == n &&
-                                               strncmp(tree->node[i].key, path, n) == 0
-                                         : names_item(tree, i, path, n);
-            if (same && (!found || n > *used)) {
+        size_t length;
+        for (length = dot; length <= left; length += 1 + strcspn(path + length + 1, ".")) {
+            int same = tree->node[i].key ? strlen(tree->node[i].key) == length &&
+                                               strncmp(tree->node[i].key, path, length) == 0
+                                         : names_item(tree, i, path, length);
+            if (same && (!found || length > *used)) {
                 found = i;
-                *used = n;
+                *used = length;
             }
-            if (n == left)
+            if (length == left)
                 break;
         }
     }
@@ -495,14 +499,14 @@ static int step(const tree *tree, int node, const char *path, size_t *used)
 
 static int replace(tree *tree, int old, int value)
 {
-    tree_node *v = &tree->node[value];
+    tree_node *replacement = &tree->node[value];
     int parent = tree->node[old].parent, i, before = 0;
     for (i = tree->node[parent].first; i != old; i = tree->node[i].next)
         before = i;
-    v->key = tree->node[old].key;
-    v->key_at = tree->node[old].key_at;
-    v->parent = parent;
-    v->next = tree->node[old].next;
+    replacement->key = tree->node[old].key;
+    replacement->key_at = tree->node[old].key_at;
+    replacement->parent = parent;
+    replacement->next = tree->node[old].next;
     tree->node[old].key = NULL;
     if (before)
         tree->node[before].next = value;

@@ -101,8 +101,8 @@ static int consider(void *context, const char *name)
     return 0;
 }
 
-void shipped_suggest(suggestion *s, const char *name)
+void shipped_suggest(suggestion *suggestion, const char *name)
 {
-    suggest_begin(s, name);
-    (void)shipped_each(consider, s);
+    suggest_begin(suggestion, name);
+    (void)shipped_each(consider, suggestion);
 }

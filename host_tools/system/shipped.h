@@ -34,7 +34,7 @@ void shipped_path(const char *name, char path[SHIPPED_PATH]);
 int shipped_is_name(const char *name);
 
 /* Find the shipped scene whose name is most similar to a mistyped name. */
-void shipped_suggest(suggestion *s, const char *name);
+void shipped_suggest(suggestion *suggestion, const char *name);
 
 /*
  * Function called with the name of each shipped scene, in alphabetical order. shipped_each returns

@@ -8,13 +8,13 @@ static void quoted(FILE *file, const char *text)
 {
     fputc('"', file);
     for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\')
-            fprintf(file, "\\%c", c);
-        else if (c < 32)
-            fprintf(file, "\\u%04x", c);
+        const unsigned char character = (unsigned char)*text;
+        if (character == '"' || character == '\\')
+            fprintf(file, "\\%c", character);
+        else if (character < 32)
+            fprintf(file, "\\u%04x", character);
         else
-            fputc(c, file);
+            fputc(character, file);
     }
     fputc('"', file);
 }

@@ -4,57 +4,57 @@
 #include <stdio.h>
 #include <string.h>
 
-static int least(int a, int b)
+static int least(int first, int second)
 {
-    return a < b ? a : b;
+    return first < second ? first : second;
 }
 
 int suggest_distance(const char *from, const char *to)
 {
     int row[3][SUGGEST_NAME + 1]; /* rows i - 2, i - 1 and i of the table of edit distances, stored
                                      by i modulo 3 */
-    const int m = (int)strlen(from), n = (int)strlen(to);
-    for (int j = 0; j <= n; j++)
+    const int rows = (int)strlen(from), columns = (int)strlen(to);
+    for (int j = 0; j <= columns; j++)
         row[0][j] = j;
-    for (int i = 1; i <= m; i++) {
+    for (int i = 1; i <= rows; i++) {
         int *const now = row[i % 3];
         const int *const before = row[(i + 2) % 3], *const earlier = row[(i + 1) % 3];
         now[0] = i;
-        for (int j = 1; j <= n; j++) {
+        for (int j = 1; j <= columns; j++) {
             now[j] = least(before[j], now[j - 1]) + 1;
             now[j] = least(now[j], before[j - 1] + (from[i - 1] != to[j - 1]));
             if (i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1])
                 now[j] = least(now[j], earlier[j - 2] + 1);
         }
     }
-    return row[m % 3][n];
+    return row[rows % 3][columns];
 }
 
-void suggest_begin(suggestion *s, const char *word)
+void suggest_begin(suggestion *suggestion, const char *word)
 {
-    s->word = word;
-    s->nearest[0] = '\0';
-    s->distance = 0;
+    suggestion->word = word;
+    suggestion->nearest[0] = '\0';
+    suggestion->distance = 0;
 }
 
 /* Keep the nearest name. A name whose distance exceeds a third of the letters is not suggested. */
-void suggest_consider(suggestion *s, const char *name)
+void suggest_consider(suggestion *suggestion, const char *name)
 {
-    const size_t length = strlen(s->word);
+    const size_t length = strlen(suggestion->word);
     if (length >= SUGGEST_NAME || strlen(name) >= SUGGEST_NAME)
         return;
-    const int distance = suggest_distance(s->word, name);
+    const int distance = suggest_distance(suggestion->word, name);
     const int allowed = (int)(length + 2) / 3;
-    if (distance > allowed || (s->nearest[0] && distance >= s->distance))
+    if (distance > allowed || (suggestion->nearest[0] && distance >= suggestion->distance))
         return;
-    s->distance = distance;
-    strcpy(s->nearest, name);
+    suggestion->distance = distance;
+    strcpy(suggestion->nearest, name);
 }
 
-const char *suggest_text(const suggestion *s, char text[SUGGEST_TEXT])
+const char *suggest_text(const suggestion *suggestion, char text[SUGGEST_TEXT])
 {
     text[0] = '\0';
-    if (s->nearest[0])
-        snprintf(text, SUGGEST_TEXT, " (did you mean '%s'?)", s->nearest);
+    if (suggestion->nearest[0])
+        snprintf(text, SUGGEST_TEXT, " (did you mean '%s'?)", suggestion->nearest);
     return text;
 }

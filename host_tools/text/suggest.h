@@ -23,10 +23,10 @@ typedef struct suggestion {
 int suggest_distance(const char *from, const char *to);
 
 /* Start with a mistyped word, then compare every existing name with the word. */
-void suggest_begin(suggestion *s, const char *word);
-void suggest_consider(suggestion *s, const char *name);
+void suggest_begin(suggestion *suggestion, const char *word);
+void suggest_consider(suggestion *suggestion, const char *name);
 
 /* Write " (did you mean 'NAME'?)", or an empty text where no name is similar. Returns text. */
-const char *suggest_text(const suggestion *s, char text[SUGGEST_TEXT]);
+const char *suggest_text(const suggestion *suggestion, char text[SUGGEST_TEXT]);
 
 #endif
