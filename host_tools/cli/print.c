@@ -412,7 +412,10 @@ static double rounded_volt(double voltage)
  */
 static void print_voltages(const scene *scene, const voltages *result)
 {
-    printf("\n  %s, voltages:\n", result->name);
+    char limits[32] = "";
+    if (isfinite(result->limit[0]) || isfinite(result->limit[1]))
+        limit_text(result, limits);
+    printf("\n  %s%s%s, voltages:\n", result->name, *limits ? " " : "", limits);
     for (int k = 0; k < scene->actuators; k++) {
         const scene_actuator *actuator = &scene->actuator[k];
         const int *grid = actuator->grid, is_grid = grid[0] * grid[1] > 1;

@@ -83,7 +83,7 @@ static const struct rule {
      "the voltages are not unique; if the rows of the file are actuators, write rows: actuators"},
     {"dead_actuator", SUBJECT_SCENE, measure_dead_column, 1e-4, HUGE_VAL, "",
      "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
-    {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 0, 1 - 1e-8, "",
+    {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
      "the two cannot be told apart; a column may have been written twice"},
 };
 

@@ -86,13 +86,13 @@ int measure_repeated_column(const subject *of, int k, measured *found)
     if (!has_column(of, k, found) || of->scene->amplifiers > COMPARED)
         return 0;
     for (int j = 0; j < k; j++) {
-        const double same = fabs(cosine(of->scene, j, k));
-        if (isnan(found->value) || same > found->value) {
-            found->value = same;
+        const double same = cosine(of->scene, j, k), differ = sqrt(fmax(0, 1 - same * same));
+        if (isfinite(same) && !(differ >= found->value)) {
+            found->value = differ;
             other = j;
         }
     }
-    snprintf(found->what, WHAT, "cosine of the columns of actuators '%s' and '%s'",
+    snprintf(found->what, WHAT, "sine of the angle between the columns of actuators '%s' and '%s'",
              of->scene->actuator[other].name, of->scene->actuator[k].name);
     return 1;
 }
