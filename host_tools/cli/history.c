@@ -21,11 +21,11 @@ void history_add(history *history, const scene *scene, const simulate_sample *sa
     const double values[HISTORY_COLUMNS] = {sample->tick / scene->control.rate,
                                             sample->error,
                                             sample->vibration,
-                                            sample->missed,
+                                            sample->measurement_error,
                                             sample->active,
                                             sample->iterations,
                                             sample->status,
-                                            sample->lost};
+                                            sample->is_missed};
     memcpy(history->row + history->ticks * HISTORY_COLUMNS, values, sizeof values);
     memcpy(history->voltage + history->ticks * history->amplifiers, sample->voltage,
            history->amplifiers * sizeof *history->voltage);

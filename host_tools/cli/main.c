@@ -446,7 +446,7 @@ static void check_phases(plausible *warnings, const simulation *run)
 {
     const analysis *analysis = &run->plant.analysis;
     for (int k = 0; k < run->phases; k++) {
-        const double *displacement = run->phase[k].course[LAW_CONTROLLER].u;
+        const double *displacement = run->phase[k].course[LAW_CONTROLLER].displacement;
         if (displacement)
             plausible_result(warnings, &analysis->design.mesh, displacement, !analysis->nonlinear,
                              "the plant");
@@ -500,10 +500,11 @@ static int command_simulate(const options *options, analysis *analysis)
         status = write_reports(options, write_simulate, &result);
         if (status == 0)
             status = export_simulation(options, &run, &history);
-        status |= run.count[LAW_CONTROLLER].beyond > 0 ||
-                  run.count[LAW_CONTROLLER].not_finite > 0 ||
-                  (run.board && run.board->twin &&
-                   simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].same);
+        status |=
+            run.count[LAW_CONTROLLER].beyond_limits > 0 ||
+            run.count[LAW_CONTROLLER].not_finite > 0 ||
+            (run.board && run.board->twin &&
+             simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].agreeing_ticks);
     }
     record_close(&record);
     history_close(&history);

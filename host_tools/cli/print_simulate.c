@@ -32,9 +32,9 @@ static void print_csv_tick(FILE *file, const scene *scene, int estimates,
 {
     fprintf(file, "%d,%.9g,%.17g,%.17g,%d,%d,%d,%d", sample->tick,
             sample->tick / scene->control.rate, sample->error, sample->vibration, sample->active,
-            sample->iterations, (int)sample->status, sample->lost);
+            sample->iterations, (int)sample->status, sample->is_missed);
     if (estimates)
-        fprintf(file, ",%.17g", sample->missed);
+        fprintf(file, ",%.17g", sample->measurement_error);
     for (int k = 0; k < scene->amplifiers; k++)
         fprintf(file, ",%.17g", sample->voltage[k]);
     fputc('\n', file);
@@ -201,7 +201,7 @@ static void print_count(const simulation *simulation, simulate_law law)
     printf("  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, "
            "%ld lost, %ld held, %ld with a rejected sensor, "
            "%ld out of passes\n",
-           law_name[law], count->beyond, count->not_finite, run, count->missed,
+           law_name[law], count->beyond_limits, count->not_finite, run, count->missed_ticks,
            count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
     if (law == LAW_CONTROLLER)
         printf("  %-10s iterations of the optimiser: %.2f a tick, %d at most\n", "",
@@ -215,15 +215,15 @@ static void print_estimated(const simulation *simulation)
     if (!simulation->estimates)
         return;
     for (int k = 1; k < simulation->phases; k++)
-        worst = simulation->phase[k].course[LAW_CONTROLLER].missed >
-                        worst->course[LAW_CONTROLLER].missed
+        worst = simulation->phase[k].course[LAW_CONTROLLER].measurement_error >
+                        worst->course[LAW_CONTROLLER].measurement_error
                     ? &simulation->phase[k]
                     : worst;
     printf("  %-10s %d nodes estimated from %d sensors: off by %.3f%% of the target at the end of "
            "the phase from tick %d, less in the "
            "others\n",
            "", simulation->nominal->design.targets, simulation->estimator.sensors,
-           100 * worst->course[LAW_CONTROLLER].missed, worst->from);
+           100 * worst->course[LAW_CONTROLLER].measurement_error, worst->from);
 }
 
 static void print_found(const simulation *simulation)
@@ -232,7 +232,7 @@ static void print_found(const simulation *simulation)
     if (simulation->nominal->design.scene->simulate.finds)
         printf("  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of "
                "them in good order\n",
-               "", count->found, count->search, count->wrong);
+               "", count->detected, count->detection_ticks, count->falsely_detected);
 }
 
 static void print_board(const simulation *simulation)
@@ -244,7 +244,7 @@ static void print_board(const simulation *simulation)
            simulation->board->bits == 32 ? "float" : "double");
     if (simulation->board->twin)
         printf(", under QEMU: %ld of %ld ticks with the bits of the same C on this computer",
-               count->same, simulate_ran(count));
+               count->agreeing_ticks, simulate_ran(count));
     putchar('\n');
 }
 
@@ -264,7 +264,7 @@ void print_simulation(const simulation *simulation, const simulate_record *recor
     double seconds = 0;
     for (int law = 0; law < LAWS; law++)
         seconds += simulation->count[law].seconds;
-    printf("  %.2f s, %ld linear solves of the plant\n", seconds, simulation->plant.systems);
+    printf("  %.2f s, %ld linear solves of the plant\n", seconds, simulation->plant.linear_solves);
 }
 
 /* ---- JSON ------------------------------------------------------------- */
@@ -278,7 +278,7 @@ static void json_course(json *json, const simulation *simulation, const simulate
     json_number(json, "vibration", course->vibration);
     json_number(json, "vibration_worst", course->vibration_worst);
     if (simulation->estimates)
-        json_number(json, "missed", course->missed);
+        json_number(json, "missed", course->measurement_error);
     json_number(json, "settled", course->settled);
     json_number(json, "step_limit_ticks", course->step_limit_ticks);
     json_numbers(json, "voltages", course->voltage, simulation->nominal->design.amplifiers);
@@ -302,16 +302,16 @@ static void json_phase(json *json, const simulation *simulation, const simulate_
 static void json_count(json *json, const simulate_count *count, simulate_law law)
 {
     json_open(json, law_name[law], '{');
-    json_number(json, "beyond", (double)count->beyond);
+    json_number(json, "beyond", (double)count->beyond_limits);
     json_number(json, "not_finite", (double)count->not_finite);
     json_number(json, "ran", (double)simulate_ran(count));
-    json_number(json, "missed", (double)count->missed);
+    json_number(json, "missed", (double)count->missed_ticks);
     json_number(json, "held", (double)count->status[PZS_W_HELD]);
     json_number(json, "rejected", (double)count->status[PZS_W_SENSOR]);
     json_number(json, "out_of_iterations", (double)count->status[PZS_W_ITERATIONS]);
-    json_number(json, "found", (double)count->found);
-    json_number(json, "found_wrong", (double)count->wrong);
-    json_number(json, "found_ticks", count->search);
+    json_number(json, "found", (double)count->detected);
+    json_number(json, "found_wrong", (double)count->falsely_detected);
+    json_number(json, "found_ticks", count->detection_ticks);
     json_number(json, "iterations", (double)count->iterations);
     json_number(json, "iterations_most", count->iterations_most);
     json_close(json, '}');
@@ -360,7 +360,7 @@ void print_simulation_json(const simulation *simulation, const simulate_record *
     if (simulation->board) {
         json_string(&json, "device", simulation->board->name);
         json_number(&json, "device_bits", simulation->board->bits);
-        json_number(&json, "device_same", (double)simulation->count[LAW_CONTROLLER].same);
+        json_number(&json, "device_same", (double)simulation->count[LAW_CONTROLLER].agreeing_ticks);
     }
     if (simulation->estimates)
         print_estimate_json(&json, &simulation->estimator);

@@ -36,7 +36,7 @@ void record_tick(simulate_record *record, const simulate_sample *sample)
     record->error[sample->law][bin] = fmax(record->error[sample->law][bin], sample->error);
     if (sample->law != LAW_CONTROLLER)
         return;
-    record->missed[bin] = fmax(record->missed[bin], sample->missed);
+    record->missed[bin] = fmax(record->missed[bin], sample->measurement_error);
     record->vibration[bin] = fmax(record->vibration[bin], sample->vibration);
     memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->voltage,
            (size_t)record->amplifiers * sizeof *record->volt);
@@ -92,7 +92,7 @@ static void write_verdict(const simulate_page *p)
     put(p->file,
         "<p class=\"verdict\"><b>%d voltages beyond a limit or the step limit</b> in %d "
         "ticks",
-        (int)p->s->count[LAW_CONTROLLER].beyond, p->r->ticks);
+        (int)p->s->count[LAW_CONTROLLER].beyond_limits, p->r->ticks);
     if (worst) {
         simulate_words_phase(p->s, worst, name);
         put(p->file,
@@ -145,14 +145,14 @@ static void write_extras(const simulate_page *p, const simulate_count *count)
         put(p->file,
             "<p>Electrodes detected as faulty: %d, the slowest after %d ticks; %d of "
             "them were in good order.</p>\n",
-            (int)count->found, count->search, (int)count->wrong);
+            (int)count->detected, count->detection_ticks, (int)count->falsely_detected);
     if (!board)
         return;
     put(p->file, "<p>The controller is the firmware of %t, in %s", board->name,
         board->bits == 32 ? "float" : "double");
     if (board->twin)
         put(p->file, ", under QEMU: %d of %d ticks with the bits of the same C on this computer",
-            (int)count->same, (int)simulate_ran(count));
+            (int)count->agreeing_ticks, (int)simulate_ran(count));
     fputs(".</p>\n", p->file);
 }
 
@@ -163,8 +163,8 @@ static void write_counts(const simulate_page *p)
               "finite|Missed ticks|Held|A sensor rejected|Out of iterations|Most iterations");
     for (int law = 0; law < LAWS; law++) {
         const simulate_count *count = &p->s->count[law];
-        put_row(p->file, "%s|%d|%d|%d|%d|%d|%d|%d", law_name[law], (int)count->beyond,
-                (int)count->not_finite, (int)count->missed, (int)count->status[PZS_W_HELD],
+        put_row(p->file, "%s|%d|%d|%d|%d|%d|%d|%d", law_name[law], (int)count->beyond_limits,
+                (int)count->not_finite, (int)count->missed_ticks, (int)count->status[PZS_W_HELD],
                 (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
                 count->iterations_most);
     }
@@ -407,7 +407,7 @@ static void take_shape(simulate_page *p, int k, int law)
     (void)design_misfit(p->d, shape, phase->target, p->aim);
     for (int t = 0; t < p->d->targets; t++)
         p->aim[t] = shape[t] - p->aim[t];
-    page_shape_fill(&p->shape, p->d, phase->course[law].u, shape, p->aim);
+    page_shape_fill(&p->shape, p->d, phase->course[law].displacement, shape, p->aim);
 }
 
 /* Whether a law for comparison has diverged before the end of phase k. */

@@ -43,10 +43,10 @@ static bool has_swaps(const design *design)
 
 static void swap(const imperfections *on, double *voltage, double interval)
 {
-    const scene_imperfections *given = of(on);
+    const scene_imperfections *settings = of(on);
     (void)interval;
-    for (int i = 0; i + 1 < given->swaps; i += 2) {
-        double *one = &voltage[given->swapped[i]], *other = &voltage[given->swapped[i + 1]];
+    for (int i = 0; i + 1 < settings->swaps; i += 2) {
+        double *one = &voltage[settings->swapped[i]], *other = &voltage[settings->swapped[i + 1]];
         const double first = *one;
         *one = *other;
         *other = first;
@@ -60,10 +60,10 @@ static bool has_reversals(const design *design)
 
 static void reverse(const imperfections *on, double *voltage, double interval)
 {
-    const scene_imperfections *given = of(on);
+    const scene_imperfections *settings = of(on);
     (void)interval;
-    for (int i = 0; i < given->reversals; i++)
-        voltage[given->reversed[i]] *= -1;
+    for (int i = 0; i < settings->reversals; i++)
+        voltage[settings->reversed[i]] *= -1;
 }
 
 static bool may_fail(const design *design)
@@ -78,7 +78,7 @@ static void fail(const imperfections *on, double *voltage, double interval)
     (void)interval;
     for (int k = 0; k < on->design->amplifiers; k++)
         if (on->electrode[k].fault != ELECTRODE_GOOD)
-            voltage[k] = on->electrode[k].held;
+            voltage[k] = on->electrode[k].fault_voltage;
 }
 
 static bool has_hysteresis(const design *design)
@@ -179,11 +179,11 @@ static double drift(const imperfections *on, int sensor, double value)
 
 static double stray(const imperfections *on, int sensor, double value)
 {
-    const scene_imperfections *given = of(on);
+    const scene_imperfections *settings = of(on);
     (void)sensor;
-    if (!(given->outlier_chance > 0) || random_uniform(on->random) >= given->outlier_chance)
+    if (!(settings->outlier_chance > 0) || random_uniform(on->random) >= settings->outlier_chance)
         return value;
-    return value + given->outlier_size * (2 * random_uniform(on->random) - 1);
+    return value + settings->outlier_size * (2 * random_uniform(on->random) - 1);
 }
 
 static double quantise(const imperfections *on, int sensor, double value)
@@ -225,20 +225,20 @@ static double largest_gain_error(const scene *scene)
 
 void imperfections_text(const design *design, char *text, size_t room)
 {
-    const scene_imperfections *given = &design->scene->simulate.imperfections;
+    const scene_imperfections *settings = &design->scene->simulate.imperfections;
     const struct {
         const char *format;
         double value;
     } rows[] = {{"entries of the matrix wrong by %g", design->scene->simulate.scatter},
                 {"gains of the matrix up to %g off", largest_gain_error(design->scene)},
                 {"hysteresis %g of the range", imperfections_hysteresis(design)},
-                {"creep %g a decade", given->creep},
-                {"amplifiers of %g Hz", given->bandwidth},
-                {"%g reversed wires", given->reversals},
-                {"%g swapped cables", given->swaps},
-                {"drift of sensors up to %g a second", given->drift},
-                {"outliers in a share of %g of the readings", given->outlier_chance},
-                {"readings in steps of %g", given->quantum}};
+                {"creep %g a decade", settings->creep},
+                {"amplifiers of %g Hz", settings->bandwidth},
+                {"%g reversed wires", settings->reversals},
+                {"%g swapped cables", settings->swaps},
+                {"drift of sensors up to %g a second", settings->drift},
+                {"outliers in a share of %g of the readings", settings->outlier_chance},
+                {"readings in steps of %g", settings->quantum}};
     size_t at = 0;
     text[0] = '\0';
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {

@@ -25,22 +25,22 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
  */
 typedef struct electrode {
     electrode_fault fault;
-    double held;          /* voltage of a faulty electrode, which ignores its amplifier (V) */
+    double fault_voltage; /* voltage of a faulty electrode, which ignores its amplifier (V) */
     double output;        /* output of the amplifier's first-order lag (V) */
     double play[PLAYS];   /* output of each play operator (V) */
     double creep[CREEPS]; /* output of each lag of the creep (V) */
     int failed_at;        /* tick of the latest fault */
-    int told_at, good_at; /* tick in which the controller is told of the fault; tick in which the
-                             fault ends by itself; -1: never */
-    int is_told; /* the controller treats the electrode as held, because the controller was told of
+    int announced_at, repaired_at; /* tick in which the controller is told of the fault; tick in
+                             which the fault ends by itself; -1: never */
+    int is_held; /* the controller treats the electrode as held, because the controller was told of
                     the fault or detected the fault */
-    int out_since; /* first tick whose late readings are compared with a prediction that has this
+    int held_since; /* first tick whose late readings are compared with a prediction that has this
                       electrode held */
 } electrode;
 
 /* State of a sensor: the ticks at which its not-a-number readings and its stuck reading end. */
 typedef struct sensor {
-    int nan_until, frozen_until;
+    int nan_until, stuck_until;
     double slope; /* drift of the reading (unit of the reading a second) */
 } sensor;
 

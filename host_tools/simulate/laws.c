@@ -16,8 +16,8 @@ bool law_open(law *law, const pzs_problem *problem, double regularisation)
     law->problem.crc = pzs_problem_crc(&law->problem);
     law->memory = calloc(2 * outputs + problem->inputs + 1, sizeof *law->memory);
     law->disturbance = law->memory;
-    law->wish = law->memory ? law->memory + outputs : NULL;
-    law->next = law->memory ? law->wish + outputs : NULL;
+    law->required = law->memory ? law->memory + outputs : NULL;
+    law->next = law->memory ? law->required + outputs : NULL;
     return unconstrained_open(&law->solver, &law->problem) && law->memory;
 }
 
@@ -94,9 +94,9 @@ static pzs_status clipped_tick(void *self, pzs_loop_signals *signals)
         const double measured = signals->measured ? signals->measured[i] : (double)NAN;
         if (isfinite(measured))
             law->disturbance[i] = measured - predicted(law, voltage, i);
-        law->wish[i] = signals->wanted[i] - law->disturbance[i];
+        law->required[i] = signals->wanted[i] - law->disturbance[i];
     }
-    if (!unconstrained_solve(&law->solver, law->wish, law->next))
+    if (!unconstrained_solve(&law->solver, law->required, law->next))
         return PZS_E_NONFINITE;
     give(law, signals->control);
     return PZS_OK;
@@ -109,9 +109,9 @@ static pzs_status leaky_tick(void *self, pzs_loop_signals *signals)
     (void)self;
     for (size_t i = 0; i < law->problem.outputs; i++) {
         const double measured = signals->measured ? signals->measured[i] : (double)NAN;
-        law->wish[i] = isfinite(measured) ? signals->wanted[i] - measured : 0;
+        law->required[i] = isfinite(measured) ? signals->wanted[i] - measured : 0;
     }
-    if (!unconstrained_solve(&law->solver, law->wish, law->next))
+    if (!unconstrained_solve(&law->solver, law->required, law->next))
         return PZS_E_NONFINITE;
     for (size_t k = 0; k < law->problem.inputs; k++)
         law->next[k] = (1 - law->leak) * voltage[k] + law->gain * law->next[k];

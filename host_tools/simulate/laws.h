@@ -17,7 +17,7 @@ typedef struct law {
     double gain, leak;   /* of the leaky integrator */
     double *memory;      /* memory of the vectors below */
     double *disturbance; /* [outputs] measured minus predicted shape, as last known (m) */
-    double *wish;        /* [outputs] displacements that the voltages have to produce (m) */
+    double *required;    /* [outputs] displacements that the voltages have to produce (m) */
     double *next;        /* [inputs] voltages before clipping (V) */
 } law;
 

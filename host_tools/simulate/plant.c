@@ -109,10 +109,10 @@ static int give_inertia(plant *plant, char *error)
     if (vibration_solve(&plant->vibration, design, plant->scene.simulate.modes, MASS_LUMPED,
                         error) < 0)
         return -1;
-    plant->acting = calloc(inputs + 1, sizeof *plant->acting);
-    plant->vibrating = calloc((size_t)design->structure.output.count + 1, sizeof *plant->vibrating);
+    plant->modal_input = calloc(inputs + 1, sizeof *plant->modal_input);
+    plant->deviation = calloc((size_t)design->structure.output.count + 1, sizeof *plant->deviation);
     plant->has_inertia = true;
-    if (!plant->acting || !plant->vibrating ||
+    if (!plant->modal_input || !plant->deviation ||
         !modal_open(&plant->modal, design, &plant->vibration, inputs) ||
         !inertia_open(&plant->inertia, &plant->modal))
         return scene_fault(&plant->scene, plant->scene.simulate.at, error, "out of memory");
@@ -133,11 +133,13 @@ int plant_open(plant *plant, const scene *nominal, char *error)
              analysis_influence(&plant->analysis, error) < 0 || give_inertia(plant, error) < 0;
     const design *design = &plant->analysis.design;
     if (!failed) {
-        plant->amount = calloc((size_t)design->structure.input.count, sizeof *plant->amount);
-        plant->reached = calloc((size_t)design->structure.input.count, sizeof *plant->reached);
-        plant->full = calloc((size_t)design->structure.input.count, sizeof *plant->full);
+        plant->input = calloc((size_t)design->structure.input.count, sizeof *plant->input);
+        plant->computed_input =
+            calloc((size_t)design->structure.input.count, sizeof *plant->computed_input);
+        plant->scene_input =
+            calloc((size_t)design->structure.input.count, sizeof *plant->scene_input);
         plant->value = calloc((size_t)design->structure.output.count + 1, sizeof *plant->value);
-        failed = !plant->amount || !plant->reached || !plant->full || !plant->value
+        failed = !plant->input || !plant->computed_input || !plant->scene_input || !plant->value
                      ? scene_fault(nominal, nominal->simulate.at, error, "out of memory")
                      : 0;
     }
@@ -146,8 +148,8 @@ int plant_open(plant *plant, const scene *nominal, char *error)
         return -1;
     }
     if (plant->analysis.nonlinear)
-        memcpy(plant->full, plant->analysis.equilibrium.full_input,
-               (size_t)design->structure.input.count * sizeof *plant->full);
+        memcpy(plant->scene_input, plant->analysis.equilibrium.full_input,
+               (size_t)design->structure.input.count * sizeof *plant->scene_input);
     if (warms(&plant->scene.simulate))
         plant->temperature = design->amplifiers + design->loads - 1;
     plant_rest(plant);
@@ -162,11 +164,11 @@ void plant_close(plant *plant)
     inertia_close(&plant->inertia);
     modal_close(&plant->modal);
     vibration_free(&plant->vibration);
-    free(plant->acting);
-    free(plant->vibrating);
-    free(plant->amount);
-    free(plant->reached);
-    free(plant->full);
+    free(plant->modal_input);
+    free(plant->deviation);
+    free(plant->input);
+    free(plant->computed_input);
+    free(plant->scene_input);
     free(plant->value);
     memset(plant, 0, sizeof *plant);
 }
@@ -188,26 +190,26 @@ static int input_of(const plant *plant, int load)
     return extra;
 }
 
-void plant_load(plant *plant, int load, double amount)
+void plant_load(plant *plant, int load, double factor)
 {
-    plant->amount[input_of(plant, load)] = amount;
+    plant->input[input_of(plant, load)] = factor;
 }
 
 void plant_warm(plant *plant, double kelvin)
 {
     if (plant->temperature >= 0)
-        plant->amount[plant->temperature] = kelvin;
+        plant->input[plant->temperature] = kelvin;
 }
 
 void plant_rest(plant *plant)
 {
     const design *design = &plant->analysis.design;
-    memcpy(plant->amount, plant->full,
-           (size_t)design->structure.input.count * sizeof *plant->amount);
+    memcpy(plant->input, plant->scene_input,
+           (size_t)design->structure.input.count * sizeof *plant->input);
     for (int k = 0; k < design->loads; k++)
         plant_load(plant, k, 1);
     plant_warm(plant, 0);
-    plant->moved = 0;
+    plant->has_shape = 0;
     plant->is_at_rest = true;
 }
 
@@ -221,13 +223,13 @@ static void act(plant *plant)
 {
     const design *design = &plant->analysis.design;
     const size_t amplifiers = (size_t)design->amplifiers;
-    memcpy(plant->acting, plant->amount, amplifiers * sizeof *plant->acting);
+    memcpy(plant->modal_input, plant->input, amplifiers * sizeof *plant->modal_input);
     for (int k = 0; k < design->loads; k++)
-        plant->acting[amplifiers + (size_t)k] = plant->amount[input_of(plant, k)];
+        plant->modal_input[amplifiers + (size_t)k] = plant->input[input_of(plant, k)];
     if (plant->is_at_rest)
-        inertia_rest(&plant->inertia, plant->acting);
+        inertia_rest(&plant->inertia, plant->modal_input);
     else
-        inertia_jump(&plant->inertia, plant->acting);
+        inertia_jump(&plant->inertia, plant->modal_input);
     plant->is_at_rest = false;
 }
 
@@ -241,7 +243,7 @@ void plant_elapse(plant *plant, const double *voltage, double seconds)
 {
     if (!plant->has_inertia)
         return;
-    memcpy(plant->amount, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
+    memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
     act(plant);
     inertia_advance(&plant->inertia, seconds);
 }
@@ -249,7 +251,7 @@ void plant_elapse(plant *plant, const double *voltage, double seconds)
 double plant_vibration(const plant *plant)
 {
     return plant->has_inertia
-               ? sqrt(design_squares(&plant->analysis.design, plant->vibrating, NULL))
+               ? sqrt(design_squares(&plant->analysis.design, plant->deviation, NULL))
                : 0;
 }
 
@@ -265,7 +267,7 @@ static void vibrate(plant *plant)
     if (!plant->has_inertia)
         return;
     act(plant);
-    inertia_observe(&plant->inertia, 0, plant->modal.rows, plant->vibrating);
+    inertia_observe(&plant->inertia, 0, plant->modal.rows, plant->deviation);
 }
 
 /* ---- shapes ----------------------------------------------------------- */
@@ -277,7 +279,7 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
         const double *row = plant->analysis.influence + i * inputs;
         shape[i] = 0;
         for (size_t k = 0; k < inputs; k++)
-            shape[i] += row[k] * plant->amount[k];
+            shape[i] += row[k] * plant->input[k];
     }
 }
 
@@ -289,22 +291,22 @@ static int reach(plant *plant, char *error)
 {
     analysis *analysis = &plant->analysis;
     pzs_solver *run = &analysis->equilibrium.solver;
-    const size_t bytes = analysis->design.structure.input.count * sizeof *plant->amount;
-    if (plant->moved && memcmp(plant->amount, plant->reached, bytes) == 0)
+    const size_t bytes = analysis->design.structure.input.count * sizeof *plant->input;
+    if (plant->has_shape && memcmp(plant->input, plant->computed_input, bytes) == 0)
         return 0;
-    if (!plant->moved)
+    if (!plant->has_shape)
         pzs_solver_reset(run);
-    analysis->status = pzs_equilibrium(run, plant->amount);
-    plant->systems += run->info.linear_solves;
-    plant->moved = 1;
-    memcpy(plant->reached, plant->amount, bytes);
+    analysis->status = pzs_equilibrium(run, plant->input);
+    plant->linear_solves += run->info.linear_solves;
+    plant->has_shape = 1;
+    memcpy(plant->computed_input, plant->input, bytes);
     return PZS_IS_ERROR(analysis->status) ? analysis_explain(analysis, analysis->status, error) : 0;
 }
 
 /* Static shape under voltages and the present loads. */
 static int static_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
-    memcpy(plant->amount, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
+    memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
     if (!plant->analysis.nonlinear) {
         sum_columns(plant, (size_t)plant->analysis.design.targets, shape);
         return 0;
@@ -322,7 +324,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
         return -1;
     vibrate(plant);
     for (int i = 0; i < plant->analysis.design.targets && plant->has_inertia; i++)
-        shape[i] += plant->vibrating[i];
+        shape[i] += plant->deviation[i];
     return 0;
 }
 
@@ -338,7 +340,7 @@ static pzs_status look(plant *plant)
                     plant->value);
     else
         sum_columns(plant, analysis->design.structure.output.count, plant->value);
-    return analysis_electrodes(analysis, plant->amount);
+    return analysis_electrodes(analysis, plant->input);
 }
 
 int plant_readings(plant *plant, double *reading, char *error)
@@ -347,7 +349,7 @@ int plant_readings(plant *plant, double *reading, char *error)
     const scene_estimate *estimate = &plant->scene.estimate;
     const pzs_status status = look(plant);
     for (size_t i = 0; i < analysis->design.structure.output.count && plant->has_inertia; i++)
-        plant->value[i] += plant->vibrating[i];
+        plant->value[i] += plant->deviation[i];
     for (int index = 0; index < estimate->readings; index++)
         for (int i = 0; i < analysis_outputs(analysis, estimate->reading[index].output); i++)
             *reading++ =
@@ -364,7 +366,7 @@ static int static_displacement(plant *plant, double *displacement, char *error)
                (size_t)analysis->design.mesh.free_dof * sizeof *displacement);
         return 0;
     }
-    const pzs_status status = analysis_displace(analysis, plant->amount, displacement);
+    const pzs_status status = analysis_displace(analysis, plant->input, displacement);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
@@ -388,7 +390,7 @@ int plant_displacement(plant *plant, double *displacement, char *error)
  * Compute the displacements that the voltages must produce on the linear structure: the target
  * minus the displacements by the loads.
  */
-static void want(plant *plant, const double *target)
+static void set_wanted(plant *plant, const double *target)
 {
     design *design = &plant->analysis.design;
     const size_t inputs = design->structure.input.count;
@@ -398,7 +400,7 @@ static void want(plant *plant, const double *target)
         for (int k = 0; k < design->loads; k++)
             design->wanted[i] +=
                 plant->analysis.influence[i * inputs + (size_t)(design->amplifiers + k)] *
-                plant->amount[input_of(plant, k)];
+                plant->input[input_of(plant, k)];
     }
     design_take_free(design, design->target);
     design_take_free(design, design->wanted);
@@ -406,7 +408,7 @@ static void want(plant *plant, const double *target)
         design->wanted[i] = design->target[i] - design->wanted[i];
 }
 
-int plant_optimum(plant *plant, const double *target, const double *held, voltages *best,
+int plant_optimum(plant *plant, const double *target, const double *fault_voltage, voltages *best,
                   double *shape, char *error)
 {
     analysis *analysis = &plant->analysis;
@@ -418,17 +420,17 @@ int plant_optimum(plant *plant, const double *target, const double *held, voltag
     memcpy(limit, design->lower, amplifiers * sizeof *limit);
     memcpy(limit + amplifiers, design->upper, amplifiers * sizeof *limit);
     for (size_t k = 0; k < amplifiers; k++)
-        if (!isnan(held[k]))
-            design->lower[k] = design->upper[k] = held[k];
-    want(plant, target);
+        if (!isnan(fault_voltage[k]))
+            design->lower[k] = design->upper[k] = fault_voltage[k];
+    set_wanted(plant, target);
     if (analysis->nonlinear)
-        memcpy(analysis->equilibrium.full_input, plant->amount,
-               design->structure.input.count * sizeof *plant->amount);
+        memcpy(analysis->equilibrium.full_input, plant->input,
+               design->structure.input.count * sizeof *plant->input);
     const int failed =
         voltages_optimum(analysis, (common_limits){.source = LIMITS_SCENE}, best, error) < 0;
     memcpy(design->lower, limit, amplifiers * sizeof *limit);
     memcpy(design->upper, limit + amplifiers, amplifiers * sizeof *limit);
     free(limit);
-    plant->moved = 0;
+    plant->has_shape = 0;
     return failed ? -1 : static_shape(plant, best->voltage, shape, error);
 }

@@ -17,22 +17,23 @@
 typedef struct plant {
     scene scene; /* copy of the scene with the constants of the plant */
     analysis analysis;
-    double *amount; /* [inputs] voltages, loads, temperature change and body inputs of the requested
+    double *input; /* [inputs] voltages, loads, temperature change and body inputs of the requested
                        shape */
-    double *reached; /* [inputs] inputs of the latest computed shape */
-    double *full;    /* [inputs] loads and support displacements as given in the scene */
-    double *value;   /* [output rows] output values of the latest shape */
-    int temperature; /* index of the temperature input, or -1 */
-    int moved;       /* at least one shape has been computed */
-    bool is_at_rest; /* no time has passed since plant_rest */
-    long systems;    /* number of linear systems solved by the nonlinear path */
+    double *computed_input; /* [inputs] inputs of the latest computed shape */
+    double *scene_input;    /* [inputs] loads and support displacements as given in the scene */
+    double *value;          /* [output rows] output values of the latest shape */
+    int temperature;        /* index of the temperature input, or -1 */
+    int has_shape;          /* at least one shape has been computed */
+    bool is_at_rest;        /* no time has passed since plant_rest */
+    long linear_solves;     /* number of linear systems solved by the nonlinear path */
     bool has_inertia;
     char reason[SCENE_ERROR]; /* why a plant has no inertia */
     vibration vibration;      /* modes of a plant with inertia */
     modal modal;
     inertia inertia;
-    double *acting; /* [amplifiers + loads] inputs of the modes: voltages, factors of the loads */
-    double *vibrating; /* [output rows] deviation of the latest shape from the static equilibrium */
+    double *modal_input; /* [amplifiers + loads] inputs of the modes: voltages, factors of the loads
+                          */
+    double *deviation; /* [output rows] deviation of the latest shape from the static equilibrium */
 } plant;
 
 /*
@@ -44,7 +45,7 @@ int plant_open(plant *plant, const scene *nominal, char *error);
 void plant_close(plant *plant);
 
 /* Set the factor of a load (1: the load given in the scene) and the temperature change. */
-void plant_load(plant *plant, int load, double amount);
+void plant_load(plant *plant, int load, double factor);
 void plant_warm(plant *plant, double kelvin);
 
 /*
@@ -94,7 +95,7 @@ int plant_displacement(plant *plant, double *displacement, char *error);
  *   best out  optimal voltages; release them with voltages_free
  *   shape [targets] out  displacements under the optimal voltages
  */
-int plant_optimum(plant *plant, const double *target, const double *held, voltages *best,
+int plant_optimum(plant *plant, const double *target, const double *fault_voltage, voltages *best,
                   double *shape, char *error);
 
 #endif

@@ -36,19 +36,19 @@ static int no_memory(const analysis *nominal, char *error)
 
 /* ---- open ------------------------------------------------------------- */
 
-static int course_room(simulate_course *course, const design *design)
+static int allocate_course(simulate_course *course, const design *design)
 {
     course->voltage = calloc((size_t)design->amplifiers, sizeof *course->voltage);
     course->shape = calloc((size_t)design->targets, sizeof *course->shape);
-    course->u = calloc((size_t)design->mesh.free_dof, sizeof *course->u);
-    return course->voltage && course->shape && course->u;
+    course->displacement = calloc((size_t)design->mesh.free_dof, sizeof *course->displacement);
+    return course->voltage && course->shape && course->displacement;
 }
 
 /*
  * Add a phase that lasts from a tick to the end of the simulation. Returns whether memory was
  * available.
  */
-static int phase_begin(simulation *simulation, int tick, int first)
+static int begin_phase(simulation *simulation, int tick, int first)
 {
     const design *design = &simulation->plant.analysis.design;
     simulate_phase *phase = &simulation->phase[simulation->phases++];
@@ -60,11 +60,11 @@ static int phase_begin(simulation *simulation, int tick, int first)
     phase->optimum = (double)NAN;
     bool rooms = true;
     for (int law = 0; law < LAWS; law++)
-        rooms = course_room(&phase->course[law], design) && rooms;
+        rooms = allocate_course(&phase->course[law], design) && rooms;
     phase->target = calloc((size_t)design->targets, sizeof *phase->target);
-    phase->amount = calloc((size_t)design->loads + 1, sizeof *phase->amount);
-    phase->held = calloc((size_t)design->amplifiers, sizeof *phase->held);
-    return rooms && phase->target && phase->amount && phase->held;
+    phase->load = calloc((size_t)design->loads + 1, sizeof *phase->load);
+    phase->fault_voltage = calloc((size_t)design->amplifiers, sizeof *phase->fault_voltage);
+    return rooms && phase->target && phase->load && phase->fault_voltage;
 }
 
 /*
@@ -74,23 +74,23 @@ static int phase_begin(simulation *simulation, int tick, int first)
 static int lay_out_phases(simulation *simulation)
 {
     const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
-    int quiet = simulate->fault_chance > 0 && simulate->fault_until < simulate->ticks
-                    ? simulate->fault_until
-                    : -1,
+    int faults_end = simulate->fault_chance > 0 && simulate->fault_until < simulate->ticks
+                         ? simulate->fault_until
+                         : -1,
         good;
     simulation->phase = calloc((size_t)simulate->events + 2, sizeof *simulation->phase);
-    good = simulation->phase != NULL && phase_begin(simulation, 0, 0);
+    good = simulation->phase != NULL && begin_phase(simulation, 0, 0);
     for (int k = 0; good && k < simulate->events; k++) {
         const int tick = simulate->event[k].tick;
-        if (quiet >= 0 && tick >= quiet) {
-            good = tick == quiet || phase_begin(simulation, quiet, k);
-            quiet = -1;
+        if (faults_end >= 0 && tick >= faults_end) {
+            good = tick == faults_end || begin_phase(simulation, faults_end, k);
+            faults_end = -1;
         }
         if (good && tick > simulation->phase[simulation->phases - 1].from)
-            good = phase_begin(simulation, tick, k);
+            good = begin_phase(simulation, tick, k);
         simulation->phase[simulation->phases - 1].events++;
     }
-    return good && quiet >= 0 ? phase_begin(simulation, quiet, simulate->events) : good;
+    return good && faults_end >= 0 ? begin_phase(simulation, faults_end, simulate->events) : good;
 }
 
 /*
@@ -184,7 +184,7 @@ static int check_inertia(const simulation *simulation, char *error)
  * Prepare the estimator, the known loads and the block list of the controller. Returns 0, or -1
  * with error filled.
  */
-static int equip(simulation *simulation, char *error)
+static int prepare_controller(simulation *simulation, char *error)
 {
     const scene *scene = simulation->nominal->design.scene;
     simulation->problem = &simulation->nominal->design.problem;
@@ -202,11 +202,11 @@ static int equip(simulation *simulation, char *error)
         return no_memory(simulation->nominal, error);
     loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator,
                      &simulation->damper);
-    simulation->plain = calloc(1, sizeof *simulation->plain);
-    if (!simulation->plain)
+    simulation->undamped_blocks = calloc(1, sizeof *simulation->undamped_blocks);
+    if (!simulation->undamped_blocks)
         return no_memory(simulation->nominal, error);
-    loop_blocks_fill(simulation->plain, &simulation->nominal->design, &simulation->estimator,
-                     &simulation->unused);
+    loop_blocks_fill(simulation->undamped_blocks, &simulation->nominal->design,
+                     &simulation->estimator, &simulation->unused_damper);
     return 0;
 }
 
@@ -259,8 +259,8 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     simulation->reference = squares > 0 ? sqrt(squares) : 1;
     int failed = lay_out_phases(simulation) ? 0 : no_memory(nominal, error);
     failed = failed || check_inertia(simulation, error) < 0 ||
-             make_tables(simulation, nominal, error) < 0 || equip(simulation, error) < 0 ||
-             regularise(simulation, error) < 0;
+             make_tables(simulation, nominal, error) < 0 ||
+             prepare_controller(simulation, error) < 0 || regularise(simulation, error) < 0;
     if (failed)
         simulate_close(simulation);
     return failed ? -1 : 0;
@@ -295,17 +295,17 @@ void simulate_close(simulation *simulation)
         for (int law = 0; law < LAWS; law++) {
             free(simulation->phase[k].course[law].voltage);
             free(simulation->phase[k].course[law].shape);
-            free(simulation->phase[k].course[law].u);
+            free(simulation->phase[k].course[law].displacement);
         }
         free(simulation->phase[k].target);
-        free(simulation->phase[k].amount);
-        free(simulation->phase[k].held);
+        free(simulation->phase[k].load);
+        free(simulation->phase[k].fault_voltage);
     }
     free(simulation->phase);
     estimator_close(&simulation->estimator);
     damper_close(&simulation->damper);
     free(simulation->blocks);
-    free(simulation->plain);
+    free(simulation->undamped_blocks);
     device_remove(simulation->folder);
     plant_close(&simulation->plant);
     memset(simulation, 0, sizeof *simulation);
@@ -317,9 +317,9 @@ typedef struct course_log {
     double *window; /* [WINDOW][targets] shapes at the start of the phase */
     double *last;   /* [kept][targets] shapes at the end of the phase */
     double *mean;   /* [targets] mean of the shapes at the end */
-    int kept;       /* number of ticks that count as the end of a phase */
-    double error[LAST_MOST], missed[LAST_MOST], vibration[LAST_MOST];
-    double *before; /* [amplifiers] voltages before the phase (V) */
+    int end_ticks;  /* number of ticks that count as the end of a phase */
+    double error[LAST_MOST], measurement_error[LAST_MOST], vibration[LAST_MOST];
+    double *initial_voltage; /* [amplifiers] voltages before the phase (V) */
     int ticks;
 } course_log;
 
@@ -337,12 +337,12 @@ static int log_open(course_log *record, const simulation *simulation)
     const design *design = &simulation->nominal->design;
     const size_t targets = (size_t)design->targets;
     memset(record, 0, sizeof *record);
-    record->kept = ticks_of_end(simulation);
+    record->end_ticks = ticks_of_end(simulation);
     record->window = calloc(WINDOW * targets, sizeof *record->window);
-    record->last = calloc((size_t)record->kept * targets, sizeof *record->last);
+    record->last = calloc((size_t)record->end_ticks * targets, sizeof *record->last);
     record->mean = calloc(targets, sizeof *record->mean);
-    record->before = calloc((size_t)design->amplifiers, sizeof *record->before);
-    return record->window && record->last && record->mean && record->before;
+    record->initial_voltage = calloc((size_t)design->amplifiers, sizeof *record->initial_voltage);
+    return record->window && record->last && record->mean && record->initial_voltage;
 }
 
 static void log_close(course_log *record)
@@ -350,27 +350,27 @@ static void log_close(course_log *record)
     free(record->window);
     free(record->last);
     free(record->mean);
-    free(record->before);
+    free(record->initial_voltage);
 }
 
-static void follow(course_log *record, const loop *loop, simulate_course *course)
+static void record_tick(course_log *record, const loop *loop, simulate_course *course)
 {
     const size_t targets = (size_t)loop->design->targets;
     if (record->ticks < WINDOW)
         memcpy(record->window + (size_t)record->ticks * targets, loop->shape,
                targets * sizeof *record->window);
-    memcpy(record->last + (size_t)(record->ticks % record->kept) * targets, loop->shape,
+    memcpy(record->last + (size_t)(record->ticks % record->end_ticks) * targets, loop->shape,
            targets * sizeof *record->last);
-    record->error[record->ticks % record->kept] = loop->error;
-    record->missed[record->ticks % record->kept] = loop->missed;
-    record->vibration[record->ticks % record->kept] = loop->vibration;
+    record->error[record->ticks % record->end_ticks] = loop->error;
+    record->measurement_error[record->ticks % record->end_ticks] = loop->measurement_error;
+    record->vibration[record->ticks % record->end_ticks] = loop->vibration;
     course->vibration_worst = fmax(course->vibration_worst, loop->vibration);
     course->worst = fmax(course->worst, loop->error);
     record->ticks++;
 }
 
 /* Weighted distance of two shapes: |W (x - y)|. */
-static double apart(const design *design, const double *first, const double *second)
+static double weighted_distance(const design *design, const double *first, const double *second)
 {
     return sqrt(design_squares(design, first, second));
 }
@@ -386,9 +386,11 @@ static int settled_after(const course_log *record, const design *design)
     double most = 0;
     int after = 0;
     for (int k = 0; k < ticks; k++)
-        most = fmax(most, apart(design, record->window + (size_t)k * targets, record->mean));
+        most = fmax(most,
+                    weighted_distance(design, record->window + (size_t)k * targets, record->mean));
     for (int k = 0; k < ticks; k++)
-        if (apart(design, record->window + (size_t)k * targets, record->mean) > settled_part * most)
+        if (weighted_distance(design, record->window + (size_t)k * targets, record->mean) >
+            settled_part * most)
             after = k + 1;
     return after < ticks ? after : -1;
 }
@@ -398,27 +400,29 @@ static void finish_course(course_log *record, const loop *loop, simulate_course 
 {
     const design *design = loop->design;
     const int quarter = (record->ticks + 3) / 4,
-              count = quarter < record->kept ? quarter : record->kept;
-    double squares = 0, missed = 0, vibration = 0, slew = 0;
+              count = quarter < record->end_ticks ? quarter : record->end_ticks;
+    double squares = 0, measurement_error = 0, vibration = 0, limit_ticks = 0;
     memset(record->mean, 0, (size_t)design->targets * sizeof *record->mean);
     for (int k = record->ticks - count; k < record->ticks; k++) {
-        const int at = k % record->kept;
+        const int at = k % record->end_ticks;
         squares += record->error[at] * record->error[at] / count;
-        missed += record->missed[at] * record->missed[at] / count;
+        measurement_error += record->measurement_error[at] * record->measurement_error[at] / count;
         vibration += record->vibration[at] * record->vibration[at] / count;
         for (int i = 0; i < design->targets; i++)
             record->mean[i] += record->last[at * design->targets + i] / count;
     }
     for (int k = 0; k < design->amplifiers; k++)
-        slew = fmax(slew, fabs(loop->given[k] - record->before[k]) / design->step_limit[k]);
+        limit_ticks = fmax(limit_ticks, fabs(loop->output[k] - record->initial_voltage[k]) /
+                                            design->step_limit[k]);
     course->steady = sqrt(squares);
-    course->missed = sqrt(missed);
+    course->measurement_error = sqrt(measurement_error);
     course->vibration = sqrt(vibration);
     course->settled = settled_after(record, design);
-    course->step_limit_ticks = (int)fmin(ceil(slew), 1e9);
-    memcpy(course->voltage, loop->given, (size_t)design->amplifiers * sizeof *course->voltage);
+    course->step_limit_ticks = (int)fmin(ceil(limit_ticks), 1e9);
+    memcpy(course->voltage, loop->output, (size_t)design->amplifiers * sizeof *course->voltage);
     memcpy(course->shape, loop->shape, (size_t)design->targets * sizeof *course->shape);
-    memcpy(record->before, loop->given, (size_t)design->amplifiers * sizeof *record->before);
+    memcpy(record->initial_voltage, loop->output,
+           (size_t)design->amplifiers * sizeof *record->initial_voltage);
     record->ticks = 0;
 }
 
@@ -430,42 +434,46 @@ static void keep_conditions(const loop *loop, simulate_phase *phase)
 {
     const design *design = loop->design;
     memcpy(phase->target, loop->wanted, (size_t)design->targets * sizeof *phase->target);
-    memcpy(phase->amount, loop->load, ((size_t)design->loads + 1) * sizeof *phase->amount);
+    memcpy(phase->load, loop->load, ((size_t)design->loads + 1) * sizeof *phase->load);
     for (int k = 0; k < design->amplifiers; k++)
-        phase->held[k] =
-            loop->electrode[k].fault == ELECTRODE_GOOD ? (double)NAN : loop->electrode[k].held;
+        phase->fault_voltage[k] = loop->electrode[k].fault == ELECTRODE_GOOD
+                                      ? (double)NAN
+                                      : loop->electrode[k].fault_voltage;
 }
 
 /* ---- run -------------------------------------------------------------- */
 
-static void tell(const loop *loop, simulate_law law, int tick, simulate_watch *watch, void *context)
+static void report_tick(const loop *loop, simulate_law law, int tick,
+                        simulate_tick_callback *callback, void *context)
 {
     const simulate_sample sample = {.law = law,
                                     .tick = tick,
                                     .error = loop->error,
-                                    .missed = loop->missed,
+                                    .measurement_error = loop->measurement_error,
                                     .vibration = loop->vibration,
                                     .command = loop->command,
-                                    .voltage = loop->given,
+                                    .voltage = loop->output,
                                     .active = loop_active(loop),
                                     .iterations = loop->iterations,
                                     .status = loop->status,
-                                    .lost = loop->is_lost};
-    if (watch)
-        watch(context, &sample);
+                                    .is_missed = loop->is_missed};
+    if (callback)
+        callback(context, &sample);
 }
 
 static void count_tick(const loop *loop, simulate_count *count)
 {
-    count->beyond += loop->beyond;
+    count->beyond_limits += loop->beyond_limits;
     count->not_finite += loop->not_finite;
-    count->missed += loop->is_lost;
-    if (loop->is_lost)
+    count->missed_ticks += loop->is_missed;
+    if (loop->is_missed)
         return;
-    count->same += loop->same;
-    count->found += loop->found;
-    count->wrong += loop->wrong;
-    count->search = loop->search > count->search ? loop->search : count->search;
+    count->agreeing_ticks += loop->twin_agrees;
+    count->detected += loop->detected;
+    count->falsely_detected += loop->falsely_detected;
+    count->detection_ticks = loop->detection_ticks > count->detection_ticks
+                                 ? loop->detection_ticks
+                                 : count->detection_ticks;
     count->iterations += loop->iterations;
     count->iterations_most =
         loop->iterations > count->iterations_most ? loop->iterations : count->iterations_most;
@@ -482,7 +490,7 @@ static bool has_diverged(const loop *loop, simulate_law law)
 }
 
 /* Mark the rest of a law's phases as diverged. */
-static void give_up(simulation *simulation, const simulate_phase *from, simulate_law law)
+static void mark_diverged(simulation *simulation, const simulate_phase *from, simulate_law law)
 {
     for (int k = (int)(from - simulation->phase); k < simulation->phases; k++) {
         simulate_course *course = &simulation->phase[k].course[law];
@@ -493,18 +501,18 @@ static void give_up(simulation *simulation, const simulate_phase *from, simulate
 }
 
 static int run_ticks(simulation *simulation, loop *loop, course_log *record, simulate_law law,
-                     simulate_watch *watch, void *context, char *error)
+                     simulate_tick_callback *callback, void *context, char *error)
 {
     const int ticks = loop->design->scene->simulate.ticks;
     simulate_phase *phase = simulation->phase;
     for (int tick = 0; tick < ticks; tick++) {
         if (loop_tick(loop, tick, error) < 0)
             return -1;
-        follow(record, loop, &phase->course[law]);
-        tell(loop, law, tick, watch, context);
+        record_tick(record, loop, &phase->course[law]);
+        report_tick(loop, law, tick, callback, context);
         count_tick(loop, &simulation->count[law]);
         if (has_diverged(loop, law)) {
-            give_up(simulation, phase, law);
+            mark_diverged(simulation, phase, law);
             return 0;
         }
         if (tick + 1 < phase->until)
@@ -512,15 +520,15 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *record, sim
         finish_course(record, loop, &phase->course[law]);
         if (law == LAW_CONTROLLER)
             keep_conditions(loop, phase);
-        if (plant_displacement(&simulation->plant, phase->course[law].u, error) < 0)
+        if (plant_displacement(&simulation->plant, phase->course[law].displacement, error) < 0)
             return -1;
         phase++;
     }
     return 0;
 }
 
-int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch, void *context,
-                 char *error)
+int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callback *callback,
+                 void *context, char *error)
 {
     course_log record;
     loop loop;
@@ -531,7 +539,7 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch
             0;
     int failed = log_open(&record, simulation) ? 0 : no_memory(simulation->nominal, error);
     failed = loop_open(&loop, simulation, law, error) < 0 || failed ||
-             run_ticks(simulation, &loop, &record, law, watch, context, error) < 0;
+             run_ticks(simulation, &loop, &record, law, callback, context, error) < 0;
     loop_close(&loop);
     log_close(&record);
     simulation->count[law].seconds = analysis_now() - begin;
@@ -552,13 +560,14 @@ static int same_conditions(const simulation *simulation, const simulate_phase *f
                            const simulate_phase *second)
 {
     const design *design = &simulation->nominal->design;
-    int same = memcmp(first->target, second->target,
-                      (size_t)design->targets * sizeof *first->target) == 0 &&
-               memcmp(first->amount, second->amount,
-                      ((size_t)design->loads + 1) * sizeof *first->amount) == 0;
+    int same =
+        memcmp(first->target, second->target, (size_t)design->targets * sizeof *first->target) ==
+            0 &&
+        memcmp(first->load, second->load, ((size_t)design->loads + 1) * sizeof *first->load) == 0;
     for (int k = 0; k < design->amplifiers; k++)
-        same = same &&
-               (isnan(first->held[k]) ? isnan(second->held[k]) : first->held[k] == second->held[k]);
+        same = same && (isnan(first->fault_voltage[k])
+                            ? isnan(second->fault_voltage[k])
+                            : first->fault_voltage[k] == second->fault_voltage[k]);
     return same;
 }
 
@@ -569,12 +578,13 @@ static int find_optimum(simulation *simulation, simulate_phase *phase, double *s
     memset(&best, 0, sizeof best);
     plant_rest(&simulation->plant);
     for (int k = 0; k < design->loads; k++)
-        plant_load(&simulation->plant, k, phase->amount[k]);
-    plant_warm(&simulation->plant, phase->amount[design->loads]);
-    const int failed =
-        plant_optimum(&simulation->plant, phase->target, phase->held, &best, shape, error) < 0;
-    phase->optimum =
-        failed ? (double)NAN : apart(design, shape, phase->target) / simulation->reference;
+        plant_load(&simulation->plant, k, phase->load[k]);
+    plant_warm(&simulation->plant, phase->load[design->loads]);
+    const int failed = plant_optimum(&simulation->plant, phase->target, phase->fault_voltage, &best,
+                                     shape, error) < 0;
+    phase->optimum = failed
+                         ? (double)NAN
+                         : weighted_distance(design, shape, phase->target) / simulation->reference;
     voltages_free(&best);
     return failed ? -1 : 0;
 }

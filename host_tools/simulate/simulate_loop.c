@@ -12,14 +12,14 @@ static const double two_pi = 6.283185307179586;
 
 /* ---- electrode states told to the controller ---------------------------- */
 
-static void hold(loop *loop, int amplifier, double voltage)
+static void hold_electrode(loop *loop, int amplifier, double voltage)
 {
     (void)pzs_hold(loop->controller.info.control, (uint16_t)amplifier, voltage);
     device_hold(&loop->board, amplifier, voltage);
     device_hold(&loop->twin, amplifier, voltage);
 }
 
-static void release(loop *loop, int amplifier)
+static void release_electrode(loop *loop, int amplifier)
 {
     (void)pzs_release(loop->controller.info.control, (uint16_t)amplifier);
     device_release(&loop->board, amplifier);
@@ -31,41 +31,42 @@ static void release(loop *loop, int amplifier)
 static void set_target(loop *loop, const scene_event *event)
 {
     char error[SCENE_ERROR];
-    if (design_target_values(loop->design, event->value, event->at, loop->wish, error) == 0)
-        memcpy(loop->goal, loop->wish, (size_t)loop->design->targets * sizeof *loop->goal);
+    if (design_target_values(loop->design, event->value, event->at, loop->scratch, error) == 0)
+        memcpy(loop->goal, loop->scratch, (size_t)loop->design->targets * sizeof *loop->goal);
 }
 
-static void set_load(loop *loop, int load, double amount)
+static void set_load(loop *loop, int load, double value)
 {
-    loop->load[load] = amount;
+    loop->load[load] = value;
     if (load < loop->design->loads)
-        plant_load(&loop->simulation->plant, load, amount);
+        plant_load(&loop->simulation->plant, load, value);
     else
-        plant_warm(&loop->simulation->plant, amount);
+        plant_warm(&loop->simulation->plant, value);
 }
 
 static void fail_electrodes(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < event->amplifiers; i++) {
         electrode *electrode = &loop->electrode[event->amplifier[i]];
-        electrode->held = event->type == EVENT_DEAD            ? 0
-                          : electrode->fault == ELECTRODE_GOOD ? loop->given[event->amplifier[i]]
-                                                               : electrode->held;
+        electrode->fault_voltage = event->type == EVENT_DEAD ? 0
+                                   : electrode->fault == ELECTRODE_GOOD
+                                       ? loop->output[event->amplifier[i]]
+                                       : electrode->fault_voltage;
         electrode->failed_at = tick;
         electrode->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
-        electrode->told_at = event->told >= 0 ? tick + event->told : -1;
-        electrode->good_at = event->ticks > 0 ? tick + event->ticks : -1;
+        electrode->announced_at = event->told >= 0 ? tick + event->told : -1;
+        electrode->repaired_at = event->ticks > 0 ? tick + event->ticks : -1;
     }
 }
 
-static void revive(loop *loop, int amplifier)
+static void repair_electrode(loop *loop, int amplifier)
 {
     electrode *electrode = &loop->electrode[amplifier];
-    if (electrode->is_told)
-        release(loop, amplifier);
+    if (electrode->is_held)
+        release_electrode(loop, amplifier);
     electrode->fault = ELECTRODE_GOOD;
-    electrode->told_at = electrode->good_at = -1;
-    electrode->is_told = 0;
+    electrode->announced_at = electrode->repaired_at = -1;
+    electrode->is_held = 0;
 }
 
 static void fail_sensors(loop *loop, const scene_event *event, int tick)
@@ -76,17 +77,17 @@ static void fail_sensors(loop *loop, const scene_event *event, int tick)
         if (event->type == EVENT_NAN)
             loop->sensor[i].nan_until = tick + event->ticks;
         else
-            loop->sensor[i].frozen_until = tick + event->ticks;
+            loop->sensor[i].stuck_until = tick + event->ticks;
     }
 }
 
 /* Begin a disturbance that lasts until a later tick. */
-static void begin(passing *passing, const scene_event *event, int tick)
+static void begin_disturbance(disturbance *disturbance, const scene_event *event, int tick)
 {
-    *passing = (struct passing){event->amount, tick + event->ticks};
+    *disturbance = (struct disturbance){event->amount, tick + event->ticks};
 }
 
-static void happen(loop *loop, const scene_event *event, int tick)
+static void apply_event(loop *loop, const scene_event *event, int tick)
 {
     switch (event->type) {
     case EVENT_TARGET: loop->factor = event->amount; break;
@@ -95,19 +96,19 @@ static void happen(loop *loop, const scene_event *event, int tick)
     case EVENT_TEMPERATURE: set_load(loop, loop->design->loads, event->amount); break;
     case EVENT_ALIVE:
         for (int i = 0; i < event->amplifiers; i++)
-            revive(loop, event->amplifier[i]);
+            repair_electrode(loop, event->amplifier[i]);
         break;
     case EVENT_NAN:
     case EVENT_FROZEN: fail_sensors(loop, event, tick); break;
-    case EVENT_LOST: loop->lost_until = tick + event->ticks; break;
+    case EVENT_LOST: loop->missed_until = tick + event->ticks; break;
     case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->amount); break;
     case EVENT_SINE:
         loop->wave[event->load] =
             (wave){event->amount, event->frequency, loop->time, tick + event->ticks};
         break;
-    case EVENT_LATE: begin(&loop->late, event, tick); break;
-    case EVENT_JITTER: begin(&loop->jitter, event, tick); break;
-    case EVENT_DELAY: begin(&loop->delay, event, tick); break;
+    case EVENT_LATE: begin_disturbance(&loop->late, event, tick); break;
+    case EVENT_JITTER: begin_disturbance(&loop->jitter, event, tick); break;
+    case EVENT_DELAY: begin_disturbance(&loop->delay, event, tick); break;
     default: fail_electrodes(loop, event, tick);
     }
 }
@@ -116,11 +117,11 @@ static void happen(loop *loop, const scene_event *event, int tick)
  * Apply an event of the schedule, and store its target and load factors, which are restored when
  * the random faults end.
  */
-static void schedule(loop *loop, const scene_event *event, int tick)
+static void apply_scheduled_event(loop *loop, const scene_event *event, int tick)
 {
-    happen(loop, event, tick);
+    apply_event(loop, event, tick);
     if (event->known)
-        loop->known[event->load] = event->amount;
+        loop->known_load[event->load] = event->amount;
     if (event->type == EVENT_TARGET)
         loop->scheduled_factor = event->amount;
     if (event->type == EVENT_LOAD || event->type == EVENT_TEMPERATURE)
@@ -153,31 +154,32 @@ static void random_fault(loop *loop, int tick)
         event.amount = 2 * event.amount - 1;
     event.load = random_int(&loop->random, loop->design->loads + 1);
     if (event.type != EVENT_LOAD || event.load < loop->design->loads)
-        happen(loop, &event, tick);
+        apply_event(loop, &event, tick);
 }
 
 static void end_faults(loop *loop)
 {
     loop->factor = loop->scheduled_factor;
-    loop->lost_until = 0;
+    loop->missed_until = 0;
     memset(loop->sensor, 0, (size_t)loop->sensors * sizeof *loop->sensor);
     for (int k = 0; k <= loop->design->loads; k++)
         set_load(loop, k, loop->scheduled_load[k]);
     for (int k = 0; k < loop->design->amplifiers; k++)
-        revive(loop, k);
+        repair_electrode(loop, k);
 }
 
 /*
  * Set `coming`, the known load factors of the next tick. The controller knows the future factors of
  * known loads one tick in advance.
  */
-static void look_ahead(loop *loop, int tick)
+static void set_next_loads(loop *loop, int tick)
 {
     const scene_simulate *simulate = &loop->design->scene->simulate;
-    memcpy(loop->coming, loop->known, (size_t)loop->design->loads * sizeof *loop->known);
+    memcpy(loop->next_load, loop->known_load,
+           (size_t)loop->design->loads * sizeof *loop->known_load);
     for (int k = loop->next_event; k < simulate->events && simulate->event[k].tick == tick + 1; k++)
         if (simulate->event[k].known)
-            loop->coming[simulate->event[k].load] = simulate->event[k].amount;
+            loop->next_load[simulate->event[k].load] = simulate->event[k].amount;
 }
 
 static void run_events(loop *loop, int tick)
@@ -190,16 +192,16 @@ static void run_events(loop *loop, int tick)
         end_faults(loop);
     for (; loop->next_event < simulate->events && simulate->event[loop->next_event].tick == tick;
          loop->next_event++)
-        schedule(loop, &simulate->event[loop->next_event], tick);
-    look_ahead(loop, tick);
+        apply_scheduled_event(loop, &simulate->event[loop->next_event], tick);
+    set_next_loads(loop, tick);
     for (int k = 0; k < loop->design->amplifiers; k++) {
         electrode *electrode = &loop->electrode[k];
-        if (electrode->good_at == tick)
-            revive(loop, k);
-        if (electrode->told_at == tick) {
-            hold(loop, k, electrode->held);
-            electrode->is_told = 1;
-            electrode->out_since = electrode->failed_at;
+        if (electrode->repaired_at == tick)
+            repair_electrode(loop, k);
+        if (electrode->announced_at == tick) {
+            hold_electrode(loop, k, electrode->fault_voltage);
+            electrode->is_held = 1;
+            electrode->held_since = electrode->failed_at;
         }
     }
     for (int i = 0; i < loop->design->targets; i++)
@@ -239,7 +241,7 @@ static bool varies(const loop *loop)
 }
 
 /* Let time pass while the amplifiers are to give constant voltages. */
-static void travel(loop *loop, const double *output, double seconds)
+static void advance_plant(loop *loop, const double *output, double seconds)
 {
     const int parts = varies(loop) ? PARTS : 1;
     const imperfections wiring = loop_imperfections(loop);
@@ -253,20 +255,20 @@ static void travel(loop *loop, const double *output, double seconds)
 }
 
 /* Random part of the interval, of a disturbance that may have passed. */
-static double drawn(loop *loop, const passing *passing, int tick)
+static double random_part(loop *loop, const disturbance *disturbance, int tick)
 {
-    return tick < passing->until ? passing->size * random_uniform(&loop->random) : 0;
+    return tick < disturbance->until ? disturbance->size * random_uniform(&loop->random) : 0;
 }
 
 /* Let the time from the last tick to this one pass. */
-static void elapse(loop *loop, int tick)
+static void elapse_interval(loop *loop, int tick)
 {
     const double nominal = 1 / loop->design->scene->control.rate;
-    const double late = drawn(loop, &loop->late, tick);
+    const double late = random_part(loop, &loop->late, tick);
     const double sign = tick < loop->jitter.until && random_int(&loop->random, 2) ? -1 : 1;
-    const double interval = nominal * (1 + sign * drawn(loop, &loop->jitter, tick));
-    travel(loop, loop->before, late * interval);
-    travel(loop, loop->given, (1 - late) * interval);
+    const double interval = nominal * (1 + sign * random_part(loop, &loop->jitter, tick));
+    advance_plant(loop, loop->previous_output, late * interval);
+    advance_plant(loop, loop->output, (1 - late) * interval);
     for (int k = 0; k < loop->design->loads; k++)
         if (loop->wave[k].until == tick) {
             loop->wave[k].until = 0;
@@ -280,9 +282,9 @@ static void elapse(loop *loop, int tick)
  * Step limit of an electrode (V). An electrode that the controller treats as held has no step
  * limit, because its voltage is set to the held value at once.
  */
-static double slew_of(const loop *loop, int amplifier)
+static double step_limit_of(const loop *loop, int amplifier)
 {
-    return loop->electrode[amplifier].is_told ? HUGE_VAL : loop->design->step_limit[amplifier];
+    return loop->electrode[amplifier].is_held ? HUGE_VAL : loop->design->step_limit[amplifier];
 }
 
 /* ---- control laws: step blocks of the simulation ------------------------ */
@@ -306,23 +308,24 @@ static loop *loop_of(const pzs_loop_signals *signals)
  * Run one tick on the board and on its twin, and compare their results bit by bit. Returns the
  * status of the board, or -1 with error filled.
  */
-static int ask_board(loop *loop, char *error)
+static int run_board_tick(loop *loop, char *error)
 {
     const size_t amplifiers = (size_t)loop->design->amplifiers, loads = (size_t)loop->design->loads;
     if (loop->simulation->feeds) {
-        device_know(&loop->board, loop->present, loop->coming, loads);
-        device_know(&loop->twin, loop->present, loop->coming, loads);
+        device_know(&loop->board, loop->load_when_read, loop->next_load, loads);
+        device_know(&loop->twin, loop->load_when_read, loop->next_load, loads);
     }
     const int status = device_tick(&loop->board, loop->wanted, loop->sensed, loop->command,
                                    loop->state, &loop->iterations, error);
-    int passes = 0, same = -1;
+    int iterations = 0, same = -1;
     if (status < 0 || !loop->twin.board)
         return status;
-    same = device_tick(&loop->twin, loop->wanted, loop->sensed, loop->next, loop->twin_state,
-                       &passes, error);
-    loop->same = same == status && passes == loop->iterations &&
-                 memcmp(loop->next, loop->command, amplifiers * sizeof *loop->next) == 0 &&
-                 memcmp(loop->twin_state, loop->state, amplifiers) == 0;
+    same = device_tick(&loop->twin, loop->wanted, loop->sensed, loop->twin_command,
+                       loop->twin_state, &iterations, error);
+    loop->twin_agrees =
+        same == status && iterations == loop->iterations &&
+        memcmp(loop->twin_command, loop->command, amplifiers * sizeof *loop->twin_command) == 0 &&
+        memcmp(loop->twin_state, loop->state, amplifiers) == 0;
     return same < 0 ? -1 : status;
 }
 
@@ -330,16 +333,17 @@ static int ask_board(loop *loop, char *error)
  * Step block that runs the firmware on the board. The board receives the readings of the sensors
  * and not the output of the preceding blocks, because the firmware contains the same blocks.
  */
-static pzs_status answer(void *self, pzs_loop_signals *signals)
+static pzs_status board_tick(void *self, pzs_loop_signals *signals)
 {
     loop *loop = loop_of(signals);
-    const int status = ask_board(loop, loop->message);
+    const int status = run_board_tick(loop, loop->message);
     (void)self;
     loop->is_silent = status < 0;
     return status < 0 ? PZS_E_STAGE : (pzs_status)status;
 }
 
-static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init, answer};
+static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init,
+                                           board_tick};
 
 /*
  * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
@@ -349,7 +353,7 @@ static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, l
 static size_t list_blocks(loop *loop)
 {
     const loop_blocks *all =
-        loop->law == LAW_CONTROLLER ? loop->simulation->blocks : loop->simulation->plain;
+        loop->law == LAW_CONTROLLER ? loop->simulation->blocks : loop->simulation->undamped_blocks;
     const int is_board = loop->simulation->board && loop->law == LAW_CONTROLLER;
     size_t count = 0;
     memcpy(loop->block, all->block, sizeof loop->block);
@@ -372,32 +376,33 @@ static pzs_status open_controller(loop *loop)
     if (status != PZS_E_WORKSPACE)
         return status;
     const size_t need = (size_t)loop->controller.info.where;
-    loop->work = malloc(need);
-    return pzs_loop_init(&loop->controller, loop->block, count, NULL, loop->work, need);
+    loop->controller_memory = malloc(need);
+    return pzs_loop_init(&loop->controller, loop->block, count, NULL, loop->controller_memory,
+                         need);
 }
 
 /* Record the electrodes that the fault detector has found in this tick. */
-static void learn(loop *loop, int tick)
+static void count_detections(loop *loop, int tick)
 {
-    loop->found = loop->wrong = 0;
+    loop->detected = loop->falsely_detected = 0;
     for (int k = 0; k < loop->design->amplifiers; k++) {
         electrode *electrode = &loop->electrode[k];
-        if (loop->state[k] != PZS_ELECTRODE_HELD || electrode->is_told)
+        if (loop->state[k] != PZS_ELECTRODE_HELD || electrode->is_held)
             continue;
-        electrode->is_told = 1;
-        electrode->out_since = 0;
-        loop->found++;
+        electrode->is_held = 1;
+        electrode->held_since = 0;
+        loop->detected++;
         if (electrode->fault == ELECTRODE_GOOD)
-            loop->wrong++;
-        else if (tick - electrode->failed_at > loop->search)
-            loop->search = tick - electrode->failed_at;
+            loop->falsely_detected++;
+        else if (tick - electrode->failed_at > loop->detection_ticks)
+            loop->detection_ticks = tick - electrode->failed_at;
     }
 }
 
 /*
  * Copy the voltages into a controller whose voltages are computed elsewhere, by the board.
  */
-static void follow(loop *loop)
+static void copy_board_voltages(loop *loop)
 {
     pzs_control *control = loop->controller.info.control;
     memcpy(control->state.voltage, loop->command,
@@ -419,7 +424,7 @@ static void take_command(loop *loop)
  * Status of a tick for the statistics: the status of the step block. Electrodes found by the fault
  * detector are not a status here, because they have their own counter.
  */
-static pzs_status counted(const loop *loop, pzs_status status)
+static pzs_status counted_status(const loop *loop, pzs_status status)
 {
     const pzs_block_type *block = loop->controller.info.block;
     const int is_other = loop->law != LAW_CONTROLLER || loop->board.board;
@@ -431,7 +436,7 @@ static pzs_status counted(const loop *loop, pzs_status status)
 }
 
 /* Tell the damper of the ticks that were missed since the last one. */
-static void catch_up(loop *loop)
+static void report_missed_ticks(loop *loop)
 {
     pzs_damper *damper = pzs_loop_find(&loop->controller, &pzs_vibration_block);
     if (damper && loop->missed_ticks > 0)
@@ -439,29 +444,29 @@ static void catch_up(loop *loop)
     loop->missed_ticks = 0;
 }
 
-static int command(loop *loop, int tick, char *error)
+static int run_controller(loop *loop, int tick, char *error)
 {
     if ((loop->simulation->estimates || loop->is_damped) && loop->board.board)
-        follow(loop);
-    catch_up(loop);
+        copy_board_voltages(loop);
+    report_missed_ticks(loop);
     if (loop->simulation->feeds) {
-        loop->present = sense_known(loop, tick);
-        (void)pzs_loop_know(&loop->controller, loop->present, loop->coming);
+        loop->load_when_read = sense_known_loads(loop, tick);
+        (void)pzs_loop_know(&loop->controller, loop->load_when_read, loop->next_load);
     }
     loop->message = error;
     const pzs_status status = pzs_loop_tick(&loop->controller, loop->wanted, loop->sensed);
     if (loop->is_silent)
         return -1;
-    loop->status = counted(loop, status);
+    loop->status = counted_status(loop, status);
     if (PZS_IS_ERROR(status))
         return 0;
-    sense_missed(loop);
+    sense_measurement_error(loop);
     if (!loop->board.board)
         take_command(loop);
-    learn(loop, tick);
+    count_detections(loop, tick);
     for (int k = 0; k < loop->design->amplifiers; k++)
-        if (loop->electrode[k].is_told)
-            sense_taken_out(loop, k, loop->electrode[k].out_since, tick);
+        if (loop->electrode[k].is_held)
+            sense_hold(loop, k, loop->electrode[k].held_since, tick);
     sense_predict(loop);
     return 0;
 }
@@ -481,22 +486,22 @@ static double converted(double voltage, double step)
  * Compute the output voltages of the amplifiers. Each amplifier enforces the voltage limits and the
  * step limit, rounds to its resolution, and ignores changes within its dead band.
  */
-static void amplify(loop *loop)
+static void set_outputs(loop *loop)
 {
     const design *design = loop->design;
     const scene_simulate *simulate = &design->scene->simulate;
     for (int k = 0; k < design->amplifiers; k++) {
-        const double before = loop->given[k], slew = slew_of(loop, k);
-        const double wish = law_limited(
-            before, fmin(fmax(loop->command[k], design->lower[k]), design->upper[k]), slew);
-        double voltage = converted(wish, simulate->step);
+        const double before = loop->output[k], step_limit = step_limit_of(loop, k);
+        const double limited = law_limited(
+            before, fmin(fmax(loop->command[k], design->lower[k]), design->upper[k]), step_limit);
+        double voltage = converted(limited, simulate->step);
         if (voltage < design->lower[k] || voltage > design->upper[k] ||
-            !law_may_move(before, voltage, slew))
-            voltage += voltage > wish ? -simulate->step : simulate->step;
+            !law_may_move(before, voltage, step_limit))
+            voltage += voltage > limited ? -simulate->step : simulate->step;
         const int fits = voltage >= design->lower[k] && voltage <= design->upper[k] &&
-                         law_may_move(before, voltage, slew);
+                         law_may_move(before, voltage, step_limit);
         if (fits && fabs(loop->command[k] - before) > simulate->dead_band)
-            loop->given[k] = voltage;
+            loop->output[k] = voltage;
     }
 }
 
@@ -504,7 +509,8 @@ static void amplify(loop *loop)
  * Count voltages beyond their limits and voltage changes beyond the step limit. The change is
  * computed with 32 or 64 bits, the precision in which the voltages were chosen.
  */
-static int beyond(const loop *loop, const double *voltage, const double *before, int bits)
+static int count_beyond_limits(const loop *loop, const double *voltage, const double *before,
+                               int bits)
 {
     const design *design = loop->design;
     int count = 0;
@@ -512,16 +518,16 @@ static int beyond(const loop *loop, const double *voltage, const double *before,
         const double change =
             bits == 32 ? (double)((float)voltage[k] - (float)before[k]) : voltage[k] - before[k];
         count += !(voltage[k] >= design->lower[k] && voltage[k] <= design->upper[k]);
-        count += !law_may_move(0, change, slew_of(loop, k));
+        count += !law_may_move(0, change, step_limit_of(loop, k));
     }
     return count;
 }
 
-static int not_finite(const loop *loop)
+static int count_not_finite(const loop *loop)
 {
     int count = 0;
     for (int k = 0; k < loop->design->amplifiers; k++)
-        count += !isfinite(loop->command[k]) + !isfinite(loop->given[k]);
+        count += !isfinite(loop->command[k]) + !isfinite(loop->output[k]);
     return count;
 }
 
@@ -540,12 +546,12 @@ int loop_tick(loop *loop, int tick, char *error)
 {
     const size_t amplifiers = (size_t)loop->design->amplifiers;
     if (tick > 0)
-        elapse(loop, tick);
+        elapse_interval(loop, tick);
     run_events(loop, tick);
     set_waves(loop, loop->time);
     const imperfections wiring = loop_imperfections(loop);
-    imperfections_actuate(&wiring, loop->given, 0, loop->effect);
-    memcpy(loop->before, loop->given, amplifiers * sizeof *loop->before);
+    imperfections_actuate(&wiring, loop->output, 0, loop->effect);
+    memcpy(loop->previous_output, loop->output, amplifiers * sizeof *loop->previous_output);
     if (plant_shape(&loop->simulation->plant, loop->effect, loop->shape, error) < 0)
         return -1;
     loop->error =
@@ -553,20 +559,20 @@ int loop_tick(loop *loop, int tick, char *error)
     loop->vibration = plant_vibration(&loop->simulation->plant) / loop->simulation->reference;
     if (sense_tick(loop, tick, error) < 0)
         return -1;
-    loop->is_lost = tick < loop->lost_until;
-    loop->beyond = loop->not_finite = 0;
-    loop->missed_ticks += loop->is_lost;
-    if (loop->is_lost)
+    loop->is_missed = tick < loop->missed_until;
+    loop->beyond_limits = loop->not_finite = 0;
+    loop->missed_ticks += loop->is_missed;
+    if (loop->is_missed)
         return 0;
-    memcpy(loop->last, loop->command, amplifiers * sizeof *loop->last);
-    if (command(loop, tick, error) < 0)
+    memcpy(loop->last_voltage, loop->command, amplifiers * sizeof *loop->last_voltage);
+    if (run_controller(loop, tick, error) < 0)
         return -1;
-    loop->beyond =
-        beyond(loop, loop->command, loop->last, loop->board.board ? loop->board.board->bits : 64);
-    memcpy(loop->last, loop->given, amplifiers * sizeof *loop->last);
-    amplify(loop);
-    loop->beyond += beyond(loop, loop->given, loop->last, 64);
-    loop->not_finite = not_finite(loop);
+    loop->beyond_limits = count_beyond_limits(loop, loop->command, loop->last_voltage,
+                                              loop->board.board ? loop->board.board->bits : 64);
+    memcpy(loop->last_voltage, loop->output, amplifiers * sizeof *loop->last_voltage);
+    set_outputs(loop);
+    loop->beyond_limits += count_beyond_limits(loop, loop->output, loop->last_voltage, 64);
+    loop->not_finite = count_not_finite(loop);
     if (!PZS_IS_ERROR(loop->status))
         return 0;
     return scene_fault(loop->design->scene, loop->design->scene->simulate.at, error, "tick %d: %s",
@@ -588,9 +594,10 @@ static int take_memory(loop *loop)
     if (!at || !loop->electrode || !loop->wave || !loop->state || !sense_open(loop))
         return 0;
     loop->twin_state = loop->state + amplifiers;
-    double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->wish};
-    double **const of_amplifiers[] = {&loop->command, &loop->given, &loop->effect,
-                                      &loop->next,    &loop->last,  &loop->before};
+    double **const of_targets[] = {&loop->goal, &loop->wanted, &loop->shape, &loop->scratch};
+    double **const of_amplifiers[] = {&loop->command,      &loop->output,
+                                      &loop->effect,       &loop->twin_command,
+                                      &loop->last_voltage, &loop->previous_output};
     for (int i = 0; i < 4; i++, at += targets)
         *of_targets[i] = at;
     for (int i = 0; i < 6; i++, at += amplifiers)
@@ -600,7 +607,7 @@ static int take_memory(loop *loop)
     return 1;
 }
 
-static void start(loop *loop)
+static void reset_loop(loop *loop)
 {
     const design *design = loop->design;
     loop->random = (uint64_t)design->scene->simulate.seed;
@@ -608,14 +615,15 @@ static void start(loop *loop)
     memcpy(loop->goal, design->target, (size_t)design->targets * sizeof *loop->goal);
     memcpy(loop->command, loop->controller.info.voltage,
            (size_t)design->amplifiers * sizeof *loop->command);
-    memcpy(loop->given, loop->command, (size_t)design->amplifiers * sizeof *loop->given);
-    memcpy(loop->last, loop->command, (size_t)design->amplifiers * sizeof *loop->last);
+    memcpy(loop->output, loop->command, (size_t)design->amplifiers * sizeof *loop->output);
+    memcpy(loop->last_voltage, loop->command,
+           (size_t)design->amplifiers * sizeof *loop->last_voltage);
     for (int k = 0; k < design->loads; k++)
         loop->load[k] = loop->scheduled_load[k] = 1;
     for (int k = 0; k < design->amplifiers; k++)
-        loop->electrode[k].told_at = loop->electrode[k].good_at = -1;
+        loop->electrode[k].announced_at = loop->electrode[k].repaired_at = -1;
     for (int k = 0; k < design->amplifiers; k++)
-        loop->electrode[k].output = loop->given[k];
+        loop->electrode[k].output = loop->output[k];
     const imperfections wiring = loop_imperfections(loop);
     imperfections_draw(&wiring);
     sense_predict(loop);
@@ -633,10 +641,11 @@ static int start_board(loop *loop, char *error)
     if (device_start(&loop->board, simulation->board, simulation->folder, simulation->problem,
                      loop->sensors, loop->command, error) < 0)
         return -1;
-    memcpy(loop->given, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->given);
-    memcpy(loop->last, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->last);
+    memcpy(loop->output, loop->command, (size_t)loop->design->amplifiers * sizeof *loop->output);
+    memcpy(loop->last_voltage, loop->command,
+           (size_t)loop->design->amplifiers * sizeof *loop->last_voltage);
     for (int k = 0; k < loop->design->amplifiers; k++)
-        loop->electrode[k].output = loop->given[k];
+        loop->electrode[k].output = loop->output[k];
     sense_predict(loop);
     return 0;
 }
@@ -660,7 +669,7 @@ int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
     if (status != PZS_OK)
         return scene_fault(scene, scene->limits.at, error, "%s: %s",
                            block ? block->name : "control loop", pzs_status_text(status));
-    start(loop);
+    reset_loop(loop);
     return simulation->board && law == LAW_CONTROLLER ? start_board(loop, error) : 0;
 }
 
@@ -670,7 +679,7 @@ void loop_close(loop *loop)
     free(loop->electrode);
     free(loop->wave);
     free(loop->state);
-    free(loop->work);
+    free(loop->controller_memory);
     law_close(&loop->compared);
     sense_close(loop);
     device_stop(&loop->board);

@@ -18,10 +18,10 @@ typedef struct wave {
 } wave;
 
 /* Passing disturbance of the ticks: its size, and the tick at which it ends. */
-typedef struct passing {
+typedef struct disturbance {
     double size;
     int until;
-} passing;
+} disturbance;
 
 /*
  * Tables of a step block that the simulation provides: the problem, which the library requires
@@ -48,7 +48,7 @@ typedef struct loop {
     char *message;       /* [SCENE_ERROR] error text of a board that does not answer */
     int is_silent;       /* the board did not answer in the last tick */
     uint64_t random;     /* state of the random number generator */
-    int next_event, lost_until;
+    int next_event, missed_until;
     double factor, scheduled_factor; /* factor of the target, now and by the schedule alone */
     double *memory;                  /* memory of all vectors from goal to last */
     double *goal;   /* [targets] displacements of the scene's target or of the schedule, before the
@@ -57,20 +57,21 @@ typedef struct loop {
     double *load, *scheduled_load; /* [loads + 1] factors of the loads, now and by the schedule
                                       alone; the last entry is the temperature change (K) */
     double *shape;                 /* [targets] displacements of the plant */
-    double *wish;                  /* [targets] scratch memory */
+    double *scratch;               /* [targets] scratch memory */
     double *command;               /* [amplifiers] voltages that the controller commands (V) */
-    double *given;                 /* [amplifiers] output voltages of the amplifiers (V) */
+    double *output;                /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect; /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
                        (V) */
-    double *before; /* [amplifiers] output voltages before the last change (V) */
-    double time;    /* time since the start (s) */
-    wave *wave;     /* [loads] sinusoidal parts of the loads */
-    passing late, jitter, delay; /* late voltages and varying intervals (parts of the interval),
+    double *previous_output;         /* [amplifiers] output voltages before the last change (V) */
+    double time;                     /* time since the start (s) */
+    wave *wave;                      /* [loads] sinusoidal parts of the loads */
+    disturbance late, jitter, delay; /* late voltages and varying intervals (parts of the interval),
                                     later readings (ticks) */
-    double vibration;     /* weighted norm of the deviation from the static equilibrium, over the
-                             norm of the scene's target; 0 for a quasi-static plant */
-    double *next, *last;  /* [amplifiers] scratch memory; voltages before the tick (V) */
-    electrode *electrode; /* [amplifiers] state of each electrode */
+    double vibration; /* weighted norm of the deviation from the static equilibrium, over the
+                         norm of the scene's target; 0 for a quasi-static plant */
+    double *twin_command, *last_voltage; /* [amplifiers] scratch memory; voltages before the tick
+                                            (V) */
+    electrode *electrode;                /* [amplifiers] state of each electrode */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
     sensor *sensor; /* [sensors] faults of each sensor */
@@ -79,32 +80,33 @@ typedef struct loop {
     double *reading; /* [sensors] latest readings, with noise and faults */
     double *sensed;  /* [sensors] readings passed to the controller; late readings are corrected by
                         the change that the model predicts since they were taken */
-    double *expected, *said; /* [sensors] readings that the model predicts, under the present
-                                command and under the command at the time of the late readings */
-    int kept; /* number of ticks whose readings and commands are kept: the delay, the largest delay
-                 of an event, and 1 */
-    double *late_reading;   /* [kept][sensors] noise-free readings of the last ticks */
-    double *late_command;   /* [kept][amplifiers] commanded voltages of the last ticks (V) */
-    double *late_known;     /* [kept][loads] known load factors of the last ticks */
-    double *predicted;      /* [targets] displacements that the model predicts under the command */
-    double *known, *coming; /* [loads] load factors known to the controller, of this tick and of the
-                               next one */
-    const double *present;  /* [loads] known load factors when the readings were taken */
-    double missed; /* weighted norm of the difference between true and measured shape, over the norm
-                      of the scene's target */
+    double *reading_now, *reading_then; /* [sensors] readings that the model predicts, under the
+                                present command and under the command at the time of the late
+                                readings */
+    int history_ticks;    /* number of ticks whose readings and commands are kept: the delay, the
+                    largest delay    of an event, and 1 */
+    double *late_reading; /* [kept][sensors] noise-free readings of the last ticks */
+    double *late_command; /* [kept][amplifiers] commanded voltages of the last ticks (V) */
+    double *late_load;    /* [kept][loads] known load factors of the last ticks */
+    double *predicted;    /* [targets] displacements that the model predicts under the command */
+    double *known_load, *next_load; /* [loads] load factors known to the controller, of this tick
+                               and of the next one */
+    const double *load_when_read;   /* [loads] known load factors when the readings were taken */
+    double measurement_error;    /* weighted norm of the difference between true and measured shape,
+                         over the norm    of the scene's target */
     uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
                                     and of the board's twin */
-    void *work;                  /* memory of the controller */
+    void *controller_memory;     /* memory of the controller */
     double error;                /* relative shape error at the start of the last tick */
     pzs_status status;           /* status of the last tick */
     int iterations;
-    int same;                 /* board and twin gave the same bits in the last tick */
-    int found, wrong, search; /* electrodes that the fault detector found in the last tick; number
-                                 of those without a fault; longest time from a fault to its
-                                 detection (ticks) */
-    int is_lost, beyond, not_finite; /* of the last tick: whether it was missed, number of voltages
-                                        or steps beyond their limits, number of voltages that are
-                                        not finite */
+    int twin_agrees; /* board and twin gave the same bits in the last tick */
+    int detected, falsely_detected, detection_ticks; /* electrodes that the fault detector found in
+                                 the last tick; number of those without a fault; longest time from a
+                                 fault to its detection (ticks) */
+    int is_missed, beyond_limits, not_finite; /* of the last tick: whether it was missed, number of
+                                        voltages or steps beyond their limits, number of voltages
+                                        that are not finite */
 } loop;
 
 /*
@@ -144,17 +146,17 @@ int sense_tick(loop *loop, int tick, char *error);
 /*
  * Compute `missed`, the difference between the true shape and the shape measured by the controller.
  */
-void sense_missed(loop *loop);
+void sense_measurement_error(loop *loop);
 
 /* Known load factors at the time at which the readings of a tick were taken. [loads] */
-const double *sense_known(const loop *loop, int tick);
+const double *sense_known_loads(const loop *loop, int tick);
 
 /*
  * Record that an electrode has been held since a tick: in the commands kept for late readings, its
  * voltage from that tick on becomes the voltage at which it is held. Otherwise the correction of
  * late readings would include a change of voltage that never reached the ceramic.
  */
-void sense_taken_out(loop *loop, int amplifier, int since, int tick);
+void sense_hold(loop *loop, int amplifier, int since, int tick);
 
 /* The imperfections at the present time; they change the electrodes and draw random numbers. */
 imperfections loop_imperfections(loop *loop);

@@ -16,14 +16,14 @@ static void take_noise(loop *loop)
 {
     const simulation *simulation = loop->simulation;
     const scene *scene = loop->design->scene;
-    double *noise = loop->noise;
+    double *deviation = loop->noise;
     for (int i = 0; i < loop->sensors && !simulation->estimates; i++)
-        noise[i] = scene->simulate.noise;
+        deviation[i] = scene->simulate.noise;
     for (int reading = 0; reading < scene->estimate.readings && simulation->estimates; reading++)
         for (int i = 0;
              i < analysis_outputs(simulation->nominal, scene->estimate.reading[reading].output);
              i++)
-            *noise++ = scene->estimate.reading[reading].noise;
+            *deviation++ = scene->estimate.reading[reading].noise;
 }
 
 /* Number of ticks whose readings may still be needed. */
@@ -43,23 +43,23 @@ int sense_open(loop *loop)
     loop->sensors = simulation->estimates ? simulation->estimator.sensors : design->targets;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  loads = (size_t)design->loads, k = (size_t)loop->sensors;
-    loop->kept = kept_ticks(&design->scene->simulate);
-    const size_t kept = (size_t)loop->kept;
+    loop->history_ticks = kept_ticks(&design->scene->simulate);
+    const size_t kept = (size_t)loop->history_ticks;
     double *at = loop->sense_memory =
         calloc((5 + kept) * k + kept * (amplifiers + loads) + targets + 2 * loads + 1, sizeof *at);
     loop->sensor = calloc(k + 1, sizeof *loop->sensor);
     if (!at || !loop->sensor)
         return 0;
-    double **const of_sensors[] = {&loop->noise, &loop->reading, &loop->sensed, &loop->expected,
-                                   &loop->said};
+    double **const of_sensors[] = {&loop->noise, &loop->reading, &loop->sensed, &loop->reading_now,
+                                   &loop->reading_then};
     for (int i = 0; i < 5; i++, at += k)
         *of_sensors[i] = at;
     loop->late_reading = at, at += kept * k;
     loop->late_command = at, at += kept * amplifiers;
-    loop->late_known = at, at += kept * loads;
+    loop->late_load = at, at += kept * loads;
     loop->predicted = at, at += targets;
-    loop->known = at, at += loads;
-    loop->coming = at;
+    loop->known_load = at, at += loads;
+    loop->next_load = at;
     take_noise(loop);
     return 1;
 }
@@ -85,7 +85,7 @@ static void multiply(const loop *loop, double *product, const double *table, int
 }
 
 /* Compute the readings that the model predicts under given voltages. */
-static void expect(const loop *loop, double *reading, const double *voltage)
+static void predict_readings(const loop *loop, double *reading, const double *voltage)
 {
     const simulation *simulation = loop->simulation;
     multiply(loop, reading,
@@ -100,17 +100,17 @@ void sense_predict(loop *loop)
 }
 
 /* Address of the vector of a tick, of length n, in a ring buffer of the last ticks. */
-static double *late(const loop *loop, double *kept, int tick, int amplifiers)
+static double *ring_entry(const loop *loop, double *history, int tick, int length)
 {
-    return kept + (size_t)(tick % loop->kept) * (size_t)amplifiers;
+    return history + (size_t)(tick % loop->history_ticks) * (size_t)length;
 }
 
-void sense_taken_out(loop *loop, int amplifier, int since, int tick)
+void sense_hold(loop *loop, int amplifier, int since, int tick)
 {
     const int delay = loop->design->scene->simulate.delay;
     for (int then = tick > delay ? tick - delay : 0; then <= tick; then++)
         if (then >= since)
-            late(loop, loop->late_command, then, loop->design->amplifiers)[amplifier] =
+            ring_entry(loop, loop->late_command, then, loop->design->amplifiers)[amplifier] =
                 loop->command[amplifier];
 }
 
@@ -118,14 +118,14 @@ void sense_taken_out(loop *loop, int amplifier, int since, int tick)
  * Store the noise-free readings, the commanded voltages and the known load factors of a tick for
  * use after the delay.
  */
-static int keep(loop *loop, int tick, char *error)
+static int store_tick(loop *loop, int tick, char *error)
 {
     const design *design = loop->design;
-    double *reading = late(loop, loop->late_reading, tick, loop->sensors);
-    memcpy(late(loop, loop->late_command, tick, design->amplifiers), loop->command,
+    double *reading = ring_entry(loop, loop->late_reading, tick, loop->sensors);
+    memcpy(ring_entry(loop, loop->late_command, tick, design->amplifiers), loop->command,
            (size_t)design->amplifiers * sizeof *loop->command);
-    memcpy(late(loop, loop->late_known, tick, design->loads), loop->known,
-           (size_t)design->loads * sizeof *loop->known);
+    memcpy(ring_entry(loop, loop->late_load, tick, design->loads), loop->known_load,
+           (size_t)design->loads * sizeof *loop->known_load);
     if (loop->simulation->estimates)
         return plant_readings(&loop->simulation->plant, reading, error);
     memcpy(reading, loop->shape, (size_t)loop->sensors * sizeof *reading);
@@ -143,21 +143,22 @@ static void read_sensors(loop *loop, int tick)
 {
     const int delay = loop->design->scene->simulate.delay, then = tick > delay ? tick - delay : 0;
     const int extra = tick < loop->delay.until ? (int)loop->delay.size : 0;
-    const double *shown =
-        late(loop, loop->late_reading, then > extra ? then - extra : 0, loop->sensors);
+    const double *delayed =
+        ring_entry(loop, loop->late_reading, then > extra ? then - extra : 0, loop->sensors);
     const imperfections wiring = loop_imperfections(loop);
-    expect(loop, loop->expected, loop->command);
-    expect(loop, loop->said, late(loop, loop->late_command, then, loop->design->amplifiers));
+    predict_readings(loop, loop->reading_now, loop->command);
+    predict_readings(loop, loop->reading_then,
+                     ring_entry(loop, loop->late_command, then, loop->design->amplifiers));
     for (int i = 0; i < loop->sensors; i++) {
         const double noise = loop->noise[i] > 0 ? loop->noise[i] * random_noise(&loop->random) : 0;
-        const double reading = tick < loop->sensor[i].frozen_until
+        const double reading = tick < loop->sensor[i].stuck_until
                                    ? loop->reading[i]
-                                   : imperfections_sense(&wiring, i, shown[i] + noise);
+                                   : imperfections_sense(&wiring, i, delayed[i] + noise);
         if (delay == 0 || loop->is_damped)
             loop->sensed[i] = reading;
         else if (tick == 0 || reading < loop->reading[i] || reading > loop->reading[i] ||
                  isnan(loop->sensed[i]))
-            loop->sensed[i] = reading + (loop->expected[i] - loop->said[i]);
+            loop->sensed[i] = reading + (loop->reading_now[i] - loop->reading_then[i]);
         loop->reading[i] = reading;
         if (tick < loop->sensor[i].nan_until)
             loop->sensed[i] = (double)NAN;
@@ -166,7 +167,7 @@ static void read_sensors(loop *loop, int tick)
 
 int sense_tick(loop *loop, int tick, char *error)
 {
-    if (keep(loop, tick, error) < 0)
+    if (store_tick(loop, tick, error) < 0)
         return -1;
     read_sensors(loop, tick);
     return 0;
@@ -174,10 +175,10 @@ int sense_tick(loop *loop, int tick, char *error)
 
 /* ---- shape ------------------------------------------------------------ */
 
-const double *sense_known(const loop *loop, int tick)
+const double *sense_known_loads(const loop *loop, int tick)
 {
     const int delay = loop->design->scene->simulate.delay;
-    return late(loop, loop->late_known, tick > delay ? tick - delay : 0, loop->design->loads);
+    return ring_entry(loop, loop->late_load, tick > delay ? tick - delay : 0, loop->design->loads);
 }
 
 /*
@@ -185,15 +186,17 @@ const double *sense_known(const loop *loop, int tick)
  * known loads, which the controller subtracts from its measured shape, are added again. Targets
  * without a measurement contribute zero.
  */
-void sense_missed(loop *loop)
+void sense_measurement_error(loop *loop)
 {
     const design *design = loop->design;
     const simulation *simulation = loop->simulation;
     for (int i = 0; i < design->targets; i++) {
         double left = loop->shape[i] - loop->controller.info.measured[i];
         for (int k = 0; k < design->loads && simulation->feeds; k++)
-            left -= simulation->estimator.shape_per_load[i * design->loads + k] * loop->known[k];
-        loop->wish[i] = isnan(left) ? 0 : left;
+            left -=
+                simulation->estimator.shape_per_load[i * design->loads + k] * loop->known_load[k];
+        loop->scratch[i] = isnan(left) ? 0 : left;
     }
-    loop->missed = sqrt(design_squares(design, loop->wish, NULL)) / simulation->reference;
+    loop->measurement_error =
+        sqrt(design_squares(design, loop->scratch, NULL)) / simulation->reference;
 }

@@ -36,8 +36,8 @@ typedef struct simulate_sample {
     int tick;
     double error; /* relative shape error at the start of the tick: |W (shape - wanted)| / |W target
                      of the scene| */
-    double missed; /* relative measurement error: |W (shape - shape measured by the controller)| /
-                      |W target of the scene| */
+    double measurement_error; /* relative measurement error: |W (shape - shape measured by the
+                      controller)| / |W target of the scene| */
     double vibration; /* |W (shape - static equilibrium of the plant)| / |W target of the scene|; 0
                          for a quasi-static plant */
     const double *command;  /* [amplifiers] commanded voltages (V) */
@@ -45,17 +45,17 @@ typedef struct simulate_sample {
     int active, iterations; /* number of commanded voltages at a limit; iterations of the optimiser
                              */
     pzs_status status;
-    int lost; /* missed tick: the controller did not run */
+    int is_missed; /* missed tick: the controller did not run */
 } simulate_sample;
 
-typedef void simulate_watch(void *context, const simulate_sample *sample);
+typedef void simulate_tick_callback(void *context, const simulate_sample *sample);
 
 /* Results of one control law in one phase. */
 typedef struct simulate_course {
-    double steady;    /* relative shape error: root mean square over the last ticks; infinite for a
-                         law for comparison that has diverged */
-    double worst;     /* largest relative shape error */
-    double missed;    /* relative measurement error: root mean square over the last ticks */
+    double steady; /* relative shape error: root mean square over the last ticks; infinite for a
+                      law for comparison that has diverged */
+    double worst;  /* largest relative shape error */
+    double measurement_error; /* relative measurement error: root mean square over the last ticks */
     double vibration; /* relative deviation from the static equilibrium: root mean square over the
                          last ticks */
     double vibration_worst; /* largest relative deviation from the static equilibrium */
@@ -65,7 +65,7 @@ typedef struct simulate_course {
                              voltages */
     double *voltage;      /* [amplifiers] voltages at the end of the phase (V) */
     double *shape;        /* [targets] target displacements at the end */
-    double *u;            /* [dof] displacement vector of the plant at the end */
+    double *displacement; /* [dof] displacement vector of the plant at the end */
 } simulate_course;
 
 /* Phase of a simulation: the ticks from one tick with events to the next. */
@@ -77,24 +77,26 @@ typedef struct simulate_phase {
                        limits; NAN before simulate_optima */
     simulate_course course[LAWS];
     double *target; /* [targets] wanted displacements at the end of the phase */
-    double *amount; /* [loads + 1] load factors of the plant at the end; the last entry is the
-                       temperature change (K) */
-    double *held;   /* [amplifiers] voltages of faulty electrodes at the end (V), NAN for the others
-                     */
+    double *load;   /* [loads + 1] load factors of the plant at the end; the last entry is the
+                         temperature change (K) */
+    double *fault_voltage; /* [amplifiers] voltages of faulty electrodes at the end (V), NAN for the
+                            * others
+                            */
 } simulate_phase;
 
 /* Sums over all ticks of one control law. */
 typedef struct simulate_count {
-    long beyond;     /* commanded or output voltages beyond a voltage limit or the step limit */
-    long not_finite; /* voltages that are not finite */
-    long iterations; /* iterations of the optimiser, in all ticks */
+    long beyond_limits; /* commanded or output voltages beyond a voltage limit or the step limit */
+    long not_finite;    /* voltages that are not finite */
+    long iterations;    /* iterations of the optimiser, in all ticks */
     int iterations_most;
     long status[PZS_W_OUTPUT + 1]; /* number of ticks with each status */
-    long missed;
-    long found, wrong; /* electrodes that the fault detector found; number of those without a fault
-                        */
-    int search;        /* longest time from a fault to its detection (ticks) */
-    long same;         /* ticks in which the board and its twin gave the same bits */
+    long missed_ticks;
+    long detected, falsely_detected; /* electrodes that the fault detector found; number of those
+                                      * without a fault
+                                      */
+    int detection_ticks;             /* longest time from a fault to its detection (ticks) */
+    long agreeing_ticks;             /* ticks in which the board and its twin gave the same bits */
     double seconds;
 } simulate_count;
 
@@ -103,11 +105,12 @@ typedef struct simulation {
     plant plant;
     const pzs_problem *problem; /* tables of the controller, made from the nominal design */
     struct loop_blocks *blocks; /* block list, the same as in a firmware of the scene */
-    estimator estimator; /* estimator gains and known loads; empty unless `estimates` or `feeds` is
-                            set */
-    damper damper;       /* tables of the damped tick; unused for a quasi-static plant */
-    damper unused;       /* never used */
-    struct loop_blocks *plain;       /* block list without a vibration block, for the other laws */
+    estimator estimator;  /* estimator gains and known loads; empty unless `estimates` or `feeds` is
+                             set */
+    damper damper;        /* tables of the damped tick; unused for a quasi-static plant */
+    damper unused_damper; /* never used */
+    struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the other laws
+                                          */
     int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
                                         are fed forward; the amplifiers have a resolution or a dead
                                         band */
@@ -148,8 +151,8 @@ int simulate_tables(analysis *nominal, char *error);
 int simulate_device(simulation *simulation, const device_board *board, char *error);
 
 /* Run all ticks under a control law. watch may be NULL. Returns 0, or -1 with error filled. */
-int simulate_run(simulation *simulation, simulate_law law, simulate_watch *watch, void *context,
-                 char *error);
+int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callback *callback,
+                 void *context, char *error);
 
 /* Compute the optimum of each phase, after simulate_run. Returns 0, or -1 with error filled. */
 int simulate_optima(simulation *simulation, char *error);

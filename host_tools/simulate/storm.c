@@ -329,9 +329,9 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
 
 /* Address of the vector of a tick, of length n, in a ring of the last ticks; ticks before the start
  * are those of the start. */
-static double *late(const storm *storm, double *ring, int tick, size_t amplifiers)
+static double *late(const storm *storm, double *ring, int tick, size_t length)
 {
-    return ring + (size_t)((tick > 0 ? tick : 0) % storm->kept) * amplifiers;
+    return ring + (size_t)((tick > 0 ? tick : 0) % storm->kept) * length;
 }
 
 /* Present shape. */

@@ -66,7 +66,7 @@ static void tick(bench *b, int at)
 {
     if (loop_tick(&b->l, at, b->error) < 0)
         fail_msg("%s", b->error);
-    assert_int_equal(b->l.beyond + b->l.not_finite, 0);
+    assert_int_equal(b->l.beyond_limits + b->l.not_finite, 0);
 }
 
 /* The best error of the plant under the conditions that the phases end with. */
@@ -105,8 +105,10 @@ static void test_sees_what_gains_see(void **state)
     assert_int_equal(estimator->sensors, 8);
     for (int at = 0; at < 60; at++) {
         tick(&b, at);
-        if (!(fabs(b.l.missed - sqrt(sum) / b.s.reference) <= 6 * sqrt(noise) / b.s.reference))
-            fail_msg("tick %d: misses %g, the gains %g", at, b.l.missed, sqrt(sum) / b.s.reference);
+        if (!(fabs(b.l.measurement_error - sqrt(sum) / b.s.reference) <=
+              6 * sqrt(noise) / b.s.reference))
+            fail_msg("tick %d: misses %g, the gains %g", at, b.l.measurement_error,
+                     sqrt(sum) / b.s.reference);
     }
     assert_true(sqrt(sum) > 30 * sqrt(noise));
     close_bench(&b);
@@ -124,9 +126,10 @@ static void test_all_nodes_estimated(void **state)
     optima(&b);
     const simulate_phase *phase = &b.s.phase[b.s.phases - 1];
     print_message("every node read: missed %.1e, %.1e above the optimum\n",
-                  phase->course[LAW_CONTROLLER].missed,
+                  phase->course[LAW_CONTROLLER].measurement_error,
                   phase->course[LAW_CONTROLLER].steady / phase->optimum - 1);
-    assert_true(phase->course[LAW_CONTROLLER].missed < 6e-9 * sqrt(b.l.sensors) / b.s.reference);
+    assert_true(phase->course[LAW_CONTROLLER].measurement_error <
+                6e-9 * sqrt(b.l.sensors) / b.s.reference);
     assert_true(fabs(phase->course[LAW_CONTROLLER].steady / phase->optimum - 1) < 1e-6);
     close_bench(&b);
 }
@@ -146,8 +149,8 @@ static void test_electrodes_sense(void **state)
     for (int at = 0; at < 40; at++) {
         tick(&b, at);
         for (int k = 0; k < b.l.sensors; k++)
-            assert_true(fabs(b.l.sensed[k] - b.l.expected[k]) <
-                        6.01 * b.l.noise[k] + 1e-9 * fabs(b.l.expected[k]));
+            assert_true(fabs(b.l.sensed[k] - b.l.reading_now[k]) <
+                        6.01 * b.l.noise[k] + 1e-9 * fabs(b.l.reading_now[k]));
     }
     close_bench(&b);
     for (int i = 0; i < 2; i++) {
@@ -165,8 +168,8 @@ static void test_electrodes_sense(void **state)
             const double part = k < 2 ? 1 : 1e-6; /* charges are that much smaller numbers */
             double reading[27];
             assert_int_equal(plant_readings(&b.s.plant, reading, b.error), 0);
-            off[i] = fmax(off[i], fabs(reading[k] - b.l.expected[k]) / part);
-            most = fmax(most, fabs(b.l.expected[k]) / part);
+            off[i] = fmax(off[i], fabs(reading[k] - b.l.reading_now[k]) / part);
+            most = fmax(most, fabs(b.l.reading_now[k]) / part);
         }
         off[i] /= most;
         close_bench(&b);
@@ -194,9 +197,9 @@ static void test_shipped(void **state)
         const simulate_course *course = &b.s.phase[k].course[LAW_CONTROLLER];
         print_message("%.3f %% steady, optimum %.3f %%, worst %.3f %%, estimate off by %.3f %%\n",
                       100 * course->steady, 100 * b.s.phase[k].optimum, 100 * course->worst,
-                      100 * course->missed);
+                      100 * course->measurement_error);
         assert_true(course->steady < 1.06 * b.s.phase[k].optimum &&
-                    course->missed < b.run.scene.estimate.tolerance);
+                    course->measurement_error < b.run.scene.estimate.tolerance);
     }
     assert_true(b.s.phase[1].course[0].worst < 1.1 * b.s.phase[1].course[0].steady);
     assert_true(b.s.phase[2].course[0].worst > 2 * b.s.phase[2].course[0].steady);
@@ -257,13 +260,13 @@ static void test_whole_steps(void **state)
                          "2};simulate.sensors={shape: measured};simulate.events=[]");
     const size_t n = (size_t)b.l.design->amplifiers;
     for (int at = 0; at < 200; at++) {
-        memcpy(before, b.l.given, n * sizeof *before);
+        memcpy(before, b.l.output, n * sizeof *before);
         tick(&b, at);
-        assert_memory_equal(b.l.given, b.l.command, n * sizeof *before);
+        assert_memory_equal(b.l.output, b.l.command, n * sizeof *before);
         for (size_t k = 0; k < n; k++)
-            assert_true(fabs(fmod(b.l.given[k], 5)) < 1e-12);
+            assert_true(fabs(fmod(b.l.output[k], 5)) < 1e-12);
         if (at >= 150)
-            assert_memory_equal(b.l.given, before, n * sizeof *before);
+            assert_memory_equal(b.l.output, before, n * sizeof *before);
     }
     close_bench(&b);
 }
@@ -291,10 +294,10 @@ static void test_late_and_dead(void **state)
         open_bench(&b, changes);
         for (int at = 0; at < 120; at++) {
             tick(&b, at);
-            since = since < 0 && b.l.electrode[0].is_told && b.l.electrode[11].is_told ? at : since;
-            unseen += b.l.missed > 1e-9;
-            if ((at < 40 || (since >= 0 && at > since)) && !(b.l.missed < 1e-9))
-                fail_msg("%s, tick %d: misses %g", told[i], at, b.l.missed);
+            since = since < 0 && b.l.electrode[0].is_held && b.l.electrode[11].is_held ? at : since;
+            unseen += b.l.measurement_error > 1e-9;
+            if ((at < 40 || (since >= 0 && at > since)) && !(b.l.measurement_error < 1e-9))
+                fail_msg("%s, tick %d: misses %g", told[i], at, b.l.measurement_error);
         }
         assert_in_range(since, 40, 65);
         assert_true(i == 0 ? unseen == 1 : unseen > 1); /* told at once: in the tick of its death

@@ -405,7 +405,7 @@ static void test_simulation(void **state)
         simulate_run(&run, LAW_CONTROLLER, NULL, NULL, m.error) < 0 ||
         simulate_optima(&run, m.error) < 0)
         fail_msg("%s", m.error);
-    assert_int_equal(run.count[LAW_CONTROLLER].beyond, 0);
+    assert_int_equal(run.count[LAW_CONTROLLER].beyond_limits, 0);
     assert_true(run.phase[0].optimum < 1e-12);
     assert_true(run.phase[0].course[LAW_CONTROLLER].steady < 1e-12);
     const double first = run.plant.scene.influence.matrix[0];

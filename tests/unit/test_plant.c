@@ -270,7 +270,7 @@ static double vibration_of(const bench *b)
 {
     double sum = 0;
     for (int i = 0; i < b->loop.design->targets; i++)
-        sum += b->s.plant.vibrating[i] * b->s.plant.vibrating[i];
+        sum += b->s.plant.deviation[i] * b->s.plant.deviation[i];
     return sqrt(sum);
 }
 
@@ -353,7 +353,7 @@ static double after_step(const char *changes)
     open_bench(&b, changes);
     tick(&b, 0);
     for (int k = 0; k < b.loop.design->amplifiers; k++)
-        b.loop.given[k] = 100;
+        b.loop.output[k] = 100;
     tick(&b, 1);
     const double q = b.s.plant.inertia.deviation[0];
     close_bench(&b);

@@ -184,10 +184,10 @@ static void test_inside_limits(void **state)
     for (int law = 0; law < LAWS; law++) {
         run(&b, (simulate_law)law, &t);
         assert_int_equal(t.outside + t.not_finite + t.off_step, 0);
-        assert_int_equal(b.s.count[law].beyond + b.s.count[law].not_finite, 0);
+        assert_int_equal(b.s.count[law].beyond_limits + b.s.count[law].not_finite, 0);
         assert_true(t.jumps <= 4); /* the two dead electrodes, told: command and amplifier jump to 0
                                       V */
-        assert_int_equal(b.s.count[law].missed, 20);
+        assert_int_equal(b.s.count[law].missed_ticks, 20);
     }
     assert_int_equal(b.s.count[LAW_CONTROLLER].status[PZS_W_HELD], 10);
     assert_true(b.s.count[LAW_CONTROLLER].status[PZS_W_SENSOR] >= 30);
@@ -236,14 +236,14 @@ static void test_blind(void **state)
     assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     const size_t bytes = (size_t)loop.design->amplifiers * sizeof *before;
     for (int tick = 0; tick < 300; tick++) {
-        memcpy(before, loop.given, bytes);
+        memcpy(before, loop.output, bytes);
         assert_int_equal(loop_tick(&loop, tick, b.error), 0);
         const int blind = tick >= 100 && tick < 120, lost = tick >= 200 && tick < 207;
-        assert_int_equal(loop.is_lost, lost);
+        assert_int_equal(loop.is_missed, lost);
         if (!lost)
             assert_int_equal(loop.status, blind ? PZS_W_HELD : PZS_OK);
         if (blind || lost)
-            assert_memory_equal(before, loop.given, bytes);
+            assert_memory_equal(before, loop.output, bytes);
     }
     loop_close(&loop);
     tally t;
@@ -276,9 +276,9 @@ static void random_faults(const char *first)
     run(&b, LAW_CONTROLLER, &t);
     const simulate_count *count = &b.s.count[LAW_CONTROLLER];
     assert_int_equal(t.outside + t.not_finite, 0);
-    assert_int_equal(count->beyond + count->not_finite, 0);
+    assert_int_equal(count->beyond_limits + count->not_finite, 0);
     assert_int_equal(count->status[PZS_W_ITERATIONS], 0);
-    assert_true(count->missed > FAULT_TICKS / 100 &&
+    assert_true(count->missed_ticks > FAULT_TICKS / 100 &&
                 count->status[PZS_W_HELD] > FAULT_TICKS / 100 &&
                 count->status[PZS_W_SENSOR] > FAULT_TICKS / 20);
     assert_int_equal(b.s.phases, 2);
@@ -336,9 +336,9 @@ static void test_hysteresis(void **state)
     assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     for (int tick = 0; tick < 60; tick++) {
         const int phase = tick % 40;
-        loop.given[3] = 300 * (phase < 10 ? phase : phase < 30 ? 20 - phase : phase - 40) / 10.0;
+        loop.output[3] = 300 * (phase < 10 ? phase : phase < 30 ? 20 - phase : phase - 40) / 10.0;
         assert_int_equal(loop_tick(&loop, tick, b.error), 0);
-        assert_true(fabs(loop.effect[3] - loop.given[3]) <= 0.15 * 300 * (1 + 4 * DBL_EPSILON));
+        assert_true(fabs(loop.effect[3] - loop.output[3]) <= 0.15 * 300 * (1 + 4 * DBL_EPSILON));
         if (tick == 20 || tick == 40)
             at_zero[tick / 20 - 1] = loop.effect[3];
     }
@@ -407,12 +407,12 @@ static void test_finds_dead(void **state)
     const simulate_count *count = &b.s.count[LAW_CONTROLLER];
     print_message("found %ld, the slower after %d ticks; settled after %d; %.2f %% above the "
                   "optimum without them\n",
-                  count->found, count->search, course(&b, 3)->settled,
+                  count->detected, count->detection_ticks, course(&b, 3)->settled,
                   100 * (course(&b, 3)->steady / b.s.phase[3].optimum - 1));
     assert_int_equal(t.outside + t.not_finite, 0);
-    assert_int_equal(count->found, 2);
-    assert_int_equal(count->wrong, 0);
-    assert_in_range(count->search, 1, 20);
+    assert_int_equal(count->detected, 2);
+    assert_int_equal(count->falsely_detected, 0);
+    assert_in_range(count->detection_ticks, 1, 20);
     assert_in_range(course(&b, 3)->settled, 1, 20);
     assert_true(course(&b, 3)->steady < 1.1 * b.s.phase[3].optimum);
     assert_true(b.s.phase[3].optimum > 1.5 * b.s.phase[2].optimum);
