@@ -4,6 +4,7 @@
  * that B2 = 0.
  */
 #include "surface.h"
+#include "gauss.h"
 #include "surface_types.h"
 
 static const double full_turn = 6.283185307179586;
@@ -31,25 +32,20 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
 /* ---- area ------------------------------------------------------------- */
 
 /*
- * Integrate A1 A2 over one coordinate by Gauss quadrature with eight points; the result does not
- * depend on the other coordinate.
+ * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over one coordinate; the
+ * integrand does not depend on the other coordinate.
  */
-static double gauss(const scene_surface *surface, int direction, double from, double to)
+static double integral_of_piece(const scene_surface *surface, int direction, double from, double to)
 {
-    static const double point[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                    0.9602898564975363};
-    static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                     0.1012285362903763};
-    const double middle = (from + to) / 2, half = (to - from) / 2;
     double sum = 0;
-    for (int i = 0; i < 8; i++) {
-        const double theta = middle + (i & 1 ? half : -half) * point[i / 2];
-        const double theta1 = direction == 1 ? theta : 0;
-        const double theta2 = direction == 2 ? theta : 0;
-        const surface_point surface_place = surface_at(surface, theta1, theta2);
-        sum += weight[i / 2] * surface_place.a[0] * surface_place.a[1];
+    for (int i = 0; i < GAUSS_POINTS; i++) {
+        const gauss_point point = gauss_point_at(i, from, to);
+        const double theta1 = direction == 1 ? point.place : 0;
+        const double theta2 = direction == 2 ? point.place : 0;
+        const surface_point at = surface_at(surface, theta1, theta2);
+        sum += point.weight * at.a[0] * at.a[1];
     }
-    return half * sum;
+    return sum;
 }
 
 /*
@@ -65,8 +61,8 @@ static double integral(const scene_surface *surface, int direction, const double
             surface->meridian ? spline_next_knot(surface->meridian, from) : range[1];
         const double to = knot < range[1] ? knot : range[1];
         for (int i = 0; i < PIECES; i++)
-            sum += gauss(surface, direction, from + (to - from) * i / PIECES,
-                         from + (to - from) * (i + 1) / PIECES);
+            sum += integral_of_piece(surface, direction, from + (to - from) * i / PIECES,
+                                     from + (to - from) * (i + 1) / PIECES);
         from = to;
     }
     return sum;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "expr_jet.h"
+#include "gauss.h"
 #include "surface_types.h"
 #include "../quads/vector.h"
 
@@ -83,18 +84,12 @@ static double density(const scene_surface *surface, double theta1, double theta2
 
 double formula_area(const scene_surface *surface, const double theta1[2], const double theta2[2])
 {
-    static const double point[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                    0.9602898564975363};
-    static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                     0.1012285362903763};
-    const double middle[2] = {(theta1[0] + theta1[1]) / 2, (theta2[0] + theta2[1]) / 2};
-    const double half[2] = {(theta1[1] - theta1[0]) / 2, (theta2[1] - theta2[0]) / 2};
     double sum = 0;
-    for (int i = 0; i < 8; i++)
-        for (int j = 0; j < 8; j++) {
-            const double s = (i & 1 ? 1 : -1) * point[i / 2], t = (j & 1 ? 1 : -1) * point[j / 2];
-            sum += weight[i / 2] * weight[j / 2] *
-                   density(surface, middle[0] + half[0] * s, middle[1] + half[1] * t);
+    for (int i = 0; i < GAUSS_POINTS; i++)
+        for (int j = 0; j < GAUSS_POINTS; j++) {
+            const gauss_point along1 = gauss_point_at(i, theta1[0], theta1[1]);
+            const gauss_point along2 = gauss_point_at(j, theta2[0], theta2[1]);
+            sum += along1.weight * along2.weight * density(surface, along1.place, along2.place);
         }
-    return half[0] * half[1] * sum;
+    return sum;
 }

@@ -15,6 +15,7 @@
 #include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/mesh/mesh.h"
+#include "../../host_tools/scene/gauss.h"
 
 static const double pi = 3.14159265358979323846;
 static char file[] = "/tmp/test_surface_XXXXXX";
@@ -153,6 +154,25 @@ static void test_geometry(void **state)
             check_derivatives(samples[k].name, &s, t);
         }
         spline_free(s.meridian);
+    }
+}
+
+/* Law: the quadrature is exact for powers up to 15, and for the next one it is not. */
+static void test_quadrature(void **state)
+{
+    const double from = -0.5, to = 2;
+    (void)state;
+    for (int power = 0; power <= 16; power++) {
+        const double exact = (pow(to, power + 1) - pow(from, power + 1)) / (power + 1);
+        double sum = 0;
+        for (int i = 0; i < GAUSS_POINTS; i++) {
+            const gauss_point point = gauss_point_at(i, from, to);
+            sum += point.weight * pow(point.place, power);
+        }
+        if (power < 16)
+            check("power", sum, exact, GAUSS_POINTS * power * 2.3e-16 * exact + 2e-15);
+        else if (fabs(sum - exact) < 1e-9 * exact)
+            fail_msg("power 16 is integrated exactly");
     }
 }
 
@@ -540,7 +560,7 @@ int main(void)
         cmocka_unit_test(test_reproduction), cmocka_unit_test(test_smoothing),
         cmocka_unit_test(test_units),        cmocka_unit_test(test_no_spline),
         cmocka_unit_test(test_prescribed),   cmocka_unit_test(test_contradictions),
-        cmocka_unit_test(test_closing),
+        cmocka_unit_test(test_closing),      cmocka_unit_test(test_quadrature),
     };
     const int descriptor = mkstemp(file);
     if (descriptor < 0)
