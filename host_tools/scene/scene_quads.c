@@ -236,32 +236,60 @@ static int check_set(reader *reader, int node, const quad_set *set)
     return tree_fault(reader->t, node, "set '%s' of the mesh file has no elements", set->name);
 }
 
-int read_layer_sets(reader *reader, int node, void *to, const void *rule)
+/* What is done with one element set. Returns 0, or -1 with the error of the tree filled. */
+typedef int set_action(reader *reader, int node, const quad_set *set, void *to);
+
+/* Check that a node is a list in a scene whose mesh comes from a file. */
+static int check_set_list(reader *reader, int node)
 {
-    scene_layer *layer = to;
-    int status = require_kind(reader, node, TREE_LIST);
-    (void)rule;
-    if (status != 0 || require_quads(reader, node, "'sets'") != 0)
+    if (require_kind(reader, node, TREE_LIST) != 0)
         return -1;
+    return require_quads(reader, node, "'sets'");
+}
+
+/* Apply an action to every element set that a list of names and patterns stands for. */
+static int read_sets(reader *reader, int node, set_action *action, void *to)
+{
     const quad_mesh *mesh = &reader->s->quads->mesh;
     const quad_set **found = calloc(mesh->element_sets + 1, sizeof *found);
-    layer->present = calloc(mesh->elements, 1);
-    if (!found || !layer->present)
-        status = tree_fault(reader->t, node, "out of memory");
+    int status = found ? 0 : tree_fault(reader->t, node, "out of memory");
     for (int i = reader->t->node[node].first; i && status == 0; i = reader->t->node[i].next) {
         const int count = find_sets(reader, i, found);
         status = count < 0 ? -1 : 0;
-        for (int k = 0; k < count; k++)
-            for (size_t j = 0; j < found[k]->count; j++)
-                layer->present[found[k]->index[j]] = 1;
+        for (int k = 0; k < count && status == 0; k++)
+            status = action(reader, i, found[k], to);
     }
     free((void *)found);
     return status;
 }
 
-/* Let a set be the next patch. */
-static int add_patch(reader *reader, int node, const quad_set *set, scene_patches *patches)
+/* Let a layer be present in the elements of a set. */
+static int add_to_layer(reader *reader, int node, const quad_set *set, void *to)
 {
+    scene_layer *layer = to;
+    (void)reader;
+    (void)node;
+    for (size_t i = 0; i < set->count; i++)
+        layer->present[set->index[i]] = 1;
+    return 0;
+}
+
+int read_layer_sets(reader *reader, int node, void *to, const void *rule)
+{
+    scene_layer *layer = to;
+    (void)rule;
+    if (check_set_list(reader, node) != 0)
+        return -1;
+    layer->present = calloc(reader->s->quads->mesh.elements, 1);
+    if (!layer->present)
+        return tree_fault(reader->t, node, "out of memory");
+    return read_sets(reader, node, add_to_layer, layer);
+}
+
+/* Let a set be the next patch. */
+static int add_patch(reader *reader, int node, const quad_set *set, void *to)
+{
+    scene_patches *patches = to;
     if (check_set(reader, node, set) != 0)
         return -1;
     for (size_t j = 0; j < set->count; j++) {
@@ -281,28 +309,21 @@ static int add_patch(reader *reader, int node, const quad_set *set, scene_patche
 int read_patch_sets(reader *reader, int node, void *to, const void *rule)
 {
     scene_patches *patches = to;
-    int status = require_kind(reader, node, TREE_LIST);
     (void)rule;
-    if (status != 0 || require_quads(reader, node, "'sets'") != 0)
+    if (check_set_list(reader, node) != 0)
         return -1;
-    const quad_mesh *mesh = &reader->s->quads->mesh;
-    const quad_set **found = calloc(mesh->element_sets + 1, sizeof *found);
-    patches->patch = malloc(mesh->elements * sizeof *patches->patch);
-    if (!found || !patches->patch)
-        status = tree_fault(reader->t, node, "out of memory");
-    for (size_t element = 0; patches->patch && element < mesh->elements; element++)
+    const size_t elements = reader->s->quads->mesh.elements;
+    patches->patch = malloc(elements * sizeof *patches->patch);
+    if (!patches->patch)
+        return tree_fault(reader->t, node, "out of memory");
+    for (size_t element = 0; element < elements; element++)
         patches->patch[element] = -1;
     patches->grid[0] = 0;
-    for (int i = reader->t->node[node].first; i && status == 0; i = reader->t->node[i].next) {
-        const int count = find_sets(reader, i, found);
-        status = count < 0 ? -1 : 0;
-        for (int k = 0; k < count && status == 0; k++)
-            status = add_patch(reader, i, found[k], patches);
-    }
-    free((void *)found);
-    if (status == 0 && patches->grid[0] == 0)
+    if (read_sets(reader, node, add_patch, patches) != 0)
+        return -1;
+    if (patches->grid[0] == 0)
         return tree_fault(reader->t, node, "'sets' is empty; name the element sets of the patches");
-    return status;
+    return 0;
 }
 
 /* ---- places ------------------------------------------------------------ */
