@@ -158,6 +158,8 @@ static void print_phases(const simulation *simulation)
         putchar('\n');
     }
     puts("\n  vibration: root mean square distance from the static equilibrium, in the last ticks");
+    puts("  optimum: best shape within the stroke that voltage limits and hysteresis leave to the "
+         "electrodes");
     puts("  errors of the shape over the scene's target; settled: ticks until within 5% of the "
          "way; step limit: ticks the step limit alone needs");
     puts("  clipped: least squares without limits, cut to limits and step limit; regularised: the "

@@ -3,6 +3,7 @@
 #include "imperfections.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "random.h"
 
@@ -168,6 +169,43 @@ void imperfections_actuate(const imperfections *on, const double *output, double
     for (int i = 0; i < ACTUATOR_STAGES; i++)
         if (actuator_stages[i].is_present(on->design))
             actuator_stages[i].apply(on, effect, interval);
+}
+
+/*
+ * Voltages that act on the ceramic when all amplifiers have just moved to one of their limits. A
+ * limit that is infinite acts as it is.
+ *   electrode [amplifiers] work
+ */
+static void act_at_limit(const imperfections *on, electrode *electrode, const double *limit,
+                         double *effect)
+{
+    imperfections moved = *on;
+    const size_t n = (size_t)on->design->amplifiers;
+    moved.electrode = electrode;
+    memcpy(electrode, on->electrode, n * sizeof *electrode);
+    for (size_t k = 0; k < n; k++)
+        effect[k] = electrode[k].output = isfinite(limit[k]) ? limit[k] : 0;
+    for (int i = 0; i < ACTUATOR_STAGES; i++)
+        if (actuator_stages[i].is_present(on->design))
+            actuator_stages[i].apply(&moved, effect, 0);
+    for (size_t k = 0; k < n; k++)
+        effect[k] = isfinite(limit[k]) ? effect[k] : limit[k];
+}
+
+bool imperfections_stroke(const imperfections *on, double *lowest, double *highest)
+{
+    electrode *copy = malloc((size_t)on->design->amplifiers * sizeof *copy);
+    if (!copy)
+        return false;
+    act_at_limit(on, copy, on->design->lower, lowest);
+    act_at_limit(on, copy, on->design->upper, highest);
+    for (int k = 0; k < on->design->amplifiers; k++) { /* a reversed wire exchanges the ends */
+        const double one = lowest[k], other = highest[k];
+        lowest[k] = fmin(one, other);
+        highest[k] = fmax(one, other);
+    }
+    free(copy);
+    return true;
 }
 
 /* ---- sensors ---------------------------------------------------------- */

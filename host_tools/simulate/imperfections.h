@@ -7,6 +7,7 @@
 #ifndef IMPERFECTIONS_H
 #define IMPERFECTIONS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "../model/design.h"
@@ -69,6 +70,15 @@ bool imperfections_vary(const scene *scene);
  */
 void imperfections_actuate(const imperfections *imperfections, const double *output,
                            double interval, double *effect);
+
+/*
+ * Stroke of the electrodes in their present state: the voltages that would act on the ceramic if
+ * all amplifiers moved to a limit at once. Hysteresis makes the stroke smaller than the voltage
+ * limits, creep makes it larger with time; a faulty electrode has none.
+ *   lowest, highest [amplifiers] out  (V); infinite where the voltage limit is
+ * Returns whether memory was available. The state of the electrodes does not change.
+ */
+bool imperfections_stroke(const imperfections *imperfections, double *lowest, double *highest);
 
 /* Draw the random parameters of the sensors, before the first tick. */
 void imperfections_draw(const imperfections *imperfections);

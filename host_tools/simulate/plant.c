@@ -408,8 +408,8 @@ static void set_wanted(plant *plant, const double *target)
         design->wanted[i] = design->target[i] - design->wanted[i];
 }
 
-int plant_optimum(plant *plant, const double *target, const double *fault_voltage, voltages *best,
-                  double *shape, char *error)
+int plant_optimum(plant *plant, const double *target, const double *lowest, const double *highest,
+                  voltages *best, double *shape, char *error)
 {
     analysis *analysis = &plant->analysis;
     design *design = &analysis->design;
@@ -419,9 +419,8 @@ int plant_optimum(plant *plant, const double *target, const double *fault_voltag
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     memcpy(limit, design->lower, amplifiers * sizeof *limit);
     memcpy(limit + amplifiers, design->upper, amplifiers * sizeof *limit);
-    for (size_t k = 0; k < amplifiers; k++)
-        if (!isnan(fault_voltage[k]))
-            design->lower[k] = design->upper[k] = fault_voltage[k];
+    memcpy(design->lower, lowest, amplifiers * sizeof *lowest);
+    memcpy(design->upper, highest, amplifiers * sizeof *highest);
     set_wanted(plant, target);
     if (analysis->nonlinear)
         memcpy(analysis->equilibrium.full_input, plant->input,

@@ -88,14 +88,14 @@ int plant_readings(plant *plant, double *reading, char *error);
 int plant_displacement(plant *plant, double *displacement, char *error);
 
 /*
- * Optimal voltages for a target on this structure under the present loads and temperature, without
- * the step limit.
+ * Optimal voltages on the ceramic for a target on this structure under the present loads and
+ * temperature, without the step limit.
  *   target [targets] in  wanted displacements
- *   held [amplifiers] in  voltages of faulty electrodes (V), NAN for the others
+ *   lowest, highest [amplifiers] in  voltages that can act on the ceramic of each electrode (V)
  *   best out  optimal voltages; release them with voltages_free
  *   shape [targets] out  displacements under the optimal voltages
  */
-int plant_optimum(plant *plant, const double *target, const double *fault_voltage, voltages *best,
-                  double *shape, char *error);
+int plant_optimum(plant *plant, const double *target, const double *lowest, const double *highest,
+                  voltages *best, double *shape, char *error);
 
 #endif

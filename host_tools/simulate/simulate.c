@@ -63,8 +63,9 @@ static int begin_phase(simulation *simulation, int tick, int first)
         rooms = allocate_course(&phase->course[law], design) && rooms;
     phase->target = calloc((size_t)design->targets, sizeof *phase->target);
     phase->load = calloc((size_t)design->loads + 1, sizeof *phase->load);
-    phase->fault_voltage = calloc((size_t)design->amplifiers, sizeof *phase->fault_voltage);
-    return rooms && phase->target && phase->load && phase->fault_voltage;
+    phase->lowest = calloc(2 * (size_t)design->amplifiers, sizeof *phase->lowest);
+    phase->highest = phase->lowest ? phase->lowest + design->amplifiers : NULL;
+    return rooms && phase->target && phase->load && phase->lowest;
 }
 
 /*
@@ -299,7 +300,7 @@ void simulate_close(simulation *simulation)
         }
         free(simulation->phase[k].target);
         free(simulation->phase[k].load);
-        free(simulation->phase[k].fault_voltage);
+        free(simulation->phase[k].lowest);
     }
     free(simulation->phase);
     estimator_close(&simulation->estimator);
@@ -427,18 +428,16 @@ static void finish_course(course_log *record, const loop *loop, simulate_course 
 }
 
 /*
- * Store the target, loads and faulty electrodes at the end of a phase, for the optimum of the
- * phase.
+ * Store the target, loads and stroke of the electrodes at the end of a phase, for the optimum of
+ * the phase. Returns whether memory was available.
  */
-static void keep_conditions(const loop *loop, simulate_phase *phase)
+static bool keep_conditions(loop *loop, simulate_phase *phase)
 {
     const design *design = loop->design;
+    const imperfections wiring = loop_imperfections(loop);
     memcpy(phase->target, loop->wanted, (size_t)design->targets * sizeof *phase->target);
     memcpy(phase->load, loop->load, ((size_t)design->loads + 1) * sizeof *phase->load);
-    for (int k = 0; k < design->amplifiers; k++)
-        phase->fault_voltage[k] = loop->electrode[k].fault == ELECTRODE_GOOD
-                                      ? (double)NAN
-                                      : loop->electrode[k].fault_voltage;
+    return imperfections_stroke(&wiring, phase->lowest, phase->highest);
 }
 
 /* ---- run -------------------------------------------------------------- */
@@ -518,8 +517,8 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *record, sim
         if (tick + 1 < phase->until)
             continue;
         finish_course(record, loop, &phase->course[law]);
-        if (law == LAW_CONTROLLER)
-            keep_conditions(loop, phase);
+        if (law == LAW_CONTROLLER && !keep_conditions(loop, phase))
+            return no_memory(simulation->nominal, error);
         if (plant_displacement(&simulation->plant, phase->course[law].displacement, error) < 0)
             return -1;
         phase++;
@@ -560,15 +559,11 @@ static int same_conditions(const simulation *simulation, const simulate_phase *f
                            const simulate_phase *second)
 {
     const design *design = &simulation->nominal->design;
-    int same =
-        memcmp(first->target, second->target, (size_t)design->targets * sizeof *first->target) ==
-            0 &&
-        memcmp(first->load, second->load, ((size_t)design->loads + 1) * sizeof *first->load) == 0;
-    for (int k = 0; k < design->amplifiers; k++)
-        same = same && (isnan(first->fault_voltage[k])
-                            ? isnan(second->fault_voltage[k])
-                            : first->fault_voltage[k] == second->fault_voltage[k]);
-    return same;
+    const size_t targets = (size_t)design->targets, loads = (size_t)design->loads + 1,
+                 ends = 2 * (size_t)design->amplifiers;
+    return memcmp(first->target, second->target, targets * sizeof *first->target) == 0 &&
+           memcmp(first->load, second->load, loads * sizeof *first->load) == 0 &&
+           memcmp(first->lowest, second->lowest, ends * sizeof *first->lowest) == 0;
 }
 
 static int find_optimum(simulation *simulation, simulate_phase *phase, double *shape, char *error)
@@ -580,8 +575,8 @@ static int find_optimum(simulation *simulation, simulate_phase *phase, double *s
     for (int k = 0; k < design->loads; k++)
         plant_load(&simulation->plant, k, phase->load[k]);
     plant_warm(&simulation->plant, phase->load[design->loads]);
-    const int failed = plant_optimum(&simulation->plant, phase->target, phase->fault_voltage, &best,
-                                     shape, error) < 0;
+    const int failed = plant_optimum(&simulation->plant, phase->target, phase->lowest,
+                                     phase->highest, &best, shape, error) < 0;
     phase->optimum = failed
                          ? (double)NAN
                          : weighted_distance(design, shape, phase->target) / simulation->reference;

@@ -73,15 +73,17 @@ typedef struct simulate_phase {
     int from, until;
     int first, events; /* first event of the scene that begins the phase, and number of these events
                         */
-    double optimum; /* relative shape error of the optimal voltages for this plant within the same
-                       limits; NAN before simulate_optima */
+    double optimum;    /* relative shape error of the best shape that this plant reaches within the
+                          stroke of its electrodes; NAN before simulate_optima */
     simulate_course course[LAWS];
-    double *target; /* [targets] wanted displacements at the end of the phase */
-    double *load;   /* [loads + 1] load factors of the plant at the end; the last entry is the
-                         temperature change (K) */
-    double *fault_voltage; /* [amplifiers] voltages of faulty electrodes at the end (V), NAN for the
-                            * others
-                            */
+    double *target;  /* [targets] wanted displacements at the end of the phase */
+    double *load;    /* [loads + 1] load factors of the plant at the end; the last entry is the
+                          temperature change (K) */
+    double *lowest;  /* [amplifiers] voltages that act on the ceramic at the end, if all amplifiers
+                        moved to their lower limits: their stroke with hysteresis and creep, or the
+                        voltage of a faulty electrode (V) */
+    double *highest; /* [amplifiers] voltages that act on the ceramic at the end, if all amplifiers
+                        moved to their upper limits (V) */
 } simulate_phase;
 
 /* Sums over all ticks of one control law. */

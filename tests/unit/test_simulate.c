@@ -138,13 +138,17 @@ static void test_deterministic(void **state)
  * On a linear plant whose influence is the model's but for a factor, integral action ends at the
  * plant's own bounded optimum under every load and target, for each delay of the sensors, weaker or
  * stronger than believed. Where it is not at a limit the misfit shrinks by |1 - d| a tick, so the
- * ends agree to the optimiser's rounding.
+ * ends agree to the optimiser's rounding. With hysteresis the bounds of that optimum are the stroke
+ * of the electrodes.
  */
 static void test_reaches_optimum(void **state)
 {
-    static const char *const plant[] = {
-        "simulate.plant.d=0.8", "simulate.plant.d=1.2;simulate.sensors.delay=1",
-        "simulate.plant.d=1.2;simulate.sensors.delay=3", "simulate.plant.stiffness=0.5"};
+    static const char *const plant[] = {"simulate.plant.d=0.8",
+                                        "simulate.plant.d=1.2;simulate.sensors.delay=1",
+                                        "simulate.plant.d=1.2;simulate.sensors.delay=3",
+                                        "simulate.plant.stiffness=0.5",
+                                        "simulate.plant.hysteresis=0.1",
+                                        "simulate.plant.hysteresis=0.2;simulate.plant.d=0.8"};
     (void)state;
     for (size_t i = 0; i < sizeof plant / sizeof *plant; i++) {
         char changes[600];
@@ -165,6 +169,32 @@ static void test_reaches_optimum(void **state)
                          course(&b, k)->steady, b.s.phase[k].optimum);
         close_bench(&b);
     }
+}
+
+/*
+ * Hysteresis of the width h leaves an electrode at a voltage limit A the stroke (1 - h) A. So a
+ * loop around a plant with hysteresis ends where a loop with limits of (1 - h) A ends around the
+ * plant without hysteresis, and that is the optimum which is printed.
+ */
+static void test_stroke(void **state)
+{
+    double steady[2], optimum[2];
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        bench b;
+        tally t;
+        open_bench(&b, i ? LINEAR "simulate.ticks=200;simulate.events=[];limits.voltage=[-270, 270]"
+                         : LINEAR "simulate.ticks=200;simulate.events=[];"
+                                  "simulate.plant.hysteresis=0.1");
+        run(&b, LAW_CONTROLLER, &t);
+        find_optima(&b);
+        steady[i] = course(&b, 0)->steady;
+        optimum[i] = b.s.phase[0].optimum;
+        close_bench(&b);
+    }
+    assert_near("optimum within the stroke", optimum[0] / optimum[1], 1, 1e-12);
+    assert_near("end of the loop with hysteresis", steady[0] / optimum[0], 1, 1e-9);
+    assert_near("end of the loop with smaller limits", steady[1] / optimum[0], 1, 1e-9);
 }
 
 /*
@@ -511,6 +541,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_deterministic),
                                        cmocka_unit_test(test_reaches_optimum),
+                                       cmocka_unit_test(test_stroke),
                                        cmocka_unit_test(test_inside_limits),
                                        cmocka_unit_test(test_clamp_is_worse),
                                        cmocka_unit_test(test_blind),
