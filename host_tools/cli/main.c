@@ -664,6 +664,14 @@ static int judge_loop(analysis *analysis, char *error)
         certificate->stable_rate);
 }
 
+/* Warn where a certified loop tolerates no error of the readings' age. */
+static void warn_of_age(analysis *analysis)
+{
+    const certificate_loop *loop = &analysis->certificate.loop;
+    if (loop->is_made && loop->is_stable)
+        plausible_loop(&analysis->warnings, analysis->design.scene, loop->older);
+}
+
 /*
  * Refuse tables for a loop with a vibration model that is unstable or does not settle after a
  * storm. Returns 0, or -1 with error filled.
@@ -677,6 +685,7 @@ static int judge_storms(analysis *analysis, char *error)
         return 0;
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
         return -1;
+    warn_of_age(analysis);
     if (!certificate->loop.is_made || certificate->loop.is_stable)
         return 0;
     certify_failure(certificate, text);
@@ -770,6 +779,7 @@ static int command_check(const options *options, analysis *analysis)
         return complain(error, OPTIONS_WRONG);
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    warn_of_age(analysis);
     progress_stop();
     (options->as_json ? print_check_json : print_check)(analysis);
     return 0;

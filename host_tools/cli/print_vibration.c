@@ -119,7 +119,7 @@ static void print_lines(const char *text)
 
 void print_certificate(const certificate *certificate)
 {
-    char text[3 * SCENE_ERROR];
+    char text[CERTIFICATE_TEXT];
     if (!certificate->is_made)
         return;
     if (!certificate->has_modes) {
@@ -144,13 +144,17 @@ static void json_stability(json *json, const certificate *certificate)
     json_number(json, "radius", loop->is_made ? loop->radius : certificate->radius);
     json_number(json, "storms", loop->storms);
     json_number(json, "storms_failed", loop->failed);
-    if (loop->is_made)
+    if (loop->is_made) {
         json_number(json, "storms_worst", loop->worst);
+        json_number(json, "storms_allowed", CERTIFICATE_TOLERANCE);
+        json_number(json, "modes_observed", loop->observed);
+        json_number(json, "readings_older", loop->older);
+        json_number(json, "readings_newer", loop->newer);
+    }
     if (loop->has_margins) {
         const double frequency[2] = {loop->margin_slow, loop->margin_fast};
         json_open(json, "margin", '{');
         json_number(json, "gain", loop->margin_gain);
-        json_number(json, "delay", loop->margin_delay);
         json_numbers(json, "frequency", frequency, 2);
         json_close(json, '}');
     }

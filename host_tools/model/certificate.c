@@ -2,6 +2,7 @@
 /* Spectral radius and text of a control loop's certificate (certificate.h). */
 #include "certificate.h"
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -129,51 +130,104 @@ static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
             certificate->rate, certificate->radius);
 }
 
-/* Text on the margins and stable rates of a loop with a vibration model. */
-static void margin_text(const certificate_loop *loop, char text[SCENE_ERROR])
+/* Append formatted text. */
+static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
 {
-    char rates[200] = "";
-    if (loop->rate_to > 0)
-        snprintf(
-            rates, sizeof rates,
-            "\nTick rates that pass growth and two storms, with tables for each: %.4g to %.4g a "
-            "second\n(tried: 1/32 to 32 times the scene's; gains to x 10, 8 ticks, frequencies x "
-            "0.1 to x 5).",
-            loop->rate_from, loop->rate_to);
-    if (!loop->has_margins)
-        snprintf(text, SCENE_ERROR, "%s", rates);
+    const size_t length = strlen(text);
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text + length, CERTIFICATE_TEXT - length, format, values);
+    va_end(values);
+}
+
+/* First sentence on a loop with a vibration model: whether it is stable, and what the tick damps.
+ */
+static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    if (!loop->is_stable)
+        append(text, "The damped tick is not safe.");
+    else if (loop->observed > 0)
+        append(text, "The damped tick is stable and damps %d mode%s.", loop->observed,
+               loop->observed == 1 ? "" : "s");
     else
-        snprintf(text, SCENE_ERROR,
-                 "\nMargins: gain x %.3g, readings %d ticks later, frequencies x %.3g to x %.3g.%s",
-                 loop->margin_gain, loop->margin_delay, loop->margin_slow, loop->margin_fast,
-                 rates);
+        append(text,
+               "The tick is stable and damps no mode, because each turns by more than 2 rad in a "
+               "tick:\nit follows the static optimum so slowly that vibration decays by itself.");
+}
+
+/* Text on the storms of a loop with a vibration model. */
+static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    append(text, "\nStorms (targets jump faster than the voltages can follow, then the last one "
+                 "stands): ");
+    if (loop->storms == 0) {
+        append(text, "none was run.");
+        return;
+    }
+    append(text,
+           "\n%d of %d storms settle; the worst ends %.3g of the target from the best shape "
+           "(allowed: %g).",
+           loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
+}
+
+static const char *plural(int count)
+{
+    return count == 1 ? "" : "s";
+}
+
+/* Text on the error of the readings' age that a stable loop tolerates. */
+static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    append(text,
+           "\nAge of the readings: every storm settles, too, with readings %d tick%s older%s than "
+           "the scene says",
+           loop->older, plural(loop->older), loop->ends_at_most ? " (more were not tried)" : "");
+    if (loop->delay > 0)
+        append(text, ",\nand %d tick%s newer", loop->newer, plural(loop->newer));
+    append(text, ".");
+    if (loop->older == 0)
+        append(text, "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
+}
+
+/* Text on the margins and stable rates of a loop with a vibration model. */
+static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    if (loop->has_margins)
+        append(text,
+               "\nMargins of the growth: gain x %.3g, frequencies x %.3g to x %.3g (tried: gain to "
+               "x 10,\nfrequencies x 0.1 to x 5).",
+               loop->margin_gain, loop->margin_slow, loop->margin_fast);
+    if (loop->rate_to > 0)
+        append(text,
+               "\nTick rates that pass growth and two storms, with tables for each: %.6g to %.6g a "
+               "second\n(tried: 1/32 to 32 times the scene's rate).",
+               loop->rate_from, loop->rate_to);
 }
 
 /* Text on a loop with a vibration model. */
-static void loop_text(const certificate_loop *loop, char text[3 * SCENE_ERROR])
+static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    char margins[SCENE_ERROR], storms[200] = "no storms were run.";
-    margin_text(loop, margins);
-    if (loop->storms > 0)
-        snprintf(storms, sizeof storms,
-                 "%d of %d storms of targets settle, the worst ends at\n%.3g of the target.",
-                 loop->storms - loop->failed, loop->storms, loop->worst);
-    snprintf(
-        text, 3 * SCENE_ERROR,
-        "The damped tick %s around structures of gain 0.8 to 1.33 and frequency 0.9 to 1.1\n"
-        "of the model, with %d modes: small vibrations change by %.5g a tick at worst (gain %g,\n"
-        "frequency %g); %s%s",
-        loop->is_stable ? "is stable" : "is not safe", loop->modes, loop->radius, loop->at_gain,
-        loop->at_frequency, storms, margins);
+    verdict_text(loop, text);
+    append(
+        text,
+        "\nTried on structures with %d modes whose response to voltages is 0.8 to 1.33 of the "
+        "model's (gain)\nand whose frequencies are 0.9 to 1.1 of the model's.\n"
+        "Growth (factor by which small vibrations change in a tick; they decay below 1): at most "
+        "%.5g,\nat gain %g, frequency %g.",
+        loop->modes, loop->radius, loop->at_gain, loop->at_frequency);
+    storm_text(loop, text);
+    if (loop->is_stable)
+        age_text(loop, text);
+    margin_text(loop, text);
 }
 
-void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR])
+void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT])
 {
     char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
     text[0] = '\0';
     if (certificate->is_made && certificate->has_modes && !certificate->is_assessed &&
         certificate->reason[0])
-        snprintf(text, 3 * SCENE_ERROR, "The stability of the control loop is not known: %s",
+        snprintf(text, CERTIFICATE_TEXT, "The stability of the control loop is not known: %s",
                  certificate->reason);
     if (!certificate->is_assessed)
         return;
@@ -184,7 +238,7 @@ void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]
     if (certificate->rate > 0)
         rate_text(certificate, verdict);
     range_text(certificate, range);
-    snprintf(text, 3 * SCENE_ERROR, "%s%s%s", verdict, range,
+    snprintf(text, CERTIFICATE_TEXT, "%s%s%s", verdict, range,
              certificate->assumes_measured ? "\nJudged as if every target node were measured."
                                            : "");
 }

@@ -17,6 +17,12 @@
 #include "damper_gains.h"
 #include "vibration.h"
 
+enum { CERTIFICATE_TEXT = 2000 }; /* length of a certificate's text */
+
+/* Largest distance from the best shape at which a storm has settled, over the size of the target.
+ */
+#define CERTIFICATE_TOLERANCE 0.05
+
 /*
  * Certificate of a loop with a vibration model, measured with the loop itself around structures
  * that differ from the model: growth of small vibrations, storms, margins (simulate/certify.h).
@@ -25,6 +31,7 @@ typedef struct certificate_loop {
     bool is_made;
     bool is_stable;               /* vibrations decay at every corner, and every storm settles */
     int modes;                    /* modes of the structure in these runs */
+    int observed;                 /* modes that the damped tick observes */
     double radius;                /* largest growth a tick without limits */
     double at_gain, at_frequency; /* structure with that growth, relative to the model */
     int storms, failed;           /* number of storms, and of those that did not settle */
@@ -32,9 +39,15 @@ typedef struct certificate_loop {
                      target */
     double worst_gain, worst_frequency, worst_step; /* structure of that storm, and its step limit
                                                        over that of the scene */
+    double ticks; /* mean number of ticks of a storm until it has settled */
+    int delay;    /* age of the readings that the scene states (ticks) */
+    int older;    /* ticks by which every reading may be older than the scene says: vibrations decay
+                     and every storm settles with each number of ticks up to this one */
+    int newer; /* ticks by which every reading may be newer than the scene says, likewise; at most
+                  the delay of the scene */
     bool has_margins;
     double margin_gain;              /* largest stable gain over that of the model */
-    int margin_delay;                /* ticks by which readings may be later than believed */
+    bool ends_at_most;               /* `older` is the largest number of ticks that was tried */
     double margin_slow, margin_fast; /* lowest and highest stable frequencies over the model's */
     double rate_from, rate_to;       /* range of stable tick rates around the scene's, with tables
                                         made for each rate; 0: not computed */
@@ -87,6 +100,6 @@ double certificate_radius(const double *loop, const double *square, int modes,
  * Text of the certificate in sentences separated by line feeds; empty where there is nothing to
  * report.
  */
-void certificate_text(const certificate *certificate, char text[3 * SCENE_ERROR]);
+void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT]);
 
 #endif

@@ -373,9 +373,10 @@ static bool is_possible(damper *damper, const analysis *analysis, const estimato
 damper_options damper_options_of(const analysis *analysis)
 {
     const certificate *certificate = &analysis->certificate;
-    return (damper_options){certificate->rate, analysis->design.scene->simulate.delay,
-                            certificate->has_settings ? certificate->settings
-                                                      : damper_default_settings()};
+    const damper_settings settings =
+        certificate->has_settings ? certificate->settings : damper_default_settings();
+    return (damper_options){certificate->rate,
+                            analysis->design.scene->simulate.delay + settings.later, settings};
 }
 
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
@@ -430,12 +431,12 @@ void damper_text(const damper *damper, char text[SCENE_ERROR])
     if (modes == 0)
         snprintf(text, SCENE_ERROR,
                  "The tick follows the static optimum slowly, at %g ticks a second with readings "
-                 "%u ticks old; every mode is too fast to be observed.",
+                 "taken to be %u ticks old; every mode is too fast to be observed.",
                  damper->rate, damper->tables.delay);
     else
         snprintf(text, SCENE_ERROR,
                  "The tick observes and damps vibration: %d modes from %.4g to %.4g Hz, at %g "
-                 "ticks a second with readings %u ticks old.",
+                 "ticks a second with readings taken to be %u ticks old.",
                  modes, damper->frequency[0], damper->frequency[modes - 1], damper->rate,
                  damper->tables.delay);
 }

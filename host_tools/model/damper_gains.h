@@ -24,9 +24,11 @@ typedef struct damper_settings {
     double follow;   /* part of the way to the static optimum per radian of the first mode */
     double follow_limit; /* largest part of the way in one tick */
     double mix;          /* part of the deviation that comes from the change of the velocity */
-    double kick;      /* RMS change of the velocity of the first mode in a tick, for one sensor */
-    double drift;     /* RMS change of the load on the first mode in a tick, for one sensor */
-    double slow;      /* gain of the low-pass filter of what the modes do not explain */
+    double kick;  /* RMS change of the velocity of the first mode in a tick, for one sensor */
+    double drift; /* RMS change of the load on the first mode in a tick, for one sensor */
+    double slow;  /* gain of the low-pass filter of what the modes do not explain */
+    int later;    /* ticks by which the readings are taken to be older than the scene says; a damped
+                     tick tolerates readings that are newer better than older ones */
     bool is_gradient; /* damping gradient g' k d, of which the energy decays at any limits, instead
                          of the gradient B'W^2 C d of the wanted shape C d */
 } damper_settings;

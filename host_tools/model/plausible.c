@@ -15,7 +15,8 @@ typedef enum subject_type {
     SUBJECT_RESULT,
     SUBJECT_VOLTAGES,
     SUBJECT_OPTIMUM,
-    SUBJECT_PATH
+    SUBJECT_PATH,
+    SUBJECT_LOOP
 } subject_type;
 
 #define CHECK_UNITS                                                                                \
@@ -83,6 +84,10 @@ static const struct rule {
      "the voltages are not unique; if the rows of the file are actuators, write rows: actuators"},
     {"dead_actuator", SUBJECT_SCENE, measure_dead_column, 1e-4, HUGE_VAL, "",
      "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
+    {"readings_age", SUBJECT_LOOP, measure_age, 1, HUGE_VAL, "ticks",
+     "readings one tick older can make the loop swing without end; measure the age, converters and "
+     "filters included, and write the largest; with safety: {} the loop parks the voltages when it "
+     "swings"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
      "the two cannot be told apart; a column may have been written twice"},
 };
@@ -199,6 +204,12 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                         .path_difference = difference,
                         .negative_pivots = negative_pivots};
     apply_all(warnings, SUBJECT_PATH, &of);
+}
+
+void plausible_loop(plausible *warnings, const scene *scene, int older)
+{
+    const subject of = {.scene = scene, .name = "", .older = older};
+    apply_all(warnings, SUBJECT_LOOP, &of);
 }
 
 /* ---- output ----------------------------------------------------------- */

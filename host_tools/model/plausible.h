@@ -70,6 +70,12 @@ void plausible_target(plausible *warnings, const scene *scene, const plausible_o
 void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
+/*
+ * Apply the rule on a certified loop with a vibration model.
+ *   older  in  ticks by which readings may be older than the scene says
+ */
+void plausible_loop(plausible *warnings, const scene *scene, int older);
+
 /* Print the warnings as a block of lines; nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);
 

@@ -15,6 +15,7 @@ typedef struct subject {
     const struct plausible_optimum *optimum;
     double path_difference;   /* of analysis_path_difference */
     unsigned negative_pivots; /* of the tangent at the equilibrium */
+    int older; /* ticks by which readings may be older than the scene says (certificate_loop) */
 } subject;
 
 enum { WHAT = 200 };
@@ -47,6 +48,9 @@ measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_stability;
 measure measure_target, measure_unreached, measure_idle;
+
+/* Rule on a certified loop (plausible_result.c). */
+measure measure_age;
 
 /*
  * The k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where there

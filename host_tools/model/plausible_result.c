@@ -194,3 +194,14 @@ int measure_idle(const subject *of, int k, measured *found)
     snprintf(found->what, WHAT, "largest voltage of the optimum");
     return k == 0;
 }
+
+/* ---- certified loop --------------------------------------------------- */
+
+int measure_age(const subject *of, int k, measured *found)
+{
+    found->value = of->older;
+    found->at = of->scene->simulate.at;
+    snprintf(found->what, WHAT, "readings may be older than simulate.sensors.delay, %d, by",
+             of->scene->simulate.delay);
+    return k == 0;
+}

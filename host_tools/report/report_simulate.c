@@ -209,7 +209,7 @@ static void write_plant(const simulate_page *p)
 static void write_certificate(const simulate_page *p)
 {
     const certificate *certificate = &p->s->nominal->certificate;
-    char text[3 * SCENE_ERROR];
+    char text[CERTIFICATE_TEXT];
     if (!certificate->is_made)
         return;
     certificate_text(certificate, text);

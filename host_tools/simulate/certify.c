@@ -17,7 +17,7 @@ enum {
     TICKS_LEAST = 600, /* fewest and most ticks of such a run */
     TICKS_MOST = 3000,
     HALVINGS = 5,   /* bisections of a margin */
-    DELAY_MOST = 8, /* largest delay that is tried (ticks) */
+    OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
     OCTAVES = 5     /* octaves of tick rates that are tried on either side */
 };
 
@@ -34,11 +34,20 @@ static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /* Settings of the damped tick to choose from, the fastest first: damping per radian, part of the
- * deviation taken from the velocity, drift of the loads. */
+ * deviation taken from the velocity, drift of the loads, ticks by which the readings are taken to
+ * be older than the scene says. */
 static const struct {
     double damping, mix, drift;
-} choices[] = {{0.75, 0.75, 0.21}, {0.5, 0, 0.21}, {0.5, 0, 0.1}, {0.35, 0, 0.05}};
+    int later;
+} choices[] = {{0.75, 0.75, 0.21, 0}, {0.75, 0, 0.21, 0},    {0.5, 0, 0.21, 0},   {0.5, 0, 0.1, 0},
+               {0.35, 0, 0.05, 0},    {0.75, 0.75, 0.21, 1}, {0.5, 0.75, 0.21, 1}};
 enum { CHOICES = sizeof choices / sizeof *choices };
+
+/*
+ * Settings that tolerate a larger error of the readings' age are preferred where their storms take
+ * at most this many times the ticks of the fastest settings that pass.
+ */
+static const double slowest = 1.25;
 
 /* A loop with the tables of one choice of settings and rate. */
 typedef struct trial {
@@ -59,7 +68,8 @@ static int retable(trial *trial, const damper_options *options, char *error)
     if (damper_make(&trial->damper, trial->analysis, trial->few, options, error) < 0)
         return -1;
     loop_blocks_fill(&trial->blocks, &trial->analysis->design, &trial->estimator, &trial->damper);
-    storm_use(&trial->rig, trial->blocks.block, trial->blocks.count, options->delay);
+    storm_use(&trial->rig, trial->blocks.block, trial->blocks.count,
+              options->delay - options->settings.later);
     trial->rig.is_corrected = false;
     trial->rig.interval = 1 / options->rate;
     return 0;
@@ -101,7 +111,11 @@ static int grow(const trial *trial, double gain, double frequency, int more_dela
                 storm_result *result, char *error)
 {
     const int ticks = growth_ticks(trial);
-    const storm_plant plant = {gain, frequency, HUGE_VAL, more_delay, 1};
+    const storm_plant plant = {.gain = gain,
+                               .frequency = frequency,
+                               .step_limit = HUGE_VAL,
+                               .more_delay = more_delay,
+                               .seed = 1};
     if (storm_growth(&trial->rig, &plant, ticks, result, error) < 0)
         return -1;
     result->passed = log(result->growth) < 0.25 / ticks;
@@ -129,24 +143,69 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 
 /* ---- storms ----------------------------------------------------------- */
 
+/* Structure, step limits and targets of storm i, with readings older than the scene says. */
+static storm_plant plant_of(int i, int older)
+{
+    return (storm_plant){.gain = storm_gain[i % PLANTS],
+                         .frequency = storm_frequency[i % PLANTS],
+                         .step_limit = i / PLANTS % 2 ? 0.25 : 1,
+                         .more_delay = older,
+                         .seed = (uint64_t)(i / PLANTS / 2 + 1)};
+}
+
 /* Run storms until all have passed, or so many have not that the loop need not be tried further. */
 static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 {
     for (int i = 0; i < STORMS && loop->failed < ENOUGH; i++) {
-        const storm_plant plant = {storm_gain[i % PLANTS], storm_frequency[i % PLANTS],
-                                   i / PLANTS % 2 ? 0.25 : 1, 0, (uint64_t)(i / PLANTS / 2 + 1)};
+        const storm_plant plant = plant_of(i, 0);
         storm_result result;
         progress_count(i, STORMS);
         if (storm_run(&trial->rig, &plant, &result, error) < 0)
             return -1;
         loop->storms++;
         loop->failed += !result.passed;
+        loop->ticks += (double)result.ticks / STORMS;
         if (!(result.end > loop->worst))
             continue;
         loop->worst = result.end;
         loop->worst_gain = plant.gain;
         loop->worst_frequency = plant.frequency;
         loop->worst_step = plant.step_limit;
+    }
+    return 0;
+}
+
+/*
+ * Whether vibrations decay on all structures of the storms, and all storms settle, with readings
+ * that are `older` ticks older than the scene says.
+ */
+static int try_age(const trial *trial, int older, bool *settles, char *error)
+{
+    storm_result result = {.passed = true};
+    for (int i = 0; i < STORMS && result.passed; i++) {
+        const storm_plant plant = plant_of(STORMS - 1 - i, older);
+        progress_count(i, STORMS);
+        if (storm_run(&trial->rig, &plant, &result, error) < 0)
+            return -1;
+    }
+    for (int i = 0; i < PLANTS && result.passed; i++)
+        if (grow(trial, storm_gain[i], storm_frequency[i], older, &result, error) < 0)
+            return -1;
+    *settles = result.passed;
+    return 0;
+}
+
+/*
+ * Continue to count the ticks by which readings may be older (sign 1) or newer (sign -1) than the
+ * scene says, from those known to be stood, up to `most`.
+ */
+static int count_ages(const trial *trial, int sign, int most, int *stood, char *error)
+{
+    bool settles = true;
+    while (settles && *stood < most) {
+        if (try_age(trial, sign * (*stood + 1), &settles, error) < 0)
+            return -1;
+        *stood += settles;
     }
     return 0;
 }
@@ -168,27 +227,65 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
     loop->is_made = true;
     loop->is_stable = is_stable && loop->failed == 0;
     loop->modes = (int)trial->rig.modal.modes;
-    return 0;
+    loop->observed = trial->damper.modes;
+    loop->delay = trial->analysis->design.scene->simulate.delay;
+    if (!loop->is_stable)
+        return 0;
+    return count_ages(trial, 1, 1, &loop->older, error) < 0 ||
+                   count_ages(trial, -1, loop->delay < 1 ? 0 : 1, &loop->newer, error) < 0
+               ? -1
+               : 0;
 }
 
-/* Whether a choice is better than the best so far: by the number of storms that settle. */
-static bool is_better(const certificate_loop *loop, const certificate_loop *best)
+/*
+ * How well a loop tolerates an error of one tick of the readings' age: 2 for older readings plus 1
+ * for newer ones. Older readings count more, because filters and queues outside the model add to
+ * the age.
+ */
+static int tolerance_of(const certificate_loop *loop)
 {
-    return !best->is_made || (loop->is_stable && !best->is_stable) ||
-           (loop->is_stable == best->is_stable && loop->failed < best->failed);
+    return 2 * (loop->older > 0) + (loop->newer > 0);
+}
+
+/* Whether no choice can tolerate more: the readings cannot be newer than those of this tick. */
+static bool tolerates_all(const certificate_loop *loop)
+{
+    return loop->is_stable && tolerance_of(loop) == 2 + (loop->delay > 0);
+}
+
+/*
+ * Whether a choice is better than the best so far: by the number of storms that settle, then by the
+ * error of the readings' age that it tolerates, where it is not much slower.
+ *   fastest  in  mean ticks of a storm with the fastest choice that passes
+ */
+static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
+{
+    if (!best->is_made || loop->is_stable != best->is_stable)
+        return !best->is_made || loop->is_stable;
+    if (!loop->is_stable)
+        return loop->failed < best->failed;
+    return tolerance_of(loop) > tolerance_of(best) && loop->ticks <= slowest * fastest;
 }
 
 static int choose(trial *trial, char *error)
 {
     certificate *certificate = &trial->analysis->certificate;
     damper_options options = damper_options_of(trial->analysis);
+    const int delay = trial->analysis->design.scene->simulate.delay;
+    double fastest = 0;
     options.settings = damper_default_settings();
-    for (int i = 0; i < CHOICES && !certificate->loop.is_stable; i++) {
+    for (int i = 0; i < CHOICES && !tolerates_all(&certificate->loop); i++) {
         certificate_loop loop;
+        options.settings.later = choices[i].later;
+        options.delay = delay + choices[i].later;
+        if (options.delay > PZS_DELAY_LIMIT)
+            continue;
         if (try_choice(trial, i, &options, &loop, error) < 0)
             return -1;
-        if (!is_better(&loop, &certificate->loop))
+        if (!is_better(&loop, &certificate->loop, fastest))
             continue;
+        if (!certificate->loop.is_stable)
+            fastest = loop.ticks;
         certificate->loop = loop;
         certificate->settings = options.settings;
         certificate->has_settings = true;
@@ -258,18 +355,14 @@ static int bisect(const trial *trial, bool is_gain, double end, double *margin, 
     return 0;
 }
 
-/* Largest further delay of the readings at which vibrations decay. */
-static int find_delay(const trial *trial, int *margin, char *error)
+/* Count how many ticks older or newer than the scene says readings may be. */
+static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 {
-    *margin = 0;
-    for (int delay = 1; delay <= DELAY_MOST; delay++) {
-        storm_result result;
-        if (grow(trial, 1, 1, delay, &result, error) < 0)
-            return -1;
-        if (!result.passed)
-            return 0;
-        *margin = delay;
-    }
+    const int newest = loop->delay < OLDER_MOST ? loop->delay : OLDER_MOST;
+    if ((loop->older > 0 && count_ages(trial, 1, OLDER_MOST, &loop->older, error) < 0) ||
+        (loop->newer > 0 && count_ages(trial, -1, newest, &loop->newer, error) < 0))
+        return -1;
+    loop->ends_at_most = loop->older == OLDER_MOST;
     return 0;
 }
 
@@ -286,7 +379,8 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
         return -1;
     for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* 0, 3, 4 */
         storm_result result;
-        const storm_plant plant = {storm_gain[i], storm_frequency[i], 0.25, 0, 1};
+        const storm_plant plant = {
+            .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};
         if (grow(trial, plant.gain, plant.frequency, 0, &result, error) < 0)
             return -1;
         if (!result.passed)
@@ -327,7 +421,7 @@ static int find_margins(trial *trial, char *error)
         bisect(trial, true, gain_most, &loop->margin_gain, error) < 0 ||
         bisect(trial, false, slow_least, &loop->margin_slow, error) < 0 ||
         bisect(trial, false, fast_most, &loop->margin_fast, error) < 0 ||
-        find_delay(trial, &loop->margin_delay, error) < 0)
+        find_ages(trial, loop, error) < 0)
         return -1;
     loop->has_margins = true;
     return 0;
@@ -383,11 +477,12 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
 {
     const certificate_loop *loop = &certificate->loop;
     if (loop->failed > 0)
-        snprintf(text, SCENE_ERROR,
-                 "storm at gain %g, frequency %g, step limit x %g ends at %.3g times the target; "
-                 "%d of %d storms do not settle",
-                 loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst,
-                 loop->failed, loop->storms);
+        snprintf(
+            text, SCENE_ERROR,
+            "after a storm of targets at gain %g, frequency %g, step limit x %g the shape ends "
+            "%.3g of the target from the best one (allowed: %g); %d of %d storms do not settle",
+            loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst,
+            CERTIFICATE_TOLERANCE, loop->failed, loop->storms);
     else
         snprintf(text, SCENE_ERROR, "at gain %g, frequency %g vibration grows %.5g times a tick",
                  loop->at_gain, loop->at_frequency, loop->radius);

@@ -10,7 +10,8 @@
  *
  * Neither is enough alone: a loop whose radius is below 1 may end in a limit cycle, and a storm is
  * too short to show slow growth. The settings of the damped tick are the fastest of a few that pass
- * both.
+ * both, or settings that are at most a quarter slower and also pass with readings one tick older or
+ * newer than the scene says.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H
@@ -26,7 +27,8 @@
 int certify_loop(analysis *analysis, char *error);
 
 /*
- * Find the margins of a certified loop by bisection: gain, later readings, frequencies.
+ * Find the margins of a certified loop: gain and frequencies by bisection, and the number of ticks
+ * by which readings may be older or newer than the scene says.
  *   with_rates in  also the range of stable tick rates, with tables made for each rate
  */
 int certify_margins(analysis *analysis, bool with_rates, char *error);

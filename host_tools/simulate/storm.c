@@ -308,7 +308,7 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     storm->rig = rig;
     storm->plant = plant;
     storm->random = plant->seed;
-    storm->kept = rig->delay + plant->more_delay + 1;
+    storm->kept = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
     if (!take_run_memory(storm))
         return no_memory(rig->analysis, error);
     storm->inertia.gain = plant->gain;
@@ -456,7 +456,7 @@ static pzs_status run_storm(storm *storm, storm_result *result)
         result->peak = fmax(result->peak, distance);
         if (k + end >= result->ticks)
             result->end = fmax(result->end, distance);
-        quiet = distance < STORM_TOLERANCE / 2 && k >= TARGETS * every ? quiet + 1 : 0;
+        quiet = distance < CERTIFICATE_TOLERANCE / 2 && k >= TARGETS * every ? quiet + 1 : 0;
         if (quiet > end) {
             result->end = distance;
             result->ticks = k + 1;
@@ -466,7 +466,7 @@ static pzs_status run_storm(storm *storm, storm_result *result)
             break;
         }
     }
-    result->passed = result->end <= STORM_TOLERANCE;
+    result->passed = result->end <= CERTIFICATE_TOLERANCE;
     return PZS_OK;
 }
 

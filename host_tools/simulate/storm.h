@@ -23,7 +23,7 @@ typedef struct storm_plant {
     double frequency;  /* natural frequencies over those of the model */
     double step_limit; /* step limits over those of the scene; HUGE_VAL: none, and no voltage
                           limits, for the growth of small vibrations */
-    int more_delay;    /* ticks by which readings are later than the controller believes */
+    int more_delay;    /* ticks by which readings are older than the scene says; negative: newer */
     uint64_t seed;     /* which targets are thrown */
 } storm_plant;
 
@@ -33,7 +33,7 @@ typedef struct storm_rig {
     const estimator *estimator; /* sensors of the controller; NULL: the target rows are measured */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
-    int delay;         /* delay of the readings that the controller believes (ticks) */
+    int delay;         /* age of the readings that the scene states (ticks) */
     bool is_corrected; /* late readings are corrected by the change that the model predicts, as the
                           caller of a loop without a vibration block has to do it */
     double interval;   /* time between ticks (s) */
@@ -56,9 +56,6 @@ typedef struct storm_result {
     bool passed;
 } storm_result;
 
-/* Share of the target within which a storm has to end. */
-#define STORM_TOLERANCE 0.05
-
 /*
  * Prepare storms.
  *   analysis  in  after analysis_influence, with a target and all densities
@@ -71,7 +68,7 @@ void storm_close(storm_rig *rig);
 /*
  * Set the loop of the next runs.
  *   block [blocks] in  copied; its tables must outlive the rig
- *   delay          in  delay of the readings that the tables believe (ticks)
+ *   delay          in  age of the readings that the scene states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
 

@@ -256,7 +256,11 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
     fprintf(emitter->file, "/* natural frequencies of the observed modes (Hz):");
     for (int i = 0; i < blocks->damper->modes; i++)
         fprintf(emitter->file, "%s%.5g", i % 10 == 0 ? "\n * " : " ", blocks->damper->frequency[i]);
-    fprintf(emitter->file, "\n */\n#define %s_MODES %u\n", emitter->upper, tables->modes);
+    fprintf(emitter->file,
+            "\n */\n#define %s_MODES %u\n"
+            "#define %s_DAMPER_DELAY %u /* age that the damped tick takes the readings to have "
+            "(ticks) */\n",
+            emitter->upper, tables->modes, emitter->upper, tables->delay);
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_damper_arrays(emitter, tables);
     emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
@@ -297,7 +301,7 @@ static const struct {
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
      "ESTIMATOR_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
-     "VIBRATION_BLOCK_BYTES(%_MODES, %_INPUTS, %_OUTPUTS, %_READINGS, %_DELAY)"},
+     "VIBRATION_BLOCK_BYTES(%_MODES, %_INPUTS, %_OUTPUTS, %_READINGS, %_DAMPER_DELAY)"},
     {&pzs_step_block, is_always, problem_tables, NULL, "step", "problem",
      "STEP_BLOCK_BYTES(%_INPUTS, %_OUTPUTS)"},
     {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",

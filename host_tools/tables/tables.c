@@ -366,14 +366,16 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
             "#define %s_STORMS_FAILED %d\n"
             "#define %s_RADIUS PZS_R(%.6g) /* largest growth of small vibrations a tick */\n",
             prefix, loop->storms, prefix, loop->failed, prefix, loop->radius);
+    fprintf(emitter->file,
+            "/* ticks by which readings may be older and newer than %s_DELAY: every storm settles "
+            "*/\n#define %s_READINGS_OLDER %d\n#define %s_READINGS_NEWER %d\n",
+            prefix, prefix, loop->older, prefix, loop->newer);
     if (loop->has_margins)
         fprintf(emitter->file,
                 "#define %s_MARGIN_GAIN PZS_R(%.4g) /* stable up to this gain over the model's */\n"
-                "#define %s_MARGIN_DELAY %d /* ticks by which readings may be later */\n"
                 "#define %s_MARGIN_SLOW PZS_R(%.4g) /* stable frequencies over the model's */\n"
                 "#define %s_MARGIN_FAST PZS_R(%.4g)\n",
-                prefix, loop->margin_gain, prefix, loop->margin_delay, prefix, loop->margin_slow,
-                prefix, loop->margin_fast);
+                prefix, loop->margin_gain, prefix, loop->margin_slow, prefix, loop->margin_fast);
 }
 
 /*
@@ -383,7 +385,7 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
 {
-    char text[3 * SCENE_ERROR], observed[SCENE_ERROR] = "";
+    char text[CERTIFICATE_TEXT], observed[SCENE_ERROR] = "";
     certificate_text(certificate, text);
     if (damper->is_used)
         damper_text(damper, observed);

@@ -73,7 +73,7 @@ rows() {
     run check plate-50-patches
     row "control image of the plate with 25 pairs, float" "$(found ' *control  *\([0-9.]*\) ') KB of tables, $(found ' *control  *[0-9.]*  *[0-9.]*  *\([0-9.]*\) ') KB of RAM; without a vibration model stable up to $(found '.*rate up to \([0-9.]*\)') ticks a second"
     run check plate-closed-loop
-    row "certificate of the damped tick, plate with 25 pairs, 1000 ticks a second" "$(found '.*frequency [0-9.]*); \([0-9]* of [0-9]*\) storms') storms settle; gain x $(found ' *Margins: gain x \([0-9.]*\)'), readings $(found '.*readings \([0-9]*\) ticks') ticks later, frequencies x $(found '.*frequencies x \([0-9.]*\)') to x $(found '.*frequencies x [0-9.]* to x \([0-9.]*[0-9]\)')"
+    row "certificate of the damped tick, plate with 25 pairs, 1000 ticks a second" "$(found ' *\([0-9]* of [0-9]*\) storms settle') storms settle, also with readings $(found '.*with readings \([0-9]*\) tick') tick older; gain x $(found ' *Margins of the growth: gain x \([0-9.]*\)'), frequencies x $(found '.*frequencies x \([0-9.]*\)') to x $(found '.*frequencies x [0-9.]* to x \([0-9.]*[0-9]\)')"
     run simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300
     row "closed loop, plant with inertia: nonlinear, 10 % stiffer and 20 % weaker than the model, hysteresis 10 %, noise" "steady error $(phase 0 2) % where the optimum of that plant is $(phase 0 1) %, vibration $(phase 0 3) %"
     run simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 --set simulate.plant.inertia=false --set simulate.plant.hysteresis=0

@@ -1,0 +1,140 @@
+/*
+ * Certificate of a damped loop on the scene of a cantilever panel at 1000 ticks a second: readings
+ * one tick older than the scene says, and the warning where a loop does not tolerate them.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../../host_tools/model/certificate_make.h"
+#include "../../host_tools/model/plausible.h"
+#include "../../host_tools/simulate/certify.h"
+#include "../../host_tools/simulate/storm.h"
+#include "../rigs/scene_run.h"
+
+#define PANEL "tests/rigs/scenes/storm-panel.yaml"
+
+enum { RUNS = 10, OTHER_SEED = 4 }; /* storms; targets that the certificate has not seen */
+
+static const double gain[] = {1, 0.8, 0.8, 1.33, 1.33}, frequency[] = {1, 0.9, 1.1, 0.9, 1.1};
+
+/* Storms of a kind, of RUNS, that settle with given settings. */
+static int count_settled(const analysis *analysis, const damper_settings *settings,
+                         const storm_plant *kind)
+{
+    char error[SCENE_ERROR];
+    const estimator none = {0};
+    const damper_options options = {analysis->design.scene->control.rate,
+                                    analysis->design.scene->simulate.delay + settings->later,
+                                    *settings};
+    damper damper;
+    loop_blocks blocks;
+    storm_rig rig;
+    int settled = 0;
+    assert_int_equal(damper_make(&damper, analysis, NULL, &options, error), 0);
+    loop_blocks_fill(&blocks, &analysis->design, &none, &damper);
+    assert_int_equal(storm_open(&rig, analysis, NULL, error), 0);
+    storm_use(&rig, blocks.block, blocks.count, analysis->design.scene->simulate.delay);
+    rig.is_corrected = false;
+    for (int i = 0; i < RUNS; i++) {
+        storm_plant plant = *kind;
+        storm_result result;
+        plant.gain = gain[i % 5];
+        plant.frequency = frequency[i % 5];
+        plant.step_limit = i < 5 ? 1 : 0.25;
+        assert_int_equal(storm_run(&rig, &plant, &result, error), 0);
+        settled += result.passed;
+    }
+    storm_close(&rig);
+    damper_close(&damper);
+    return settled;
+}
+
+static void open_panel(scene_run *run)
+{
+    if (scene_run_open(run, PANEL, "") < 0 || analysis_influence(&run->analysis, run->error) < 0)
+        fail_msg("%s", run->error);
+    certificate_make(&run->analysis.certificate, &run->analysis);
+}
+
+/*
+ * The fastest settings do not settle on the panel with readings one tick older than the scene says;
+ * those that the certificate chooses do, also with targets that it has not seen, and the
+ * certificate says so.
+ */
+static void test_older_readings(void **state)
+{
+    scene_run run;
+    const storm_plant older = {.more_delay = 1, .seed = OTHER_SEED};
+    const damper_settings fastest = damper_default_settings();
+    (void)state;
+    open_panel(&run);
+    const certificate *certificate = &run.analysis.certificate;
+    assert_int_equal(certify_loop(&run.analysis, run.error), 0);
+    assert_true(certificate->loop.is_stable);
+    assert_true(certificate->loop.older >= 1);
+    const int settled = count_settled(&run.analysis, &certificate->settings, &older);
+    const int before = count_settled(&run.analysis, &fastest, &older);
+    print_message("    one tick older: %d of %d storms settle, %d with the fastest settings\n",
+                  settled, RUNS, before);
+    assert_int_equal(settled, RUNS);
+    assert_true(before < RUNS);
+    scene_run_close(&run);
+}
+
+/* The text of a certificate explains its words and states the tolerance of a storm. */
+static void test_text(void **state)
+{
+    static const char *const says[] = {"damps 9 modes", "(allowed: 0.05)", "1 tick older",
+                                       "they decay below 1"};
+    certificate c = {.is_made = true,
+                     .has_modes = true,
+                     .is_assessed = true,
+                     .loop = {.is_made = true,
+                              .is_stable = true,
+                              .observed = 9,
+                              .storms = 30,
+                              .older = 1,
+                              .rate_from = 88.5,
+                              .rate_to = 32000}};
+    char text[CERTIFICATE_TEXT];
+    (void)state;
+    certificate_text(&c, text);
+    for (size_t i = 0; i < sizeof says / sizeof *says; i++)
+        assert_non_null(strstr(text, says[i]));
+    assert_non_null(strstr(text, "88.5 to 32000 a second"));
+    c.loop.observed = 0;
+    c.loop.older = 0;
+    certificate_text(&c, text);
+    assert_non_null(strstr(text, "damps no mode"));
+    assert_non_null(strstr(text, "ONE TICK OLDER"));
+}
+
+/* A loop that tolerates no older reading is warned of by name; one that tolerates a tick is not. */
+static void test_warning(void **state)
+{
+    plausible warnings;
+    scene_run run;
+    (void)state;
+    memset(&warnings, 0, sizeof warnings);
+    assert_int_equal(scene_run_open(&run, PANEL, ""), 0);
+    plausible_loop(&warnings, &run.scene, 1);
+    assert_int_equal(warnings.count, 0);
+    plausible_loop(&warnings, &run.scene, 0);
+    assert_int_equal(warnings.count, 1);
+    assert_string_equal(warnings.warning[0].rule, "readings_age");
+    scene_run_close(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_older_readings),
+        cmocka_unit_test(test_text),
+        cmocka_unit_test(test_warning),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
