@@ -16,7 +16,7 @@ LIB := $(sort $(wildcard lib/*/*.c))
 HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
 
 .DELETE_ON_ERROR:
-.PHONY: all schema example-table install uninstall demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
+.PHONY: all schema example-table install uninstall package demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
     san format clean help
 all: $(B)/pzs
 
@@ -24,6 +24,7 @@ help:
 	@echo 'make demo        shape a real plate with 25 pairs of piezo patches; pictures in $(B)/'
 	@echo 'make test        every test: unit, oracle, command line, sanitizers, gates, firmware under QEMU'
 	@echo 'make install [PREFIX=/usr/local] [DESTDIR=...]: pzs, library, headers, scenes, manual;  make uninstall'
+	@echo 'make package     the library as one folder for CMake, Zephyr, PlatformIO and Arduino'
 	@echo 'CC, CFLAGS, LDFLAGS and B (build folder) are honoured: make CC=clang CFLAGS=-g B=/tmp/piezoshape'
 	@echo 'make bench       speed against OpenBLAS, DAQP, Kratos and CalculiX, and speed against error'
 	@echo 'make bench-peers the last of these on all meshes and several times;  bench-linalg, bench-step, bench-path ...: one alone'
@@ -91,6 +92,7 @@ test: setup-test
 TO = $(DESTDIR)$(PREFIX)
 VERSION = $(shell sed -n 's/^.define PZS_VERSION_TEXT "\(.*\)"/\1/p' include/pzs_version.h)
 INSTALL ?= install
+PACKAGES := firmware_demo/packages
 
 # pkg_config: suffix of the library's name, bits
 define pkg_config
@@ -101,7 +103,8 @@ define pkg_config
 endef
 
 install: $(B)/pzs $(B)/64/libpiezoshape.a $(B)/32/libpiezoshape.a
-	$(INSTALL) -d '$(TO)/bin' '$(TO)/include/piezoshape' '$(TO)/lib/pkgconfig' '$(TO)/share/piezoshape/scenes' \
+	$(INSTALL) -d '$(TO)/bin' '$(TO)/include/piezoshape' '$(TO)/lib/pkgconfig' '$(TO)/lib/cmake/piezoshape' \
+	    '$(TO)/share/piezoshape/scenes' \
 	    '$(TO)/share/man/man1' '$(TO)/share/bash-completion/completions'
 	$(INSTALL) -m 755 $(B)/pzs '$(TO)/bin/pzs'
 	$(INSTALL) -m 644 include/*.h '$(TO)/include/piezoshape'
@@ -109,18 +112,26 @@ install: $(B)/pzs $(B)/64/libpiezoshape.a $(B)/32/libpiezoshape.a
 	$(INSTALL) -m 644 $(B)/32/libpiezoshape.a '$(TO)/lib/libpiezoshape32.a'
 	$(call pkg_config,,64)
 	$(call pkg_config,32,32)
+	$(INSTALL) -m 644 $(PACKAGES)/piezoshape-config.cmake '$(TO)/lib/cmake/piezoshape'
+	sed 's/@VERSION@/$(VERSION)/' $(PACKAGES)/piezoshape-config-version.cmake.in \
+	    >'$(TO)/lib/cmake/piezoshape/piezoshape-config-version.cmake'
 	$(INSTALL) -m 644 $(SCENES)/*.yaml $(SCENES)/*.msh $(SCENES)/*.geo $(SCENES)/scene.schema.json '$(TO)/share/piezoshape/scenes'
 	$(B)/pzs man >'$(TO)/share/man/man1/pzs.1'
 	$(B)/pzs completion >'$(TO)/share/bash-completion/completions/pzs'
 
 uninstall:
 	rm -f '$(TO)/bin/pzs' '$(TO)/lib/libpiezoshape.a' '$(TO)/lib/libpiezoshape32.a' '$(TO)/lib/pkgconfig/piezoshape.pc' \
-	    '$(TO)/lib/pkgconfig/piezoshape32.pc' '$(TO)/share/man/man1/pzs.1' '$(TO)/share/bash-completion/completions/pzs' \
+	    '$(TO)/lib/pkgconfig/piezoshape32.pc' \
+	    '$(TO)/lib/cmake/piezoshape/piezoshape-config.cmake' \
+	    '$(TO)/lib/cmake/piezoshape/piezoshape-config-version.cmake' '$(TO)/share/man/man1/pzs.1' '$(TO)/share/bash-completion/completions/pzs' \
 	    $(patsubst include/%,'$(TO)/include/piezoshape/%',$(wildcard include/*.h))
 	for file in $(notdir $(wildcard $(SCENES)/*.yaml $(SCENES)/*.msh $(SCENES)/*.geo)) scene.schema.json; do \
 	    rm -f '$(TO)/share/piezoshape/scenes'/$$file; done
-	for folder in include/piezoshape share/piezoshape/scenes share/piezoshape; do \
+	for folder in include/piezoshape lib/cmake/piezoshape share/piezoshape/scenes share/piezoshape; do \
 	    [ ! -d '$(TO)'/$$folder ] || rmdir '$(TO)'/$$folder 2>/dev/null || echo "kept $$folder: other files in it"; done
+
+package: $(B)/pzs
+	@sh $(PACKAGES)/package.sh $(B)/pzs $(B)/package
 
 # ---- unit tests ----------------------------------------------------------
 

@@ -69,6 +69,7 @@ part examples sh tests/cli/examples.sh
 part gmsh sh tests/cli/gmsh.sh
 part measured sh tests/bench/measured.sh --check
 part install sh tests/cli/install.sh
+part packages sh tests/cli/packages.sh
 for gate in tests/gates/*.sh; do
     case $(basename "$gate" .sh) in
     common) ;;

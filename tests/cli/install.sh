@@ -41,6 +41,7 @@ marker() {
 top=$dir/root/opt/shape
 {
     for file in bin/pzs lib/libpiezoshape.a lib/libpiezoshape32.a \
+        lib/cmake/piezoshape/piezoshape-config.cmake lib/cmake/piezoshape/piezoshape-config-version.cmake \
         lib/pkgconfig/piezoshape.pc lib/pkgconfig/piezoshape32.pc share/bash-completion/completions/pzs share/man/man1/pzs.1; do
         echo "./$file"
     done
