@@ -167,6 +167,7 @@ $(foreach t,flips supervisor output_gate,$(call for_variants,$(t),64 32 san64 sa
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,disc,64 san64,@tests/rigs/quad_shell.o @tests/rigs/scene_run.o @host.a)
+$(call for_variants,springs,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,laminate_shear,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,quad_cases,64,@tests/rigs/quad_shell.o @host.a)
 $(call for_variants,quad_element,64 san64,@tests/rigs/testdata.o @tests/rigs/quad_shell.o @host.a)

@@ -61,6 +61,10 @@ typedef struct pzs_structure {
                                      nonlinear solver */
     pzs_rows input;               /* force of one unit of each input (N/V, N/K, N/Pa, 1) */
     pzs_rows output;              /* output per unit of the displacement (m) */
+    pzs_rows spring; /* one row for each spring: its elongation per unit of the displacement (1);
+                        count 0: no springs */
+    const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), not negative
+                                       */
 } pzs_structure;
 
 /* Set format and checksum of tables that a firmware has built or changed itself. Errors: ARGUMENT.
@@ -118,7 +122,8 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
                           size_t bytes);
 
 /*
- * Sum the element matrices [P 10-16] in the envelope: K = sum_e P_e^T K_type(e) P_e.
+ * Sum the element matrices [P 10-16] and the springs in the envelope: K = sum_e P_e^T K_type(e) P_e
+ * + sum_s k_s n_s n_s^T, with n_s the row of a spring and k_s its stiffness.
  *   stiffness_factor [types]    in  factor of the matrices of each element type; NULL: 1
  *   constrained      [free_dof] in  nonzero: this dof is held at zero in addition to the supports;
  *                                   NULL: none

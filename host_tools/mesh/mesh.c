@@ -687,7 +687,7 @@ static int fill(mesh *mesh, char *error)
     if (build_numbers(mesh, error) < 0)
         return -1;
     find_envelope(mesh);
-    if (build_all_types(mesh, error) < 0)
+    if (build_all_types(mesh, error) < 0 || mesh_springs_build(mesh, error) < 0)
         return -1;
     if (build_stiffness(mesh) < 0)
         return scene_fault(scene, scene->line[0].at, error,
@@ -764,5 +764,6 @@ void mesh_free(mesh *mesh)
     free(mesh->first_column);
     free(mesh->prescribed_dof);
     free(mesh->prescribed_value);
+    mesh_springs_free(&mesh->springs);
     memset(mesh, 0, sizeof *mesh);
 }

@@ -13,6 +13,17 @@
 #include "../scene/surface.h"
 #include "quad_types.h"
 
+/* Springs of a mesh as rows over its free dof (springs.h). All arrays are NULL without springs. */
+typedef struct mesh_springs {
+    int count;  /* number of springs and stacks */
+    int *first; /* [items + 1] first spring of each item: springs of the scene, then actuators */
+    uint32_t *start;         /* [count + 1] first entry of each spring */
+    uint16_t *dof;           /* [start[count]] free dof of each entry */
+    double *value;           /* [start[count]] elongation per unit of the dof (1) */
+    double *stiffness;       /* [count] stiffness (N/m) */
+    double envelope_without; /* number of entries of the factor without springs */
+} mesh_springs;
+
 typedef struct mesh {
     const scene *scene;
     const quad_mesh *quads; /* the general mesh that this mesh was built from, or NULL: a mesh along
@@ -37,6 +48,7 @@ typedef struct mesh {
     int prescribed_count;     /* dof with a prescribed displacement; numbered among the free dof */
     uint16_t *prescribed_dof; /* [prescribed_count] their numbers, ascending */
     double *prescribed_value; /* [prescribed_count] their displacements at full load */
+    mesh_springs springs;
 } mesh;
 
 /*
@@ -55,6 +67,14 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
                      char *error);
 
 void mesh_free(mesh *mesh);
+
+/*
+ * Build the springs of a mesh whose dof are numbered and whose element types are built, and widen
+ * the envelope by them (springs.h). Returns 0, or -1 with error filled.
+ */
+int mesh_springs_build(mesh *mesh, char *error);
+
+void mesh_springs_free(mesh_springs *springs);
 
 /*
  * Build a mesh of points without elements: the outputs of the scene's measured influence matrix,
@@ -85,6 +105,29 @@ int mesh_point_node(const mesh *mesh, const scene_where *where);
 
 /* List the nodes of a region in node order. node [nodes] out. Returns their number. */
 int mesh_select(const mesh *mesh, const scene_where *where, int *node);
+
+/* One side of an element: its nodes and its length. */
+typedef struct mesh_side {
+    int node[2];
+    double length;
+} mesh_side;
+
+/* Number of sides of an edge, or of an edge set of a mesh from a file; -1 for other places. */
+int mesh_sides(const mesh *mesh, const scene_where *where);
+
+/* Side k of an edge or edge set. */
+mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
+
+/* Area of each node: the shares of its elements. area [nodes] out */
+void mesh_node_areas(const mesh *mesh, double *area);
+
+/*
+ * Add to each node its share of the length of the sides of a place, or of the area of the elements
+ * whose nodes are all in the place. share [nodes] in/out. mesh_length_shares returns the number of
+ * sides, -1 where the place has none.
+ */
+int mesh_length_shares(const mesh *mesh, const scene_where *where, double *share);
+void mesh_area_shares(const mesh *mesh, const scene_where *where, double *share);
 
 /* Parameter ranges of an element: theta1 [2] out, theta2 [2] out. */
 void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]);

@@ -8,6 +8,7 @@
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
 #include "../mesh/corner_weight.h"
+#include "../mesh/springs.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
@@ -134,16 +135,6 @@ static void append_output(const mesh *mesh, const scene_output *output, int node
     append_row(rows, dense, mesh->free_dof);
 }
 
-void design_node_areas(const mesh *mesh, double *area)
-{
-    memset(area, 0, (size_t)mesh->nodes * sizeof *area);
-    for (int element = 0; element < mesh->elements; element++)
-        for (int corner = 0; corner < 4; corner++) {
-            const laminate_place *place = &mesh->place[mesh->element_type[element]];
-            area[mesh->element[element][corner]] += place->area / 4 * corner_share(place, corner);
-        }
-}
-
 int design_row(const design *design, int target)
 {
     const scene_influence *influence = &design->scene->influence;
@@ -212,7 +203,7 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
         return scene_fault(design->scene, target->what.at, error,
                            "%d target nodes do not fit into memory", design->targets);
     }
-    design_node_areas(mesh, area);
+    mesh_node_areas(mesh, area);
     for (int i = 0; i < design->targets; i++)
         sum += area[node[i]];
     for (int i = 0; i < design->targets; i++) {
@@ -367,8 +358,8 @@ static void add_resultants(const mesh *mesh, int element, const double h0[LAMINA
  * Append the columns of an actuator's amplifiers or of a sensor's electrodes: all patches that one
  * amplifier drives, with their factors.
  */
-static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
-                              row_builder *columns, double *dense)
+static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_builder *columns,
+                          double *dense)
 {
     double h0[LAMINATE_STRAINS];
     for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++) {
@@ -376,6 +367,17 @@ static void amplifier_columns(const mesh *mesh, const scene_actuator *actuator,
         for (int element = 0; element < mesh->elements; element++)
             if (design_actuation(mesh, actuator, cell, element, h0))
                 add_resultants(mesh, element, h0, dense);
+        append_row(columns, dense, mesh->free_dof);
+    }
+}
+
+/* Append the columns of the stacks of an actuator: their forces along the rows of their springs. */
+static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, double *dense)
+{
+    const int item = springs_item(mesh->scene, actuator);
+    for (int row = mesh->springs.first[item]; row < mesh->springs.first[item + 1]; row++) {
+        memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
+        springs_add(&mesh->springs, row, mesh->scene->actuator[actuator].stacks->force, dense);
         append_row(columns, dense, mesh->free_dof);
     }
 }
@@ -529,43 +531,15 @@ static void face_column(const mesh *mesh, const scene_load *load, const double *
     }
 }
 
-/* Load on the edges of a set of a mesh from a file; their length is that of the chords. */
-static void set_column(const mesh *mesh, const scene_load *load, const double *value, double *dense)
-{
-    const quad_mesh *quads = mesh->quads;
-    const quad_set *set = quad_set_find(quads->edge_set, quads->edge_sets, load->where.set);
-    for (size_t i = 0; i < set->count; i++) {
-        const uint16_t *element = mesh->element[set->index[i] / 4];
-        const uint32_t side = set->index[i] % 4;
-        const int node[2] = {element[side], element[(side + 1) % 4]};
-        const double corner[2] = {value[node[0]], value[node[1]]};
-        const double *from = mesh->point[node[0]].x, *to = mesh->point[node[1]].x;
-        const double length =
-            sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) + pow(to[2] - from[2], 2));
-        add_distributed(mesh, load, NULL, node, corner, 2, length, dense);
-    }
-}
-
+/* Load on the sides of an edge, or of an edge set of a mesh from a file. */
 static void line_column(const mesh *mesh, const scene_load *load, const double *value,
                         double *dense)
 {
-    const scene_edge edge = load->where.edge;
-    if (mesh->quads) {
-        set_column(mesh, load, value, dense);
-        return;
-    }
-    const int along = edge == EDGE_THETA1_MINUS || edge == EDGE_THETA1_PLUS ? 1 : 0;
-    const scene_line *line = &mesh->scene->line[along];
-    const int across = edge == EDGE_THETA1_PLUS || edge == EDGE_THETA2_PLUS
-                           ? mesh->scene->line[1 - along].elements
-                           : 0;
-    for (int k = 0; k < line->elements; k++) {
-        int node[2];
-        for (int i = 0; i < 2; i++)
-            node[i] = along == 1 ? mesh_node(mesh, across, k + i) : mesh_node(mesh, k + i, across);
-        const double corner[2] = {value[node[0]], value[node[1]]};
-        const double length = mesh->point[node[0]].a[along] * (line->point[k + 1] - line->point[k]);
-        add_distributed(mesh, load, NULL, node, corner, 2, length, dense);
+    const int sides = mesh_sides(mesh, &load->where);
+    for (int k = 0; k < sides; k++) {
+        const mesh_side side = mesh_side_at(mesh, &load->where, k);
+        const double corner[2] = {value[side.node[0]], value[side.node[1]]};
+        add_distributed(mesh, load, NULL, side.node, corner, 2, side.length, dense);
     }
 }
 
@@ -621,7 +595,10 @@ static int build_inputs(design *design, row_builder *columns, double *dense, int
     const scene *scene = design->scene;
     const mesh *mesh = &design->mesh;
     for (int k = 0; k < scene->actuators; k++)
-        amplifier_columns(mesh, &scene->actuator[k], columns, dense);
+        if (scene->actuator[k].stacks)
+            stack_columns(mesh, k, columns, dense);
+        else
+            patch_columns(mesh, &scene->actuator[k], columns, dense);
     design->amplifiers = (int)columns->rows;
     for (int k = 0; k < scene->loads; k++) {
         if (design_load_values(mesh, &scene->load[k], value, error) < 0)
@@ -636,11 +613,20 @@ static int build_inputs(design *design, row_builder *columns, double *dense, int
         append_row(columns, dense, mesh->free_dof);
     design->sensor_first = (int)columns->rows;
     for (int k = 0; k < scene->sensors; k++)
-        amplifier_columns(mesh, &scene->sensor[k], columns, dense);
+        patch_columns(mesh, &scene->sensor[k], columns, dense);
     return 0;
 }
 
 /* ---- structure -------------------------------------------------------- */
+
+static void fill_springs(const mesh_springs *springs, pzs_structure *structure)
+{
+    structure->spring.count = (uint16_t)springs->count;
+    structure->spring.start = springs->start;
+    structure->spring.dof = springs->dof;
+    structure->spring.value = springs->value;
+    structure->spring_stiffness = springs->stiffness;
+}
 
 static void fill_structure(design *design, const row_builder *columns, const row_builder *rows)
 {
@@ -661,6 +647,7 @@ static void fill_structure(design *design, const row_builder *columns, const row
     structure->type = mesh->type;
     rows_of(columns, &structure->input);
     rows_of(rows, &structure->output);
+    fill_springs(&mesh->springs, structure);
     structure->crc = pzs_structure_crc(structure);
 }
 

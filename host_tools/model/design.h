@@ -192,9 +192,6 @@ void design_influence_free(const design *design, const double *influence, size_t
  */
 int design_target_rows(design *design, char *error);
 
-/* Area of each node: a quarter of the area of each of its elements. area [nodes] out */
-void design_node_areas(const mesh *mesh, double *area);
-
 /*
  * Reallocate a growing array to `count` items of `size`; without memory the old array is returned
  * and *full is set. design_release frees an array that the library's tables declare const.

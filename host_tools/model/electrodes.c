@@ -81,8 +81,8 @@ static void add_element(const design *design, int element, across *list, double 
 }
 
 /*
- * List the inputs that are voltages: amplifiers except those of a temperature, then the electrodes
- * of sensors.
+ * List the inputs that are voltages of patches: amplifiers except those of temperatures and stacks,
+ * then the electrodes of sensors.
  */
 static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open)
 {
@@ -90,7 +90,7 @@ static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open
     uint16_t count = 0;
     for (int k = 0; k < scene->actuators; k++)
         for (int cell = 0; cell < scene->actuator[k].grid[0] * scene->actuator[k].grid[1] &&
-                           !scene->actuator[k].is_temperature;
+                           scene->actuator[k].drives > 0;
              cell++)
             input[count++] = (uint16_t)(scene->actuator[k].first + cell);
     for (int k = 0; k < scene->sensors; k++)

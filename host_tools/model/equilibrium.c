@@ -239,7 +239,7 @@ static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
     equilibrium->contact_face.input = input;
     memcpy(equilibrium->contact_face.motion, contact->move,
            sizeof equilibrium->contact_face.motion);
-    design_node_areas(mesh, area);
+    mesh_node_areas(mesh, area);
     for (size_t node = 0; node < nodes; node++)
         for (int i = 0; i < 3; i++) {
             place[node][i] =

@@ -10,6 +10,7 @@
 #include "mass.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
+#include "../mesh/springs.h"
 
 /*
  * Number of starting vectors of a supported and of a loose structure, sweeps of Jacobi's method,
@@ -420,7 +421,10 @@ static void take_shape(search *search, size_t i, double *vector)
         vector[k] *= sign;
 }
 
-/* x' K x formed from strains, so that a rigid motion has none even to second order of rounding. */
+/*
+ * x' K x formed from strains, so that a rigid motion without springs has none even to second order
+ * of rounding.
+ */
 static double energy(const search *search, const double *vector)
 {
     const mesh *mesh = search->mass.mesh;
@@ -430,6 +434,10 @@ static double energy(const search *search, const double *vector)
         pzs_model_gather(&search->model, mesh->element[element], SHELL_NODES, vector, local);
         pzs_shell_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, local, force);
         sum += dot(local, force, SHELL_NODES * (size_t)mesh->dof_per_node);
+    }
+    for (int row = 0; row < mesh->springs.count; row++) {
+        const double elongation = springs_elongation(&mesh->springs, row, vector);
+        sum += mesh->springs.stiffness[row] * elongation * elongation;
     }
     return sum;
 }

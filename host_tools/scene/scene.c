@@ -45,7 +45,12 @@ void scene_free(scene *scene)
     for (i = 0; i < scene->actuators; i++) {
         free(scene->actuator[i].drive);
         free(scene->actuator[i].each);
+        if (scene->actuator[i].stacks)
+            free(scene->actuator[i].stacks->point);
+        free(scene->actuator[i].stacks);
     }
+    for (i = 0; i < scene->springs; i++)
+        free(scene->spring[i].point);
     for (i = 0; i < scene->sensors; i++)
         free(scene->sensor[i].drive);
     for (i = 0; i < scene->supports; i++)
@@ -78,6 +83,7 @@ void scene_free(scene *scene)
     free(scene->actuator);
     free(scene->sensor);
     free(scene->support);
+    free(scene->spring);
     free(scene->load);
     free(scene->output);
     free(scene->limits.each);

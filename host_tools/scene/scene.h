@@ -153,27 +153,6 @@ typedef struct scene_drive {
     double factor;
 } scene_drive;
 
-/*
- * An actuator has one amplifier for each patch position of its grids; patches at the same position
- * are connected with signed factors. The first index counts along theta1, and the second index runs
- * fastest. An actuator may instead be one uniform temperature. The same structure describes a
- * sensor, which has electrodes but no amplifiers.
- */
-typedef struct scene_actuator {
-    char name[SCENE_NAME];
-    int drives;
-    scene_drive *drive;
-    int is_temperature;
-    double applied; /* voltage (V) or temperature (K) on each amplifier of the actuator in a plain
-                       solution; of a list, the value with the largest magnitude */
-    double *each;   /* the same of every amplifier, [grid[0] grid[1]]; NULL where all have `applied`
-                     */
-    int open;       /* sensor: 1 for open circuit, 0 for short circuit */
-    int first, grid[2]; /* index of the first amplifier, or of the first electrode of a sensor, and
-                           size of the grid: there are grid[0] * grid[1] of them */
-    scene_at at;
-} scene_actuator;
-
 typedef enum scene_edge {
     EDGE_NONE,
     EDGE_THETA1_MINUS,
@@ -206,6 +185,77 @@ typedef struct scene_where {
     scene_at at;
 } scene_where;
 
+typedef enum scene_face {
+    FACE_MIDDLE,
+    FACE_INNER,
+    FACE_OUTER,
+    FACE_MEAN
+} scene_face; /* Face on which a load acts; half of a load on the middle acts on each face. */
+typedef enum scene_component {
+    COMPONENT_U1,
+    COMPONENT_U2,
+    COMPONENT_U3,
+    COMPONENT_X,
+    COMPONENT_Y,
+    COMPONENT_Z
+} scene_component;
+
+/* Direction of a spring or a stack. */
+typedef struct scene_direction {
+    int given;
+    scene_component component; /* direction in the triad of a node or along a global axis, where
+                                  the vector is zero */
+    double vector[3];          /* unit vector (x, y, z), or zero */
+} scene_direction;
+
+/* What the stiffness of a spring is related to. */
+typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
+
+/*
+ * Springs of equal stiffness between places of the shell and the ground, or between one place and
+ * another; of an actuator also its stacks, one amplifier each.
+ */
+typedef struct scene_spring {
+    char name[SCENE_NAME]; /* empty if not given */
+    scene_where where;     /* nodes with a spring each; where.at.column is 0 if points are given */
+    int points;
+    double (*point)[3];    /* [points] theta1, theta2 and 0, or x, y, z on a mesh from a file; z is
+                              NAN where it is not given */
+    scene_where to;        /* node at the other end; to.at.column is 0 for the ground */
+    scene_direction along; /* direction of the displacement that elongates the spring */
+    scene_direction about; /* axis of the rotation that turns a torsional spring */
+    scene_face face;       /* face at which the spring is attached */
+    double stiffness;      /* force per elongation, also per length or area; moment per angle of a
+                              torsional spring */
+    int per;               /* scene_per */
+    double force;          /* stack: force per unit of its input while it cannot elongate */
+    double stroke;         /* stack: elongation per unit of its input without a load; 0 if the force
+                              is given */
+    scene_at at;
+} scene_spring;
+
+/*
+ * An actuator has one amplifier for each patch position of its grids; patches at the same position
+ * are connected with signed factors. The first index counts along theta1, and the second index runs
+ * fastest. An actuator may instead be one uniform temperature, or stacks with one amplifier each.
+ * The same structure describes a sensor, which has electrodes but no amplifiers.
+ */
+typedef struct scene_actuator {
+    char name[SCENE_NAME];
+    int drives;
+    scene_drive *drive;
+    int is_temperature;
+    scene_spring *stacks; /* places, directions and stiffness of the stacks; NULL: no stacks */
+    double applied; /* voltage (V) or temperature (K) on each amplifier of the actuator in a plain
+                       solution; of a list, the value with the largest magnitude */
+    double *each;   /* the same of every amplifier, [grid[0] grid[1]]; NULL where all have `applied`
+                     */
+    int open;       /* sensor: 1 for open circuit, 0 for short circuit */
+    int first, grid[2]; /* index of the first amplifier, or of the first electrode of a sensor, and
+                           size of the grid: there are grid[0] * grid[1] of them */
+    scene_at at;
+} scene_actuator;
+
 /*
  * Conditions of a support on a mesh from a file whose dof depend on the edge or on the node, beside
  * the bits of the seven dof: along an edge, across it, and along x, y, z.
@@ -231,21 +281,6 @@ typedef enum scene_load_type {
     LOAD_WEIGHT,
     LOAD_TEMPERATURE
 } scene_load_type;
-typedef enum scene_face {
-    FACE_MIDDLE,
-    FACE_INNER,
-    FACE_OUTER,
-    FACE_MEAN
-} scene_face; /* Face on which a load acts; half of a load on the middle acts on each face. */
-typedef enum scene_component {
-    COMPONENT_U1,
-    COMPONENT_U2,
-    COMPONENT_U3,
-    COMPONENT_X,
-    COMPONENT_Y,
-    COMPONENT_Z
-} scene_component;
-
 /*
  * Pressure whose direction follows the deformed shell. FOLLOWER_NORMAL keeps its magnitude per
  * reference area along the unit normal of the outer face; FOLLOWER_PRESSURE acts per deformed area.
@@ -561,12 +596,14 @@ typedef struct scene {
     scene_quads *quads; /* mesh from a file, or NULL */
     int reference_is_middle;
     double reference; /* z coordinate of the reference surface, measured from the inner face */
-    int materials, layers, patch_grids, actuators, sensors, supports, loads, outputs, compares;
+    int materials, layers, patch_grids, actuators, sensors, supports, springs, loads, outputs,
+        compares;
     scene_material *material;
     scene_layer *layer;
     scene_patches *patches;
     scene_actuator *actuator, *sensor;
     scene_support *support;
+    scene_spring *spring;
     scene_load *load;
     scene_contact contact;
     scene_output *output;

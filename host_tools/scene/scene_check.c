@@ -54,6 +54,7 @@ int scene_check_names(const scene *scene, char *error)
         CHECK_NAMES("patches", patches, patch_grids, scene_patches) != 0 ||
         CHECK_NAMES("actuators", actuator, actuators, scene_actuator) != 0 ||
         CHECK_NAMES("sensors", sensor, sensors, scene_actuator) != 0 ||
+        CHECK_NAMES("springs", spring, springs, scene_spring) != 0 ||
         CHECK_NAMES("outputs", output, outputs, scene_output) != 0 ||
         CHECK_NAMES("compare items", compare, compares, scene_compare) != 0 ||
         CHECK_NAMES("modes", target.mode, target.modes, scene_mode) != 0)
@@ -279,11 +280,25 @@ static int check_where(const scene *scene, scene_where *where, char *error)
                        scene->line[1].point[where->node[1]]);
 }
 
+/* Check the places of both ends of springs or stacks. */
+static int check_spring(const scene *scene, scene_spring *spring, char *error)
+{
+    if (spring->where.at.column && check_where(scene, &spring->where, error) != 0)
+        return -1;
+    return spring->to.at.column ? check_where(scene, &spring->to, error) : 0;
+}
+
 static int check_places(scene *scene, char *error)
 {
     int i;
     for (i = 0; i < scene->supports; i++)
         if (check_where(scene, &scene->support[i].where, error) != 0)
+            return -1;
+    for (i = 0; i < scene->springs; i++)
+        if (check_spring(scene, &scene->spring[i], error) != 0)
+            return -1;
+    for (i = 0; i < scene->actuators; i++)
+        if (scene->actuator[i].stacks && check_spring(scene, scene->actuator[i].stacks, error) != 0)
             return -1;
     for (i = 0; i < scene->loads; i++)
         if (scene->load[i].type == LOAD_POINT &&

@@ -33,8 +33,16 @@ typedef enum dimension {
     OF_PERMITTIVITY,
     OF_PYROELECTRIC,
     OF_REGULARISATION,
+    OF_STIFFNESS,
+    OF_LINE_STIFFNESS,
+    OF_FOUNDATION,
+    OF_TORSION,
+    OF_FORCE_CONSTANT,
+    OF_MOMENT,
     DIMENSIONS,
     OF_COORDINATE = DIMENSIONS, /* of theta1 or theta2, whichever key is nearest */
+    OF_POINT,                   /* of theta1, theta2 or x, y, z, by the place in a list */
+    OF_SPRING,
     OF_SUPPORT,
     OF_LOAD,
     OF_OUTPUT,

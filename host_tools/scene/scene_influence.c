@@ -5,13 +5,14 @@
  */
 #include "scene_file.h"
 #include "scene_parts.h"
+#include "scene_points.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = 3 };
+enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
 
 /* The section as it is written, and the table of the matrix. */
 typedef struct influence_text {
@@ -286,95 +287,14 @@ static int copy_coordinates(reader *reader, int node, const number_table *table,
     return 0;
 }
 
-typedef struct coordinate_text {
-    int file, columns;
-} coordinate_text;
-
-/* Columns of x, y, z in a file of coordinates. column [AXES] out */
-static int find_columns(reader *reader, const coordinate_text *text, const number_table *table,
-                        int column[AXES])
-{
-    int k = 0, found = 0;
-    for (int axis = 0; axis < AXES; axis++)
-        column[axis] = -1;
-    for (int i = text->columns ? reader->t->node[text->columns].first : 0; i;
-         i = reader->t->node[i].next, k++) {
-        if (require_kind(reader, i, TREE_SCALAR) != 0)
-            return -1;
-        const int axis = scene_file_axis(node_text(reader, i));
-        if (axis >= 0 && axis < AXES && k < (int)table->columns)
-            column[axis] = k;
-    }
-    for (k = 0; k < (int)table->columns && !text->columns; k++) {
-        const int axis = table->column_name ? scene_file_axis(table->column_name[k]) : k;
-        if (axis >= 0 && axis < AXES)
-            column[axis] = k;
-    }
-    for (int axis = 0; axis < AXES; axis++)
-        found += column[axis] >= 0;
-    if (found > 0)
-        return 0;
-    return tree_fault(reader->t, text->file,
-                      "%.80s has no columns x, y, z; write columns: [x, y], in the order of the "
-                      "file",
-                      node_text(reader, text->file));
-}
-
-/* Coordinates as a list of points [[x, y], ...], as a table. */
-static int list_points(reader *reader, int list, number_table *table)
-{
-    const tree_node *node = reader->t->node;
-    size_t k = 0;
-    table->rows = (size_t)node[list].count;
-    table->columns = AXES;
-    table->value = calloc(table->rows * AXES + 1, sizeof *table->value);
-    if (!table->value)
-        return tree_fault(reader->t, list, "out of memory");
-    for (int i = node[list].first; i; i = node[i].next, k++) {
-        size_t axis = 0;
-        if (require_kind(reader, i, TREE_LIST) != 0)
-            return -1;
-        if (node[i].count < 1 || node[i].count > AXES)
-            return tree_fault(reader->t, i, "a point has 1 to 3 coordinates, not %d; write [x, y]",
-                              node[i].count);
-        for (int j = node[i].first; j; j = node[j].next)
-            if (read_real(reader, j, &table->value[k * AXES + axis++], NULL) != 0)
-                return -1;
-    }
-    return 0;
-}
-
-static const field coordinate_fields[] = {
-    {"file", read_node, offsetof(coordinate_text, file), .required = 1, .form = &label_form,
-     .help = "File with a row of coordinates for each output, beside the scene file."},
-    {"columns", read_node, offsetof(coordinate_text, columns), .form = &labels_form,
-     .help = "Meaning of the columns in their order, as [x, y]; default the names in the file."},
-    {.key = NULL}};
-
-static const form coordinate_file_form = {.type = FORM_MAP, .fields = coordinate_fields};
-static const form point_list_form = {
-    .type = FORM_LIST, .item = &number_form, .least = 1, .most = AXES};
-static const form points_form = {.type = FORM_LIST, .item = &point_list_form};
-static const form *const coordinate_forms[] = {&points_form, &coordinate_file_form, NULL};
-static const form coordinates_form = {.type = FORM_ANY, .any = coordinate_forms};
-
 /* Coordinates from a section of their own: a list of points, or a file. */
 static int read_coordinates(reader *reader, const influence_text *text)
 {
     const int node = text->coordinates;
-    coordinate_text own = {0, 0};
     number_table table;
-    int column[AXES] = {0, 1, 2}, failed;
-    memset(&table, 0, sizeof table);
+    int column[AXES];
     reader->of = OF_LENGTH;
-    if (reader->t->node[node].kind == TREE_LIST) {
-        failed = list_points(reader, node, &table);
-    } else {
-        failed = read_map(reader, node, coordinate_fields, &own) != 0 ||
-                 (own.columns && require_kind(reader, own.columns, TREE_LIST) != 0) ||
-                 scene_table_read(reader, own.file, &table) != 0 ||
-                 find_columns(reader, &own, &table, column) != 0;
-    }
+    int failed = scene_points_table(reader, node, &table, column);
     if (!failed)
         failed =
             check_count(reader, node, text, "points of coordinates", (int)table.rows, 1) != 0 ||
@@ -452,7 +372,7 @@ static const field influence_fields[] = {
     {"outputs", read_node, offsetof(influence_text, outputs), .form = &labels_form,
      .help = "Names of the outputs in the order of the file."},
     {"coordinates", read_node, offsetof(influence_text, coordinates), .of = OF_LENGTH,
-     .form = &coordinates_form,
+     .form = &scene_points_form,
      .help = "Places of the outputs, as [[x, y, z], ...] or {file: ...}."},
     {"ignore", read_node, offsetof(influence_text, ignore), .form = &labels_form,
      .help = "Outputs that are left out, by name or number from 1."},

@@ -33,6 +33,12 @@ int check_triads(scene *scene, char *error);
 /* Materials, layers and element formulation (scene_model.c). */
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
+/*
+ * Springs; the stacks of an actuator, to = scene_actuator; a direction as a word or a vector, to =
+ * scene_direction (scene_springs.c).
+ */
+field_read read_springs, read_stacks, read_any_direction;
+
 /* Supports, loads and contact (scene_load.c). */
 field_read read_supports, read_loads, read_contact;
 
@@ -75,6 +81,7 @@ field_read read_simulate;
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
+extern const form direction_form, stacks_form;
 extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form,
     mesh_disc_form;
 extern const choice place_axes[], place_faces[];
@@ -115,8 +122,8 @@ extern const int place_components[];
 /* Forms of the sections. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
     reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
-    limits_form, supports_form, loads_form, contact_form, outputs_form, target_form, compare_form,
-    estimate_form, dynamics_form, simulate_form, equilibrium_form, influence_form,
+    limits_form, supports_form, springs_form, loads_form, contact_form, outputs_form, target_form,
+    compare_form, estimate_form, dynamics_form, simulate_form, equilibrium_form, influence_form,
     measured_target_form;
 
 /* Default element formulation of a scene. */

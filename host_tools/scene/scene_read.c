@@ -146,6 +146,8 @@ static const field sections[] = {
     CONTROL_ROWS,
     {"supports", read_supports, .form = &supports_form,
      .help = "Displacements that are zero or prescribed."},
+    {"springs", read_springs, .form = &springs_form,
+     .help = "Springs between the shell and the ground, or between two nodes."},
     {"loads", read_loads, .form = &loads_form,
      .help = "Forces, pressures, weight and temperature, one direction each."},
     {"contact", read_contact, .form = &contact_form,

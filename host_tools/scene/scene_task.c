@@ -172,6 +172,8 @@ static const field actuator_fields[] = {
      .help = "Grids of the same shape; patches at the same position share an amplifier."},
     {"temperature", read_choice, offsetof(scene_actuator, is_temperature), uniform,
      .help = "uniform: the input is a temperature instead of voltages."},
+    {"stacks", read_stacks, .of = OF_NUMBER, .form = &stacks_form,
+     .help = "Stacks or voice coils that push on points of the shell, one amplifier each."},
     {"applied", read_applied, .of = OF_ACTUATOR, .form = &applied_form,
      .help = "Voltage of each amplifier, or temperature, when the scene is solved: one for all, or "
              "a list or file with one for each amplifier; default 0."},
@@ -180,6 +182,7 @@ static const field actuator_fields[] = {
 static const form_case actuator_cases[] = {
     {"drives", "One amplifier for each patch of the grids, tied by factors."},
     {"temperature", "A temperature as an input."},
+    {"stacks", "Stacks or voice coils, one amplifier each."},
     {NULL, NULL}};
 static const form actuator_form = {
     .type = FORM_MAP, .fields = actuator_fields, .cases = actuator_cases};
@@ -191,11 +194,11 @@ static int read_actuator(reader *reader, int node, scene_actuator *actuator)
     actuator->grid[0] = actuator->grid[1] = 1;
     if (read_map(reader, node, actuator_fields, actuator) != 0)
         return -1;
-    if ((actuator->drives > 0) == actuator->is_temperature)
-        return tree_fault(
-            reader->t, node,
-            "actuator '%s' needs either drives: [{patches: ...}] or temperature: uniform",
-            actuator->name);
+    if ((actuator->drives > 0) + actuator->is_temperature + (actuator->stacks != NULL) != 1)
+        return tree_fault(reader->t, node,
+                          "actuator '%s' needs one of drives: [{patches: ...}], stacks: {at: ...} "
+                          "and temperature: uniform",
+                          actuator->name);
     actuator->first = reader->s->amplifiers;
     reader->s->amplifiers += actuator->grid[0] * actuator->grid[1];
     return 0;
@@ -492,10 +495,12 @@ static int read_electric_output(reader *reader, int node, void *to, const void *
         return 0;
     if (scene_find_amplifier(reader->s, name, &output->first, &output->count)) {
         for (i = 0; i < reader->s->actuators; i++)
-            if (reader->s->actuator[i].is_temperature &&
-                reader->s->actuator[i].first == output->first)
+            if (reader->s->actuator[i].drives == 0 &&
+                output->first >= reader->s->actuator[i].first &&
+                output->first < reader->s->actuator[i].first + reader->s->actuator[i].grid[0])
                 return tree_fault(reader->t, node,
-                                  "'%s' is a temperature; it has neither voltage nor charge", name);
+                                  "'%s' has no patches; voltages and charges are those of patches",
+                                  name);
         return 0;
     }
     return tree_fault(reader->t, node, "there is no sensor or actuator '%s'; add it to sensors",

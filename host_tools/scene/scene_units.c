@@ -48,6 +48,12 @@ static const struct {
     [OF_REGULARISATION] = {"a squared length per squared voltage",
                            "m2/V2",
                            {{2, 0, -2, 0, 0, 0}, 0, 0}},
+    [OF_STIFFNESS] = {"a stiffness", "N/mm", {{-1, 1, 0, 0, 0, 0}, 0, 0}},
+    [OF_LINE_STIFFNESS] = {"a stiffness per length", "N/mm2", {{-2, 1, 0, 0, 0, 0}, 0, 0}},
+    [OF_FOUNDATION] = {"a stiffness per area", "N/mm3", {{-3, 1, 0, 0, 0, 0}, 0, 0}},
+    [OF_TORSION] = {"a torsional stiffness", "N m/rad", {{1, 1, 0, 0, 0, -1}, 0, 0}},
+    [OF_FORCE_CONSTANT] = {"a force per voltage", "N/V", {{0, 1, -1, 0, 0, 0}, 0, 0}},
+    [OF_MOMENT] = {"a moment", "N m", {{1, 1, 0, 0, 0, 0}, 0, 0}},
 };
 
 /* ---- dimensions that follow from neighbours --------------------------- */
@@ -86,6 +92,16 @@ static dimension of_load(const tree *tree, int map)
     if (tree_find(tree, map, "face"))
         return OF_STRESS;
     return tree_find(tree, map, "line") ? OF_LINE_FORCE : OF_FORCE;
+}
+
+static dimension of_spring(const tree *tree, int map)
+{
+    const char *const per = text_of(tree, map, "per");
+    if (tree_find(tree, map, "about"))
+        return OF_TORSION;
+    if (strcmp(per, "area") == 0)
+        return OF_FOUNDATION;
+    return strcmp(per, "length") == 0 ? OF_LINE_STIFFNESS : OF_STIFFNESS;
 }
 
 static dimension of_output(const tree *tree, int map)
@@ -151,12 +167,24 @@ static dimension of_coordinate(const reader *reader, int node)
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 
+/* Return the dimension of a coordinate of a point in a list. */
+static dimension of_point(const reader *reader, int node)
+{
+    const int first = reader->t->node[reader->t->node[node].parent].first;
+    const int direction = node == first ? 1 : 2;
+    if (reader->s->quads)
+        return OF_LENGTH;
+    return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
+}
+
 static dimension resolve(const reader *reader, int node, dimension of)
 {
     const int map = map_of(reader->t, node);
     switch (of) {
     case OF_NOTHING: return OF_NUMBER;
     case OF_COORDINATE: return of_coordinate(reader, node);
+    case OF_POINT: return of_point(reader, node);
+    case OF_SPRING: return of_spring(reader->t, map);
     case OF_SUPPORT: return of_support(reader->t, map);
     case OF_LOAD: return of_load(reader->t, map);
     case OF_OUTPUT: return of_output(reader->t, map);

@@ -137,6 +137,11 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     write_rows(emitter, "output", &structure.output, structure.output.count,
                whole ? "weights of the free dof in each target node's displacement and each output"
                      : "weights of the free dof in each target node's displacement");
+    write_rows(emitter, "spring", &structure.spring, structure.spring.count,
+               "elongation of each spring per unit of the free dof");
+    if (structure.spring.count > 0)
+        emit_reals(emitter, "spring_stiffness", structure.spring_stiffness, structure.spring.count,
+                   "stiffness of each spring (N/m)");
     fprintf(emitter->file,
             "#define %s_FREE_DOF %d\n"
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
@@ -151,6 +156,11 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
             emitter->prefix, emitter->prefix);
     name_rows(emitter, "input", structure.input.count);
     name_rows(emitter, "output", structure.output.count);
+    name_rows(emitter, "spring", structure.spring.count);
+    if (structure.spring.count > 0)
+        fprintf(emitter->file, "    %s_spring_stiffness\n", emitter->prefix);
+    else
+        fputs("    NULL\n", emitter->file);
     fputs("};\n\n", emitter->file);
 }
 

@@ -4,6 +4,7 @@
 #include "../core/guard.h"
 #include "../core/linalg.h"
 #include "shell.h"
+#include "spring.h"
 #include <string.h>
 
 /*
@@ -39,7 +40,8 @@ static bool structure_complete(const pzs_structure *structure)
            (structure->dof_per_node == 6 || structure->dof_per_node == 7) && structure->element &&
            structure->element_type && structure->node_dof && structure->first_column &&
            structure->stiffness && rows_complete(&structure->input) &&
-           rows_complete(&structure->output);
+           rows_complete(&structure->output) && rows_complete(&structure->spring) &&
+           (structure->spring.count == 0 || structure->spring_stiffness);
 }
 
 /* Whether the row starts ascend and every dof index is below `dof`. */
@@ -100,7 +102,9 @@ static bool indices_in_range(const pzs_structure *structure)
             return false;
     }
     return rows_in_range(&structure->input, structure->free_dof) &&
-           rows_in_range(&structure->output, structure->free_dof);
+           rows_in_range(&structure->output, structure->free_dof) &&
+           rows_in_range(&structure->spring, structure->free_dof) &&
+           pzs_springs_in_range(structure);
 }
 
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work,
@@ -246,6 +250,7 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
             model, structure->element[element], SHELL_NODES, pzs_model_type_factor(model, element),
             structure->stiffness + structure->element_type[element] *
                                        (size_t)SHELL_PACKED(SHELL_NODES * structure->dof_per_node));
+    pzs_model_add_springs(model);
     for (uint32_t i = 0; constrained && i < model->state.stiffness.n; i++)
         if (constrained[i])
             *pzs_linalg_entry(&model->state.stiffness, i, i) = 1;
@@ -315,7 +320,7 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
         }
 }
 
-/* f += K p, summed over the elements from strains */
+/* f += K p, summed over the elements from strains, and over the springs */
 static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *force)
 {
     const pzs_structure *structure = model->state.structure;
@@ -327,6 +332,7 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
         pzs_model_scatter(model, structure->element[element], SHELL_NODES,
                           pzs_model_type_factor(model, element), element_vector, force);
     }
+    pzs_model_add_spring_force(model, 1, vector, force);
 }
 
 void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement)

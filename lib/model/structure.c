@@ -23,13 +23,17 @@ uint32_t pzs_structure_crc(const pzs_structure *structure)
                               sizeof structure->stiffness[0]);
     crc = pzs_guard_array_crc(crc, structure->type, structure->types, sizeof structure->type[0]);
     crc = pzs_guard_rows_crc(crc, &structure->input, structure->free_dof);
-    return ~pzs_guard_rows_crc(crc, &structure->output, structure->free_dof);
+    crc = pzs_guard_rows_crc(crc, &structure->output, structure->free_dof);
+    crc = pzs_guard_rows_crc(crc, &structure->spring, structure->free_dof);
+    return ~pzs_guard_array_crc(crc, structure->spring_stiffness, structure->spring.count,
+                                sizeof *structure->spring_stiffness);
 }
 
 bool pzs_structure_rows_fit(const pzs_structure *structure)
 {
     return pzs_guard_rows_fit(&structure->input, structure->free_dof) &&
-           pzs_guard_rows_fit(&structure->output, structure->free_dof);
+           pzs_guard_rows_fit(&structure->output, structure->free_dof) &&
+           pzs_guard_rows_fit(&structure->spring, structure->free_dof);
 }
 
 pzs_status pzs_structure_seal(pzs_structure *structure)

@@ -7,6 +7,7 @@
 #include "../core/linalg.h"
 #include "../model/model.h"
 #include "../model/shell.h"
+#include "../model/spring.h"
 #include <string.h>
 
 #if PZS_NONLINEAR
@@ -262,6 +263,8 @@ void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real
         pzs_model_scatter(model, structure->element[element], SHELL_NODES, -factor, internal_force,
                           imbalance);
     }
+    pzs_model_add_springs(model);
+    pzs_model_add_spring_force(model, -1, solver->state.displacement, imbalance);
     for (uint32_t i = 0; model->state.constrained && i < structure->free_dof; i++)
         if (model->state.constrained[i])
             *pzs_linalg_entry(&model->state.stiffness, i, i) = 1;

@@ -39,7 +39,7 @@ BEYOND_SCHEMA = [
     # meshes from files
     "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
     "of the rim is more than", "no finite position", "the coordinate lines meet", "acts along or across its edge",
-    "published element needs", "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
+    "published element needs", "needs its stiffness above 0", "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
 ]
 
 

@@ -383,7 +383,7 @@ static const bad_line bad_lines[] = {
     {7, "actuators: [{name: v, drives: [{patches: q}]}]", ":7:42: there are no patches named 'q'"},
     {7, "actuators: [{name: v, drives: [{patches: p}, {patches: p}]}]",
      ":7:46: patches 'p' are driven by 'v' already"},
-    {7, "actuators: [{name: v}]", ":7:13: actuator 'v' needs either drives"},
+    {7, "actuators: [{name: v}]", ":7:13: actuator 'v' needs one of drives"},
     {7, "actuators: [{name: v, temperature: uniform}]", "1 amplifiers; give one for each"},
     {8, "limits: {voltage: [100, -100]}", ":8:19: voltage from 100 to -100 is empty"},
     {8, "limits: {voltage: [100]}", ":8:19: 'voltage' has 1 values; give two"},

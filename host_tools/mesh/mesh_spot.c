@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Points of a mesh between its nodes (mesh_spot.h). */
+#include "mesh_spot.h"
+#include <math.h>
+#include "../quads/vector.h"
+
+/* Natural coordinates of the corners of an element. */
+static const int corner_xi[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+
+/* Largest distance outside an element, in natural coordinates, at which a point counts as inside.
+ */
+static const double slack = 1e-6;
+
+mesh_spot mesh_spot_of_node(int node)
+{
+    const mesh_spot spot = {1, {node, 0, 0, 0}, {1, 0, 0, 0}};
+    return spot;
+}
+
+/* Spot at natural coordinates of an element. */
+static mesh_spot spot_in(const mesh *mesh, int element, const double xi[2])
+{
+    mesh_spot spot = {.count = 4};
+    for (int r = 0; r < 4; r++) {
+        spot.node[r] = mesh->element[element][r];
+        spot.weight[r] = (1 + corner_xi[r][0] * xi[0]) * (1 + corner_xi[r][1] * xi[1]) / 4;
+    }
+    return spot;
+}
+
+void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double x[3])
+{
+    for (int i = 0; i < 3; i++) {
+        x[i] = 0;
+        for (int r = 0; r < spot->count; r++)
+            x[i] += spot->weight[r] * mesh->point[spot->node[r]].x[i];
+    }
+}
+
+/* ---- mesh lines --------------------------------------------------------- */
+
+/* Interval of mesh lines that contains a coordinate, and the natural coordinate in it. */
+static int interval(const scene_line *line, double theta, double *xi)
+{
+    int i = 0;
+    while (i < line->elements - 1 && theta > line->point[i + 1])
+        i++;
+    *xi = 2 * (theta - line->point[i]) / (line->point[i + 1] - line->point[i]) - 1;
+    return fabs(*xi) <= 1 + slack ? i : -1;
+}
+
+static int find_on_lines(const mesh *mesh, const double point[3], mesh_spot *spot)
+{
+    double xi[2];
+    const int i = interval(&mesh->scene->line[0], point[0], &xi[0]);
+    const int j = interval(&mesh->scene->line[1], point[1], &xi[1]);
+    if (i < 0 || j < 0)
+        return -1;
+    *spot = spot_in(mesh, i * mesh->scene->line[1].elements + j, xi);
+    return 0;
+}
+
+/* ---- general meshes ------------------------------------------------------ */
+
+/* Position of natural coordinates of an element and the derivatives along them. */
+static void position(const mesh *mesh, int element, const double xi[2], double x[3],
+                     double base[2][3])
+{
+    for (int i = 0; i < 3; i++) {
+        x[i] = base[0][i] = base[1][i] = 0;
+        for (int r = 0; r < 4; r++) {
+            const double at = mesh->point[mesh->element[element][r]].x[i] / 4;
+            const double along = 1 + corner_xi[r][0] * xi[0], across = 1 + corner_xi[r][1] * xi[1];
+            x[i] += along * across * at;
+            base[0][i] += corner_xi[r][0] * across * at;
+            base[1][i] += corner_xi[r][1] * along * at;
+        }
+    }
+}
+
+/*
+ * Move natural coordinates to the foot of the point on the surface of an element, by Gauss and
+ * Newton's method. Returns the distance of the point from the foot.
+ */
+static double find_foot(const mesh *mesh, int element, const double point[3], double xi[2])
+{
+    enum { ITERATIONS = 20 };
+    const int axes = isnan(point[2]) ? 2 : 3;
+    double x[3], base[2][3], away[3] = {0, 0, 0};
+    xi[0] = xi[1] = 0;
+    for (int k = 0; k < ITERATIONS; k++) {
+        position(mesh, element, xi, x, base);
+        for (int i = 0; i < 3; i++) {
+            away[i] = i < axes ? point[i] - x[i] : 0;
+            base[0][i] = i < axes ? base[0][i] : 0;
+            base[1][i] = i < axes ? base[1][i] : 0;
+        }
+        const double a = vector_dot(base[0], base[0]), b = vector_dot(base[0], base[1]),
+                     c = vector_dot(base[1], base[1]), p = vector_dot(base[0], away),
+                     q = vector_dot(base[1], away), det = a * c - b * b;
+        if (!(det > 0))
+            return HUGE_VAL;
+        xi[0] += (c * p - b * q) / det;
+        xi[1] += (a * q - b * p) / det;
+    }
+    return vector_length(away);
+}
+
+/* Whether a point is so near to an element that the element may contain its foot. */
+static bool is_near(const mesh *mesh, int element, const double point[3])
+{
+    const double middle[2] = {0, 0};
+    double x[3], base[2][3], size = 0;
+    position(mesh, element, middle, x, base);
+    for (int r = 0; r < 4; r++)
+        size = fmax(size, vector_distance(x, mesh->point[mesh->element[element][r]].x));
+    const double height = isnan(point[2]) ? x[2] : point[2];
+    const double at[3] = {point[0], point[1], height};
+    return vector_distance(at, x) <= 1.5 * size;
+}
+
+static int find_in_quads(const mesh *mesh, const double point[3], mesh_spot *spot)
+{
+    double least = HUGE_VAL;
+    for (int e = 0; e < mesh->elements; e++) {
+        double xi[2];
+        if (!is_near(mesh, e, point))
+            continue;
+        const double away = find_foot(mesh, e, point, xi);
+        if (fabs(xi[0]) > 1 + slack || fabs(xi[1]) > 1 + slack || !(away < least))
+            continue;
+        least = away;
+        *spot = spot_in(mesh, e, xi);
+    }
+    return least < HUGE_VAL ? 0 : -1;
+}
+
+int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot)
+{
+    return (mesh->quads ? find_in_quads : find_on_lines)(mesh, point, spot);
+}

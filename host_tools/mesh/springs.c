@@ -1,0 +1,390 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Springs of a scene as rows over the free dof (springs.h). */
+#include "springs.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../quads/vector.h"
+#include "corner_weight.h"
+#include "mesh_spot.h"
+
+/* Most entries of a spring: two ends of four nodes, means and differences of three components. */
+enum { MOST_ENTRIES = 2 * 4 * 6 };
+
+/* The row of one spring. */
+typedef struct spring_row {
+    int entries;
+    uint16_t dof[MOST_ENTRIES];
+    double value[MOST_ENTRIES];
+} spring_row;
+
+/* Springs under construction. node, weight [nodes] are work. */
+typedef struct spring_builder {
+    mesh *mesh;
+    mesh_springs *springs;
+    const scene_spring *item;
+    char *error;
+    int *node;
+    double *weight;
+    size_t room_rows, room_entries;
+} spring_builder;
+
+static int fault_of_memory(const spring_builder *builder)
+{
+    return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+                       "the springs do not fit into memory; use fewer");
+}
+
+/* ---- one row ------------------------------------------------------------ */
+
+/* Add a value at a dof of a node; a constrained dof does not move. */
+static void add_entry(const mesh *mesh, int node, int i, double value, spring_row *row)
+{
+    const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + (size_t)i];
+    int k = 0;
+    if (dof == PZS_CONSTRAINED || value == 0)
+        return;
+    while (k < row->entries && row->dof[k] != dof)
+        k++;
+    if (k == row->entries) {
+        row->dof[row->entries] = dof;
+        row->value[row->entries++] = 0;
+    }
+    row->value[k] += value;
+}
+
+/* Vector of a direction in space; that of a component of the triad is the one at a node. */
+static void direction_at(const surface_point *point, const scene_direction *direction, double v[3])
+{
+    const bool is_vector = vector_length(direction->vector) > 0;
+    for (int i = 0; i < 3; i++) {
+        v[i] = direction->component - COMPONENT_X == (unsigned)i;
+        if (direction->component <= COMPONENT_U3)
+            v[i] = point->e[direction->component - COMPONENT_U1][i];
+        if (is_vector)
+            v[i] = direction->vector[i];
+    }
+}
+
+/* Height of a face above the middle of the laminate. */
+static double face_height(const mesh *mesh, scene_face face)
+{
+    if (face == FACE_OUTER)
+        return mesh->laminate.thickness / 2;
+    return face == FACE_INNER ? -mesh->laminate.thickness / 2 : 0;
+}
+
+/* Add the displacement of a node, at a face, along a vector in space. */
+static void add_node(const spring_builder *builder, int node, double factor, const double v[3],
+                     spring_row *row)
+{
+    const surface_point *point = &builder->mesh->point[node];
+    const double height = face_height(builder->mesh, builder->item->face);
+    for (int a = 0; a < 3; a++) {
+        const double part = factor * vector_dot(point->e[a], v);
+        add_entry(builder->mesh, node, a, part, row);
+        add_entry(builder->mesh, node, 3 + a, height * part, row);
+    }
+}
+
+/*
+ * Add the rotation of a node about an axis: with the normal D and the difference of the faces beta,
+ * the rotation vector in the surface is D x beta.
+ */
+static void add_rotation(const spring_builder *builder, int node, double factor,
+                         const double axis[3], spring_row *row)
+{
+    const surface_point *point = &builder->mesh->point[node];
+    double lever[3];
+    vector_cross(axis, point->e[2], lever);
+    for (int a = 0; a < 3; a++)
+        add_entry(builder->mesh, node, 3 + a, factor * vector_dot(point->e[a], lever), row);
+}
+
+/* ---- two ends ------------------------------------------------------------ */
+
+/* Vector from the other end to a spot. Returns its length. */
+static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[3])
+{
+    mesh_spot_place(mesh, spot, v);
+    for (int i = 0; i < 3; i++)
+        v[i] -= mesh->point[other].x[i];
+    return vector_length(v);
+}
+
+/* Add the other end of a spring at a spot, and give the spring the line between both as direction
+ * unless it has one.  v  out  the direction at the other end */
+static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double v[3],
+                         spring_row *row)
+{
+    const mesh *mesh = builder->mesh;
+    const scene_spring *item = builder->item;
+    const int other = mesh_point_node(mesh, &item->to);
+    double line[3];
+    const double length = span(mesh, spot, other, line);
+    if (!(length > 1e-12 * vector_length(mesh->point[other].x)) || length == 0)
+        return scene_fault(mesh->scene, item->at, builder->error,
+                           "both ends of the spring are at %s; name two places",
+                           mesh_node_text(mesh, other).text);
+    direction_at(&mesh->point[spot->node[0]], &item->along, v);
+    for (int i = 0; i < 3 && !item->along.given; i++)
+        v[i] = line[i] / length;
+    add_node(builder, other, -1, v, row);
+    return 0;
+}
+
+static int refuse_axis(const spring_builder *builder, int node)
+{
+    return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+                       "the axis of the torsional spring is normal to the surface at %s, where a "
+                       "shell has no rotation; choose an axis in the surface",
+                       mesh_node_text(builder->mesh, node).text);
+}
+
+/* Build the row of one spring at a spot. */
+static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring_row *row)
+{
+    const mesh *mesh = builder->mesh;
+    const scene_spring *item = builder->item;
+    double v[3] = {0, 0, 0}, lever[3];
+    row->entries = 0;
+    if (item->to.at.column && add_other_end(builder, spot, v, row) < 0)
+        return -1;
+    for (int r = 0; r < spot->count; r++) {
+        const surface_point *point = &mesh->point[spot->node[r]];
+        if (item->about.given) {
+            direction_at(point, &item->about, v);
+            vector_cross(v, point->e[2], lever);
+            if (vector_length(lever) < 0.01)
+                return refuse_axis(builder, spot->node[r]);
+            add_rotation(builder, spot->node[r], spot->weight[r], v, row);
+            continue;
+        }
+        if (item->along.given)
+            direction_at(point, &item->along, v);
+        add_node(builder, spot->node[r], spot->weight[r], v, row);
+    }
+    return 0;
+}
+
+/* ---- list of rows -------------------------------------------------------- */
+
+/* Make room for one more row. */
+static int grow(spring_builder *builder)
+{
+    mesh_springs *springs = builder->springs;
+    const size_t rows = (size_t)springs->count, entries = springs->start ? springs->start[rows] : 0;
+    if (!springs->start || rows + 2 > builder->room_rows) {
+        builder->room_rows = 2 * rows + 64;
+        uint32_t *start = realloc(springs->start, builder->room_rows * sizeof *start);
+        springs->start = start ? start : springs->start;
+        double *stiffness = realloc(springs->stiffness, builder->room_rows * sizeof *stiffness);
+        springs->stiffness = stiffness ? stiffness : springs->stiffness;
+        if (!start || !stiffness)
+            return -1;
+        springs->start[0] = 0;
+    }
+    if (!springs->dof || entries + MOST_ENTRIES > builder->room_entries) {
+        builder->room_entries = 2 * entries + 16 * MOST_ENTRIES;
+        uint16_t *dof = realloc(springs->dof, builder->room_entries * sizeof *dof);
+        springs->dof = dof ? dof : springs->dof;
+        double *value = realloc(springs->value, builder->room_entries * sizeof *value);
+        springs->value = value ? value : springs->value;
+        if (!dof || !value)
+            return -1;
+    }
+    return 0;
+}
+
+/* Append the spring at a spot. */
+static int append(spring_builder *builder, const mesh_spot *spot, double stiffness)
+{
+    mesh_springs *springs = builder->springs;
+    spring_row row;
+    if (fill_row(builder, spot, &row) < 0)
+        return -1;
+    const int rows = springs->count;
+    if (rows >= UINT16_MAX)
+        return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+                           "more than %u springs; use fewer", (unsigned)UINT16_MAX);
+    if (grow(builder) < 0)
+        return fault_of_memory(builder);
+    const uint32_t at = springs->start[rows];
+    memcpy(springs->dof + at, row.dof, (size_t)row.entries * sizeof *row.dof);
+    memcpy(springs->value + at, row.value, (size_t)row.entries * sizeof *row.value);
+    springs->stiffness[rows] = stiffness;
+    springs->start[rows + 1] = at + (uint32_t)row.entries;
+    springs->count = rows + 1;
+    return 0;
+}
+
+/* ---- items ---------------------------------------------------------------- */
+
+static int append_points(spring_builder *builder)
+{
+    const scene_spring *item = builder->item;
+    for (int k = 0; k < item->points; k++) {
+        mesh_spot spot;
+        if (mesh_spot_find(builder->mesh, item->point[k], &spot) < 0)
+            return scene_fault(builder->mesh->scene, item->at, builder->error,
+                               "point %d (%g, %g, %g) is not on the mesh; move it", k + 1,
+                               item->point[k][0], item->point[k][1], item->point[k][2]);
+        if (append(builder, &spot, item->stiffness) < 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* Length of the sides of a place, or area of its elements, that belongs to each node. */
+static int share(spring_builder *builder, int count)
+{
+    const mesh *mesh = builder->mesh;
+    const scene_where *where = &builder->item->where;
+    double sum = 0;
+    memset(builder->weight, 0, (size_t)mesh->nodes * sizeof *builder->weight);
+    if (builder->item->per == PER_AREA)
+        mesh_area_shares(mesh, where, builder->weight);
+    else if (mesh_length_shares(mesh, where, builder->weight) < 0)
+        return scene_fault(mesh->scene, where->at, builder->error,
+                           "'per: length' needs an edge, or an edge set of the mesh file");
+    for (int k = 0; k < count; k++)
+        sum += builder->weight[builder->node[k]];
+    if (sum > 0)
+        return 0;
+    return scene_fault(mesh->scene, where->at, builder->error,
+                       "this place has no %s; choose another, or per: point",
+                       builder->item->per == PER_AREA ? "area: no element has all its nodes in it"
+                                                      : "length");
+}
+
+static int append_nodes(spring_builder *builder)
+{
+    const scene_spring *item = builder->item;
+    const int count = mesh_select(builder->mesh, &item->where, builder->node);
+    if (item->per != PER_POINT && share(builder, count) < 0)
+        return -1;
+    for (int k = 0; k < count; k++) {
+        const mesh_spot spot = mesh_spot_of_node(builder->node[k]);
+        const double size = item->per == PER_POINT ? 1 : builder->weight[builder->node[k]];
+        if (size > 0 && append(builder, &spot, size * item->stiffness) < 0)
+            return -1;
+    }
+    return 0;
+}
+
+static int append_item(spring_builder *builder, const scene_spring *item)
+{
+    builder->item = item;
+    return item->points > 0 ? append_points(builder) : append_nodes(builder);
+}
+
+static int append_all(spring_builder *builder)
+{
+    const scene *scene = builder->mesh->scene;
+    int *first = builder->springs->first;
+    for (int k = 0; k < scene->springs; k++) {
+        first[k] = builder->springs->count;
+        if (append_item(builder, &scene->spring[k]) < 0)
+            return -1;
+    }
+    for (int k = 0; k < scene->actuators; k++) {
+        first[scene->springs + k] = builder->springs->count;
+        if (scene->actuator[k].stacks && append_item(builder, scene->actuator[k].stacks) < 0)
+            return -1;
+    }
+    first[scene->springs + scene->actuators] = builder->springs->count;
+    return 0;
+}
+
+/* ---- envelope -------------------------------------------------------------- */
+
+/* Let the envelope contain the products of all entries of each spring. */
+static void widen_envelope(mesh *mesh)
+{
+    const mesh_springs *springs = &mesh->springs;
+    for (int s = 0; s < springs->count; s++) {
+        uint16_t least = PZS_CONSTRAINED;
+        for (uint32_t i = springs->start[s]; i < springs->start[s + 1]; i++)
+            least = springs->dof[i] < least ? springs->dof[i] : least;
+        for (uint32_t i = springs->start[s]; i < springs->start[s + 1]; i++)
+            if (least < mesh->first_column[springs->dof[i]])
+                mesh->first_column[springs->dof[i]] = least;
+    }
+}
+
+/* Refuse springs between distant nodes that fill a large factor. */
+static int check_envelope(mesh *mesh, char *error)
+{
+    const double largest = 4e8;
+    mesh->springs.envelope_without = mesh_envelope(mesh);
+    widen_envelope(mesh);
+    const double with = mesh_envelope(mesh);
+    if (with <= fmax(largest, mesh->springs.envelope_without))
+        return 0;
+    return scene_fault(mesh->scene, mesh->scene->at_surface, error,
+                       "springs between distant nodes widen the stiffness factor from %.3g to %.3g "
+                       "numbers, and %.3g fit; use fewer elements or fewer of these springs",
+                       mesh->springs.envelope_without, with, largest);
+}
+
+/* ---- build ------------------------------------------------------------------ */
+
+static bool has_springs(const scene *scene)
+{
+    bool found = scene->springs > 0;
+    for (int k = 0; k < scene->actuators; k++)
+        found |= scene->actuator[k].stacks != NULL;
+    return found;
+}
+
+int mesh_springs_build(mesh *mesh, char *error)
+{
+    const scene *scene = mesh->scene;
+    const size_t items = (size_t)scene->springs + (size_t)scene->actuators;
+    mesh_springs *springs = &mesh->springs;
+    spring_builder builder = {.mesh = mesh, .springs = springs, .error = error};
+    int status = -1;
+    if (!has_springs(scene))
+        return 0;
+    springs->first = calloc(items + 1, sizeof *springs->first);
+    builder.node = calloc((size_t)mesh->nodes, sizeof *builder.node);
+    builder.weight = calloc((size_t)mesh->nodes, sizeof *builder.weight);
+    if (springs->first && builder.node && builder.weight)
+        status = append_all(&builder);
+    else
+        scene_fault(scene, scene->at_surface, error, "the springs do not fit into memory");
+    free(builder.node);
+    free(builder.weight);
+    return status == 0 ? check_envelope(mesh, error) : -1;
+}
+
+void mesh_springs_free(mesh_springs *springs)
+{
+    free(springs->first);
+    free(springs->start);
+    free(springs->dof);
+    free(springs->value);
+    free(springs->stiffness);
+    memset(springs, 0, sizeof *springs);
+}
+
+/* ---- use ----------------------------------------------------------------------- */
+
+int springs_item(const scene *scene, int actuator)
+{
+    return scene->springs + actuator;
+}
+
+double springs_elongation(const mesh_springs *springs, int row, const double *u)
+{
+    double sum = 0;
+    for (uint32_t i = springs->start[row]; i < springs->start[row + 1]; i++)
+        sum += springs->value[i] * u[springs->dof[i]];
+    return sum;
+}
+
+void springs_add(const mesh_springs *springs, int row, double factor, double *dense)
+{
+    for (uint32_t i = springs->start[row]; i < springs->start[row + 1]; i++)
+        dense[springs->dof[i]] += factor * springs->value[i];
+}

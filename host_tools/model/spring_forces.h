@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Forces of springs and stacks on the structure. */
+#ifndef SPRING_FORCES_H
+#define SPRING_FORCES_H
+
+#include "design.h"
+
+/*
+ * Force of spring `row` of the mesh on the structure, along the direction that elongates the spring
+ * (N; N m for a torsional spring): the force of a stack at its voltage, less stiffness times
+ * elongation.
+ *   u     [free_dof] in
+ *   value [inputs]   in  input values that belong to u
+ */
+double spring_force(const design *design, int row, const double *u, const double *value);
+
+/* Name of an item of springs or stacks (springs.h): its own, or a number from 1. */
+void spring_item_name(const scene *scene, int item, char name[SCENE_LABEL]);
+
+#endif

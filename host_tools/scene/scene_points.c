@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Points of a scene (scene_points.h). */
+#include "scene_points.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int read_node(reader *reader, int node, void *to, const void *rule)
+{
+    (void)reader;
+    (void)rule;
+    *(int *)to = node;
+    return 0;
+}
+
+/* Nodes of the keys of a file of points, 0 where the key is missing. */
+typedef struct points_text {
+    int file, columns;
+} points_text;
+
+/* Columns of x, y, z in a file of points. column [SCENE_AXES] out */
+static int find_columns(reader *reader, const points_text *text, const number_table *table,
+                        int column[SCENE_AXES])
+{
+    int k = 0, found = 0;
+    for (int a = 0; a < SCENE_AXES; a++)
+        column[a] = -1;
+    for (int i = text->columns ? reader->t->node[text->columns].first : 0; i;
+         i = reader->t->node[i].next, k++) {
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
+            return -1;
+        const int axis = scene_file_axis(node_text(reader, i));
+        if (axis >= 0 && axis < SCENE_AXES && k < (int)table->columns)
+            column[axis] = k;
+    }
+    for (k = 0; k < (int)table->columns && !text->columns; k++) {
+        const int axis = table->column_name ? scene_file_axis(table->column_name[k]) : k;
+        if (axis >= 0 && axis < SCENE_AXES)
+            column[axis] = k;
+    }
+    for (int a = 0; a < SCENE_AXES; a++)
+        found += column[a] >= 0;
+    if (found > 0)
+        return 0;
+    return tree_fault(reader->t, text->file,
+                      "%.80s has no columns x, y, z; write columns: [x, y], in the order of the "
+                      "file",
+                      node_text(reader, text->file));
+}
+
+/* Read a list of points [[x, y], ...] as a table. */
+static int list_points(reader *reader, int list, number_table *table)
+{
+    const tree_node *node = reader->t->node;
+    size_t k = 0;
+    table->rows = (size_t)node[list].count;
+    table->columns = SCENE_AXES;
+    table->value = calloc(table->rows * SCENE_AXES + 1, sizeof *table->value);
+    if (!table->value)
+        return tree_fault(reader->t, list, "out of memory");
+    for (int i = node[list].first; i; i = node[i].next, k++) {
+        size_t a = 0;
+        if (require_kind(reader, i, TREE_LIST) != 0)
+            return -1;
+        if (node[i].count < 1 || node[i].count > SCENE_AXES)
+            return tree_fault(reader->t, i, "a point has 1 to 3 coordinates, not %d; write [x, y]",
+                              node[i].count);
+        for (int j = node[i].first; j; j = node[j].next)
+            if (read_real(reader, j, &table->value[k * SCENE_AXES + a++], NULL) != 0)
+                return -1;
+    }
+    return 0;
+}
+
+static const field file_fields[] = {
+    {"file", read_node, offsetof(points_text, file), .required = 1, .form = &label_form,
+     .help = "File with a row of coordinates for each point, beside the scene file."},
+    {"columns", read_node, offsetof(points_text, columns), .form = &labels_form,
+     .help = "Meaning of the columns in their order, as [x, y]; default the names in the file."},
+    {.key = NULL}};
+
+static const form file_form = {.type = FORM_MAP, .fields = file_fields};
+static const form point_form_of_list = {
+    .type = FORM_LIST, .item = &number_form, .least = 1, .most = SCENE_AXES};
+static const form points_form = {.type = FORM_LIST, .item = &point_form_of_list, .least = 1};
+static const form *const forms[] = {&points_form, &file_form, NULL};
+const form scene_points_form = {.type = FORM_ANY, .any = forms};
+
+int scene_points_table(reader *reader, int node, number_table *table, int column[SCENE_AXES])
+{
+    points_text text = {0, 0};
+    memset(table, 0, sizeof *table);
+    for (int a = 0; a < SCENE_AXES; a++)
+        column[a] = a;
+    if (reader->t->node[node].kind == TREE_LIST)
+        return list_points(reader, node, table);
+    if (read_map(reader, node, file_fields, &text) != 0 ||
+        (text.columns && require_kind(reader, text.columns, TREE_LIST) != 0))
+        return -1;
+    return scene_table_read(reader, text.file, table) != 0
+               ? -1
+               : find_columns(reader, &text, table, column);
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Springs of a structure (spring.h). */
+#include "spring.h"
+#include "../core/guard.h"
+#include "../core/linalg.h"
+
+/* Whether entry `other` of a spring is in the envelope row of entry `own`, or right of its
+ * diagonal.
+ */
+static bool in_envelope(const pzs_structure *structure, uint32_t own, uint32_t other)
+{
+    const uint16_t row = structure->spring.dof[own];
+    return structure->spring.dof[other] >= structure->first_column[row];
+}
+
+bool pzs_springs_in_range(const pzs_structure *structure)
+{
+    const pzs_rows *rows = &structure->spring;
+    if (rows->count > 0 && pzs_guard_nonfinite(structure->spring_stiffness, rows->count) >= 0)
+        return false;
+    for (uint32_t s = 0; s < rows->count; s++) {
+        if (structure->spring_stiffness[s] < 0)
+            return false;
+        for (uint32_t i = rows->start[s]; i < rows->start[s + 1]; i++)
+            for (uint32_t j = rows->start[s]; j < rows->start[s + 1]; j++)
+                if (!in_envelope(structure, i, j))
+                    return false;
+    }
+    return true;
+}
+
+/* Weight of an entry in the elongation of its spring; 0 at a constrained dof. */
+static pzs_real weight(const pzs_model *model, uint32_t entry)
+{
+    const pzs_rows *rows = &model->state.structure->spring;
+    const uint8_t *constrained = model->state.constrained;
+    return constrained && constrained[rows->dof[entry]] ? 0 : rows->value[entry];
+}
+
+static void add_spring(pzs_model *model, uint32_t spring)
+{
+    const pzs_rows *rows = &model->state.structure->spring;
+    const pzs_real stiffness = model->state.structure->spring_stiffness[spring];
+    for (uint32_t i = rows->start[spring]; i < rows->start[spring + 1]; i++)
+        for (uint32_t j = rows->start[spring]; j < rows->start[spring + 1]; j++)
+            if (rows->dof[j] <= rows->dof[i])
+                *pzs_linalg_entry(&model->state.stiffness, rows->dof[i], rows->dof[j]) +=
+                    stiffness * weight(model, i) * weight(model, j);
+}
+
+void pzs_model_add_springs(pzs_model *model)
+{
+    for (uint32_t s = 0; s < model->state.structure->spring.count; s++)
+        add_spring(model, s);
+}
+
+void pzs_model_add_spring_force(const pzs_model *model, pzs_real factor, const pzs_real *p,
+                                pzs_real *f)
+{
+    const pzs_rows *rows = &model->state.structure->spring;
+    for (uint32_t s = 0; s < rows->count; s++) {
+        pzs_real elongation = 0;
+        for (uint32_t i = rows->start[s]; i < rows->start[s + 1]; i++)
+            elongation += weight(model, i) * p[rows->dof[i]];
+        const pzs_real force = factor * model->state.structure->spring_stiffness[s] * elongation;
+        for (uint32_t i = rows->start[s]; i < rows->start[s + 1]; i++)
+            f[rows->dof[i]] += weight(model, i) * force;
+    }
+}

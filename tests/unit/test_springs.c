@@ -1,0 +1,514 @@
+/*
+ * Springs, stacks and kinematic supports: closed forms, energy, reactions, refusals.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../../host_tools/mesh/springs.h"
+#include "../../host_tools/model/mass.h"
+#include "../../host_tools/model/plausible.h"
+#include "../../host_tools/model/spring_forces.h"
+#include "../../host_tools/model/vibration.h"
+#include "../rigs/scene_assert.h"
+
+#define FREE_PLATE "tests/rigs/scenes/spring-plate.yaml"
+
+/* Three springs in the plane, which stop the motions that a test does not look at. */
+#define IN_PLANE                                                                                   \
+    "{at: {theta1: 0, theta2: 0}, along: [1, 1, 0], stiffness: 1e7}, "                             \
+    "{at: {theta1: 1, theta2: 0}, along: [-1, 1, 0], stiffness: 1e7}, "                            \
+    "{at: {theta1: 0, theta2: 1}, along: x, stiffness: 1e7}"
+
+/* Force of the first spring of an item. */
+static double force_of(const scene_run *r, int item)
+{
+    const design *design = &r->analysis.design;
+    return spring_force(design, design->mesh.springs.first[item], r->u, r->analysis.input_value);
+}
+
+/* Compliance of a scene: its first output under its loads. */
+static double first_output(const char *name, const char *changes)
+{
+    scene_run r;
+    solve_run(&r, name, changes);
+    const double value = scene_run_value(&r, 0);
+    scene_run_close(&r);
+    return value;
+}
+
+/* ---- rigid bodies ---------------------------------------------------------- */
+
+/*
+ * Law: a plate on three springs carries a load by statics alone, and moves as the plane through the
+ * tops of the springs, whose elongations are F/k. The springs stand between nodes. The linear and
+ * the nonlinear solution agree, because the motion is tiny.
+ */
+static void test_three_springs(void **state)
+{
+    (void)state;
+    static const char *const kinematics[2] = {"linear", "nonlinear"};
+    const double third = 0.4 / 0.83, first = (1 - third) / 2;
+    const double u[3] = {-1e-6 * first, -1e-6 * first / 2, -1e-6 * third / 3};
+    const double by_x = (u[1] - u[0]) / 0.8, by_y = (u[2] - (u[0] + u[1]) / 2) / 0.83;
+    const double corner = u[0] - 0.1 * by_x - 0.1 * by_y;
+    for (int k = 0; k < 2; k++) {
+        scene_run r;
+        char changes[1024];
+        snprintf(changes, sizeof changes,
+                 "kinematics=%s;loads=[{point: {theta1: 0.5, theta2: 0.5}, z: -1e-3}];springs=["
+                 "{points: [[0.1, 0.1]], along: z, stiffness: 1000}, {points: [[0.9, 0.1]], along: "
+                 "z, stiffness: 2000}, {points: [[0.5, 0.93]], along: z, stiffness: "
+                 "3000}, " IN_PLANE "]",
+                 kinematics[k]);
+        solve_run(&r, FREE_PLATE, changes);
+        assert_near("first spring", force_of(&r, 0), 1e-3 * first, 1e-8);
+        assert_near("second spring", force_of(&r, 1), 1e-3 * first, 1e-8);
+        assert_near("third spring", force_of(&r, 2), 1e-3 * third, 1e-8);
+        /* The plate bends by about F L^2/(16 D), 1e-3 of what the springs give. */
+        assert_near("corner", scene_run_value(&r, 0), corner, 2e-3);
+        assert_near("along x", scene_run_value(&r, 1), corner + by_x, 2e-3);
+        assert_near("across", scene_run_value(&r, 2), corner + by_x + by_y, 2e-3);
+        scene_run_close(&r);
+    }
+}
+
+/*
+ * Law: a rigid plate on four equal corner springs heaves with omega^2 = 4 k/m and rolls with
+ * omega^2 = 4 k (L/2)^2/(m (L^2 + h^2)/12), as far as the springs are soft against the plate.
+ */
+static void test_soft_mount(void **state)
+{
+    (void)state;
+    scene_run r;
+    vibration modes;
+    char error[SCENE_ERROR] = "";
+    const double mass = 8000 * 0.02, heave = 4 * 10 / mass,
+                 roll = 4 * 10 * 0.25 / (mass * (1 + 4e-4) / 12);
+    open_run(&r, FREE_PLATE,
+             "springs=[{points: [[0, 0], [1, 0], [0, 1], [1, 1]], along: u3, stiffness: "
+             "10}, " IN_PLANE "]");
+    if (vibration_solve(&modes, &r.analysis.design, 3, 0, error) < 0)
+        fail_msg("%s", error);
+    assert_near("heave", modes.square[0], heave, 1e-4);
+    assert_near("roll about x", modes.square[1], roll, 1e-4);
+    assert_near("roll about y", modes.square[2], roll, 1e-4);
+    assert_int_equal(modes.rigid, 0);
+    vibration_free(&modes);
+    scene_run_close(&r);
+}
+
+/*
+ * Law: a uniform pressure p on a foundation of stiffness k per area lifts a free plate by p/k and
+ * does not bend it, at any size of the displacement: the springs keep their direction. The
+ * tolerance is epsilon times the stiffness of an element over that of the softest springs.
+ */
+static void test_uniform_foundation(void **state)
+{
+    (void)state;
+    static const char *const kinematics[2] = {"linear", "nonlinear"};
+    static const double stiffness[2] = {1e6, 10}; /* displacements of 1e-5 and 1 plate width */
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 2; i++) {
+            char changes[512];
+            snprintf(changes, sizeof changes,
+                     "kinematics=%s;loads=[{face: middle, z: 10}];springs=[{at: nodes, along: z, "
+                     "stiffness: %g, per: area}, {at: nodes, along: x, stiffness: 1e6, per: area}, "
+                     "{at: nodes, along: y, stiffness: 1e6, per: area}]",
+                     kinematics[k], stiffness[i]);
+            assert_near(kinematics[k], first_output(FREE_PLATE, changes), 10 / stiffness[i], 1e-6);
+        }
+}
+
+/* ---- series and parallel ---------------------------------------------------- */
+
+#define CLAMPED "supports=[{edge: theta1-, fix: clamped}];"
+#define AT_CORNER "loads=[{point: {theta1: 1, theta2: 1}, z: 1}];"
+#define CORNER "outputs=[{name: c, z: mean, at: {theta1: 1, theta2: 1}}];"
+
+/*
+ * Law: a spring beside a structure of compliance c under its end gives the compliance 1/(1/c + k);
+ * two springs add, and so do their forces.
+ */
+static void test_parallel(void **state)
+{
+    (void)state;
+    const double c = first_output(FREE_PLATE, CLAMPED AT_CORNER CORNER), k = 0.7 / c;
+    char changes[512];
+    scene_run r;
+    snprintf(changes, sizeof changes,
+             CLAMPED AT_CORNER CORNER
+             "springs=[{at: {theta1: 1, theta2: 1}, along: z, stiffness: %.17g}, {at: {theta1: 1, "
+             "theta2: 1}, along: u3, stiffness: %.17g}]",
+             k, 2 * k);
+    solve_run(&r, FREE_PLATE, changes);
+    const double u = scene_run_value(&r, 0);
+    assert_near("corner", u, 1 / (1 / c + 3 * k), 1e-10);
+    assert_near("first spring", force_of(&r, 0), -k * u, 1e-12);
+    assert_near("both springs", force_of(&r, 1), -2 * k * u, 1e-12);
+    scene_run_close(&r);
+}
+
+/*
+ * Law: a spring between two points of a structure of compliance C, with n the difference of the
+ * points, changes the displacement u by -C n (n'u)/(1/k + n'C n): the spring and the structure
+ * between its ends are in series. The envelope of the factor reaches from one end to the other.
+ */
+static void test_series(void **state)
+{
+    (void)state;
+    const char *const both =
+        "outputs=[{name: b, z: mean, at: {theta1: 1, theta2: 0}}, {name: c, z: mean, at: {theta1: "
+        "1, theta2: 1}}];";
+    const char *const set[3] = {AT_CORNER, "loads=[{point: {theta1: 1, theta2: 0}, z: 1}];", ""};
+    double c[2][2], moved[2];
+    for (int k = 0; k < 3; k++) {
+        char changes[512];
+        scene_run r;
+        snprintf(changes, sizeof changes, CLAMPED "%s%s%s", both, k < 2 ? set[k] : AT_CORNER,
+                 k < 2 ? ""
+                       : "springs=[{at: {theta1: 1, theta2: 1}, to: {theta1: 1, theta2: 0}, along: "
+                         "z, stiffness: 1e5}]");
+        solve_run(&r, FREE_PLATE, changes);
+        for (int i = 0; i < 2; i++)
+            *(k < 2 ? &c[k][i] : &moved[i]) = scene_run_value(&r, i);
+        if (k == 2)
+            assert_near("force", force_of(&r, 0), -1e5 * (moved[1] - moved[0]), 1e-12);
+        scene_run_close(&r);
+    }
+    const double n[2] = {c[1][0] - c[0][0], c[1][1] - c[0][1]}; /* -C n at both points */
+    const double through = (c[0][1] - c[0][0]) / (1e-5 + n[0] - n[1]);
+    assert_near("near end", moved[1], c[0][1] + n[1] * through, 1e-9);
+    assert_near("far end", moved[0], c[0][0] + n[0] * through, 1e-9);
+}
+
+/* ---- stacks ------------------------------------------------------------------ */
+
+/*
+ * Law: a stack of stiffness k_s and free stroke s V against a structure of stiffness 1/c moves it
+ * by s V k_s/(k_s + 1/c); one given by its force alone has no stiffness and moves it by c f V.
+ */
+static void test_stack_stroke(void **state)
+{
+    (void)state;
+    const double c = first_output(FREE_PLATE, CLAMPED AT_CORNER CORNER), k = 2.5 / c;
+    char changes[512];
+    scene_run r;
+    snprintf(changes, sizeof changes,
+             CLAMPED CORNER "actuators=[{name: s, stacks: {at: {theta1: 1, theta2: 1}, along: z, "
+                            "stiffness: %.17g, stroke: 1e-7}, applied: 30}]",
+             k);
+    solve_run(&r, FREE_PLATE, changes);
+    const double moved = 30e-7 * k / (k + 1 / c);
+    assert_near("stroke", scene_run_value(&r, 0), moved, 1e-10);
+    assert_near("force", force_of(&r, 0), moved / c, 1e-9);
+    scene_run_close(&r);
+    assert_near("voice coil",
+                first_output(FREE_PLATE,
+                             CLAMPED CORNER "actuators=[{name: s, stacks: {at: {theta1: 1, theta2: "
+                                            "1}, along: z, force: 5}, applied: 3}]"),
+                15 * c, 1e-10);
+}
+
+/*
+ * Law: with equal forces per volt the influence matrix of stacks at their own points is symmetric
+ * (Maxwell and Betti), also at a nonlinear equilibrium.
+ */
+static void test_reciprocity(void **state)
+{
+    (void)state;
+    static const char *const kinematics[2] = {"linear", "nonlinear"};
+    for (int k = 0; k < 2; k++) {
+        char changes[1024], error[SCENE_ERROR] = "";
+        scene_run r;
+        snprintf(changes, sizeof changes,
+                 "kinematics=%s;" CLAMPED
+                 "target={z: mean, at: {theta1: [0.5, 1], theta2: [0, 0.5]}, value: x};"
+                 "actuators=[{name: s, stacks: {points: [[0.5, 0], [0.5, 0.25], [0.5, 0.5], [0.75, "
+                 "0], [0.75, 0.25], [0.75, 0.5], [1, 0], [1, 0.25], [1, 0.5]], along: z, "
+                 "stiffness: 1e6, stroke: 1e-6}, applied: 1000}]",
+                 kinematics[k]);
+        solve_run(&r, FREE_PLATE, changes);
+        const pzs_structure *structure = &r.analysis.design.structure;
+        const size_t n = structure->input.count;
+        double *influence = calloc(n * structure->output.count, sizeof *influence);
+        assert_non_null(influence);
+        const pzs_status status = k ? pzs_influence_at(&r.analysis.equilibrium.solver, influence)
+                                    : pzs_influence(&r.analysis.model, influence);
+        assert_int_equal(status, PZS_OK);
+        for (size_t i = 0; i < 9; i++)
+            for (size_t j = 0; j < i; j++)
+                assert_near("influence", influence[i * n + j], influence[j * n + i], 1e-9);
+        assert_string_equal(error, "");
+        free(influence);
+        scene_run_close(&r);
+    }
+}
+
+/* Law: the forces of springs and stacks balance the loads, and the voltages alone balance. */
+static void test_balance(void **state)
+{
+    (void)state;
+    for (int loaded = 0; loaded < 2; loaded++) {
+        char changes[1024];
+        scene_run r;
+        snprintf(changes, sizeof changes,
+                 "loads=[{face: outer, z: %d}];springs=[{edge: theta2-, along: z, stiffness: 1e5, "
+                 "per: length}, " IN_PLANE "];actuators=[{name: s, stacks: {points: [[0.3, 0.8], "
+                 "[0.7, 0.9]], along: z, stiffness: 1e6, stroke: 1e-6}, applied: [100, -50]}]",
+                 loaded * 40);
+        solve_run(&r, FREE_PLATE, changes);
+        const mesh_springs *springs = &r.analysis.design.mesh.springs;
+        double sum = 0, size = 0;
+        for (int row = 0; row < springs->count; row++) {
+            const double force = spring_force(&r.analysis.design, row, r.u, r.analysis.input_value);
+            const int in_plane = row >= springs->first[1] && row < springs->first[4];
+            sum += in_plane ? 0 : force;
+            size += fabs(force);
+        }
+        assert_true(fabs(sum + loaded * 40) < 1e-10 * size);
+        scene_run_close(&r);
+    }
+}
+
+/* ---- foundations -------------------------------------------------------------- */
+
+/*
+ * Deflection under the middle of a beam of length 2, width 0.1, thickness 0.002, E = 2.1e11, on a
+ * foundation of 1e5 N/m3, that carries 1 N there; half of it by symmetry, on a number of elements.
+ */
+static double beam_on_foundation(int elements, const char *on_edges)
+{
+    char changes[1024];
+    snprintf(changes, sizeof changes,
+             "mesh={theta1: {from: 0, to: 1, elements: %d}, theta2: {from: 0, to: 0.1, elements: "
+             "1}};materials.steel.nu=0;layers.0.thickness=0.002;"
+             "supports=[{edge: theta1-, fix: symmetric}, {edge: theta2-, "
+             "fix: u2}];loads=[{line: theta1-, z: 5}];outputs=[{name: w, z: mean, at: {theta1: 0, "
+             "theta2: 0}}];springs=[%s]",
+             elements, on_edges);
+    return first_output(FREE_PLATE, changes);
+}
+
+/*
+ * Law (Hetenyi): the deflection under a force P in the middle of a free beam on an elastic
+ * foundation is P L/(2 k) (2 + cosh + cos)/(sinh + sin) of lambda l, with L = lambda =
+ * (k/(4 E I))^(1/4). Springs at the nodes converge to it with the second order. A foundation per
+ * area, and one per length on both edges, are the same.
+ */
+static void test_winkler_beam(void **state)
+{
+    (void)state;
+    const double k = 1e5 * 0.1, bending = 2.1e11 * 0.1 * 8e-9 / 12;
+    const double lambda = pow(k / (4 * bending), 0.25), l = 2 * lambda;
+    const double exact = lambda / (2 * k) * (2 + cosh(l) + cos(l)) / (sinh(l) + sin(l));
+    const char *const area = "{at: nodes, along: z, stiffness: 1e5, per: area}";
+    const char *const edges = "{edge: theta2-, along: z, stiffness: 5e3, per: length}, {edge: "
+                              "theta2+, along: z, stiffness: 5e3, per: length}";
+    double error[3];
+    for (int i = 0; i < 3; i++) {
+        const double value = beam_on_foundation(16 << i, area);
+        error[i] = value / exact - 1;
+        assert_near("per length", beam_on_foundation(16 << i, edges), value, 1e-9);
+    }
+    print_message("  beam on foundation, 16, 32, 64 elements: %.4f %.4f %.4f of the exact one\n",
+                  1 + error[0], 1 + error[1], 1 + error[2]);
+    assert_true(fabs(error[2]) < 0.005);
+    assert_true(fabs(error[0]) > 3 * fabs(error[1]) && fabs(error[1]) > 3 * fabs(error[2]));
+}
+
+/* Sum of the stiffness of all springs of an item. */
+static double sum_of(const scene_run *r, int item)
+{
+    const mesh_springs *springs = &r->analysis.design.mesh.springs;
+    double sum = 0;
+    for (int row = springs->first[item]; row < springs->first[item + 1]; row++)
+        sum += springs->stiffness[row];
+    return sum;
+}
+
+#define DISC "tests/rigs/scenes/spring-disc.yaml"
+
+/*
+ * Law: on a mesh from a file, a foundation has the stiffness times the area of its elements, and a
+ * line of springs that times the length of the rim.
+ */
+static void test_shares(void **state)
+{
+    (void)state;
+    scene_run r;
+    const double pi = 3.141592653589793;
+    open_run(&r, DISC,
+             "springs=[{at: nodes, along: z, stiffness: 5, per: area}, {set: rim, along: z, "
+             "stiffness: 5, per: length}, {at: nodes, along: x, stiffness: 1}, {at: nodes, along: "
+             "y, stiffness: 1}, {set: ring2-1, along: z, stiffness: 8, per: area}]");
+    const double chord = 32 * 2 * sin(pi / 32), area = 16 * sin(2 * pi / 32); /* of 32 sides */
+    assert_near("rim", sum_of(&r, 1), 5 * chord, 1e-12);
+    assert_near("area", sum_of(&r, 0), 5 * area, 1e-12);
+    assert_near("set", sum_of(&r, 4), 8 * area * (1 - 0.25) / 4, 1e-12);
+    scene_run_close(&r);
+}
+
+/*
+ * Law: a spring at any point of a mesh from a file has the elongation n . (t + w x X) under a rigid
+ * motion of translation t and rotation w, with X the point itself.
+ */
+static void test_points(void **state)
+{
+    (void)state;
+    static const double place[4][2] = {{0.11, 0.23}, {-0.4, 0.3}, {0.05, -0.93}, {0, 0}};
+    scene_run r;
+    open_run(&r, DISC,
+             "springs=[{points: [[0.11, 0.23], [-0.4, 0.3, 0], [0.05, -0.93], [0, 0]], along: z, "
+             "stiffness: 1}, {at: nodes, along: x, stiffness: 1}, {at: nodes, along: y, stiffness: "
+             "1}]");
+    const mesh *mesh = &r.analysis.design.mesh;
+    for (int n = 0; n < mesh->nodes; n++)
+        for (unsigned i = 0; i < 3; i++) {
+            const double *x = mesh->point[n].x;
+            const double z = 0.5 + 0.2 * x[1] - 0.3 * x[0];
+            r.u[mesh->node_dof[(size_t)n * mesh->dof_per_node + i]] = z * mesh->point[n].e[i][2];
+        }
+    for (int k = 0; k < 4; k++)
+        assert_near("point", springs_elongation(&mesh->springs, k, r.u),
+                    0.5 + 0.2 * place[k][1] - 0.3 * place[k][0], 1e-12);
+    scene_run_close(&r);
+}
+
+/* ---- kinematic supports --------------------------------------------------------- */
+
+#define HEAT "loads=[{temperature: 100}];"
+
+/*
+ * Largest difference of the principal strain from the free thermal one, relative to it. Equal
+ * principal strains are known to the square root of epsilon, 1.5e-8.
+ */
+static double strain_excess(const scene_run *r)
+{
+    int where[2];
+    return plausible_strain(&r->analysis.design.mesh, r->u, 1, where) / (1.2e-5 * 100) - 1;
+}
+
+/*
+ * Law: six springs that just stop the rigid motions let a plate expand freely: no force, and the
+ * strain is alpha times the temperature everywhere. The directions are arbitrary.
+ */
+static void test_kinematic_springs(void **state)
+{
+    (void)state;
+    scene_run r;
+    solve_run(&r, FREE_PLATE,
+              HEAT "springs=[{points: [[0.2, 0.2]], along: [1, 0.2, 1], stiffness: 1e8}, {points: "
+                   "[[0.2, 0.2]], along: [-1, 0.2, 1], stiffness: 1e8}, {points: [[0.2, 0.2]], "
+                   "along: [0, -1, 1], stiffness: 1e8}, {points: [[0.9, 0.1]], along: [0, 1, 1], "
+                   "stiffness: 1e8}, {points: [[0.9, 0.1]], along: [0, -1, 1], stiffness: 1e8}, "
+                   "{points: [[0.4, 0.8]], along: [0.1, 0, 1], stiffness: 1e8}]");
+    for (int k = 0; k < 6; k++)
+        assert_true(fabs(force_of(&r, k)) < 1e-9 * 1e8 * 1.2e-3); /* stiffness times expansion */
+    assert_true(fabs(strain_excess(&r)) < 1e-7);
+    scene_run_close(&r);
+}
+
+/* Law: the reactions of six springs follow from statics, whatever their stiffness. */
+static void test_determinate(void **state)
+{
+    (void)state;
+    double force[2][6];
+    for (int i = 0; i < 2; i++) {
+        char changes[1024];
+        scene_run r;
+        snprintf(changes, sizeof changes,
+                 "loads=[{point: {theta1: 0.25, theta2: 0.75}, z: -100}, {point: {theta1: 1, "
+                 "theta2: 0.5}, x: 30}];springs=[{points: [[0.2, 0.2]], along: x, stiffness: 1e6}, "
+                 "{points: [[0.2, 0.2]], along: y, stiffness: 1e7}, {points: [[0.2, 0.2]], along: "
+                 "z, stiffness: %g}, {points: [[0.9, 0.1]], along: y, stiffness: %g}, {points: "
+                 "[[0.9, 0.1]], along: z, stiffness: 1e7}, {points: [[0.4, 0.8]], along: z, "
+                 "stiffness: 1e6}]",
+                 i ? 1e8 : 1e5, i ? 2e5 : 3e8);
+        solve_run(&r, FREE_PLATE, changes);
+        for (int k = 0; k < 6; k++)
+            force[i][k] = force_of(&r, k);
+        scene_run_close(&r);
+    }
+    for (int k = 0; k < 6; k++)
+        assert_true(fabs(force[0][k] - force[1][k]) < 1e-8 * 100);
+    assert_near("x", force[0][0], -30, 1e-8);
+    assert_near("z", force[0][2] + force[0][4] + force[0][5], 100, 1e-8);
+}
+
+/* ---- refusals -------------------------------------------------------------------- */
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *set, *expected;
+    } bad[] = {
+        {"springs=[{at: nodes, along: z, stiffness: -1}]", "must not be below 0"},
+        {"springs=[{at: nodes, along: z, stiffness: .nan}]", "stiffness"},
+        {"springs=[{at: nodes, along: z, stiffness: 1e999}]", "stiffness"},
+        {"springs=[{at: nodes, along: z}]", "stiffness"},
+        {"springs=[{along: z, stiffness: 1}]", "needs one of at, edge, set and points"},
+        {"springs=[{at: nodes, stiffness: 1}]", "no direction"},
+        {"springs=[{at: nodes, along: [0, 0, 0], stiffness: 1}]", "has no direction"},
+        {"springs=[{at: nodes, along: [0, 1], stiffness: 1}]", "give three"},
+        {"springs=[{at: {theta1: 0, theta2: 0}, to: {theta1: 0, theta2: 0}, stiffness: 1}]",
+         "both ends of the spring are at theta1 = 0, theta2 = 0"},
+        {"springs=[{points: [[0.25, 0]], to: {theta1: 0.25, theta2: 0}, along: z, stiffness: 1}]",
+         "both ends"},
+        {"springs=[{points: [[2, 2]], along: z, stiffness: 1}]", "is not on the mesh"},
+        {"springs=[{points: [[2]], along: z, stiffness: 1}]", "no second coordinate"},
+        {"springs=[{points: [], along: z, stiffness: 1}]", "'points' is empty"},
+        {"springs=[{at: nodes, about: z, stiffness: 1}]", "normal to the surface"},
+        {"springs=[{at: nodes, about: x, along: z, stiffness: 1}]", "torsional spring"},
+        {"springs=[{at: nodes, along: z, stiffness: 1, per: length}]", "needs an edge"},
+        {"springs=[{at: {theta1: 0, theta2: 0}, along: z, stiffness: 1, per: area}]",
+         "has no area"},
+        {"springs=[{at: nodes, along: z, stiffness: 3 N}]", "that of a stiffness"},
+        {"springs=[{name: a, at: nodes, along: z, stiffness: 3 N/m, per: area}]",
+         "that of a stiffness per area"},
+        {"actuators=[{name: s, stacks: {at: nodes, along: z, force: 1}}]", "one node of a stack"},
+        {"actuators=[{name: s, stacks: {at: {theta1: 0, theta2: 0}, along: z}}]",
+         "either its stroke or its force"},
+        {"actuators=[{name: s, stacks: {at: {theta1: 0, theta2: 0}, along: z, stroke: 1e-6}}]",
+         "stiffness above 0"},
+        {"actuators=[{name: s, stacks: {at: {theta1: 0, theta2: 0}, along: z, stiffness: 1, "
+         "stroke: 1e-6, force: 2}}]",
+         "either its stroke or its force"},
+        {"actuators=[{name: s}]", "stacks"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char changes[512];
+        scene_run r;
+        snprintf(changes, sizeof changes, CLAMPED "%s", bad[i].set);
+        if (scene_run_open(&r, FREE_PLATE, changes) == 0 || !strstr(r.error, bad[i].expected))
+            fail_msg("%s: expected '%s', got '%s'", bad[i].set, bad[i].expected, r.error);
+        scene_run_close(&r);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_three_springs),
+        cmocka_unit_test(test_soft_mount),
+        cmocka_unit_test(test_uniform_foundation),
+        cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_series),
+        cmocka_unit_test(test_stack_stroke),
+        cmocka_unit_test(test_reciprocity),
+        cmocka_unit_test(test_balance),
+        cmocka_unit_test(test_winkler_beam),
+        cmocka_unit_test(test_shares),
+        cmocka_unit_test(test_points),
+        cmocka_unit_test(test_kinematic_springs),
+        cmocka_unit_test(test_determinate),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
