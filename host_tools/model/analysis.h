@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Runs a scene through the library: assembly, factorisation, solution, influence matrix, voltages.
- * The memory is the host's, the code is that of the device.
+ * Analysis of one scene by the library: assembly and factorisation of the stiffness matrix,
+ * displacements, influence matrix. The host allocates the memory; the library code is the same as
+ * on a device.
  */
 #ifndef ANALYSIS_H
 #define ANALYSIS_H
@@ -15,156 +16,193 @@
 struct analysis;
 
 /*
- * Where the displacements of an analysis come from: a structure, whose stiffness is factored, or a
- * measured influence matrix (analysis_matrix.c). Everything after the influence matrix is the same
- * for both.
+ * Source of the displacements of an analysis: either a structure, whose stiffness matrix is
+ * factored, or a measured influence matrix (analysis_matrix.c). All computations that use the
+ * influence matrix are the same for both sources.
  */
 typedef struct analysis_source {
-    bool has_structure; /* there are elements, a stiffness, loads and mass */
+    bool has_structure; /* true for a scene with elements, stiffness, loads and mass; false for a
+                           measured matrix */
     /*
-     * Prepare what displacements are computed from, after the design. Returns 0, or -1 with error
+     * Prepare the computation of displacements, after the design of the scene is built: assemble
+     * and factor the stiffness matrix, or read the measured matrix. Returns 0, or -1 with error
      * filled.
      */
     int (*open)(struct analysis *analysis, char *error);
-    /* Linear displacement. value [inputs] in, u [free_dof] out */
+    /*
+     * Compute the linear displacement under input values.
+     *   value [inputs]  in   voltages (V), load factors and temperature changes (K)
+     *   u     [free_dof] out  displacement vector
+     */
     pzs_status (*displace)(struct analysis *analysis, const double *value, double *u);
-    /* Fill analysis->influence [outputs][inputs], which is allocated. */
+    /*
+     * Compute the influence matrix analysis->influence [outputs][inputs], whose memory is already
+     * allocated.
+     */
     pzs_status (*influence)(struct analysis *analysis);
 } analysis_source;
 
 extern const analysis_source analysis_of_structure, analysis_of_matrix;
 
 typedef struct analysis {
-    const analysis_source *source; /* where displacements come from */
+    const analysis_source *source; /* source of the displacements: a structure or a measured
+                                      influence matrix */
     design design;
     pzs_model model;
     void *work;
     size_t work_bytes;
-    equilibrium equilibrium; /* where the scene's kinematics is not linear */
-    pzs_electric electric;   /* where the design has electrodes, once the stiffness is factored */
+    equilibrium equilibrium; /* solver of the nonlinear equilibrium; used where the scene's
+                                kinematics is not linear */
+    pzs_electric electric;   /* table of the electrodes' charges; used where the design has
+                                electrodes, after the stiffness matrix is factored */
     void *electric_work;
-    double *input_value; /* [inputs] input values of the last displacement, with the voltages found
-                            for open electrodes */
-    double *charge;      /* [electrodes] charges at the last displacement */
-    int nonlinear;       /* whether analysis_solve and analysis_reach use the equilibrium solver;
-                            initially as the scene says */
-    double *influence;   /* [outputs][inputs] of the reference state, after analysis_influence */
-    pzs_status status;   /* status of the last equilibrium */
+    double *input_value; /* [inputs] input values of the last computed displacement, with the
+                            computed voltages of the open electrodes */
+    double *charge; /* [electrodes] charges of the electrodes at the last computed displacement (C)
+                     */
+    int nonlinear;  /* 1: analysis_solve and analysis_reach use the nonlinear equilibrium solver; 0:
+                       they solve linearly. Set from the scene at first */
+    double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
+                          analysis_influence */
+    pzs_status status; /* status of the last equilibrium computation */
     struct {
         double assemble, factor, solve;
-    } seconds; /* times of the reference state's stiffness and of the last displacement */
-    certificate certificate; /* stability of the control loop, after certificate_make */
-    int quasi_static;        /* write tables even where vibration makes the control loop unstable */
-    double linear_error;     /* kinematics auto: difference of the linear from the nonlinear
-                                displacement, relative */
-    load_path load_path;     /* the load path to the last displacement, where it was asked for */
-    mesh_error mesh_error;   /* estimated discretisation error, where it was asked for */
-    plausible warnings;      /* warnings on the scene and on its results so far */
+    } seconds; /* durations of assembling and factoring the stiffness matrix and of the last
+                  displacement (s) */
+    certificate certificate; /* stability of the control loop, filled by certificate_make */
+    int quasi_static; /* flag: write the controller's tables even where vibration makes the control
+                         loop unstable */
+    double linear_error;   /* difference between linear and nonlinear displacement relative to the
+                              nonlinear one, computed where the scene's kinematics is `auto` */
+    load_path load_path;   /* equilibria on the load path to the last displacement; empty unless the
+                              user asked for them */
+    mesh_error mesh_error; /* estimated discretisation error of the results; empty unless the user
+                              asked for it */
+    plausible warnings; /* plausibility warnings on the scene and on the results computed so far */
 } analysis;
 
 /*
- * Build the design, assemble and factor its stiffness. Where the kinematics is not linear, set up
- * the equilibrium solver as well; such a structure may be supported by contact alone. Returns 0, or
- * -1 with error filled and the analysis empty.
+ * Build the design of a scene, and assemble and factor its stiffness matrix. Where the scene's
+ * kinematics is not linear, also set up the equilibrium solver; such a structure may be supported
+ * by contact alone. Returns 0, or -1 with error filled and the analysis empty.
  */
 int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 
 /*
- * Displacement under the scene's loads and applied voltages, starting from the reference state. u
- * [free_dof] out.
- *
- * Kinematics auto solves both ways, and analysis->nonlinear then says which displacement is in u:
- * the linear one where its relative difference is within the scene's tolerance. Nonlinear: where
- * the load steps end before the full load, u is the last equilibrium and the message says so.
+ * Compute the displacement under the scene's loads and applied voltages, starting from the
+ * reference state.
+ *   displacement [free_dof] out
+ * With kinematics `auto` both the linear and the nonlinear displacement are computed. The linear
+ * one is returned where the relative difference is within the scene's tolerance;
+ * analysis->nonlinear tells which one was chosen. Where the nonlinear load steps end before the
+ * full load, the last equilibrium is returned and `error` says so.
  * Returns 0, or -1 with error filled.
  */
 int analysis_solve(analysis *analysis, double *displacement, char *error);
 
-/* Returns 0 where the scene has a structure, else -1 with error filled: `what` needs one. */
+/*
+ * Check that the scene has a structure and not only a measured influence matrix. Returns 0, or -1
+ * with an error text that says that `what` needs a structure.
+ */
 int analysis_needs_structure(const analysis *analysis, const char *what, char *error);
 
 /*
- * Linear displacement under input values.
- *   value [inputs]  in
- *   u [free_dof]    out
+ * Compute the linear displacement under input values.
+ *   value        [inputs]   in   voltages (V), load factors and temperature changes (K)
+ *   displacement [free_dof] out
  */
 pzs_status analysis_displace(analysis *analysis, const double *value, double *displacement);
 
 /*
- * The same from the last equilibrium of the solver, as load_path_follow leaves it, with nonlinear
- * kinematics.
+ * Compute the nonlinear displacement under the scene's loads and applied voltages, starting from
+ * the last equilibrium of the solver, for example the last point that load_path_follow reached.
+ *   displacement [free_dof] out
+ * Returns 0, or -1 with error filled.
  */
 int analysis_continue(analysis *analysis, double *displacement, char *error);
 
 /*
- * Solve once more with twice as many load steps, and compare: a large difference says that the
- * displacement depends on the way of loading, and that it may not lie on the load path. The solver
- * is left as before.
- *   u [free_dof] in  displacement of analysis_solve with nonlinear kinematics
- * Returns the difference relative to the displacement; HUGE_VAL where the load is not reached; NAN
- * for scenes with contact, prescribed displacements or open electrodes, and without memory.
+ * Compute the nonlinear displacement again with twice as many load steps, and compare. A large
+ * difference says that the displacement depends on the load steps and may not lie on the load path.
+ * The state of the solver is restored.
+ *   displacement [free_dof] in  nonlinear displacement from analysis_solve
+ * Returns the difference relative to the displacement; HUGE_VAL where the full load is not reached;
+ * NAN for scenes with contact, prescribed displacements or open electrodes, and where memory runs
+ * out.
  */
 double analysis_path_difference(analysis *analysis, const double *displacement);
 
 /*
- * Displacement under other voltages, as analysis_solve.
- *   voltage [amplifiers]  in
- *   warm                  in   nonlinear: start from the last shape, not from the reference state
- *   u [free_dof]          out
+ * Compute the displacement under the scene's loads and given voltages, linear or nonlinear as
+ * analysis->nonlinear says.
+ *   voltage      [amplifiers] in   voltages (V)
+ *   warm                      in   1: start the nonlinear solver from the last shape; 0: start from
+ *       the reference state
+ *   displacement [free_dof]   out
+ * Returns 0, or -1 with error filled.
  */
 int analysis_reach(analysis *analysis, const double *voltage, int warm, double *displacement,
                    char *error);
 
 /*
- * Fill analysis->input_value and analysis->charge: of the solver's last equilibrium, or of a linear
- * structure under the given input values. The solving functions call this one.
- *   value [inputs]  in  open electrodes excluded, whose voltages are computed
+ * Fill analysis->input_value and analysis->charge: for the solver's last equilibrium, or for the
+ * linear structure under the given input values. The functions that compute displacements call this
+ * function.
+ *   value [inputs] in  input values; entries of open electrodes, whose voltages are computed, are
+ *       ignored
  */
 pzs_status analysis_electrodes(analysis *analysis, const double *value);
 
-/* Whether analysis->status says that the load steps ended before the full load. */
+/* Whether analysis->status says that the nonlinear load steps ended before the full load. */
 int analysis_ended_early(const analysis *analysis);
 
-/* Value of the scene's output k at its i-th node. value [output rows] in: rows of the structure. */
+/*
+ * Value of the scene's output with index k at the i-th of its nodes.
+ *   value [output rows] in  values of all output rows of the structure
+ */
 double analysis_output(const analysis *analysis, int k, int i, const double *value);
-/* Number of values of the scene's output k. */
+/* Number of values (nodes or electrodes) of the scene's output with index k. */
 int analysis_outputs(const analysis *analysis, int k);
 /*
- * Mesh node of the i-th value of output k; -1 for electrodes, and for the force and the number of
- * nodes of the whole contact.
+ * Mesh node of the i-th value of the scene's output with index k. Returns -1 for outputs without a
+ * node: voltages and charges of electrodes, and force and number of nodes of the whole contact.
  */
 int analysis_output_node(const analysis *analysis, int k, int i);
-/* Name of the electrode of the i-th value of output k, which is a voltage or a charge. */
+/*
+ * Name of the electrode that belongs to the i-th value of the scene's output with index k, where
+ * that output is a voltage or a charge.
+ */
 void analysis_output_electrode(const analysis *analysis, int k, int i, char name[SCENE_LABEL]);
 
 /*
- * Charge per volt of electrode k, with the shell undeformable, or free as its supports allow and
- * every other electrode at 0 V.
+ * Capacitance of electrode k (C/V), every other electrode at 0 V.
+ *   is_free in  1: the shell deforms as its supports allow; 0: the shell cannot deform
  */
 double analysis_capacitance(const analysis *analysis, int k, int is_free);
 
 /*
- * Ratio of the stiffness with open sensors to that with short-circuited sensors, under the scene's
- * loads without temperatures, in the reference state. NAN where there are no loads or no open
- * sensors, and on a nonlinear structure.
+ * Ratio of the stiffness with open sensor electrodes to the stiffness with short-circuited ones,
+ * under the scene's loads without temperature changes, in the reference state. Returns NAN where
+ * the scene has no loads or no open sensors, and on a nonlinear structure.
  */
 double analysis_stiffening(analysis *analysis);
 
 /*
  * Compute the influence of every input on every output in the reference state, and the voltage
- * problem of the design. Later calls do nothing. Returns 0, or -1 with error filled.
+ * problem of the design. Once they are computed, further calls do nothing. Returns 0, or -1 with
+ * error filled.
  */
 int analysis_influence(analysis *analysis, char *error);
 
 /*
- * Fill error with the message of a library status and the place on the mesh that the status names.
- * Returns -1.
+ * Fill `error` with the message of a library status and with the place on the mesh to which the
+ * status refers. Returns -1.
  */
 int analysis_explain(const analysis *analysis, pzs_status status, char *error);
 
 void analysis_free(analysis *analysis);
 
-/* Time in seconds of a monotonic clock. */
+/* Time of a monotonic clock (s), to measure durations. */
 double analysis_now(void);
 
 #endif

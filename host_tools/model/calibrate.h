@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Influence matrix from measurements: shapes S under voltages V, the pokes, of any excitation.
+ * Influence matrix from measurements. A poke is one measured shape under one set of voltages; with
+ * all pokes as rows, shapes S [pokes][outputs], voltages V [pokes][actuators] and influence matrix
+ * B [outputs][actuators] satisfy S = V B' + noise, where ' is the transpose.
  *
- *   S = V B' + noise,   V [pokes][actuators], S [pokes][outputs], B [outputs][actuators]
- *
- * Without a model B is the least-squares solution, which needs as many independent pokes as
- * actuators. With a model B0 the entries of B differ from B0 by independent errors of the standard
- * deviation t, and the noise has the standard deviation s; then
- *
- *   B' = B0' + V' (V V' + q I)^-1 (S - V B0'),   q = (s/t)^2,
- *
- * with the q for which each poke is predicted best from the others. Fewer pokes suffice.
+ * Without a model, B is the least-squares solution, which needs as many independent pokes as there
+ * are actuators. With a model B0, the entries of B differ from those of B0 by independent errors of
+ * standard deviation t, and the noise has the standard deviation s. The most likely matrix is then
+ * B' = B0' + V' (V V' + q I)^-1 (S - V B0') with the ratio q = (s/t)^2, which is chosen by maximum
+ * likelihood. With a model fewer pokes suffice.
  */
 #ifndef CALIBRATE_H
 #define CALIBRATE_H
@@ -18,31 +16,36 @@
 #include <stdbool.h>
 #include "../scene/scene.h"
 
-/* Measured pokes. */
+/* Measured pokes: sets of voltages and the shapes measured under them. */
 typedef struct pokes {
     size_t count, actuators, outputs;
-    const double *voltage; /* [count][actuators] V */
-    const double *shape;   /* [count][outputs] */
+    const double *voltage; /* [count][actuators] voltages of each poke (V) */
+    const double *shape; /* [count][outputs] measured shape of each poke, in the unit of the outputs
+                          */
 } pokes;
 
 typedef struct calibration {
-    double *influence; /* [outputs][actuators] B */
-    double *error;     /* [actuators] standard error of the entries of each column; NAN where the
-                          noise is not known, with a model that of the model's part alone */
-    double noise;    /* standard deviation of the measured shapes; NAN where it cannot be separated
-                        from errors of the matrix: no more pokes than actuators and no model, or
-                        no more pokes than actuators that are nearly orthogonal */
-    double spread;   /* t, the standard deviation of the model's entries; 0 without a model */
-    int rank;        /* number of actuators that the pokes can tell apart */
-    double residual; /* root mean square of S - V B' */
+    double *influence; /* [outputs][actuators] computed influence matrix (unit of the outputs per
+                          volt) */
+    double *error;     /* [actuators] standard error of the entries of each column of the influence
+                          matrix. NAN where the noise is not known; there, with a model, the part that
+                          comes from the model alone */
+    double noise;  /* standard deviation of the noise of the measured shapes. NAN where it cannot be
+                      separated from errors of the matrix: without a model if there are no more pokes
+                      than actuators, with a model if these few pokes are also nearly orthogonal */
+    double spread; /* standard deviation by which the model's entries differ from the true influence
+                      matrix; 0 without a model */
+    int rank; /* number of linearly independent combinations of actuators that the pokes excite */
+    double residual; /* root mean square difference between the measured shapes and those that the
+                        computed influence matrix predicts */
 } calibration;
 
 /*
- * Compute the influence matrix.
- *   model [outputs][actuators]  in  B0, or NULL
- *   error [SCENE_ERROR]         out
- * Returns 0, or -1 with error filled: memory, or pokes that do not determine every actuator and no
- * model. Call calibration_free in either case.
+ * Compute the influence matrix from pokes.
+ *   model [outputs][actuators] in   influence matrix of a model, or NULL
+ *   error [SCENE_ERROR]        out  message
+ * Returns 0, or -1 with error filled: memory ran out, or there is no model and the pokes do not
+ * determine every actuator. Call calibration_free in either case.
  */
 int calibrate(calibration *result, const pokes *pokes, const double *model, char *error);
 void calibration_free(calibration *result);
@@ -50,9 +53,9 @@ void calibration_free(calibration *result);
 /* ---- faults ----------------------------------------------------------- */
 
 typedef enum wiring_fault_type {
-    WIRING_DEAD,     /* the electrode does not act */
-    WIRING_REVERSED, /* it acts with the opposite sign */
-    WIRING_SWAPPED   /* its cable and that of `other` are exchanged */
+    WIRING_DEAD,     /* the electrode does not act on the structure */
+    WIRING_REVERSED, /* the electrode acts with the opposite sign */
+    WIRING_SWAPPED   /* the cables of this electrode and of electrode `other` are exchanged */
 } wiring_fault_type;
 
 typedef struct wiring_fault {
@@ -63,29 +66,34 @@ typedef struct wiring_fault {
 enum { WIRING_FAULTS = 16 };
 
 /*
- * Find faults that explain the pokes with the model: swapped cables first, each of which lowers the
- * squares that the model leaves by the part WIRING_GAIN at least; then dead electrodes and reversed
- * wires. Their numbers are those of the electrodes.
- *   model [outputs][actuators]  in
- * Returns the number of faults, or -1 without memory.
+ * Find faults of electrodes and cables that explain the difference between pokes and model. Swapped
+ * cables are searched first: a swap counts if undoing it lowers the sum of the squared differences
+ * by at least the fraction WIRING_GAIN. Dead electrodes and reversed wires follow. Faults are
+ * numbered by electrode.
+ *   model [outputs][actuators] in  influence matrix of the model
+ * Returns the number of faults, or -1 where memory runs out.
  */
 #define WIRING_GAIN 0.3
 int wiring_find(wiring_fault fault[WIRING_FAULTS], const pokes *pokes, const double *model);
 
-/* Voltages that act on the electrodes with these faults. voltage [pokes][actuators] out */
+/*
+ * Voltages that reach the electrodes when the wiring has the given faults.
+ *   voltage [pokes][actuators] out  (V)
+ */
 void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, double *voltage);
 
 /*
- * Change the columns of a matrix of electrodes to those of the amplifiers as they are wired.
- *   influence [outputs][actuators]  in/out
- *   error [actuators]               in/out  its standard errors; 0 for dead electrodes
+ * Convert an influence matrix whose columns belong to electrodes into one whose columns belong to
+ * the amplifiers, with the given wiring faults.
+ *   influence [outputs][actuators] in/out
+ *   error     [actuators]          in/out  standard errors of the columns; 0 for dead electrodes
  */
 void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, double *influence,
                    double *error);
 
 /*
- * Whether the column of an actuator in a matrix computed without a model is that of a dead
- * electrode: below 5 % of the median column and not above four standard errors.
+ * Whether an actuator looks dead in an influence matrix that was computed without a model: its
+ * column is below 5 % of the median column and not above four standard errors.
  */
 bool calibration_is_dead(const calibration *result, const pokes *pokes, size_t actuator);
 

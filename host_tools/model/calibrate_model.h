@@ -1,37 +1,45 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A scene with a structure as the model of a calibration: factors of its material constants, fitted
- * to the pokes, and faults of electrodes and cables.
+ * A scene with a structure as the model of a calibration: factors of its material constants are
+ * fitted to the measured pokes, and faults of electrodes and cables are found.
  */
 #ifndef CALIBRATE_MODEL_H
 #define CALIBRATE_MODEL_H
 
 #include "calibrate.h"
 
-/* A factor of a scene's material: of its elastic or of its piezoelectric strain constants. */
+/*
+ * Factor by which the fit multiplies the elastic or the piezoelectric strain constants of one
+ * material of the scene.
+ */
 typedef struct model_factor {
     int material;
     bool is_piezo;
-    double value; /* fitted factor */
+    double value; /* fitted factor (1: the constants of the scene) */
 } model_factor;
 
 typedef struct calibration_model {
     int factors;
-    model_factor *factor; /* [factors] */
-    double *influence;    /* [outputs][amplifiers] of the scene with these factors */
-    double (*place)[3];   /* [outputs] coordinates of the target nodes */
-    double before, after; /* root mean square of what the scene, and the fitted model, leave of the
-                             measured shapes, relative to these shapes */
+    model_factor *factor; /* [factors] factors of the material constants */
+    double *influence;    /* [outputs][amplifiers] influence matrix of the scene with the fitted
+                             factors */
+    double (*place)[3];   /* [outputs] coordinates x, y, z of the target nodes */
+    double before, after; /* root mean square difference between measured shapes and those predicted
+                             by the scene before and after the fit, relative to the measured shapes
+                           */
     int faults;
-    wiring_fault fault[WIRING_FAULTS]; /* in the order in which they were found */
-    double *voltage; /* [pokes][amplifiers] voltages that act, with these faults */
+    wiring_fault fault[WIRING_FAULTS]; /* faults of electrodes and cables, in the order in which
+                                          they were found */
+    double *voltage; /* [pokes][amplifiers] voltages that reach the electrodes with the found faults
+                        (V) */
 } calibration_model;
 
 /*
- * Fit the factors of the scene's materials to the pokes, find faults, and fit again. A factor's
- * logarithm has the prior standard deviation MODEL_SPREAD, because the pokes may leave some factors
- * open: a common factor of all elastic constants changes no displacement per volt.
- *   nominal  in  checked scene with a structure; its target nodes are the outputs
+ * Fit the factors of the scene's materials to the pokes, find wiring faults, and fit again. The
+ * logarithm of each factor has the prior standard deviation MODEL_SPREAD, because pokes may not
+ * determine every factor: multiplying all elastic constants by one number does not change a
+ * displacement per volt.
+ *   nominal in  checked scene with a structure; its target nodes are the outputs of the pokes
  * Returns 0, or -1 with error filled; call calibration_model_free in either case.
  */
 #define MODEL_SPREAD 0.25

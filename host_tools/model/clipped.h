@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Clipped least squares, for comparison with the bounded optimum: least squares without limits,
- * then each voltage clipped to its limits. With Tikhonov regularisation,
- *
- *   min |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2,   s = tr(B'W^2 B)/n,   then clipped,
- *
- * the voltages are smaller before they are clipped, and lambda determines the error of the result;
- * r is the regularisation of the scene and v0 the reference voltages.
+ * Clipped least squares, computed for comparison with the optimum within the voltage limits: the
+ * least-squares voltages without limits are computed, then each voltage is clipped to its limits.
+ * The Tikhonov-regularised variant minimises |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2 over
+ * the voltages v before clipping, where B is the influence matrix, W the weights, r the scene's
+ * regularisation, v0 the reference voltages and s = trace(B'W^2 B) divided by the number of
+ * amplifiers. A larger lambda gives smaller voltages, of which fewer are clipped.
  */
 #ifndef CLIPPED_H
 #define CLIPPED_H
@@ -16,22 +15,26 @@
 
 typedef struct clipped {
     const design *design;
-    const double *lower, *upper; /* [amplifiers] V */
-    const double *wanted;        /* [targets] target of B v */
-    pzs_problem problem;         /* voltage problem of the amplifiers that are not held */
-    double scale;                /* s, m2/V2 */
-    double *arrays;              /* one allocation of the three arrays below */
-    double *influence; /* [targets][amplifiers] B with columns of zeros for held amplifiers */
-    double *required;  /* [targets] wanted less the effect of held amplifiers */
-    double *shape;     /* [targets] work */
+    const double *lower, *upper; /* [amplifiers] lowest and highest allowed voltage (V) */
+    const double *wanted;        /* [targets] displacements that the voltages are to cause */
+    pzs_problem problem; /* voltage problem in the library's format; held amplifiers have columns of
+                            zeros */
+    double scale;      /* unit of the regularisation parameter lambda: trace(B'W^2 B) divided by the
+                          number of amplifiers (m2/V2), with influence matrix B and weights W */
+    double *arrays;    /* one allocation that holds the arrays influence, required and shape */
+    double *influence; /* [targets][amplifiers] influence matrix with columns of zeros for held
+                          amplifiers */
+    double *required;  /* [targets] wanted displacements minus those caused by held amplifiers */
+    double *shape;     /* [targets] scratch memory for a shape */
     unconstrained solver;
 } clipped;
 
 /*
  * Prepare the least-squares problem.
- *   lower, upper [amplifiers] in  limits; an amplifier with equal limits is held at that voltage
- *   wanted [targets]          in
- * All arguments must outlive the result. Returns 0, or -1 where memory runs out; call clipped_close
+ *   lower, upper [amplifiers] in  voltage limits (V); an amplifier with equal limits is held at
+ *       that voltage
+ *   wanted       [targets]    in  displacements that the voltages are to cause
+ * All arguments must outlive `clipped`. Returns 0, or -1 where memory runs out; call clipped_close
  * in either case.
  */
 int clipped_open(clipped *clipped, const design *design, const double *lower, const double *upper,
@@ -39,18 +42,19 @@ int clipped_open(clipped *clipped, const design *design, const double *lower, co
 void clipped_close(clipped *clipped);
 
 /*
- * Clipped voltages for one lambda >= 0. voltage [amplifiers] out, V. Returns whether they are
- * finite.
+ * Compute the clipped voltages for one regularisation parameter lambda >= 0.
+ *   voltage [amplifiers] out  (V)
+ * Returns whether all voltages are finite.
  */
 bool clipped_solve(clipped *clipped, double lambda, double *voltage);
 
 /*
- * Find the lambda with the smallest |W (B v - wanted)| after clipping: the best of 0 and a
- * logarithmic grid, refined by a golden-section search between the neighbours of the best, to three
- * digits. The choice uses the error itself, so no choice of one parameter gives a better result.
- *   voltage [amplifiers]  out  clipped voltages, V
- *   lambda                out
- * Errors: WORKSPACE, NONFINITE.
+ * Find the regularisation parameter lambda that leaves the smallest weighted error after clipping:
+ * the best of 0 and a logarithmic grid, refined by a golden-section search to three digits. Because
+ * the choice uses the error itself, no other choice of lambda gives a better result.
+ *   voltage [amplifiers] out  clipped voltages (V)
+ *   lambda               out  best parameter
+ * Returns PZS_OK, PZS_E_WORKSPACE where memory runs out, or PZS_E_NONFINITE.
  */
 pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda);
 

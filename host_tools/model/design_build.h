@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Builds the design of a scene. */
+/* Construction of the design of a scene from its mesh, inputs, outputs, targets and electrodes. */
 #ifndef DESIGN_BUILD_H
 #define DESIGN_BUILD_H
 

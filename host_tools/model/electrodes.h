@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The electrodes of a scene as the library's table: amplifiers of voltages and sensors, with the
- * charge that each input draws while the shell does not deform.
+ * The electrodes of a scene as the library's table: electrodes of amplifiers and of sensors, with
+ * the charge that each input causes while the shell does not deform.
  */
 #ifndef ELECTRODES_H
 #define ELECTRODES_H
@@ -9,15 +9,18 @@
 #include "design.h"
 
 /*
- * Fill design->electrodes where the scene has sensors or asks for a charge. Returns 0, or -1 with
- * error filled.
+ * Fill design->electrodes where the scene has sensors or asks for a charge; otherwise leave it
+ * empty. Returns 0, or -1 with error filled.
  */
 int electrodes_build(design *design, char *error);
 
-/* Index of the electrode of an input, or -1. */
+/*
+ * Index of the electrode that belongs to an input of the structure, or -1 where the input is no
+ * electrode.
+ */
 int electrodes_of(const design *design, int input);
 
-/* Input of the i-th electrode of an electric output. */
+/* Index of the input that is the i-th electrode of a voltage or charge output of the scene. */
 int electrodes_input(const design *design, const scene_output *output, int i);
 
 #endif

@@ -1,26 +1,30 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Load path: the curve of equilibria that begins in the reference state, through limit points,
- * where the load has to decrease. All input values of the scene are multiplied by one load factor.
- * The curve is followed by the arc-length method with a spherical constraint (Crisfield 1981): each
- * step has a given length of displacement, and the load factor is an unknown.
+ * Load path: the curve of equilibria that begins in the reference state and continues through limit
+ * points, at which the load has to decrease. All input values of the scene are multiplied by one
+ * load factor. The arc-length method with a spherical constraint (Crisfield 1981) computes the
+ * curve: each step has a prescribed length of displacement, and the load factor is an unknown.
  */
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H
 
-/* One equilibrium of the path. */
+/* One equilibrium on the load path. */
 typedef struct load_path_point {
-    double load_factor;  /* 1: full load */
-    int negative_pivots; /* negative pivots of the tangent; 0: stable */
-    int iterations;      /* linear solves of the step that ended here */
+    double load_factor;  /* factor of all input values; 1 is the full load */
+    int negative_pivots; /* number of negative pivots of the tangent stiffness; 0: the equilibrium
+                            is stable */
+    int iterations; /* number of linear solves of the arc-length step that ended at this point */
 } load_path_point;
 
 typedef enum load_path_event_type {
-    LOAD_PATH_LIMIT,      /* the load factor has a maximum or a minimum */
-    LOAD_PATH_BIFURCATION /* another path branches off */
+    LOAD_PATH_LIMIT,      /* limit point: the load factor has a maximum or a minimum */
+    LOAD_PATH_BIFURCATION /* bifurcation point: another load path branches off */
 } load_path_event_type;
 
-/* A critical point between points `point` and `point` + 1. */
+/*
+ * Critical point between two computed points of the load path, with the indices `point` and `point`
+ * + 1.
+ */
 typedef struct load_path_event {
     load_path_event_type type;
     int point;
@@ -31,14 +35,16 @@ enum { LOAD_PATH_POINTS = 400, LOAD_PATH_EVENTS = 32 };
 
 typedef struct load_path {
     int points, events, linear_solves;
-    load_path_point point[LOAD_PATH_POINTS]; /* the first one is the reference state */
-    load_path_event event[LOAD_PATH_EVENTS]; /* the first ones, in the order of the path */
-    int rows;                                /* output rows of the structure */
-    double *value;                           /* [points][rows] output rows at each point */
-    int is_complete;                         /* whether the path has reached the full load */
+    load_path_point point[LOAD_PATH_POINTS]; /* computed points of the load path; the first is the
+                                                reference state */
+    load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
+                                                beyond LOAD_PATH_EVENTS are not stored */
+    int rows;                                /* number of output rows of the structure */
+    double *value;   /* [points][rows] values of all output rows at each point of the load path */
+    int is_complete; /* 1 where the load path has reached the full load, else 0 */
 } load_path;
 
-/* Release the memory of a path, which is then empty. */
+/* Release the memory of a load path and make the path empty. */
 void load_path_free(load_path *path);
 
 #endif

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mass matrix of a mesh: element matrices from the densities of the plies that are present, for the
- * same dof as the stiffness.
- *
- * With t the height above the middle of the package and h its thickness, the displacement at a node
- * is u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3, where q is the seventh dof. Displacement
- * vectors, not components, are interpolated between the nodes, so that a rigid translation has
- * exactly the mass of the structure.
+ * same dof as the stiffness matrix. With t the height above the middle of the laminate and h its
+ * thickness, the displacement at a node is u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3,
+ * where q is the seventh dof and e3 the thickness direction. Displacement vectors, not components,
+ * are interpolated between the nodes, so that a rigid translation has exactly the mass of the
+ * structure.
  */
 #ifndef MASS_H
 #define MASS_H
@@ -14,45 +13,51 @@
 #include "../mesh/mesh.h"
 
 /*
- * Share of the lumped matrix in the mean of the lumped and the consistent mass matrix. Two thirds
- * give the smallest error of the first six frequencies over plates, a disc, a panel and a cylinder;
- * 0 is the consistent matrix, 1 the lumped one.
+ * Default share of the lumped matrix in the mean of the lumped and the consistent mass matrix. Two
+ * thirds give the smallest error of the first six frequencies over plates, a disc, a panel and a
+ * cylinder; a share of 0 gives the consistent matrix, 1 the lumped one.
  */
 #define MASS_LUMPED (2.0 / 3)
 
 typedef struct mass {
     const mesh *mesh;
-    double *entry; /* [elements][packed lower triangle of 4 dof_per_node] mass and its moments */
+    double *entry; /* [elements][entries of the lower triangle of order 4 dof_per_node] packed
+                      element mass matrices */
 } mass;
 
 /*
- * Build the element matrices (1 - lumped) consistent + lumped lumped, with the metric of curved
- * plies and the scene's mass per area. Returns 0, or -1 with error filled: a material has no
- * density, or memory runs out.
+ * Build the element mass matrices (1 - lumped) consistent matrix + lumped times lumped matrix, with
+ * the metric of curved plies and the scene's additional mass per area. Returns 0, or -1 with error
+ * filled where a material has no density or memory runs out.
  */
 int mass_build(mass *mass, const mesh *mesh, double lumped, char *error);
 void mass_free(mass *mass);
 
-/* Matrix of an element, packed lower triangle. */
+/* Packed lower triangle of the mass matrix of one element. */
 const double *mass_element(const mass *mass, int element);
 
 /*
- * f = M u over the free dof of a model of the same mesh; entries of dof with prescribed
- * displacements are 0. u, f [free_dof]
+ * Multiply the mass matrix with a vector over the free dof of a model of the same mesh; entries of
+ * dof with prescribed displacements are set to 0.
+ *   vector  [free_dof] in
+ *   product [free_dof] out
  */
 void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, double *product);
 
 /*
- * Rigid motion u = shift + spin x position of the whole mesh, constrained nodes included.
- *   force [free_dof] out  M u; NULL: not computed
- * Returns u . M u: the mass for a unit shift, the moment of inertia for a unit spin.
+ * Mass of the mesh in a rigid motion with displacement shift + spin x position, constrained nodes
+ * included.
+ *   shift, spin      in   translation and rotation vector
+ *   force [free_dof] out  product of the mass matrix and the motion; NULL: not computed
+ * Returns twice the kinetic energy at this velocity: the mass for a unit shift, the moment of
+ * inertia for a unit spin.
  */
 double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3],
                   const double spin[3], double *force);
 
 /*
- * Names of the layers' materials that have no density, quoted and separated by commas. Returns
- * their number.
+ * List the names of the layers' materials that have no density, quoted and separated by commas.
+ * Returns the number of these materials.
  */
 int mass_missing(const scene *scene, char names[SCENE_ERROR]);
 

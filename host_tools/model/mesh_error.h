@@ -10,7 +10,7 @@
 
 enum { MESH_VALUES = 64, MESH_LEVELS = 3 };
 
-/* Results of one analysis whose dependence on the mesh is of interest. */
+/* Named results of one analysis whose dependence on the mesh is examined. */
 typedef struct mesh_values {
     int count;
     struct {
@@ -19,42 +19,45 @@ typedef struct mesh_values {
     } item[MESH_VALUES];
 } mesh_values;
 
-/* Estimate for one result. */
+/* Estimated discretisation error of one result. */
 typedef struct mesh_estimate {
     double value;        /* result on the mesh of the scene */
-    double extrapolated; /* best estimate of the result without discretisation error */
-    double uncertainty;  /* half width of the interval around `extrapolated` */
-    double order;        /* observed order of convergence; NAN: not observed, because there are only
-                            two meshes or the results do not converge monotonically */
+    double extrapolated; /* extrapolated result for infinitely many elements */
+    double uncertainty;  /* half width of the interval around `extrapolated` in which the exact
+                            result is expected */
+    double order; /* observed order of convergence. NAN where no order can be observed, because
+                     there are only two meshes or the results do not converge monotonically */
 } mesh_estimate;
 
 typedef struct mesh_error {
-    int meshes;                   /* 2 or 3; 0: no estimate was asked for */
-    int elements[MESH_LEVELS][2]; /* elements along theta1 and theta2, the scene's mesh first */
+    int meshes; /* number of meshes that were analysed, 2 or 3; 0: no estimate was asked for */
+    int elements[MESH_LEVELS][2]; /* number of elements along theta1 and theta2 on each mesh, the
+                                     scene's mesh first */
     mesh_values values;           /* results on the mesh of the scene */
     mesh_estimate estimate[MESH_VALUES];
-    char why_two[SCENE_ERROR]; /* two meshes: why there is no third one */
+    char why_two[SCENE_ERROR]; /* where only two meshes were analysed, the reason why there is no
+                                  third one */
 } mesh_error;
 
 /*
- * Estimate from the results on three meshes, each with half the elements of the one before.
- *   value [meshes]  in  results, that of the finest mesh first
- *   meshes          in  2 or 3
- * The extrapolated value assumes second order, that of the displacement of the element. With three
- * meshes the uncertainty is the last difference, or a quarter of the difference before it where
- * that is larger; results that converge more slowly than with second order add what is then still
- * missing. With two meshes it is one and a half times the difference.
+ * Estimate the discretisation error from the results on two or three meshes, each with half the
+ * elements of the one before.
+ *   value [meshes] in  results, that of the finest mesh first
+ *   meshes         in  2 or 3
+ * The extrapolated value assumes second order, which is the order of the element's displacement.
+ * With three meshes the uncertainty is the last difference, or a quarter of the difference before
+ * it where that is larger; for results that converge more slowly than with second order, the
+ * expected remaining error is added. With two meshes the uncertainty is one and a half times the
+ * difference.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 
-/*
- * Append a result, unless MESH_VALUES results are already there.
- */
+/* Append a named result. A result beyond the limit MESH_VALUES is ignored. */
 void mesh_values_add(mesh_values *values, const char *name, double value);
 
 /*
- * Function that computes the results of one scene. context is passed on unchanged. Returns 0, or -1
- * with error filled.
+ * Function that computes the results of one scene, called for every mesh. `context` is passed on
+ * unchanged. Returns 0, or -1 with error filled.
  */
 typedef int mesh_measure(const scene *scene, const void *context, mesh_values *values, char *error);
 
@@ -62,9 +65,10 @@ typedef int mesh_measure(const scene *scene, const void *context, mesh_values *v
  * Repeat an analysis on coarser meshes and estimate the discretisation error of its results.
  *   scene   in  with an even number of elements, or one, in each direction
  *   values  in  results on the mesh of the scene
- *   measure in  computes the same results of a scene with another mesh
- * A direction with one element keeps it, so that its discretisation is not in the estimate. Returns
- * 0, or -1 with error filled: the mesh cannot be halved, or the analysis of the half mesh fails.
+ *   measure in  function that computes these results for a scene with another mesh
+ * A direction with one element keeps it, so that its discretisation error is not in the estimate.
+ * Returns 0, or -1 with error filled where the mesh cannot be halved or the analysis of the half
+ * mesh fails.
  */
 int mesh_error_make(mesh_error *result, const scene *scene, const mesh_values *values,
                     mesh_measure *measure, const void *context, char *error);

@@ -1,27 +1,36 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Results whose discretisation error can be estimated (mesh_error.h). */
+/* Functions that compute the results whose discretisation error can be estimated (mesh_error.h). */
 #ifndef MESH_MEASURE_H
 #define MESH_MEASURE_H
 
 #include "analysis.h"
 
 /*
- * Append the outputs of the scene that have a single value.
- *   value [output rows] in  rows of the structure
+ * Append those outputs of the scene that have a single value.
+ *   value [output rows] in  values of all output rows of the structure
  */
 void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, const double *value);
 
-/* Outputs of the scene under its loads and applied voltages. context: unused. */
+/*
+ * Compute the outputs of the scene under its loads and applied voltages on one mesh. The argument
+ * `context` is not used.
+ */
 mesh_measure mesh_measure_solve;
-/* Shape error of the optimum within the first limits. context: its common_limits. */
+/*
+ * Compute, on one mesh, the relative shape error of the optimal voltages within limits. The
+ * argument `context` points to the common_limits.
+ */
 mesh_measure mesh_measure_shape;
-/* Natural frequencies. context: their number, an int. */
+/*
+ * Compute the natural frequencies on one mesh. The argument `context` points to their number, an
+ * int.
+ */
 mesh_measure mesh_measure_modes;
 
-/* Name of natural frequency `mode`, counted from 0. */
+/* Write the name of the natural frequency with index `mode`, counted from 0. */
 void mesh_mode_name(int mode, char name[SCENE_LABEL]);
 
-/* Name of the shape error in the results of mesh_measure_shape. */
+/* Name under which mesh_measure_shape stores the shape error. */
 extern const char *const mesh_shape_name;
 
 #endif

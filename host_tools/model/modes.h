@@ -1,39 +1,40 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Results for each of the shapes that a target lists as modes, taken as the target alone: its error
- * without voltage limits, at the optimum within limits, and for clipped least squares.
+ * Results for each mode of a target that is given as a list of modes. Each mode is taken as the
+ * only target, and its error is computed without voltage limits, at the optimum within limits, and
+ * for clipped least squares.
  */
 #ifndef MODES_H
 #define MODES_H
 
 #include "voltages.h"
 
-/* Results for one mode within one pair of limits. */
+/* Errors that remain for one mode of the target within one pair of voltage limits. */
 typedef struct mode_left {
-    double limit[2];    /* lowest and highest voltage that any amplifier may give, V */
-    double optimum;     /* shape error of the optimum within these limits */
-    double clipped;     /* shape error of clipped least squares */
-    double regularised; /* shape error of regularised, then clipped least squares, with the best
-                           parameter for this mode */
-    int active_limits;  /* number of amplifiers at a limit at the optimum */
+    double limit[2];    /* lowest and highest voltage that any amplifier may give (V) */
+    double optimum;     /* relative shape error of the optimum within these limits */
+    double clipped;     /* relative shape error of clipped least squares */
+    double regularised; /* relative shape error of regularised and then clipped least squares, with
+                           the regularisation parameter that is best for this mode */
+    int active_limits;  /* number of amplifiers that are at a limit at the optimum */
 } mode_left;
 
 typedef struct mode {
-    double size;                /* root mean square of the mode's target */
-    double unconstrained_error; /* shape error without limits */
-    double largest_voltage;     /* largest voltage without limits, V */
+    double size; /* root mean square of the mode's displacements at the target nodes */
+    double unconstrained_error; /* relative shape error without voltage limits */
+    double largest_voltage;     /* largest absolute voltage without voltage limits (V) */
 } mode;
 
 typedef struct modes {
     int count, limits;
-    mode *mode;      /* [count] in the order of the scene */
-    mode_left *left; /* [count][limits] */
+    mode *mode;      /* [count] results of each mode, in the order of the scene */
+    mode_left *left; /* [count][limits] results of each mode within each pair of voltage limits */
 } modes;
 
 /*
- * Compute the results of every mode, on the structure that analysis->nonlinear selects, after
- * analysis_influence. The design's target is unchanged afterwards.
- *   limit [limits]  in  as in voltages_optimum
+ * Compute the results of every mode on the structure that analysis->nonlinear selects (1:
+ * nonlinear, 0: linear), after analysis_influence. The design's target is restored afterwards.
+ *   limit [limits] in  common voltage limits, as for voltages_optimum
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,

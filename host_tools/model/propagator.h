@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Free vibration of one mode over an interval. */
+/* Exact free vibration of one mode over a time interval. */
 #ifndef PROPAGATOR_H
 #define PROPAGATOR_H
 
 /*
- * Propagator of (deviation d from equilibrium, velocity p = (dd/dt)/w) of one mode over an interval
- * without change of the inputs: d' = r[0] d + r[1] p, p' = r[2] d + r[3] p. It is exact, below and
- * above critical damping.
+ * Propagator of one mode over an interval with constant inputs, exact below and above critical
+ * damping. With d the deviation from equilibrium and p = (dd/dt)/w the velocity over the angular
+ * frequency w, the values after the interval are r[0] d + r[1] p and r[2] d + r[3] p.
+ *   frequency in   angular frequency w (rad/s)
+ *   damping   in   damping ratio
+ *   interval  in   (s)
+ *   r [4]     out
  */
 void modal_propagator(double frequency, double damping, double interval, double r[4]);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Weighted least squares without voltage limits, for comparison with the bounded optimum:
- *
- *   min |W (B v - e)|^2 + r |v - v0|^2,   so   (B'W^2 B + r I) v = B'W^2 e + r v0.
- *
- * The normal equations are factored by Cholesky's method with pivoting and the solution is refined
- * with residuals of B itself. A voltage whose column of B depends linearly on others stays at 0 V.
+ * Weighted least squares without voltage limits, computed for comparison with the optimum within
+ * the limits. The voltages v minimise |W (B v - e)|^2 + r |v - v0|^2 with weights W, influence
+ * matrix B, error e to be corrected, regularisation r and reference voltages v0, so that (B'W^2 B +
+ * r I) v = B'W^2 e + r v0. These normal equations are factored by Cholesky's method with pivoting,
+ * and the solution is refined with residuals computed from B itself. A voltage whose column of B
+ * depends linearly on others stays at 0 V.
  */
 #ifndef UNCONSTRAINED_H
 #define UNCONSTRAINED_H
@@ -14,31 +14,38 @@
 #include "pzs_control.h"
 
 typedef struct unconstrained {
-    const pzs_problem *problem; /* influence B, weight W and reference voltage v0 are read */
-    double regularisation;      /* r of the factor, m2/V2 */
+    const pzs_problem *problem; /* voltage problem, from which influence matrix, weights and
+                                   reference voltages are read */
+    double regularisation;      /* regularisation that is contained in the factor (m2/V2) */
     int rank;                   /* number of linearly independent inputs */
-    double *normal;             /* [inputs][inputs] B'W^2 B */
-    double *factor;             /* [inputs][inputs] factor: row of an input, column of a pivot */
-    double *remaining;          /* [inputs] diagonal that is not yet eliminated */
-    double *gradient;           /* [inputs] negative gradient of half the objective, m2/V */
-    uint16_t *pivot;            /* [inputs] input of each pivot; the first `rank` entries count */
+    double *normal;    /* [inputs][inputs] normal matrix B'W^2 B of influence matrix B and weights W
+                          (m2/V2) */
+    double *factor;    /* [inputs][inputs] Cholesky factor of the regularised normal matrix: one row
+                          for each input, one column for each pivot */
+    double *remaining; /* [inputs] diagonal entries of the part of the normal matrix that is not yet
+                          eliminated */
+    double *gradient;  /* [inputs] negative gradient of half the objective (m2/V) */
+    uint16_t *pivot;   /* [inputs] input of each pivot; only the first `rank` entries are used */
 } unconstrained;
 
 /*
- * Allocate the arrays, form B'W^2 B and factor it with the problem's regularisation.
+ * Allocate the arrays, form the normal matrix and factor it with the problem's regularisation.
  *   problem in  with its influence matrix; it must outlive *solver
  * Returns whether memory sufficed; call unconstrained_close in either case.
  */
 bool unconstrained_open(unconstrained *solver, const pzs_problem *problem);
 void unconstrained_close(unconstrained *solver);
 
-/* Factor the normal equations again with another regularisation r >= 0 (m2/V2). */
+/*
+ * Factor the normal equations again with another regularisation, which must not be negative
+ * (m2/V2).
+ */
 void unconstrained_factor(unconstrained *solver, double regularisation);
 
 /*
- * Solve for one error.
- *   error [outputs]  in   e, m
- *   voltage [inputs] out  V
+ * Compute the voltages that correct one error of the shape.
+ *   error   [outputs] in   displacements that the voltages are to cause (m)
+ *   voltage [inputs]  out  (V)
  * Returns whether every voltage is finite; `voltage` is overwritten in either case.
  */
 bool unconstrained_solve(unconstrained *solver, const double *error, double *voltage);
